@@ -1,0 +1,43 @@
+"""Mesh of a casing: nodes on a circle joined by curved elements."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class RingMesh:
+    """A closed ring of equal curved elements; element i joins nodes i and i + 1 (mod elements).
+
+    Raises:
+        ValueError: fewer than 3 elements or a radius that is not positive.
+    """
+
+    elements: int  #: number of elements and of nodes
+    radius: float  #: radius of the ring [m]
+
+    def __post_init__(self) -> None:
+        if self.elements < 3 or not self.radius > 0.0:
+            raise ValueError(
+                "a ring needs 3 elements or more and a positive radius; "
+                f"got {self.elements}, {self.radius}"
+            )
+
+    @property
+    def angles(self) -> FloatArray:
+        """Angle of each node [rad], (elements,)."""
+        return 2.0 * np.pi * np.arange(self.elements) / self.elements
+
+    @property
+    def element_length(self) -> float:
+        """Arc length of one element [m]."""
+        return 2.0 * np.pi * self.radius / self.elements
+
+    @property
+    def points(self) -> FloatArray:
+        """Node positions [m], (elements, 2)."""
+        return self.radius * np.column_stack([np.cos(self.angles), np.sin(self.angles)])

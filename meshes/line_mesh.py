@@ -1,0 +1,88 @@
+"""Line meshes in the plane: points, two-node lines, named sets, sectors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineMesh:
+    """A mesh of straight two-node lines in the plane, in metres.
+
+    Arrays are made read-only; a changed mesh is a new mesh.
+
+    Raises:
+        ValueError: a line, set or sector names a node that does not exist, or a line has no length.
+    """
+
+    points: FloatArray  #: node positions [m], (nodes, 2)
+    lines: IntArray  #: end nodes of each line, (lines, 2)
+    node_axes: FloatArray  #: angle of each node's first displacement axis from +x [rad], (nodes,)
+    node_sets: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> node numbers
+    line_sets: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> line numbers
+    sectors: IntArray | None = None  #: nodes of each sector in one order, (sectors, nodes a sector)
+
+    def __post_init__(self) -> None:
+        _freeze(self, "points", np.asarray(self.points, dtype=np.float64))
+        _freeze(self, "lines", np.asarray(self.lines, dtype=np.int64))
+        _freeze(self, "node_axes", np.asarray(self.node_axes, dtype=np.float64))
+        for name in ("node_sets", "line_sets"):
+            sets = {k: np.asarray(v, dtype=np.int64) for k, v in getattr(self, name).items()}
+            for numbers in sets.values():
+                numbers.setflags(write=False)
+            object.__setattr__(self, name, MappingProxyType(sets))
+        if self.sectors is not None:
+            _freeze(self, "sectors", np.asarray(self.sectors, dtype=np.int64))
+        self._check()
+
+    def _check(self) -> None:
+        nodes, lines = len(self.points), len(self.lines)
+        named: list[tuple[str, IntArray, int]] = [("lines", self.lines, nodes)]
+        named += [(f"node set {k!r}", v, nodes) for k, v in self.node_sets.items()]
+        named += [(f"line set {k!r}", v, lines) for k, v in self.line_sets.items()]
+        if self.sectors is not None:
+            named.append(("sectors", self.sectors, nodes))
+        for name, numbers, bound in named:
+            if numbers.size and not (numbers.min() >= 0 and numbers.max() < bound):
+                raise ValueError(f"{name}: numbers must lie in 0..{bound - 1}")
+        if lines and not self.lengths.min() > 0.0:
+            raise ValueError(f"line {int(self.lengths.argmin())} has no length")
+
+    @property
+    def lengths(self) -> FloatArray:
+        """Length of each line [m], (lines,)."""
+        return np.asarray(np.linalg.norm(self._spans, axis=1))
+
+    @property
+    def line_axes(self) -> FloatArray:
+        """Angle of each line from +x [rad], (lines,)."""
+        return np.asarray(np.arctan2(self._spans[:, 1], self._spans[:, 0]))
+
+    @property
+    def line_parts(self) -> list[str]:
+        """Name of the line set that each line belongs to ("" for none), one a line."""
+        parts = [""] * len(self.lines)
+        for name, numbers in self.line_sets.items():
+            for number in numbers:
+                parts[int(number)] = name
+        return parts
+
+    @property
+    def _spans(self) -> FloatArray:
+        ends = self.points[self.lines]
+        return np.asarray(ends[:, 1] - ends[:, 0])
+
+
+def _freeze(mesh: Any, name: str, array: NDArray[Any]) -> None:
+    array = array.copy()
+    array.setflags(write=False)
+    object.__setattr__(mesh, name, array)

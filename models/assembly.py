@@ -1,0 +1,65 @@
+"""Assembly of beam elements over a mesh of lines with scikit-fem.
+
+scikit-fem has no mesh of lines in the plane. Elements are therefore laid out on one flat line
+mesh of disjoint intervals [0, L_e], and the connectivity enters through the degrees of freedom.
+A Hermite element caches what it computes on the first mesh it meets, so each call makes its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from skfem import Basis, Element, ElementLineHermite, ElementLineP1, MeshLine1
+from skfem.assembly import Dofs
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineAssembler:
+    """Assembles weak forms over lines; make it with `straight_beams` or `curved_beams`."""
+
+    basis: Any  #: scikit-fem basis over the flat mesh
+    node_dofs: IntArray  #: degrees of freedom of each node, (nodes, DoF a node)
+
+    def matrix(
+        self, form: Any, transform: FloatArray | None = None, **coefficients: FloatArray
+    ) -> sp.csr_array:
+        """Assemble ``form``; coefficients hold one value an element, (elements,).
+
+        ``transform`` (elements, DoF an element, DoF an element) takes nodal axes to element axes.
+        """
+        fields = {
+            name: np.broadcast_to(values[:, None], self.basis.dx.shape).copy()
+            for name, values in coefficients.items()
+        }
+        data = form.elemental(self.basis, **fields)
+        if transform is not None:
+            local = data.tolocal()
+            data = data.fromlocal(np.einsum("eji,ejk,ekl->eil", transform, local, transform))
+        matrix = sp.csr_array(data.tocsr())
+        return sp.csr_array((matrix + matrix.T) / 2.0)  # symmetric to the last bit
+
+
+def straight_beams(lengths: FloatArray, lines: IntArray, nodes: int) -> LineAssembler:
+    """Bernoulli beams with rods: (u, w, w') at each node; ``lengths`` [m] (lines,)."""
+    return _assembler(ElementLineP1() * ElementLineHermite(), lengths, lines, nodes)
+
+
+def curved_beams(lengths: FloatArray, lines: IntArray, nodes: int) -> LineAssembler:
+    """Curved beams, Hermite in both fields: (u, u', w, w') at each node; arc ``lengths`` [m]."""
+    return _assembler(ElementLineHermite() * ElementLineHermite(), lengths, lines, nodes)
+
+
+def _assembler(element: Element, lengths: FloatArray, lines: IntArray, nodes: int) -> LineAssembler:
+    count = len(lengths)
+    ends = np.column_stack([np.zeros(count), lengths]).reshape(1, -1)
+    flat = MeshLine1(ends, np.arange(2 * count).reshape(-1, 2).T)
+    # Only the connectivity of this mesh is used; its points need not exist.
+    topology = MeshLine1(np.zeros((1, nodes)), np.ascontiguousarray(lines.T), validate=False)
+    dofs = Dofs(topology, element)
+    basis = Basis(flat, element, dofs=dofs, intorder=6, disable_doflocs=True)
+    return LineAssembler(basis=basis, node_dofs=np.asarray(dofs.nodal_dofs.T, dtype=np.int64))

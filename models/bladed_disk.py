@@ -1,0 +1,127 @@
+"""Finite element model of a bladed disk on its shaft springs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from bladewhirl.meshes import LineMesh
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.assembly import straight_beams
+from bladewhirl.models.cyclic import SectorLayout
+from bladewhirl.models.elements import mass, straight_stiffness
+from bladewhirl.models.sections import LineProperties
+from bladewhirl.models.structure import Structure, keep_free
+
+FIRST, SECOND, ROTATION = range(3)
+"""Components of a node: along its first and second axis (radial, tangential; x, y), rotation."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BladedDisk:
+    """A bladed disk in its rotating frame: straight Bernoulli beams with rods, 3 DoF a node.
+
+    The centre node stands on a spring in x and one in y and does not rotate; clamped, it is held.
+    """
+
+    mesh: LineMesh
+    properties: LineProperties
+    structure: Structure
+
+    @property
+    def tip_radial(self) -> IntArray:
+        """Radial DoF of each blade tip, (blades,)."""
+        return np.asarray(self.structure.node_dofs[self.mesh.node_sets["tips"], FIRST])
+
+    @property
+    def tip_tangential(self) -> IntArray:
+        """Tangential DoF of each blade tip, (blades,)."""
+        return np.asarray(self.structure.node_dofs[self.mesh.node_sets["tips"], SECOND])
+
+    @property
+    def centre(self) -> IntArray:
+        """Free translations of the centre node: x and y, or none when clamped."""
+        dofs = self.structure.node_dofs[self.mesh.node_sets["centre"][0], :ROTATION]
+        return np.asarray(dofs[dofs >= 0])
+
+    @property
+    def tip_angles(self) -> FloatArray:
+        """Angle of each tip from +x in the rotating frame [rad], (blades,)."""
+        points = self.mesh.points[self.mesh.node_sets["tips"]]
+        return np.asarray(np.mod(np.arctan2(points[:, 1], points[:, 0]), 2.0 * np.pi))
+
+    def cartesian(self, shapes: FloatArray) -> FloatArray:
+        """Displacement of every node along x and y, and its rotation, (nodes, 3, fields).
+
+        Args:
+            shapes: fields on the free DoF, (size, fields).
+        """
+        padded = np.vstack([shapes, np.zeros((1, shapes.shape[1]))])  # row -1: held DoF
+        local = padded[self.structure.node_dofs]
+        cos, sin = np.cos(self.mesh.node_axes), np.sin(self.mesh.node_axes)
+        first, second = local[:, FIRST], local[:, SECOND]
+        x = cos[:, None] * first - sin[:, None] * second
+        y = sin[:, None] * first + cos[:, None] * second
+        return np.stack([x, y, local[:, ROTATION]], axis=1)
+
+
+def assemble_bladed_disk(
+    mesh: LineMesh, properties: LineProperties, *, shaft_stiffness: float, clamped: bool
+) -> BladedDisk:
+    """Assemble a bladed disk.
+
+    Args:
+        mesh: lines, with node sets ``tips`` and ``centre`` (one node).
+        properties: what each line is made of.
+        shaft_stiffness: of each of the two springs at the centre [N/m].
+        clamped: hold the centre instead.
+    """
+    assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
+    transform = _nodal_to_line_axes(mesh)
+    total_stiffness = assembler.matrix(
+        straight_stiffness,
+        transform,
+        EA=properties.axial_stiffness,
+        EI=properties.bending_stiffness,
+    )
+    total_mass = assembler.matrix(mass, transform, rho_A=properties.line_mass)
+    centre = assembler.node_dofs[mesh.node_sets["centre"][0]]
+    held = centre if clamped else centre[ROTATION:]
+    spring = np.zeros(total_mass.shape[0])
+    spring[centre[:ROTATION]] = shaft_stiffness
+    springs = sp.csr_array(sp.diags_array(spring))
+
+    free, node_dofs = keep_free(assembler.node_dofs, held)
+    structure = Structure(
+        mass=total_mass[free][:, free],
+        stiffness=(total_stiffness + springs)[free][:, free],
+        springs=springs[free][:, free],
+        node_dofs=node_dofs,
+        layout=_sector_layout(mesh, node_dofs),
+        held=np.zeros((len(free), 0)),
+    )
+    return BladedDisk(mesh=mesh, properties=properties, structure=structure)
+
+
+def _nodal_to_line_axes(mesh: LineMesh) -> FloatArray:
+    """Matrix of each line that takes nodal axes to its own, (lines, 6, 6)."""
+    transform = np.zeros((len(mesh.lines), 6, 6))
+    for end in range(2):
+        turn = mesh.line_axes - mesh.node_axes[mesh.lines[:, end]]
+        first, second, rotation = 3 * end + FIRST, 3 * end + SECOND, 3 * end + ROTATION
+        transform[:, first, first] = transform[:, second, second] = np.cos(turn)
+        transform[:, first, second] = np.sin(turn)
+        transform[:, second, first] = -np.sin(turn)
+        transform[:, rotation, rotation] = 1.0
+    return transform
+
+
+def _sector_layout(mesh: LineMesh, node_dofs: IntArray) -> SectorLayout | None:
+    if mesh.sectors is None:
+        return None
+    return SectorLayout(
+        sector_dofs=node_dofs[mesh.sectors].reshape(len(mesh.sectors), -1),
+        centre_dofs=node_dofs[mesh.node_sets["centre"][0]],
+    )

@@ -1,0 +1,89 @@
+"""Finite element model of a flexible casing: a closed ring of curved beams."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import scipy.sparse as sp
+
+from bladewhirl.meshes import RingMesh
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.assembly import curved_beams
+from bladewhirl.models.cyclic import SectorLayout
+from bladewhirl.models.elements import (
+    curved_exact_stiffness,
+    curved_shallow_stiffness,
+    mass,
+    support_stiffness,
+)
+from bladewhirl.models.sections import Section
+from bladewhirl.models.structure import Structure
+
+TANGENTIAL, TANGENTIAL_SLOPE, RADIAL, RADIAL_SLOPE = range(4)
+"""Components of a node: u, du/ds, w, dw/ds with s the arc length."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Casing:
+    """A casing in the static frame: Hermite in both fields, 4 DoF a node."""
+
+    mesh: RingMesh
+    section: Section
+    structure: Structure
+
+    def nodal(self, shapes: FloatArray) -> FloatArray:
+        """Nodal values (w, dw/ds, u, du/ds) of fields, (nodes, 4, fields).
+
+        Args:
+            shapes: fields on the free DoF, (size, fields).
+        """
+        order = [RADIAL, RADIAL_SLOPE, TANGENTIAL, TANGENTIAL_SLOPE]
+        return np.asarray(shapes[self.structure.node_dofs[:, order]])
+
+
+def assemble_casing(
+    mesh: RingMesh,
+    section: Section,
+    *,
+    curvature: Literal["exact", "shallow"],
+    support: float,
+    rotation: Literal["free", "fixed"],
+) -> Casing:
+    """Assemble a casing of uniform section.
+
+    Args:
+        mesh: the ring.
+        section: of the wall.
+        curvature: exact strains, or the shallow-arch bending strain w'' (see `elements`).
+        support: uniform elastic support, radial and tangential [N/m per metre of circumference].
+        rotation: whether the ring may turn as a whole.
+    """
+    count = mesh.elements
+    nodes = np.arange(count)
+    assembler = curved_beams(
+        np.full(count, mesh.element_length), np.column_stack([nodes, np.roll(nodes, -1)]), count
+    )
+    ones = np.ones(count)
+    elastic = assembler.matrix(
+        curved_exact_stiffness if curvature == "exact" else curved_shallow_stiffness,
+        EA=section.axial_stiffness * ones,
+        EI=section.bending_stiffness * ones,
+        curvature=ones / mesh.radius,
+    )
+    springs = assembler.matrix(support_stiffness, support=support * ones)
+    total_mass = assembler.matrix(mass, rho_A=section.line_mass * ones)
+    node_dofs = assembler.node_dofs
+    held = np.zeros((node_dofs.size, 1 if rotation == "fixed" else 0))
+    if rotation == "fixed":
+        held[node_dofs[:, TANGENTIAL], 0] = 1.0
+    structure = Structure(
+        mass=total_mass,
+        stiffness=sp.csr_array(elastic + springs),
+        springs=springs,
+        node_dofs=node_dofs,
+        layout=SectorLayout(sector_dofs=node_dofs, centre_dofs=np.full(3, -1)),
+        held=held,
+    )
+    return Casing(mesh=mesh, section=section, structure=structure)

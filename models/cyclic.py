@@ -1,0 +1,174 @@
+"""Cyclic symmetry: the real DFT over sectors, and structures cut into one sector a nodal diameter.
+
+Conventions, stated here once for the whole package. Sector n = 0..N-1 follows its neighbour
+counter-clockwise by alpha = 2 pi / N, the sense of rotation. A field with nodal diameter k has
+sector values Re(p exp(i k n alpha)). *Forward* means in the sense of rotation, so a motion
+exp(i (k theta - omega t)) travels forward and exp(i (k theta + omega t)) travels backward, omega
+and k positive.
+
+The columns of the real DFT are numbered 0 for k = 0, 2k - 1 for the cosine and 2k for the sine of
+k = 1..floor((N-1)/2), and N - 1 for k = N/2 when N is even. (The paper's floor(N/2 - 1) holds for
+even N only; its Eqs 11-13 are used with the corrected constant, see `real_dft`.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+
+ComplexArray = NDArray[np.complex128]
+
+SYMMETRY_TOLERANCE = 1e-9
+"""Largest relative change of a matrix under a turn by one sector that still counts as symmetric."""
+
+
+def real_dft(sectors: int) -> FloatArray:
+    """Orthonormal real DFT over sectors, (sectors, sectors): x = F u, u = F^T x (Eqs 11-13).
+
+    A centre moved by a, seen by sector n as a (cos n alpha, -sin n alpha), gives cosine and sine
+    components a sqrt(N/2) in k = 1 and zero in every other k; the printed Eq. (13) has another
+    constant, the same conclusion.
+    """
+    angles = 2.0 * np.pi * np.arange(sectors) / sectors
+    basis = np.empty((sectors, sectors))
+    for column in range(sectors):
+        k, sine = nodal_diameter_of(column), column % 2 == 0
+        basis[:, column] = np.sin(k * angles) if sine and k else np.cos(k * angles)
+    return basis / np.linalg.norm(basis, axis=0)
+
+
+def nodal_diameter_of(column: int) -> int:
+    """Nodal diameter of a column of the real DFT."""
+    return (column + 1) // 2
+
+
+def nodal_diameters(sectors: int) -> range:
+    """All nodal diameters of a structure of that many sectors: 0..floor(N/2)."""
+    return range(sectors // 2 + 1)
+
+
+def is_pair(k: int, sectors: int) -> bool:
+    """Whether nodal diameter k has a cosine and a sine (False for k = 0 and k = N/2)."""
+    return 0 < 2 * k < sectors
+
+
+@dataclass(frozen=True, kw_only=True)
+class SectorLayout:
+    """Where the degrees of freedom of each sector and of the centre stand in a structure."""
+
+    sector_dofs: IntArray  #: (sectors, DoF a sector), the same order in every sector, polar axes
+    centre_dofs: IntArray  #: x, y, rotation of the centre node, (3,); -1 where there is none
+
+    @property
+    def sectors(self) -> int:
+        """Number of sectors N."""
+        return len(self.sector_dofs)
+
+    @property
+    def size(self) -> int:
+        """Number of degrees of freedom of the whole structure."""
+        return self.sector_dofs.size + int(np.count_nonzero(self.centre_dofs >= 0))
+
+    def basis(self, k: int) -> sp.csc_array:
+        """Orthonormal complex basis of nodal diameter k, (size, DoF of the block).
+
+        The centre's translation belongs to k = 1, along (1, i)/sqrt(2): a turn of the structure
+        by one sector multiplies it by exp(-i alpha), as it does the sectors' exp(i n alpha).
+        """
+        count, per_sector = self.sector_dofs.shape
+        wave = np.exp(2j * np.pi * k * np.arange(count) / count) / np.sqrt(count)
+        rows = [self.sector_dofs.ravel()]
+        columns = [np.tile(np.arange(per_sector), count)]
+        values = [np.repeat(wave, per_sector)]
+        centre_x, centre_y, centre_rotation = self.centre_dofs
+        if k == 1 and centre_x >= 0:
+            rows.append(np.array([centre_x, centre_y]))
+            columns.append(np.full(2, per_sector))
+            values.append(np.array([1.0, 1.0j]) / np.sqrt(2.0))
+        if k == 0 and centre_rotation >= 0:
+            rows.append(np.array([centre_rotation]))
+            columns.append(np.array([per_sector]))
+            values.append(np.ones(1, dtype=np.complex128))
+        column = np.concatenate(columns)
+        entries = (np.concatenate(values), (np.concatenate(rows), column))
+        return sp.csc_array(entries, shape=(self.size, int(column.max()) + 1))
+
+    def turn(self) -> sp.csr_array:
+        """Matrix that turns a field by one sector, (size, size)."""
+        count = self.sectors
+        alpha = 2.0 * np.pi / count
+        rows, columns = [np.roll(self.sector_dofs, -1, axis=0).ravel()], [self.sector_dofs.ravel()]
+        values = [np.ones(self.sector_dofs.size)]
+        centre_x, centre_y, centre_rotation = self.centre_dofs
+        if centre_x >= 0:
+            rows.append(np.array([centre_x, centre_x, centre_y, centre_y]))
+            columns.append(np.array([centre_x, centre_y, centre_x, centre_y]))
+            cos, sin = np.cos(alpha), np.sin(alpha)
+            values.append(np.array([cos, -sin, sin, cos]))
+        if centre_rotation >= 0:
+            rows.append(np.array([centre_rotation]))
+            columns.append(np.array([centre_rotation]))
+            values.append(np.ones(1))
+        entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
+        return sp.csr_array(entries, shape=(self.size, self.size))
+
+    def is_symmetry_of(self, *matrices: sp.csr_array) -> bool:
+        """Whether the matrices stay the same under a turn by one sector."""
+        turn = self.turn()
+        return all(
+            abs(turn @ matrix @ turn.T - matrix).max() <= SYMMETRY_TOLERANCE * abs(matrix).max()
+            for matrix in matrices
+        )
+
+    def blocks(self, *matrices: sp.csr_array) -> Iterator[tuple[int, tuple[ComplexArray, ...]]]:
+        """The matrices' dense Hermitian blocks, nodal diameter by nodal diameter."""
+        for k in nodal_diameters(self.sectors):
+            basis = self.basis(k)
+            yield k, tuple((basis.conj().T @ matrix @ basis).toarray() for matrix in matrices)
+
+    def real_shapes(self, k: int, vectors: ComplexArray) -> tuple[FloatArray, IntArray]:
+        """Real fields of block vectors: the cosine and sine of a pair side by side.
+
+        Args:
+            k: nodal diameter.
+            vectors: (DoF of the block, m), complex amplitudes p; orthonormal in the block's mass
+                they give fields orthonormal in the structure's mass.
+
+        Returns:
+            fields (size, m or 2 m) and the DFT column of each.
+        """
+        fields = self.basis(k) @ vectors
+        if not is_pair(k, self.sectors):
+            column = 0 if k == 0 else self.sectors - 1
+            return np.ascontiguousarray(fields.real), np.full(fields.shape[1], column)
+        # Re(p exp(i k n alpha)) is the cosine; Re(-i p exp(i k n alpha)) is the sine.
+        pairs = np.sqrt(2.0) * np.stack([fields.real, fields.imag], axis=-1)
+        columns = np.tile([2 * k - 1, 2 * k], fields.shape[1])
+        return pairs.reshape(len(fields), -1), columns
+
+
+def wave_shares(shapes: FloatArray, weights: FloatArray, layout: SectorLayout) -> FloatArray:
+    """Share of each nodal diameter in each field, (floor(N/2) + 1, m), columns summing to one.
+
+    Args:
+        shapes: fields, (size, m).
+        weights: weight of each degree of freedom, (size,): the diagonal of the mass matrix.
+        layout: sectors of the structure.
+    """
+    spectrum = np.fft.fft(shapes[layout.sector_dofs], axis=0, norm="ortho")
+    power = np.einsum("nim,i->nm", np.abs(spectrum) ** 2, weights[layout.sector_dofs[0]])
+    shares = power[: layout.sectors // 2 + 1].copy()
+    for k in nodal_diameters(layout.sectors):
+        if is_pair(k, layout.sectors):
+            shares[k] += power[layout.sectors - k]
+    centre = layout.centre_dofs
+    for k, dofs in ((1, centre[:2]), (0, centre[2:])):
+        dofs = dofs[dofs >= 0]
+        shares[k] += weights[dofs] @ shapes[dofs] ** 2
+    return np.asarray(shares / shares.sum(axis=0))
