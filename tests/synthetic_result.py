@@ -130,7 +130,7 @@ def synthetic_result(
         + np.sum(c_dot**2 + (CASING_FREQUENCY * c) ** 2, axis=1)
     )
     friction_work = -np.cumsum(np.sum(friction * impulse, axis=1)) * speed * radius
-    damping_work = -0.1 * energy[0] * time / time[-1] if records > 1 else np.zeros(records)
+    damping_work = 0.1 * energy[0] * time / time[-1] if records > 1 else np.zeros(records)
     per_blade = ("time", "blade")
     return xr.Dataset(
         data_vars={
@@ -144,7 +144,7 @@ def synthetic_result(
             "contact_steps": (per_blade, np.where(impulse > 0, 1000, 0)),
             "contacts": ("time", np.sum(impulse > 0, axis=1)),
             "energy": ("time", energy),
-            "external_work": ("time", energy - energy[0] - friction_work - damping_work),
+            "external_work": ("time", energy - energy[0] - friction_work + damping_work),
             "normal_work": ("time", np.zeros(records)),
             "friction_work": ("time", friction_work),
             "damping_work": ("time", damping_work),
