@@ -1,5 +1,12 @@
-"""Solvers on arrays: stability of the coupled structures, Floquet analysis."""
+"""Solvers on arrays: stability and modes of the coupled structures, Floquet analysis."""
 
+from bladewhirl.solvers.coupled_modes import (
+    CoupledMode,
+    CoupledMotion,
+    RadialShapes,
+    coupled_modes,
+    coupled_motion,
+)
 from bladewhirl.solvers.floquet import Floquet, floquet
 from bladewhirl.solvers.stability import (
     StabilityChart,
@@ -13,10 +20,15 @@ from bladewhirl.solvers.tracking import track
 from bladewhirl.solvers.zones import UnstableZones, unstable_zones
 
 __all__ = [
+    "CoupledMode",
+    "CoupledMotion",
     "Floquet",
+    "RadialShapes",
     "StabilityChart",
     "UnstableZones",
     "coincidence_speeds",
+    "coupled_modes",
+    "coupled_motion",
     "eigenvalues",
     "floquet",
     "growth_rate",
