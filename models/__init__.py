@@ -1,1 +1,17 @@
-"""bladewhirl."""
+"""Cases, finite elements and reduction: what there is before anything moves."""
+
+from bladewhirl.models.case import Case
+from bladewhirl.models.case_file import dumps_case, read_case, with_values
+from bladewhirl.models.faults import CaseError, Fault, UserError
+from bladewhirl.models.quantity import Speed
+
+__all__ = [
+    "Case",
+    "CaseError",
+    "Fault",
+    "Speed",
+    "UserError",
+    "dumps_case",
+    "read_case",
+    "with_values",
+]

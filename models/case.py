@@ -1,0 +1,315 @@
+"""The case: what a case file holds, in SI units, frozen.
+
+Make one by keyword, ``Case(march=March(speed=1.2))``, or read one (see `case_file`). Defaults are
+the source paper's values or, where it gives none, a choice; each description says which. Numbers
+are SI; text carries its own unit, "1 mm". Other geometries join as further optional tables.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Literal
+
+from pydantic import Field, StrictBool, StrictStr
+
+from bladewhirl.models.case_fields import (
+    MOST,
+    DisplacementPair,
+    DisplacementRows,
+    Length,
+    LengthOrZero,
+    NumberOrZero,
+    RotationSpeed,
+    Stiffness,
+    StiffnessOrZero,
+    Time,
+    TimeOrZero,
+    VelocityPair,
+    VelocityRows,
+    count,
+    quantity,
+)
+from bladewhirl.models.case_table import Inconsistency, Table
+from bladewhirl.models.excitation import (
+    CasingDistortion,
+    ExcitationTable,
+    Harmonic,
+    Imbalance,
+    NoExcitation,
+)
+from bladewhirl.models.quantity import Speed
+
+MOST_STEPS = 1e12
+"""Longest march: days of computing, and far from where step numbers would overflow."""
+
+WHOLE = 1e-6
+"""Largest relative distance of record_step / time_step from a whole number."""
+
+
+class Material(Table):
+    """Material of the bladed disk and the casing."""
+
+    young_modulus: Annotated[float, quantity("Pa")] = Field(
+        default=2.1e11, description='Young\'s modulus [Pa] (the paper: "steel").'
+    )
+    density: Annotated[float, quantity("kg/m3")] = Field(
+        default=7800.0, description='Density [kg/m3] (the paper: "steel").'
+    )
+
+
+class BeamSection(Table):
+    """A rectangular beam section."""
+
+    width: Length = Field(default=0.1, description="Size out of the plane of motion [m].")
+    thickness: Length = Field(default=0.01, description="Size in the plane of motion [m].")
+
+
+class DiskSection(BeamSection):
+    """The rectangular section of the disk's beams, thicker by default."""
+
+    thickness: Length = Field(default=0.03, description="Size in the plane of motion [m].")
+
+
+class BladedDisk(Table):
+    """Straight beams: radial blades, spokes from the centre, a rim polygon through the roots."""
+
+    blades: Annotated[int, count(3)] = Field(
+        default=22, description="Number of blades (paper, Section 2.1)."
+    )
+    tip_radius: Length = Field(
+        default=0.5, description="Radius of the blade tips [m] (paper, Table 1)."
+    )
+    disk_radius: Length = Field(
+        default=0.05, description="Radius of the blade roots [m] (paper, Table 1)."
+    )
+    elements_per_blade: Annotated[int, count(1)] = Field(
+        default=10, description="Beam elements along each blade (paper, Section 2.1)."
+    )
+    blade: BeamSection = Field(
+        default=BeamSection(),
+        description="Section of the blades: width out of the plane, thickness in it [m] (paper,"
+        " Table 1; 10 mm must be in the plane for k_o to be 500 blade stiffnesses).",
+    )
+    disk: DiskSection = Field(
+        default=DiskSection(),
+        description="Section of spokes and rim [m]; 30 mm in the plane is a choice (the paper has"
+        ' "a dedicated set of beams"), which puts the suspension modes at 2.53.',
+    )
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Blades without length, more nodes than can be meant."""
+        if self.disk_radius >= self.tip_radius:
+            expected = f"less than bladed_disk.tip_radius = {self.tip_radius!r}"
+            yield Inconsistency("disk_radius", expected, ("tip_radius",))
+        if self.blades * self.elements_per_blade > MOST:
+            expected = f"at most {MOST} elements on bladed_disk.blades = {self.blades} blades"
+            yield Inconsistency("elements_per_blade", expected, ("blades",))
+
+
+class Shaft(Table):
+    """The two springs that carry the centre; it does not rotate in the plane."""
+
+    stiffness: Stiffness = Field(
+        default=3.4e7, description="Of each of the two springs, x and y [N/m] (paper, Section 2.1)."
+    )
+    clamped: StrictBool = Field(default=False, description="Hold the centre instead.")
+
+
+class Casing(Table):
+    """A ring of curved beams at tip_radius + clearance."""
+
+    elements: Annotated[int, count(3)] = Field(
+        default=40, description="Number of curved beam elements (paper, Section 2.1)."
+    )
+    clearance: LengthOrZero = Field(
+        default=1e-3, description="Gap between tips and casing at rest [m] (paper, Table 1)."
+    )
+    wall: BeamSection = Field(
+        default=BeamSection(), description="Section of the wall [m] (paper, Table 1)."
+    )
+    curvature: Literal["exact", "shallow"] = Field(
+        default="exact",
+        description='Bending strain, "exact" or "shallow" (not in the paper; a free exact ring has'
+        " its three rigid motions, a shallow one has not).",
+    )
+    support: Annotated[float, quantity("N/m2", "not negative")] = Field(
+        default=1508.0,
+        description="Uniform elastic support, radial and tangential [N/m per metre of"
+        " circumference] (not in the paper; puts the casing's lowest mode at 0.055, which is"
+        ' "very low" as the paper says, for modal work).',
+    )
+    rotation: Literal["free", "fixed"] = Field(
+        default="fixed",
+        description='Rigid rotation of the ring, "free" or "fixed" (not in the paper; free,'
+        " friction would spin the ring up).",
+    )
+
+
+class Reduction(Table):
+    """Craig-Bampton reduction of the bladed disk on its tips and centre."""
+
+    fixed_interface_modes: Annotated[int, count(1)] = Field(
+        default=110, description="Number of fixed-interface modes (eta in the paper, Section 2.2)."
+    )
+
+
+class Damping(Table):
+    """Modal damping of both structures."""
+
+    ratio: NumberOrZero = Field(
+        default=0.005,
+        description="Damping ratio xi of every mode (not in the paper; lets suspension transients"
+        " fade within about 1.1 s).",
+    )
+
+
+class Contact(Table):
+    """Contact between tips and casing."""
+
+    friction: NumberOrZero = Field(
+        default=0.1, description="Coulomb friction coefficient (paper, Table 2)."
+    )
+    sliding: Literal["permanent", "signed"] = Field(
+        default="permanent",
+        description='"permanent": friction drags every tip against the rotation ("sliding is'
+        ' assumed" in the paper); "signed": it follows the sign of the relative velocity.',
+    )
+    tip_rotation: StrictBool = Field(
+        default=False, description="Let the angle of a tip on the casing follow u_t / R."
+    )
+
+
+class Initial(Table):
+    """Motion at t = 0, in the rotating frame at angle 0; the casing is at rest."""
+
+    centre_velocity: VelocityPair = Field(
+        default=(0.0, 0.0), description="Velocity of the centre, x and y [m/s]."
+    )
+    centre_displacement: DisplacementPair = Field(
+        default=(0.0, 0.0), description="Displacement of the centre, x and y [m]."
+    )
+    tip_velocity: VelocityRows | None = Field(
+        default=None,
+        description="Velocity of each tip, radial and tangential [m/s], blades x 2; left out: 0.",
+        examples=["[[0.0, 0.0], [0.0, 0.0], ...]"],
+    )
+    tip_displacement: DisplacementRows | None = Field(
+        default=None,
+        description="Displacement of each tip, radial and tangential [m], blades x 2; left out: 0.",
+        examples=["[[0.0, 0.0], [0.0, 0.0], ...]"],
+    )
+
+
+class Coupling(Table):
+    """Coupling of bladed disk and casing through frame and bearings (Eqs 4-10)."""
+
+    stiffness: StiffnessOrZero = Field(
+        default=0.0, description="kappa [N/m] (0 in the paper's Table 2)."
+    )
+    amplitude: Literal["paper", "physical"] = Field(
+        default="paper",
+        description='Amplitudes at the springs: "paper" one for each mode, "physical" those of the'
+        " mass-normalised modes.",
+    )
+    pi: StrictBool = Field(
+        default=True, description="Keep the factor pi of the integral in Eq. (8); Eq. (9) drops it."
+    )
+
+
+class March(Table):
+    """The march in time."""
+
+    speed: RotationSpeed = Field(
+        default=Speed(1.05),
+        description="Speed of rotation: a number counts multiples of the reference frequency, the"
+        " lowest free-centre frequency of the full bladed disk (also when clamped); text is"
+        ' absolute, "2500 rpm", "42 Hz" (revolutions per second) or "262 rad/s". 0 and negative'
+        " are allowed (1.05 in the paper, Section 4.3).",
+    )
+    time_step: Time = Field(default=1e-6, description="Time step [s] (paper, Section 4.2).")
+    duration: TimeOrZero = Field(default=3.0, description="Simulated time [s] (paper, Table 2).")
+    record_step: Time = Field(
+        default=1e-4, description="Time between records [s], a whole number of time steps."
+    )
+    displacement_limit: Length = Field(
+        default=0.05,
+        description="Displacement at which a divergent march ends [m]: a tenth of the tip radius,"
+        " beyond which displacements are no longer small (a choice).",
+    )
+    scheme: Literal["central-difference"] = Field(
+        default="central-difference",
+        description="Time integration: central differences with Lagrange multipliers.",
+    )
+
+    @property
+    def steps(self) -> int:
+        """Number of time steps in ``duration``."""
+        return round(self.duration / self.time_step)
+
+    @property
+    def steps_per_record(self) -> int:
+        """Number of time steps between records."""
+        return round(self.record_step / self.time_step)
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Records that do not fall on steps, steps without number."""
+        ratio = self.record_step / self.time_step
+        if ratio < 1.0 - WHOLE:
+            expected = f"at least march.time_step = {self.time_step!r}"
+            yield Inconsistency("record_step", expected, ("time_step",))
+        elif ratio < MOST_STEPS and abs(ratio - round(ratio)) > WHOLE * ratio:
+            below, above = (int(ratio) * self.time_step, (int(ratio) + 1) * self.time_step)
+            expected = (
+                f"a whole number of time steps of {self.time_step!r} s:"
+                f" {below:.9g} or {above:.9g}, not {ratio:.9g} of them"
+            )
+            yield Inconsistency("record_step", expected, ("time_step",))
+        for key in ("duration", "record_step"):
+            if getattr(self, key) / self.time_step > MOST_STEPS:
+                expected = f"at most {MOST_STEPS:g} steps of march.time_step = {self.time_step!r}"
+                yield Inconsistency(key, expected, ("time_step",))
+
+
+class Case(Table):
+    """A bladed disk on its shaft, a casing, a load and a speed; the default is the fan stage."""
+
+    title: StrictStr = Field(default="Fan stage", description="Title, free text.")
+    material: Material = Material()
+    bladed_disk: BladedDisk = BladedDisk()
+    shaft: Shaft = Shaft()
+    casing: Casing = Casing()
+    reduction: Reduction = Reduction()
+    damping: Damping = Damping()
+    contact: Contact = Contact()
+    excitation: ExcitationTable = NoExcitation()
+    initial: Initial = Initial()
+    coupling: Coupling = Coupling()
+    march: March = March()
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """What does not fit together from table to table."""
+        yield from self._loads_out_of_reach()
+        yield from self._tips_without_blade()
+
+    def _loads_out_of_reach(self) -> Iterator[Inconsistency]:
+        load, elements = self.excitation, self.casing.elements
+        if isinstance(load, CasingDistortion) and 2 * load.nodal_diameter > elements:
+            expected = f"at most half of casing.elements = {elements}"
+            yield Inconsistency("excitation.nodal_diameter", expected, ("casing.elements",))
+        if not self.shaft.clamped:
+            return
+        if isinstance(load, Imbalance | Harmonic):
+            expected = "a load that is not at the centre, or shaft.clamped = false"
+            yield Inconsistency("excitation.type", expected, ("shaft.clamped",))
+        for key in ("centre_velocity", "centre_displacement"):
+            if any(getattr(self.initial, key)):
+                expected = "zero, or shaft.clamped = false"
+                yield Inconsistency(f"initial.{key}", expected, ("shaft.clamped",))
+
+    def _tips_without_blade(self) -> Iterator[Inconsistency]:
+        blades = self.bladed_disk.blades
+        for key in ("tip_velocity", "tip_displacement"):
+            rows = getattr(self.initial, key)
+            if rows is not None and len(rows) != blades:
+                expected = f"{blades} rows, one a blade, not {len(rows)}"
+                yield Inconsistency(f"initial.{key}", expected, ("bladed_disk.blades",))

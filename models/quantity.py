@@ -1,0 +1,146 @@
+"""Text with units to SI floats, through pint: "1 mm", "210 GPa", "2500 rpm"."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, field
+from decimal import Decimal
+from functools import cache
+from numbers import Real
+from typing import Final, Literal, SupportsFloat
+
+import pint
+
+# Only this much syntax reaches pint: its evaluator would also work out "9**9**9 m".
+_EXPONENT = r"-?(?:[1-9](?:\.[0-9])?|0\.[1-9])"
+_FACTOR = rf"[^\W\d_][^\W\d]*(?:(?:\*\*|\^)?{_EXPONENT})?"
+_TEXT = re.compile(
+    r"\s*(?P<number>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)\s*"
+    rf"(?P<unit>(?:(?:1\s*/\s*)?{_FACTOR}(?:\s*[*/·]\s*{_FACTOR}|\s+{_FACTOR})*)?)\s*"
+)
+_POWER = re.compile(rf"(?<=[^\W\d])(?:\*\*|\^)?({_EXPONENT})")
+_LONGEST = 80
+
+RAD_PER_S: Final = "rad/s"
+TURN_PER_S: Final = "turn/s"
+
+
+def to_si(text: str, unit: str) -> float:
+    """Convert a number with its unit, such as "1 mm", to ``unit``, such as "m".
+
+    Powers may be written m2, m^2, m**2 or m².
+
+    Raises:
+        ValueError: no number and unit, an unknown unit, another dimension, too large a number.
+    """
+    quantity = _parse(text)
+    needed = _registry().Unit(_spelled_out(unit))
+    if quantity.dimensionality != needed.dimensionality:
+        raise ValueError(_mismatch(quantity, str(needed.dimensionality)))
+    return _converted(quantity, unit)
+
+
+def rotation(text: str, unit: Literal["rad/s", "turn/s"]) -> float:
+    """Convert "2500 rpm", "50 Hz" (turns per second) or "314 rad/s".
+
+    pint takes Hz for 1/s and so for rad/s. Here Hz counts turns, and a bare 1/s, which could mean
+    either, is refused.
+
+    Raises:
+        ValueError: as `to_si`.
+    """
+    quantity = _parse(text)
+    if any(name.endswith("hertz") for name, _ in quantity.unit_items()):
+        quantity = quantity * _registry().Unit("turn")
+    if quantity.to_root_units().units != _registry().Unit("radian / second"):
+        raise ValueError(_mismatch(quantity, "an angle per time"))
+    return _converted(quantity, unit)
+
+
+@dataclass(frozen=True)
+class Speed:
+    """A speed of rotation as the user gave it; positive, zero or negative.
+
+    A number counts multiples of a reference frequency; text carries rpm, Hz (turns per second) or
+    rad/s and is kept, so that a case is written out as it was read.
+
+    Raises:
+        ValueError: not a finite number, or text that `rotation` refuses.
+    """
+
+    given: float | str  #: multiples of the reference frequency, or text with a unit
+    value: float = field(init=False, repr=False, compare=False)  #: multiples, or [rad/s]
+
+    def __post_init__(self) -> None:
+        if isinstance(self.given, str):
+            value = rotation(self.given, RAD_PER_S)
+        elif isinstance(self.given, Real) and not isinstance(self.given, bool):
+            value = finite(self.given)
+            object.__setattr__(self, "given", value)
+        else:
+            raise ValueError("neither a number nor text")
+        object.__setattr__(self, "value", value)
+
+    @property
+    def kind(self) -> Literal["normalised", "rad/s"]:
+        """What `value` counts."""
+        return RAD_PER_S if isinstance(self.given, str) else "normalised"
+
+    def rad_per_s(self, reference: float) -> float:
+        """Angular speed [rad/s]; a number is a multiple of the ``reference`` frequency [rad/s]."""
+        return self.value if self.kind == RAD_PER_S else self.value * reference
+
+
+def finite(number: SupportsFloat) -> float:
+    """A finite float.
+
+    Raises:
+        ValueError: not a number, infinite, or an integer beyond the largest float.
+    """
+    try:
+        value = float(number)
+    except OverflowError:
+        raise ValueError("too large") from None
+    if not math.isfinite(value):
+        raise ValueError("not finite")
+    return value
+
+
+@cache
+def _registry() -> pint.UnitRegistry[Decimal]:
+    # Decimals keep conversions exact: 210 GPa is 2.1e11 Pa to the last bit.
+    return pint.UnitRegistry(non_int_type=Decimal)
+
+
+def _parse(text: str) -> pint.Quantity[Decimal]:
+    match = _TEXT.fullmatch(text) if len(text) <= _LONGEST else None
+    if match is None:
+        raise ValueError("not a number followed by a unit")
+    if not match["unit"]:
+        raise ValueError("no unit")
+    try:
+        unit = _registry().parse_units(_spelled_out(match["unit"]))
+    except pint.UndefinedUnitError:
+        raise ValueError(f"unknown unit in {match['unit']!r}") from None
+    except (pint.PintError, TypeError, ValueError):
+        raise ValueError(f"{match['unit']!r} is not understood") from None
+    quantity = _registry().Quantity(Decimal(match["number"]), unit)
+    try:
+        quantity.to_root_units()
+    except (pint.PintError, TypeError, LookupError, AttributeError, ArithmeticError):  # as "dB m"
+        raise ValueError(f"{match['unit']!r} cannot be converted") from None
+    return quantity
+
+
+def _spelled_out(unit: str) -> str:
+    plain = unit.replace("·", "*").replace("²", "2").replace("³", "3")
+    return _POWER.sub(r"**\1", plain)
+
+
+def _converted(quantity: pint.Quantity[Decimal], unit: str) -> float:
+    return finite(quantity.to(_spelled_out(unit)).magnitude)
+
+
+def _mismatch(quantity: pint.Quantity[Decimal], needed: str) -> str:
+    return f"{quantity.units} is {quantity.dimensionality}, not {needed}"
