@@ -1,0 +1,70 @@
+"""The command line: registers the commands, and turns faults of the user's into one line each.
+
+A command is a plain function in a module of its own, named after it. At import such a module may
+load the standard library and typer only; what the command needs is imported when it runs, so that
+``bladewhirl --help`` answers at once.
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib import metadata
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from bladewhirl.studies.new import new
+
+USER_ERROR = 2
+"""Exit code when the user can put it right; click uses the same for wrong options."""
+
+
+class UserErrorGroup(TyperGroup):
+    """Commands whose `UserError`s end in their lines on standard error, with no traceback."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command."""
+        try:
+            return super().invoke(ctx)
+        except Exception as error:
+            # Looked up, not imported: where it is not loaded nothing can have raised it.
+            faults = sys.modules.get("bladewhirl.models.faults")
+            if faults is None or not isinstance(error, faults.UserError):
+                raise
+            for line in error.lines:
+                typer.echo(line, err=True)
+            raise typer.Exit(USER_ERROR) from None
+
+
+app = typer.Typer(
+    name="bladewhirl",
+    cls=UserErrorGroup,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+app.command()(new)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"bladewhirl {metadata.version('bladewhirl')}")
+        raise typer.Exit
+
+
+@app.callback()
+def bladewhirl(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version and leave."
+        ),
+    ] = False,
+) -> None:
+    """Whirl of bladed disks in contact with flexible casings."""
+
+
+def main() -> None:
+    """Entry point of the command ``bladewhirl``."""
+    app()

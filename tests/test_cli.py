@@ -1,0 +1,115 @@
+"""The command line: new case files, and errors of the user's in one line each."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from bladewhirl.models.case import Case
+from bladewhirl.models.case_file import read_case
+from bladewhirl.models.faults import UserError
+from bladewhirl.studies.cli import UserErrorGroup, app
+
+RUNNER = CliRunner()
+
+
+def test_new_writes_the_default_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert RUNNER.invoke(app, ["new"]).exit_code == 0
+    assert read_case("case.toml") == Case()
+
+
+def test_new_overwrites_by_force_only(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text("precious")
+    refused = RUNNER.invoke(app, ["new", str(path)])
+    assert refused.exit_code == 2
+    assert refused.stderr == f"{path}: already exists; --force overwrites it\n"
+    assert path.read_text() == "precious"
+    assert RUNNER.invoke(app, ["new", str(path), "--force"]).exit_code == 0
+    assert read_case(path) == Case()
+
+
+def test_new_where_nothing_can_be_written(tmp_path: Path) -> None:
+    for arguments in ([f"{tmp_path}/no/such/folder.toml"], ["--force", str(tmp_path)]):
+        result = RUNNER.invoke(app, ["new", *arguments])
+        assert result.exit_code == 2
+        assert "cannot be written" in result.stderr
+        assert len(result.stderr.splitlines()) == 1
+    assert not list(tmp_path.iterdir())
+
+
+def command_raising(error: Exception) -> typer.Typer:
+    small = typer.Typer(cls=UserErrorGroup, pretty_exceptions_enable=False)
+
+    @small.command()
+    def fail(path: Path) -> None:
+        raise error
+
+    @small.command()
+    def read(path: Path) -> None:
+        read_case(path)
+
+    return small
+
+
+def test_faults_are_lines_on_standard_error(tmp_path: Path) -> None:
+    path = tmp_path / "bad.toml"
+    path.write_text('title = 3\n[march]\nspeed = "[red]3[/red] kg"')
+    result = RUNNER.invoke(command_raising(UserError()), ["read", str(path)])
+    assert (result.exit_code, result.stdout) == (2, "")
+    lines = result.stderr.splitlines()
+    assert lines[0] == f"{path}: title = 3: expected text"
+    assert lines[1].startswith(f'{path}: march.speed = "[red]3[/red] kg": expected a number')
+    assert len(lines) == 2
+
+
+def test_a_message_of_many_lines_becomes_one() -> None:
+    result = RUNNER.invoke(command_raising(UserError("a\n  b")), ["fail", "x"])
+    assert (result.exit_code, result.stderr) == (2, "a b\n")
+
+
+def test_our_own_mistakes_are_not_hidden() -> None:
+    result = RUNNER.invoke(command_raising(ValueError("ours")), ["fail", "x"])
+    assert isinstance(result.exception, ValueError)
+
+
+def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    code = "from bladewhirl.studies.cli import main; main()"
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        check=False,
+    )
+
+
+def test_the_installed_entry_point(tmp_path: Path) -> None:
+    assert run("new", cwd=tmp_path).returncode == 0
+    refused = run("new", cwd=tmp_path)
+    assert (refused.returncode, refused.stdout) == (2, "")
+    assert refused.stderr == "case.toml: already exists; --force overwrites it\n"
+    assert run("--version", cwd=tmp_path).stdout.startswith("bladewhirl ")
+    unknown = run("frobnicate", cwd=tmp_path)
+    assert unknown.returncode == 2
+    assert "Traceback" not in unknown.stderr
+
+
+def test_help_loads_nothing_heavy() -> None:
+    code = (
+        "import sys, typer.testing, bladewhirl.studies.cli as cli\n"
+        "for arguments in (['--help'], ['new', '--help'], ['nonsense']):\n"
+        "    typer.testing.CliRunner().invoke(cli.app, arguments)\n"
+        "print(*sorted({name.partition('.')[0] for name in sys.modules}))\n"
+        "print(*sorted(name for name in sys.modules if name.startswith('bladewhirl.')))\n"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    top, own = (set(line.split()) for line in result.stdout.splitlines())
+    assert top.isdisjoint({"numpy", "scipy", "pint", "numba", "xarray", "pyvista"})
+    assert all(name.startswith("bladewhirl.studies") for name in own)
