@@ -1,0 +1,136 @@
+"""One style for every figure: sizes, fonts, colours with a fixed meaning, and how they are saved.
+
+Figures are drawn at the width at which they are printed, so that a font size is a font size:
+nothing is below 6.5 points in a column of 8 cm. No display and no pyplot state is involved;
+matplotlib picks Agg for PNG and its own writer for PDF from the file's name.
+"""
+
+import csv
+from collections.abc import Callable, Iterable, Mapping
+from functools import wraps
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
+
+import matplotlib.style
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+INCH = 0.0254  #: [m]
+COLUMN_WIDTH = 0.08  #: one column of a page [m]
+FULL_WIDTH = 0.17  #: the text width of a page [m]
+
+COLOURS: Mapping[str, str] = {
+    "total": "#000000",
+    "rotor": "#000000",
+    "suspension": "#009E73",
+    "k = 0": "#0072B2",
+    "k = 1": "#D55E00",
+    "other k": "#E69F00",
+    "casing": "#56B4E9",
+    "contact": "#CC79A7",
+    "rest": "#AAAAAA",
+}
+"""Okabe and Ito's colours, told apart by colour-blind readers; one meaning in all figures."""
+
+SEQUENTIAL = "cividis"
+"""Colour map of magnitudes: even in lightness, the same with and without red-green vision."""
+
+STYLE: Mapping[str, Any] = {
+    "font.size": 7.5,
+    "axes.titlesize": 7.5,
+    "axes.labelsize": 7.5,
+    "figure.titlesize": 8,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "legend.fontsize": 7,
+    "legend.frameon": False,
+    "legend.handlelength": 1.5,
+    "legend.columnspacing": 1.2,
+    "lines.linewidth": 1.0,
+    "axes.linewidth": 0.6,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.linewidth": 0.4,
+    "grid.color": "#DDDDDD",
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "image.cmap": SEQUENTIAL,
+    "savefig.dpi": 300,
+    "agg.path.chunksize": 10000,
+    "pdf.fonttype": 42,  # TrueType: text in PDFs stays text
+}
+
+
+def styled(draw: Callable[P, R]) -> Callable[P, R]:
+    """Decorate a function that draws: it then draws in the common style, whatever the user's own
+    matplotlib settings are.
+    """
+
+    @wraps(draw)
+    def in_style(*args: P.args, **kwargs: P.kwargs) -> R:
+        with matplotlib.style.context(["default", dict(STYLE)]):
+            return draw(*args, **kwargs)
+
+    return in_style
+
+
+@styled
+def new_figure(*, width: float = COLUMN_WIDTH, height: float) -> Figure:
+    """An empty figure of that size [m], arranged by the constrained layout when it is saved."""
+    return Figure(figsize=(width / INCH, height / INCH), layout="constrained")
+
+
+def speed_label(dataset: xr.Dataset) -> str:
+    """The speed in words: in multiples of the reference frequency, and in rpm."""
+    speed = float(dataset.attrs["speed"])
+    normalised = speed / float(dataset.attrs["reference_frequency"])
+    return f"Ω = {normalised:.4g} ({speed * 30 / np.pi:.0f} rpm)"
+
+
+@styled
+def save_figure(
+    figure: Figure, path: str | Path, data: xr.Dataset | Mapping[str, ArrayLike]
+) -> list[Path]:
+    """Save as PNG and PDF, with the data behind the figure beside them; returns the paths.
+
+    Args:
+        figure: drawn in the common style.
+        path: where to; a suffix .png or .pdf gives way to .png, .pdf and .nc or .csv.
+        data: a Dataset (goes to netCDF) or columns of equal length by name, with the unit in the
+            name as in "time [s]" (go to CSV, floats in full precision).
+
+    Raises:
+        ValueError: columns of different length.
+    """
+    path = Path(path)
+    name = path.stem if path.suffix in (".png", ".pdf") else path.name
+    png, pdf = path.with_name(f"{name}.png"), path.with_name(f"{name}.pdf")
+    if isinstance(data, xr.Dataset):
+        beside = path.with_name(f"{name}.nc")
+        data.to_netcdf(beside, engine="h5netcdf")
+    else:
+        beside = path.with_name(f"{name}.csv")
+        _write_columns(beside, data)
+    figure.savefig(png)
+    figure.savefig(pdf)
+    return [png, pdf, beside]
+
+
+def _write_columns(path: Path, columns: Mapping[str, ArrayLike]) -> None:
+    values = {name: np.asarray(column).tolist() for name, column in columns.items()}
+    lengths = {name: len(column) for name, column in values.items()}
+    if len(set(lengths.values())) > 1:
+        found = ", ".join(f"{name!r} {length}" for name, length in lengths.items())
+        raise ValueError(f"{path.name}: expected columns of one length, found {found}")
+    rows: Iterable[tuple[object, ...]] = zip(*values.values(), strict=True)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(values)
+        writer.writerows(rows)

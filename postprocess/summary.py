@@ -1,0 +1,173 @@
+"""The figures that sum up a run: `summary.json` and the same as a table on screen."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TypedDict
+
+import numpy as np
+import xarray as xr
+from rich.table import Table
+
+from bladewhirl.postprocess.energies import FIRST_FAMILY, strain_energies
+from bladewhirl.postprocess.fields import Array
+from bladewhirl.postprocess.orbits import shaft_orbit
+from bladewhirl.postprocess.regimes import RegimeName, classify
+
+EnergyHolders = TypedDict(
+    "EnergyHolders", {"suspension": float, "1F": dict[str, float], "rest": float}
+)
+"""Strain energies [J]; the first family's by nodal diameter, named as in JSON ("0", "1", ...)."""
+
+MARCH_REPORT = (
+    "complementarity_residual",
+    "dt_over_critical",
+    "steps",
+    "wall_time",
+    "us_per_step",
+)
+"""What the march alone knows."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Summary:
+    """A run in figures; the fields are the keys of `summary.json`."""
+
+    regime: RegimeName
+    regime_criterion: str  #: how regimes are told apart, and what decided here
+    end_time: float  #: [s]
+    shaft_radius_max: float  #: over the records [m]
+    shaft_radius_final: float  #: [m]
+    strain_energy_max: float  #: bladed disk with its shaft springs, over the records [J]
+    strain_energy_final: EnergyHolders  #: [J]
+    contact_share: list[float]  #: share of all steps with contact, of each blade
+    gap_violation_max: float  #: deepest penetration at any step [m]
+    energy_residual: float  #: of the ledger, over its largest term
+    complementarity_residual: float  #: largest over the steps, over the gap's scale
+    dt_over_critical: float  #: time step over the critical one
+    steps: int
+    wall_time: float  #: [s]
+    us_per_step: float  #: [µs]
+
+    def to_json(self) -> str:
+        """One JSON document at full precision."""
+        return json.dumps(asdict(self), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary:
+    """Sum up a result, read portion by portion.
+
+    Args:
+        dataset: a result.
+        march_report: `complementarity_residual`, `dt_over_critical`, `steps`, `wall_time` [s] and
+            `us_per_step` [µs], which the histories don't hold; other entries are ignored.
+
+    Raises:
+        ValueError: an entry of the report is missing.
+    """
+    missing = [key for key in MARCH_REPORT if key not in march_report]
+    if missing:
+        raise ValueError(f"march report: expected {', '.join(MARCH_REPORT)}; lacks {missing}")
+    energies = strain_energies(dataset)
+    radius = shaft_orbit(dataset)["radius"].values
+    regime = classify(dataset, energies["total"].values)
+    steps = int(march_report["steps"])
+    contact_steps = dataset["contact_steps"].sum("time").values
+    return Summary(
+        regime=regime.name,
+        regime_criterion=f"{regime.criterion}. Here: {regime.reason}.",
+        end_time=float(dataset["time"][-1]),
+        shaft_radius_max=float(radius.max()),
+        shaft_radius_final=float(radius[-1]),
+        strain_energy_max=float(energies["total"].max()),
+        strain_energy_final=_holders(energies.isel(time=-1)),
+        contact_share=(contact_steps / max(steps, 1)).tolist(),
+        gap_violation_max=max(0.0, -float(dataset["gap"].min())),
+        energy_residual=energy_residual(dataset),
+        complementarity_residual=float(march_report["complementarity_residual"]),
+        dt_over_critical=float(march_report["dt_over_critical"]),
+        steps=steps,
+        wall_time=float(march_report["wall_time"]),
+        us_per_step=float(march_report["us_per_step"]),
+    )
+
+
+def energy_residual(dataset: xr.Dataset) -> float:
+    """How far the energy ledger is from closing, relative to its largest term; 0 at rest.
+
+    At every record energy - energy_0 = external + normal + friction work - damping loss, all since
+    the first record; `damping_work` is what damping has taken, so it is positive.
+    """
+    works = {
+        name: dataset[f"{name}_work"].values
+        for name in ("external", "normal", "friction", "damping")
+    }
+    energy = dataset["energy"].values
+    since: dict[str, Array] = {name: work - work[0] for name, work in works.items()}
+    gained = since["external"] + since["normal"] + since["friction"] - since["damping"]
+    error = np.abs(energy - energy[0] - gained).max()
+    largest = max(np.abs(term).max() for term in (energy, *works.values()))
+    return float(error / largest) if largest > 0 else 0.0
+
+
+def write_summary(summary: Summary, path: str | Path) -> Path:
+    """Write `summary.json`."""
+    path = Path(path)
+    path.write_text(summary.to_json(), encoding="utf-8")
+    return path
+
+
+def summary_table(summary: Summary) -> Table:
+    """The summary as a table to read: rounded, in handy units, the blades counted."""
+    held = summary.strain_energy_final
+    family = held["1F"]
+    total = held["suspension"] + sum(family.values()) + held["rest"]
+    other = sum(energy for k, energy in family.items() if k not in ("0", "1"))
+    shares = summary.contact_share
+    touched = [share for share in shares if share > 0]
+    share = (
+        f", {100 * min(touched):.3g} to {100 * max(touched):.3g} % of the steps" if touched else ""
+    )
+
+    def part(energy: float) -> str:
+        return f"{energy:.4g} J ({100 * energy / total:.1f} %)" if total else "0 J"
+
+    rows = {
+        "regime": f"[bold]{summary.regime}[/]",
+        "because": summary.regime_criterion.rpartition("Here: ")[2],
+        "end time": f"{summary.end_time:.6g} s",
+        "shaft radius, largest": f"{1e3 * summary.shaft_radius_max:.4g} mm",
+        "shaft radius, final": f"{1e3 * summary.shaft_radius_final:.4g} mm",
+        "strain energy, largest": f"{summary.strain_energy_max:.4g} J",
+        "strain energy, final": f"{total:.4g} J",
+        "  suspension": part(held["suspension"]),
+        **{f"  {FIRST_FAMILY}, k = {k}": part(family[k]) for k in ("0", "1") if k in family},
+        f"  {FIRST_FAMILY}, other k": part(other),
+        "  rest": part(held["rest"]),
+        "blades that touched": f"{len(touched)} of {len(shares)}{share}",
+        "deepest penetration": f"{summary.gap_violation_max:.3g} m",
+        "energy residual": f"{summary.energy_residual:.3g}",
+        "complementarity residual": f"{summary.complementarity_residual:.3g}",
+        "time step / critical": f"{summary.dt_over_critical:.3g}",
+        "steps": f"{summary.steps}",
+        "wall time": f"{summary.wall_time:.3g} s ({summary.us_per_step:.3g} µs a step)",
+    }
+    table = Table(show_header=False, box=None, pad_edge=False)
+    table.add_column(style="cyan", no_wrap=True)
+    table.add_column(overflow="fold")
+    for name, value in rows.items():
+        table.add_row(name, value)
+    return table
+
+
+def _holders(energies: xr.Dataset) -> EnergyHolders:
+    """Strain energies of the groups at one record."""
+    family = energies["first_family"]
+    return {
+        "suspension": float(energies["suspension"]),
+        "1F": {
+            str(k): float(family.sel(nodal_diameter=k)) for k in family["nodal_diameter"].values
+        },
+        "rest": float(energies["rest"]),
+    }
