@@ -7,7 +7,7 @@ from bladewhirl.solvers.coupled_modes import (
     coupled_modes,
     coupled_motion,
 )
-from bladewhirl.solvers.floquet import Floquet, floquet
+from bladewhirl.solvers.floquet import Floquet, coupled_floquet, floquet
 from bladewhirl.solvers.stability import (
     StabilityChart,
     coincidence_speeds,
@@ -27,6 +27,7 @@ __all__ = [
     "StabilityChart",
     "UnstableZones",
     "coincidence_speeds",
+    "coupled_floquet",
     "coupled_modes",
     "coupled_motion",
     "eigenvalues",

@@ -15,10 +15,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg as la
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+from bladewhirl.models.coupling import (
+    ComplexArray,
+    CouplingModes,
+    FloatArray,
+    periodic_stiffness,
+)
 
 FEWEST_STEPS = 8
 MOST_STEPS = 1 << 17
@@ -90,6 +93,33 @@ def floquet(
         f"monodromy matrix: expected a change below {tolerance:g} with at most {MOST_STEPS} steps,"
         f" got {change:g}"
     )
+
+
+def coupled_floquet(
+    modes: CouplingModes, *, speed: float, kappa: float, with_pi: bool = True
+) -> dict[int, Floquet]:
+    """Integrate the coupled rotor and casing over one turn, each nodal diameter apart.
+
+    Args:
+        modes: the coupled modes.
+        speed: Omega, not zero [rad/s].
+        kappa: spring stiffness [N/m].
+        with_pi: keep the factor pi of Eq. (8).
+
+    Returns:
+        what a turn does to the modes of each nodal diameter.
+    """
+
+    def over_one_turn(part: CouplingModes) -> Floquet:
+        return floquet(
+            lambda times: periodic_stiffness(
+                part, kappa=kappa, angle=speed * times, with_pi=with_pi
+            ),
+            period=2.0 * np.pi / abs(speed),
+            damping=np.diag(part.damping_rate[part.entry]),
+        )
+
+    return {k: over_one_turn(modes.harmonic(k)) for k in modes.harmonics}
 
 
 def _propagate(

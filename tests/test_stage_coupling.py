@@ -13,6 +13,7 @@ from bladewhirl.models.casing import Casing, assemble_casing
 from bladewhirl.models.modes import Modes, structure_modes
 from bladewhirl.models.sections import Section, line_properties
 from bladewhirl.models.stage_coupling import StageModes, stage_modes, wave_amplitudes
+from bladewhirl.solvers.floquet import coupled_floquet
 from bladewhirl.solvers.stability import growth_rate
 from bladewhirl.solvers.zones import unstable_zones
 
@@ -126,6 +127,22 @@ def test_all_modes_have_zones_at_their_own_coincidence_speeds() -> None:
         },
         abs=1e-4,
     )
+
+
+@pytest.mark.parametrize(
+    ("speed", "unstable"), [(0.85, [2]), (1.17, [1]), (1.121, [1, 4]), (2.0, [])]
+)
+def test_monodromy_of_all_modes_agrees_with_the_autonomous_form(
+    speed: float, unstable: list[int]
+) -> None:
+    """The larger system of all nodal diameters and families, damped, at kappa = 800 N/m."""
+    omega, kappa = speed * reference(), 800.0
+    whole = stage(0.001).with_unit_amplitudes().modes
+    turns = coupled_floquet(whole, speed=omega, kappa=kappa)
+    assert [k for k, turn in turns.items() if turn.growth > 0.0] == unstable
+    for k, turn in turns.items():
+        growth = growth_rate(whole.harmonic(k), speed=omega, kappa=kappa)
+        assert turn.growth == pytest.approx(growth, rel=1e-6, abs=1e-6 * reference())
 
 
 def test_physical_amplitudes_weaken_the_coupling() -> None:
