@@ -12,11 +12,17 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from bladewhirl.models.faults import UserError
+
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Quantity = Literal["displacement", "velocity"]
 
 FRAMES_PER_REVOLUTION = 24  #: fewer pictures a revolution make a turning wheel hard to follow
+
+
+class ViewError(UserError, ValueError):
+    """A view of a result that can't be had: its window, number of frames, factor or file."""
 
 
 def rotate(vectors: Array, angle: Array | float) -> Array:
@@ -40,15 +46,15 @@ def frame_records(
 
     Instants are snapped to the nearest record and doubles are dropped, so a window with fewer
     records than frames gives each record once. `end` may lie beyond the run, which may have
-    ended early. ValueError where nothing is left to choose from.
+    ended early. ViewError where nothing is left to choose from.
     """
     time = dataset["time"].values
     first = time[0] if start is None else start
     last = time[-1] if end is None else min(end, time[-1])
     if frames < 1:
-        raise ValueError(f"number of frames must be at least 1, got {frames}")
+        raise ViewError(f"number of frames must be at least 1, got {frames}")
     if not time[0] <= first <= last:
-        raise ValueError(
+        raise ViewError(
             f"window [{first:g}, {last if end is None else end:g}] s must be ordered and begin "
             f"inside the run, which covers [{time[0]:g}, {time[-1]:g}] s"
         )
@@ -82,12 +88,26 @@ def sampling_hint(dataset: xr.Dataset, records: IntArray) -> str | None:
     )
 
 
+def history(dataset: xr.Dataset, name: str, records: IntArray) -> Array:
+    """A variable over time at the records (record, ...), without reading the rest of it."""
+    values: Array = dataset[name].isel(time=records).values
+    return values
+
+
+def combine(coordinates: Array, shape: Array) -> Array:
+    """Field (record, point, 2) from coordinates (record, mode) and shapes (point, 2, mode), by
+    one matrix product over all records.
+    """
+    flat: Array = coordinates @ shape.reshape(-1, shape.shape[-1]).T
+    return flat.reshape(len(coordinates), -1, 2)
+
+
 def rotor_field(
     dataset: xr.Dataset, quantity: Quantity, records: IntArray, *, rotating: bool = False
 ) -> Array:
     """Vectors at the rotor's nodes (record, rotor_node, 2) [m or m/s], in static axes."""
-    coordinates = dataset[f"rotor_{quantity}"].values[records]
-    field = _combine(coordinates, dataset["rotor_shape"].values[:, :2])
+    coordinates = history(dataset, f"rotor_{quantity}", records)
+    field = combine(coordinates, dataset["rotor_shape"].values[:, :2])
     return field if rotating else rotate(field, turn(dataset, records)[:, None])
 
 
@@ -96,6 +116,28 @@ def rotor_points(dataset: xr.Dataset, records: IntArray, *, rotating: bool = Fal
     points = dataset["rotor_point"].values
     angle = np.zeros(len(records)) if rotating else turn(dataset, records)
     return rotate(points[None], angle[:, None])
+
+
+def line_rows(dataset: xr.Dataset, per_line: int) -> tuple[Array, Array]:
+    """Undeformed stations (rotor_line, per_line + 1, 2) [m] along every beam, and their
+    displacement for unit modal coordinates (rotor_line, per_line + 1, 2, rotor_mode), both in
+    rotating axes: linear along the beam, cubic Hermite across it, as in the finite elements.
+    """
+    ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
+    shape = dataset["rotor_shape"].values[dataset["rotor_line"].values]
+    span = ends[:, 1] - ends[:, 0]
+    length = np.linalg.norm(span, axis=1)
+    along = span / length[:, None]
+    axes = np.stack([along, rotate(along, np.pi / 2)], axis=1)
+    local = np.einsum("lad,ledm->leam", axes, shape[:, :, :2])
+    x = np.linspace(0.0, 1.0, per_line + 1)
+    cubic = _cubic(x)
+    axial = np.einsum("es,lem->lsm", np.stack([1 - x, x]), local[:, :, 0])
+    across = np.einsum("es,lem->lsm", cubic[::2], local[:, :, 1])
+    across += np.einsum("l,es,lem->lsm", length, cubic[1::2], shape[:, :, 2])
+    rows: Array = np.einsum("lad,lsam->lsdm", axes, np.stack([axial, across], axis=2))
+    points: Array = ends[:, None, 0] + x[:, None] * span[:, None]
+    return points, rows
 
 
 def ring_angles(dataset: xr.Dataset, per_element: int) -> Array:
@@ -119,14 +161,8 @@ def hermite_weights(dataset: xr.Dataset, angle: Array) -> tuple[IntArray, IntArr
     span = np.mod(first[right] - first[left], 2 * np.pi)
     length = span * dataset.attrs["casing_radius"]
     x = (inside - (first[left] - first[0])) / span
-    weights = np.column_stack(
-        [
-            1 - x**2 * (3 - 2 * x),
-            length * x * (1 - x) ** 2,
-            x**2 * (3 - 2 * x),
-            length * x**2 * (x - 1),
-        ]
-    )
+    weights = _cubic(x).T
+    weights[:, 1::2] *= length[:, None]
     return left, right, weights
 
 
@@ -147,8 +183,8 @@ def casing_polar_field(
     dataset: xr.Dataset, quantity: Quantity, records: IntArray, angle: Array
 ) -> Array:
     """Radial and tangential components (record, point, 2) [m or m/s] at static angles [rad]."""
-    coordinates = dataset[f"casing_{quantity}"].values[records]
-    return _combine(coordinates, casing_rows(dataset, angle))
+    coordinates = history(dataset, f"casing_{quantity}", records)
+    return combine(coordinates, casing_rows(dataset, angle))
 
 
 def casing_field(
@@ -195,8 +231,8 @@ def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = F
     step = dataset.attrs["record_step"]
     polar = np.stack(
         [
-            -dataset["contact_impulse"].values[records] / step,
-            -dataset["friction_impulse"].values[records] / step,
+            -history(dataset, "contact_impulse", records) / step,
+            -history(dataset, "friction_impulse", records) / step,
         ],
         axis=-1,
     )
@@ -214,9 +250,6 @@ def radial_part(vectors: Array, points: Array) -> Array:
     return part
 
 
-def _combine(coordinates: Array, shape: Array) -> Array:
-    """Field (record, point, 2) from coordinates (record, mode) and shapes (point, 2, mode), by
-    one matrix product over all records.
-    """
-    flat: Array = coordinates @ shape.reshape(-1, shape.shape[-1]).T
-    return flat.reshape(len(coordinates), -1, 2)
+def _cubic(x: Array) -> Array:
+    """Cubic Hermite weights (4, point) of value, slope at 0 and value, slope at 1 (unit length)."""
+    return np.stack([1 - x**2 * (3 - 2 * x), x * (1 - x) ** 2, x**2 * (3 - 2 * x), x**2 * (x - 1)])

@@ -23,6 +23,7 @@ from bladewhirl.postprocess.fields import (
     casing_polar_field,
     contact_forces,
     frame_records,
+    history,
     radial_part,
     ring_angles,
     rotor_field,
@@ -61,7 +62,7 @@ def write_vtk(
 
     With `rotating`, everything is seen from the rotor: its points stay, the casing's turn back,
     and all vectors are in rotating axes. Frames of an earlier export to the same folder go first.
-    ValueError for an empty window or number of frames.
+    ViewError for an empty window or number of frames.
     """
     records = frame_records(dataset, frames, start, end)
     hint = sampling_hint(dataset, records)
@@ -172,7 +173,7 @@ def _rotor_meshes(dataset: xr.Dataset, records: IntArray, rotating: bool) -> lis
     displacement = rotor_field(dataset, "displacement", records, rotating=rotating)
     tips = dataset["tip_node"].values
     gap = np.full(points.shape[:2], float(dataset["clearance"].mean()))
-    gap[:, tips] = dataset["gap"].values[records]
+    gap[:, tips] = history(dataset, "gap", records)
     force = np.zeros_like(points)
     force[:, tips] = contact_forces(dataset, records, rotating=rotating)
     return _meshes(

@@ -15,6 +15,7 @@ import typer
 from typer.core import TyperGroup
 
 from bladewhirl.studies.new import new
+from bladewhirl.studies.render import render
 
 USER_ERROR = 2
 """Exit code when the user can put it right; click uses the same for wrong options."""
@@ -45,6 +46,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command()(new)
+app.command()(render)
 
 
 def _print_version(wanted: bool) -> None:

@@ -179,3 +179,16 @@ def test_contact_force_pushes_inward_and_drags_backward(result: xr.Dataset) -> N
     assert force[1, 4] @ outward == pytest.approx(-0.5 / synthetic.RECORD_STEP)
     assert force[1, 4] @ forward == pytest.approx(-0.05 / synthetic.RECORD_STEP)
     assert np.count_nonzero(force[1].any(axis=1)) == 1
+
+
+def test_beams_between_nodes_follow_their_cubic(result: xr.Dataset) -> None:
+    points, rows = fields.line_rows(result, 7)
+    blades = result.rotor_part.values == "blades"
+    x, y = np.moveaxis(points[blades], -1, 0)
+    angle = np.round(np.arctan2(y, x) / (2 * np.pi / 22)) * (2 * np.pi / 22)
+    xi = (np.hypot(x, y) - synthetic.DISK_RADIUS) / (synthetic.TIP_RADIUS - synthetic.DISK_RADIUS)
+    bending = xi**2 * (3 - xi) / 2 * np.cos(angle)
+    expected = np.stack([-np.sin(angle) * bending, np.cos(angle) * bending], axis=-1)
+    np.testing.assert_allclose(rows[blades][..., 3], expected, atol=1e-13)
+    everywhere = np.stack([-points[..., 1], points[..., 0]], axis=-1)  # a rigid rotation
+    np.testing.assert_allclose(rows[..., 2], everywhere, atol=1e-15)

@@ -103,8 +103,8 @@ class TestFrames:
         self, result: xr.Dataset, tmp_path: Path
     ) -> None:
         moved = result.copy(deep=True)
-        moved["rotor_displacement"][:] = [3e-3, -1e-3, 0, 0, 0]
-        moved["casing_displacement"][:] = [-2e-3, 5e-4, 0, 0]
+        moved["rotor_displacement"][:] = np.array([3e-3, -1e-3, 0, 0, 0])
+        moved["casing_displacement"][:] = np.array([-2e-3, 5e-4, 0, 0])
         index = write_vtk(moved, tmp_path, frames=5)
         for entry in entries(index):
             mesh = meshio.read(index.parent / entry["file"])
