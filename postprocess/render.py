@@ -231,7 +231,8 @@ def _target(path: str | Path, *suffixes: str) -> Path:
 
 def _check_inside(dataset: xr.Dataset, time: float) -> None:
     first, last = dataset["time"].values[[0, -1]]
-    if not first <= time <= last:
+    step = float(dataset.attrs["record_step"])  # the last record may fall short of the end
+    if not first - step <= time <= last + step:
         raise ViewError(f"time {time:g} s lies outside the run, [{first:g}, {last:g}] s")
 
 

@@ -55,8 +55,8 @@ def write_vtk(
       displacement, without the transport velocity of the turning disk.
     * `radial_displacement` [m]: along the outward radius; zero at the centre.
     * `gap` [m], rotor only: at a tip the smallest gap since the record before; elsewhere the
-      undeformed clearance (its mean), so that a threshold on small gaps selects tips and no
-      value is missing.
+      undeformed clearance (its mean), so that no value is missing and a threshold on small gaps
+      ("All Scalars" off) selects the ends of the blades that touch.
     * `contact_force` [N], rotor only: at a tip the impulse since the record before divided by
       `record_step`, as a vector (normal inward, positive friction towards -theta); zero elsewhere.
 

@@ -62,7 +62,7 @@ def render(
     one factor, so contact looks like contact exactly when there is contact. Animations show 120
     pictures, close enough for a smooth turn, where contact was strongest, unless told otherwise.
     """
-    from bladewhirl.postprocess.render import render_still
+    from bladewhirl.models.faults import UserError
     from bladewhirl.postprocess.result import open_result
 
     targets = _targets(directory, output, {".gif": gif, ".mp4": mp4, ".png": png})
@@ -73,17 +73,13 @@ def render(
     window = (_seconds(start, "--from"), _seconds(end, "--to"))
     with open_result(directory) as result:
         for target in targets:
-            if target.suffix.lower() == ".png":
-                render_still(
-                    result,
-                    target,
-                    time=_seconds(time, "--time"),
-                    exaggeration=exaggeration,
-                    frame=frame.value,
-                )
-                typer.echo(f"Wrote {target}.")
-            else:
-                _film(result, target, frames, window, exaggeration, frame)
+            try:
+                if target.suffix.lower() == ".png":
+                    _still(result, target, _seconds(time, "--time"), exaggeration, frame)
+                else:
+                    _film(result, target, frames, window, exaggeration, frame)
+            except OSError as error:
+                raise UserError(f"{target}: cannot be written ({error.strerror})") from None
 
 
 def _targets(directory: Path, output: Path | None, wanted: dict[str, bool]) -> list[Path]:
@@ -128,6 +124,20 @@ def _seconds(text: str | None, option: str) -> float | None:
         raise UserError(
             f'{option} {text}: expected a time in seconds, or with a unit such as "0.8 ms"'
         ) from None
+
+
+def _still(
+    result: xr.Dataset,
+    target: Path,
+    time: float | None,
+    exaggeration: float | None,
+    frame: FrameOfView,
+) -> None:
+    """Write a still and say so."""
+    from bladewhirl.postprocess.render import render_still
+
+    render_still(result, target, time=time, exaggeration=exaggeration, frame=frame.value)
+    typer.echo(f"Wrote {target}.")
 
 
 def _film(

@@ -15,6 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from PIL import Image
 
+from bladewhirl.models.faults import UserError
 from bladewhirl.postprocess.off_screen import OffScreenError, require_off_screen
 from bladewhirl.postprocess.render import (
     animation_records,
@@ -28,15 +29,6 @@ SMALL = (320, 240)
 STAGE = 240  # the left three quarters of the window
 
 Pixels = NDArray[np.int64]
-
-
-@pytest.fixture
-def can_draw() -> None:
-    """Skips where the system has no OpenGL for VTK to draw with."""
-    try:
-        require_off_screen()
-    except OffScreenError as error:
-        pytest.skip(str(error))
 
 
 @pytest.fixture(scope="module")
@@ -122,6 +114,11 @@ class TestStill:
             differing = np.any(images[one][:, :STAGE] != images[other][:, :STAGE], axis=-1)
             assert differing.mean() > 0.02
 
+    def test_the_end_of_a_run_is_the_last_record(self, result: xr.Dataset, tmp_path: Path) -> None:
+        last = pixels(render_still(result, tmp_path / "a.png", time=0.4, size=SMALL))
+        beyond = pixels(render_still(result, tmp_path / "b.png", time=0.4005, size=SMALL))
+        np.testing.assert_array_equal(last, beyond)
+
     def test_rest_is_drawn(self, tmp_path: Path) -> None:
         rest = synthetic.synthetic_result(records=1)
         for name in ("rotor_displacement", "casing_displacement", "contact_impulse"):
@@ -203,7 +200,7 @@ class TestRefusals:
             render_animation(result, tmp_path / "run.avi", np.arange(3))
 
     def test_time_outside_the_run(self, result: xr.Dataset, tmp_path: Path) -> None:
-        with pytest.raises(ValueError, match=r"time 0\.5 s lies outside the run, \[0, 0\.4\] s"):
+        with pytest.raises(UserError, match=r"time 0\.5 s lies outside the run, \[0, 0\.4\] s"):
             render_still(result, tmp_path / "still.png", time=0.5)
 
     def test_a_system_without_egl_is_told_what_to_install(
