@@ -12,11 +12,11 @@ SUSPENSION = "suspension"
 FIRST_FAMILY = "1F"
 
 SMOOTHED_PERIODS = 30.0
-"""A run of more periods of the reference frequency is drawn as means over whole periods: its
+"""A run of more periods of the reference frequency is drawn as means over a period, closely: its
 ripple at twice the frequency would fill the figure."""
 
 PLOT_POINTS = 300
-"""Points a line of means has at most: in a longer run each is a mean over several periods."""
+"""Points that a line of means has at most: in a longer run each stands for several periods."""
 
 PLOT_DECADES = 6.0
 """Decades below the largest energy that the plot shows."""
@@ -66,7 +66,7 @@ def plot_energy(energies: xr.Dataset) -> Figure:
     """Draw the strain energies over time on a logarithmic axis, from `strain_energies`.
 
     All nodal diameters but 0 and 1 are added together, as in the paper's Figs 17(b) and 22. A
-    long run is drawn as means over whole periods of the reference frequency; the title says so.
+    long run is drawn as means over a period of the reference frequency, which the title says.
     Terms that stay zero are left out.
     """
     family = energies["first_family"]
@@ -76,14 +76,14 @@ def plot_energy(energies: xr.Dataset) -> Figure:
         terms[name] = terms.get(name, 0.0) + family.sel(nodal_diameter=k).values
     terms["rest"] = energies["rest"].values
 
-    span = _mean_span(energies)
-    first = _span_starts(energies["time"].values, span)
+    time = energies["time"].values
+    first = _first_of_means(time, 2 * np.pi / energies.attrs["reference_frequency"])
     figure = new_figure(height=0.062)
     axes = figure.add_subplot()
     for name, energy in terms.items():
         if energy.any():
             axes.plot(
-                _means(energies["time"].values, first),
+                _means(time, first),
                 _means(energy, first),
                 color=COLOURS[name],
                 linewidth=2.0 if name == "total" else 1.0,
@@ -94,27 +94,20 @@ def plot_energy(energies: xr.Dataset) -> Figure:
         axes.set_yscale("log")
         axes.set_ylim(top * 10**-PLOT_DECADES, top * 3)
         figure.legend(loc="outside lower center", ncols=3)
-    mean = f", mean over {1e3 * span:.3g} ms" if span else ""
+    drawn = f", mean over {1e3 * np.ptp(time) / len(first):.3g} ms"
     axes.set(xlabel="time [s]", ylabel="strain energy [J]")
-    axes.set_title(f"{speed_label(energies)}{mean}")
+    axes.set_title(f"{speed_label(energies)}{drawn if len(first) < len(time) else ''}")
     return figure
 
 
-def _mean_span(energies: xr.Dataset) -> float:
-    """Span of time that a drawn point stands for [s]; zero to draw the records themselves."""
-    time = energies["time"].values
-    period = 2 * np.pi / energies.attrs["reference_frequency"]
-    periods = (time[-1] - time[0]) / period
+def _first_of_means(time: Array, period: float) -> IntArray:
+    """First record of each drawn point: of every record in a short run, else of equal spans."""
+    periods = np.ptp(time) / period
     if periods <= SMOOTHED_PERIODS:
-        return 0.0
-    return float(period * np.ceil(periods / PLOT_POINTS))
-
-
-def _span_starts(time: Array, span: float) -> IntArray:
-    """First record of each span that has any."""
-    if not span:
         return np.arange(len(time))
-    return np.unique((time - time[0]) // span, return_index=True)[1]
+    spans = int(min(periods, PLOT_POINTS))
+    number = np.minimum((time - time[0]) * spans // np.ptp(time), spans - 1)
+    return np.unique(number, return_index=True)[1]
 
 
 def _means(values: Array, first: IntArray) -> Array:

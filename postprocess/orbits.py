@@ -27,7 +27,7 @@ LONG_LINE = 5000
 """Points above which a line is a picture inside a PDF: such files would grow unwieldy."""
 
 SEEN = 0.1
-"""Share of the axes that a turn must fill for arrows to be told from its line."""
+"""Share of the axes that a turn must span for arrows on it to be read."""
 
 PALE = "#B0B0B0"
 CLEARANCE_LINE: dict[str, Any] = {
@@ -118,11 +118,12 @@ def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
 def plot_orbit(orbit: xr.Dataset) -> Figure:
     """Draw an orbit from `shaft_orbit` in rotating and static axes, side by side, in mm.
 
-    The whole motion is thin and pale; its last turn about the origin (or all of it, if it makes
-    less) is strong, with arrows along it. Each frame's title names the whirl over the last third.
+    The whole motion is thin and pale; the last turn about the origin within the last third of the
+    time (or that third, where it makes less) is strong, with arrows along it. Each frame's title
+    names the whirl over the last third.
     """
     time = orbit["time"].values
-    late = orbit.isel(time=time >= time[0] + (time[-1] - time[0]) * 2 / 3)
+    late = orbit.isel(time=slice(int(np.searchsorted(time, time[0] + np.ptp(time) * 2 / 3)), None))
     clearance = MILLI * orbit.attrs["smallest_clearance"]
     edge = 1.1 * max(MILLI * float(orbit["radius"].max()), clearance) or 1.0  # all at rest: 1 mm
     figure = new_figure(height=0.062)
@@ -130,7 +131,8 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
     for axes, frame in zip(panels, FRAMES, strict=True):
         axes.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge), xlabel="x [mm]")
         axes.add_patch(Circle((0, 0), clearance, fill=False, **CLEARANCE_LINE))
-        _draw_path(axes, MILLI * orbit[frame].values, edge)
+        _draw_path(axes, MILLI * orbit[frame].values)
+        _draw_turn(axes, _last_turn(MILLI * late[frame].values), edge)
         axes.set_title(f"{frame} frame\n{_sense(whirl(late, frame))}")
     panels[0].set_ylabel("y [mm]")
     panels[0].plot([], [], label="clearance", **CLEARANCE_LINE)
@@ -145,18 +147,21 @@ def _sense(found: Whirl) -> str:
     return f"{found.direction}, {abs(found.rate) / (2 * np.pi):.3g} Hz"
 
 
-def _draw_path(axes: Axes, place: Array, edge: float) -> None:
-    """A path (record, 2), its last turn, start and end; `edge` is the reach of the axes."""
-    turn = _last_turn(place)
-    picture = len(place) > LONG_LINE
-    axes.plot(*place.T, color=PALE, linewidth=0.4, rasterized=picture)
-    axes.plot(*turn.T, color=COLOURS["rotor"], label="last turn", rasterized=picture)
+def _draw_path(axes: Axes, place: Array) -> None:
+    """A whole path (record, 2), its start and its end."""
+    axes.plot(*place.T, color=PALE, linewidth=0.4, rasterized=len(place) > LONG_LINE)
     ends: dict[str, Any] = {"color": COLOURS["rotor"], "linestyle": "none", "markersize": 4}
     axes.plot(*place[:1].T, marker="o", markerfacecolor="white", label="start", **ends)
     axes.plot(*place[-1:].T, marker="s", label="end", **ends)
-    if np.ptp(turn, axis=0).max() > SEEN * edge:
+
+
+def _draw_turn(axes: Axes, path: Array, edge: float) -> None:
+    """The end of a path, with arrows where it is seen as a line; axes reach to `edge`."""
+    long = len(path) > LONG_LINE
+    axes.plot(*path.T, color=COLOURS["rotor"], label="late motion", rasterized=long)
+    if np.ptp(path, axis=0).max() > SEEN * edge:
         for share in (0.2, 0.5, 0.8):
-            _draw_arrow(axes, turn, share)
+            _draw_arrow(axes, path, share)
 
 
 def _draw_arrow(axes: Axes, path: Array, share: float) -> None:

@@ -151,13 +151,20 @@ class TestPlotOrbit:
             np.testing.assert_allclose(marks["start"], 1e3 * orbit[frame].values[:1])
             np.testing.assert_allclose(marks["end"], 1e3 * orbit[frame].values[-1:])
 
-    def test_the_strong_line_is_the_last_turn(self) -> None:
+    def test_the_strong_line_is_the_last_turn_within_the_last_third(self) -> None:
         rotating, static = self.figure().axes
-        for axes, turned in ((rotating, 2 * np.pi), (static, 10.0 * 0.4)):
-            (last,) = [mark for mark in axes.lines if mark.get_label() == "last turn"]
-            path = np.asarray(last.get_xydata())
+        for axes, turned in ((rotating, 2 * np.pi), (static, 10.0 * 0.4 / 3)):
+            (late,) = [mark for mark in axes.lines if mark.get_label() == "late motion"]
+            path = np.asarray(late.get_xydata())
             angle = np.unwrap(np.arctan2(path[:, 1], path[:, 0]))
             assert abs(angle[-1] - angle[0]) == pytest.approx(turned, abs=RATE * 1e-3)
+
+    def test_a_steady_place_has_no_arrows(self) -> None:
+        ripple = 1e-5 * np.sin(np.arange(401.0))
+        orbit = shaft_orbit(moved(RADIUS + ripple, ripple, 0 * ripple, 0 * ripple))
+        rotating, static = plot_orbit(orbit).axes
+        assert not arrows(rotating)
+        assert arrows(static)
 
     def test_a_shaft_at_rest_and_no_clearance(self) -> None:
         result = synthetic.synthetic_result(shaft_radius=0.0, records=2)
