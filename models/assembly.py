@@ -57,7 +57,7 @@ def curved_beams(lengths: FloatArray, lines: IntArray, nodes: int) -> LineAssemb
 def _assembler(element: Element, lengths: FloatArray, lines: IntArray, nodes: int) -> LineAssembler:
     count = len(lengths)
     ends = np.column_stack([np.zeros(count), lengths]).reshape(1, -1)
-    flat = MeshLine1(ends, np.arange(2 * count).reshape(-1, 2).T)
+    flat = MeshLine1(ends, np.ascontiguousarray(np.arange(2 * count).reshape(-1, 2).T))
     # Only the connectivity of this mesh is used; its points need not exist.
     topology = MeshLine1(np.zeros((1, nodes)), np.ascontiguousarray(lines.T), validate=False)
     dofs = Dofs(topology, element)

@@ -1,0 +1,91 @@
+"""From a stage to what the contact march is given, with every fault that only shows here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import chain
+
+import numpy as np
+
+from bladewhirl.models.case_file import case_fault
+from bladewhirl.models.contact_problem import ContactProblem
+from bladewhirl.models.faults import CaseError, Fault
+from bladewhirl.models.loads import excitation_loads, initial_state
+from bladewhirl.models.stage import Stage
+
+
+def contact_problem(stage: Stage) -> ContactProblem:
+    """What to march.
+
+    Raises:
+        CaseError: all faults of `march_faults`.
+    """
+    faults = list(march_faults(stage))
+    if faults:
+        raise CaseError(faults)
+    case = stage.case
+    return ContactProblem(
+        rotor=stage.rotor,
+        casing=stage.reduced_casing,
+        speed=stage.speed,
+        friction=case.contact.friction,
+        sliding=case.contact.sliding,
+        tip_rotation=case.contact.tip_rotation,
+        displacement_limit=case.march.displacement_limit,
+        loads=excitation_loads(stage),
+        start=initial_state(stage),
+    )
+
+
+def critical_time_step(stage: Stage) -> float:
+    """2 / omega_max of bladed disk and casing, the stability limit of central differences [s]."""
+    highest = max(stage.rotor.frequency.max(), stage.reduced_casing.frequency.max())
+    return float(2.0 / highest)
+
+
+def march_faults(stage: Stage) -> Iterator[Fault]:
+    """Faults of the case that stand in the way of a march."""
+    yield from chain(time_step_faults(stage), _coupling_faults(stage), _start_faults(stage))
+
+
+def time_step_faults(stage: Stage) -> Iterator[Fault]:
+    """A time step above the stability limit, or in which a tip skips casing elements."""
+    case, limit = stage.case, critical_time_step(stage)
+    step = case.march.time_step
+    if not step < limit:
+        expected = (
+            f"less than the critical step {limit:.6g} s = 2/omega_max (or fewer"
+            " casing.elements, bladed_disk.elements_per_blade or"
+            " reduction.fixed_interface_modes)"
+        )
+        yield case_fault(case, "march.time_step", expected)
+    element = 2.0 * np.pi / case.casing.elements
+    if not abs(stage.speed) * step < element:
+        fastest = element / step / stage.reference_frequency
+        expected = f"less than {fastest:.6g}, at which a tip passes a casing element every step"
+        yield case_fault(case, "march.speed", expected)
+
+
+def _coupling_faults(stage: Stage) -> Iterator[Fault]:
+    if stage.case.coupling.stiffness != 0.0:
+        expected = "0: a coupling through frame and bearings is not marched yet"
+        yield case_fault(stage.case, "coupling.stiffness", expected)
+
+
+def _start_faults(stage: Stage) -> Iterator[Fault]:
+    """Tips that start inside the casing, displacements that start beyond their limit."""
+    case, rows = stage.case, stage.case.initial.tip_displacement or ()
+    for blade, (radial, _) in enumerate(rows):
+        if radial > case.casing.clearance:
+            expected = (
+                f"tips inside the casing: blade {blade} starts {radial:.6g} m outward, with a"
+                f" casing.clearance of {case.casing.clearance:.6g} m"
+            )
+            yield case_fault(case, "initial.tip_displacement", expected)
+            break
+    limit = case.march.displacement_limit
+    for key in ("tip_displacement", "centre_displacement"):
+        largest = np.abs(getattr(case.initial, key) or 0.0).max()
+        if largest > limit:
+            expected = f"displacements up to march.displacement_limit = {limit:.6g} m"
+            yield case_fault(case, f"initial.{key}", expected)

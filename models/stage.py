@@ -1,0 +1,262 @@
+"""From a case to a stage: finite elements, reduction, modes and their labels."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+
+from bladewhirl.meshes import RingMesh, bladed_disk_mesh
+from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.case import BeamSection, Case
+from bladewhirl.models.case_file import case_fault
+from bladewhirl.models.casing import RADIAL, TANGENTIAL, Casing, assemble_casing
+from bladewhirl.models.contact_problem import ReducedCasing, ReducedRotor
+from bladewhirl.models.faults import CaseError, Fault
+from bladewhirl.models.frequencies import Frequencies, family_errors, lowest_frequencies
+from bladewhirl.models.modes import Modes, families, structure_modes
+from bladewhirl.models.reduction import Reduction, craig_bampton
+from bladewhirl.models.sections import Section, line_properties
+from bladewhirl.models.stage_arrays import StageArrays
+
+FULL_FREQUENCIES = 7
+"""Frequencies of the full model found for each nodal diameter: five families, the suspension
+pair, and one more."""
+
+MOST_ENTRIES = 5e8
+"""Largest number of entries (4 GB) in the shapes of a reduced model's modes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stage:
+    """A bladed disk and a casing: in full, reduced, and with their modes named."""
+
+    case: Case
+    disk: BladedDisk
+    casing: Casing
+    disk_frequencies: Frequencies  #: of the full bladed disk, as supported in the case
+    reference_frequency: float  #: lowest of the full bladed disk with a free centre [rad/s]
+    reduction: Reduction  #: of the bladed disk
+    disk_family: tuple[str, ...]  #: of each of its modes
+    frequency_error: dict[str, float]  #: largest relative one of the reduction, by family
+    casing_modes: Modes  #: all of them; the casing is not reduced
+    casing_family: tuple[str, ...]
+    rotor: ReducedRotor
+    reduced_casing: ReducedCasing
+
+    @property
+    def speed(self) -> float:
+        """Speed of rotation Omega [rad/s], counter-clockwise."""
+        return self.case.march.speed.rad_per_s(self.reference_frequency)
+
+    @property
+    def normalised_speed(self) -> float:
+        """Speed in multiples of the reference frequency."""
+        return self.speed / self.reference_frequency
+
+    @property
+    def boundary_sets(self) -> dict[str, IntArray]:
+        """Degrees of freedom of the bladed disk that the reduction keeps, by name."""
+        return boundary_sets(self.disk)
+
+    @property
+    def arrays(self) -> StageArrays:
+        """What a result needs to know of the stage."""
+        mesh, modes = self.disk.mesh, self.reduction.modes
+        nodes = self.casing.mesh.elements
+        return StageArrays(
+            rotor_frequency=modes.frequency,
+            rotor_nodal_diameter=modes.nodal_diameter,
+            rotor_family=self.disk_family,
+            rotor_spring_share=modes.spring_share,
+            casing_frequency=self.casing_modes.frequency,
+            casing_nodal_diameter=self.casing_modes.nodal_diameter,
+            casing_family=self.casing_family,
+            rotor_point=mesh.points,
+            rotor_line=mesh.lines,
+            rotor_thickness=self.disk.properties.thickness,
+            rotor_part=tuple(mesh.line_parts),
+            rotor_shape=self.disk.cartesian(modes.shapes),
+            tip_node=mesh.node_sets["tips"],
+            tip_angle=self.disk.tip_angles,
+            centre_node=int(mesh.node_sets["centre"][0]),
+            casing_angle=self.casing.mesh.angles,
+            casing_thickness=np.full(nodes, self.casing.section.thickness),
+            casing_shape=self.reduced_casing.nodal,
+            clearance=self.reduced_casing.clearance[:, 0],
+        )
+
+
+def build_stage(case: Case) -> Stage:
+    """Build the stage of a case.
+
+    Raises:
+        CaseError: more fixed-interface modes than internal degrees of freedom, a stage too large,
+            or numbers that finite elements can't be made of.
+    """
+    with _numbers_within_reach():
+        disk = _bladed_disk(case, clamped=case.shaft.clamped)
+        _check_reduction(case, disk)
+        casing = _casing(case)
+        full = lowest_frequencies(disk.structure, FULL_FREQUENCIES)
+        reference = _reference_frequency(case, full)
+        reduction = craig_bampton(
+            disk.structure,
+            np.concatenate([*boundary_sets(disk).values()]),
+            case.reduction.fixed_interface_modes,
+            _tip_in_sector(disk),
+        )
+        casing_modes = structure_modes(casing.structure, (RADIAL, TANGENTIAL))
+    disk_family = families(reduction.modes, "bladed-disk")
+    return Stage(
+        case=case,
+        disk=disk,
+        casing=casing,
+        disk_frequencies=full,
+        reference_frequency=reference,
+        reduction=reduction,
+        disk_family=tuple(disk_family),
+        frequency_error=family_errors(reduction.modes, disk_family, full),
+        casing_modes=casing_modes,
+        casing_family=tuple(families(casing_modes, "casing")),
+        rotor=_reduced_rotor(case, disk, reduction.modes),
+        reduced_casing=_reduced_casing(case, casing, casing_modes),
+    )
+
+
+def boundary_sets(disk: BladedDisk) -> dict[str, IntArray]:
+    """Degrees of freedom of a bladed disk that the casing and the shaft act on, by name."""
+    return {
+        "tip_radial": disk.tip_radial,
+        "tip_tangential": disk.tip_tangential,
+        "centre": disk.centre,
+    }
+
+
+def _section(case: Case, section: BeamSection) -> Section:
+    material = case.material
+    return Section(
+        width=section.width,
+        thickness=section.thickness,
+        young_modulus=material.young_modulus,
+        density=material.density,
+    )
+
+
+def _bladed_disk(case: Case, *, clamped: bool) -> BladedDisk:
+    given = case.bladed_disk
+    mesh = bladed_disk_mesh(
+        blades=given.blades,
+        tip_radius=given.tip_radius,
+        disk_radius=given.disk_radius,
+        elements_per_blade=given.elements_per_blade,
+    )
+    blade, disk = _section(case, given.blade), _section(case, given.disk)
+    properties = line_properties(mesh, {"blades": blade, "spokes": disk, "rim": disk})
+    return assemble_bladed_disk(
+        mesh, properties, shaft_stiffness=case.shaft.stiffness, clamped=clamped
+    )
+
+
+def _casing(case: Case) -> Casing:
+    given = case.casing
+    radius = case.bladed_disk.tip_radius + given.clearance
+    return assemble_casing(
+        RingMesh(elements=given.elements, radius=radius),
+        _section(case, given.wall),
+        curvature=given.curvature,
+        support=given.support,
+        rotation=given.rotation,
+    )
+
+
+def _reference_frequency(case: Case, full: Frequencies) -> float:
+    """Lowest frequency of the full bladed disk with a free centre [rad/s].
+
+    Raises:
+        FloatingPointError: it is lost in rounding.
+    """
+    if case.shaft.clamped:
+        free = _bladed_disk(case, clamped=False)
+        full = lowest_frequencies(free.structure, FULL_FREQUENCIES)
+    lowest = float(min(found[0] for found in full.values()))
+    if not lowest > 0.0:
+        raise FloatingPointError("the lowest frequency of the bladed disk is lost in rounding")
+    return lowest
+
+
+def _reduced_rotor(case: Case, disk: BladedDisk, modes: Modes) -> ReducedRotor:
+    centre = np.zeros((2, modes.count))
+    centre[: len(disk.centre)] = modes.shapes[disk.centre]  # none when clamped
+    return ReducedRotor(
+        frequency=modes.frequency,
+        damping_ratio=np.full(modes.count, case.damping.ratio),
+        tip_radial=modes.shapes[disk.tip_radial],
+        tip_tangential=modes.shapes[disk.tip_tangential],
+        centre=centre,
+        tip_angle=disk.tip_angles,
+        tip_radius=case.bladed_disk.tip_radius,
+        column=modes.column,
+    )
+
+
+def _reduced_casing(case: Case, casing: Casing, modes: Modes) -> ReducedCasing:
+    uniform = (case.casing.clearance, 0.0)
+    return ReducedCasing(
+        frequency=modes.frequency,
+        damping_ratio=np.full(modes.count, case.damping.ratio),
+        nodal=casing.nodal(modes.shapes),
+        clearance=np.tile(uniform, (casing.mesh.elements, 1)),
+        radius=casing.mesh.radius,
+        column=modes.column,
+    )
+
+
+def _tip_in_sector(disk: BladedDisk) -> tuple[int, int]:
+    """Positions of the tip's radial and tangential DoF among those of a sector."""
+    layout = disk.structure.layout
+    assert layout is not None  # a mesh made of sectors
+    first = list(layout.sector_dofs[0])
+    return first.index(disk.tip_radial[0]), first.index(disk.tip_tangential[0])
+
+
+def _check_reduction(case: Case, disk: BladedDisk) -> None:
+    """Refuse what can't be reduced.
+
+    Raises:
+        CaseError: more modes than internal degrees of freedom, or too large a model.
+    """
+    boundary = sum(map(len, boundary_sets(disk).values()))
+    internal = disk.structure.size - boundary
+    key, wanted = "reduction.fixed_interface_modes", case.reduction.fixed_interface_modes
+    if wanted > internal:
+        expected = f"at most {internal}, the internal degrees of freedom of the bladed disk"
+        raise CaseError([case_fault(case, key, expected)])
+    if disk.structure.size * (boundary + wanted) > MOST_ENTRIES:
+        expected = (
+            f"a bladed disk of fewer degrees of freedom than {disk.structure.size}, or fewer "
+            f"fixed-interface modes: at most {MOST_ENTRIES:g} entries in the modes' shapes"
+        )
+        raise CaseError([Fault(key="bladed_disk", expected=expected)])
+    nodal = 4 * case.casing.elements
+    if nodal**2 > MOST_ENTRIES:
+        expected = f"at most {int(MOST_ENTRIES**0.5) // 4} elements"
+        raise CaseError([case_fault(case, "casing.elements", expected)])
+
+
+@contextmanager
+def _numbers_within_reach() -> Iterator[None]:
+    """Turn the floating point's limits into a fault of the case.
+
+    Raises:
+        CaseError: sizes or material so extreme that matrices overflow or lose definiteness.
+    """
+    try:
+        with np.errstate(over="raise", invalid="raise", divide="raise"):
+            yield
+    except (FloatingPointError, np.linalg.LinAlgError, OverflowError) as error:
+        expected = f"sizes, material and springs within reach of double precision ({error})"
+        raise CaseError([Fault(expected=expected)]) from None

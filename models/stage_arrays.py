@@ -1,0 +1,32 @@
+"""A stage as a result describes it: arrays alone, enough to draw and to measure every motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class StageArrays:
+    """Modes, geometry and shapes of both bodies; the rotor in its rotating axes at angle 0."""
+
+    rotor_frequency: FloatArray  #: [rad/s], (rotor modes,)
+    rotor_nodal_diameter: IntArray  #: (rotor modes,)
+    rotor_family: tuple[str, ...]  #: "1F", "2F", ..., "suspension", (rotor modes,)
+    rotor_spring_share: FloatArray  #: share of strain energy in the shaft springs, (rotor modes,)
+    casing_frequency: FloatArray  #: [rad/s], (casing modes,)
+    casing_nodal_diameter: IntArray  #: (casing modes,)
+    casing_family: tuple[str, ...]  #: "1F", ..., "rigid", (casing modes,)
+    rotor_point: FloatArray  #: undeformed nodes [m], (rotor nodes, 2)
+    rotor_line: IntArray  #: end nodes of each line, (rotor lines, 2)
+    rotor_thickness: FloatArray  #: in the plane [m], (rotor lines,)
+    rotor_part: tuple[str, ...]  #: set that each line belongs to, (rotor lines,)
+    rotor_shape: FloatArray  #: x, y [kg^-1/2], rotation [kg^-1/2/m], (rotor nodes, 3, rotor modes)
+    tip_node: IntArray  #: (blades,)
+    tip_angle: FloatArray  #: from +x [rad], (blades,)
+    centre_node: int
+    casing_angle: FloatArray  #: of each node from +x [rad], (casing nodes,)
+    casing_thickness: FloatArray  #: of element i, from node i to the next [m], (casing nodes,)
+    casing_shape: FloatArray  #: w, dw/ds, u, du/ds, (casing nodes, 4, casing modes)
+    clearance: FloatArray  #: at each casing node [m], (casing nodes,)
