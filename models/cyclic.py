@@ -40,7 +40,7 @@ def real_dft(sectors: int) -> FloatArray:
     for column in range(sectors):
         k, sine = nodal_diameter_of(column), column % 2 == 0
         basis[:, column] = np.sin(k * angles) if sine and k else np.cos(k * angles)
-    return basis / np.linalg.norm(basis, axis=0)
+    return np.asarray(basis / np.linalg.norm(basis, axis=0))
 
 
 def nodal_diameter_of(column: int) -> int:

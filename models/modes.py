@@ -185,13 +185,13 @@ def constrained_eigh(
     Args:
         stiffness: (n, n).
         mass: (n, n).
-        held: (n, constraints); columns that vanish constrain nothing.
+        held: (n, constraints), columns of order one; those that vanish constrain nothing.
         count: how many of the lowest; all when None.
 
     Returns:
         eigenvalues ascending (m,), mass-normalised vectors (n, m).
     """
-    held = held[:, np.linalg.norm(held, axis=0) > 0.0]
+    held = held[:, np.linalg.norm(held, axis=0) > 1e-9]
     if held.size:
         allowed = la.null_space((mass @ held).conj().T)
         square, vectors = constrained_eigh(
@@ -240,8 +240,8 @@ def families(modes: Modes, body: Literal["bladed-disk", "casing"]) -> list[str]:
     else:
         special = suspension_pair(modes)
         name = "suspension"
-    for mode in special:
-        labels[int(mode)] = name
+    for apart in special.tolist():
+        labels[apart] = name
     ranked: dict[int, int] = {}
     for mode in range(modes.count):
         if labels[mode]:

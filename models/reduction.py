@@ -122,14 +122,15 @@ def _cyclic(
 
 def _edge(layout: SectorLayout, boundary: IntArray, k: int) -> IntArray:
     """Positions in block k of the boundary DoF."""
-    in_sector = np.flatnonzero(np.isin(layout.sector_dofs[0], boundary))
-    same = np.isin(layout.sector_dofs, boundary) == np.isin(layout.sector_dofs[:1], boundary)
-    if not same.all():
-        raise ValueError("the boundary DoF of a cyclic structure must be the same in all sectors")
-    own, per_sector = layout.basis(k).shape[1], layout.sector_dofs.shape[1]
-    centre_kept = bool(np.isin(layout.centre_dofs[layout.centre_dofs >= 0], boundary).any())
-    centre = np.arange(per_sector, own) if centre_kept else np.zeros(0, dtype=np.int64)
-    return np.concatenate([in_sector, centre])
+    members = abs(layout.basis(k)) > 0.0
+    kept = np.isin(np.arange(layout.size), boundary).astype(np.int64)
+    found, whole = kept @ members, members.sum(axis=0)
+    if not np.all((found == 0) | (found == whole)):
+        raise ValueError(
+            "the boundary DoF of a cyclic structure must be the same in all sectors, and at its "
+            "centre both translations or none"
+        )
+    return np.flatnonzero(found)
 
 
 def _split(mass: ComplexArray, stiffness: ComplexArray, edge: IntArray, count: int) -> _Block:
