@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
 
-from bladewhirl.meshes import RingMesh, bladed_disk_mesh
 from bladewhirl.meshes.line_mesh import IntArray
-from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
-from bladewhirl.models.case import BeamSection, Case
+from bladewhirl.models.bladed_disk import BladedDisk
+from bladewhirl.models.case import Case
+from bladewhirl.models.case_bodies import (
+    case_bladed_disk,
+    case_casing,
+    numbers_within_reach,
+    tip_in_sector,
+)
 from bladewhirl.models.case_file import case_fault
-from bladewhirl.models.casing import RADIAL, TANGENTIAL, Casing, assemble_casing
+from bladewhirl.models.casing import RADIAL, TANGENTIAL, Casing
 from bladewhirl.models.contact_problem import ReducedCasing, ReducedRotor
 from bladewhirl.models.faults import CaseError, Fault
 from bladewhirl.models.frequencies import Frequencies, family_errors, lowest_frequencies
 from bladewhirl.models.modes import Modes, families, structure_modes
 from bladewhirl.models.reduction import Reduction, craig_bampton
-from bladewhirl.models.sections import Section, line_properties
 from bladewhirl.models.stage_arrays import StageArrays
 
 FULL_FREQUENCIES = 7
@@ -97,17 +99,17 @@ def build_stage(case: Case) -> Stage:
         CaseError: more fixed-interface modes than internal degrees of freedom, a stage too large,
             or numbers that finite elements can't be made of.
     """
-    with _numbers_within_reach():
-        disk = _bladed_disk(case, clamped=case.shaft.clamped)
+    with numbers_within_reach():
+        disk = case_bladed_disk(case, clamped=case.shaft.clamped)
         _check_reduction(case, disk)
-        casing = _casing(case)
+        casing = case_casing(case)
         full = lowest_frequencies(disk.structure, FULL_FREQUENCIES)
         reference = _reference_frequency(case, full)
         reduction = craig_bampton(
             disk.structure,
             np.concatenate([*boundary_sets(disk).values()]),
             case.reduction.fixed_interface_modes,
-            _tip_in_sector(disk),
+            tip_in_sector(disk),
         )
         casing_modes = structure_modes(casing.structure, (RADIAL, TANGENTIAL))
     disk_family = families(reduction.modes, "bladed-disk")
@@ -136,43 +138,6 @@ def boundary_sets(disk: BladedDisk) -> dict[str, IntArray]:
     }
 
 
-def _section(case: Case, section: BeamSection) -> Section:
-    material = case.material
-    return Section(
-        width=section.width,
-        thickness=section.thickness,
-        young_modulus=material.young_modulus,
-        density=material.density,
-    )
-
-
-def _bladed_disk(case: Case, *, clamped: bool) -> BladedDisk:
-    given = case.bladed_disk
-    mesh = bladed_disk_mesh(
-        blades=given.blades,
-        tip_radius=given.tip_radius,
-        disk_radius=given.disk_radius,
-        elements_per_blade=given.elements_per_blade,
-    )
-    blade, disk = _section(case, given.blade), _section(case, given.disk)
-    properties = line_properties(mesh, {"blades": blade, "spokes": disk, "rim": disk})
-    return assemble_bladed_disk(
-        mesh, properties, shaft_stiffness=case.shaft.stiffness, clamped=clamped
-    )
-
-
-def _casing(case: Case) -> Casing:
-    given = case.casing
-    radius = case.bladed_disk.tip_radius + given.clearance
-    return assemble_casing(
-        RingMesh(elements=given.elements, radius=radius),
-        _section(case, given.wall),
-        curvature=given.curvature,
-        support=given.support,
-        rotation=given.rotation,
-    )
-
-
 def _reference_frequency(case: Case, full: Frequencies) -> float:
     """Lowest frequency of the full bladed disk with a free centre [rad/s].
 
@@ -180,7 +145,7 @@ def _reference_frequency(case: Case, full: Frequencies) -> float:
         FloatingPointError: it is lost in rounding.
     """
     if case.shaft.clamped:
-        free = _bladed_disk(case, clamped=False)
+        free = case_bladed_disk(case, clamped=False)
         full = lowest_frequencies(free.structure, FULL_FREQUENCIES)
     lowest = float(min(found[0] for found in full.values()))
     if not lowest > 0.0:
@@ -215,14 +180,6 @@ def _reduced_casing(case: Case, casing: Casing, modes: Modes) -> ReducedCasing:
     )
 
 
-def _tip_in_sector(disk: BladedDisk) -> tuple[int, int]:
-    """Positions of the tip's radial and tangential DoF among those of a sector."""
-    layout = disk.structure.layout
-    assert layout is not None  # a mesh made of sectors
-    first = list(layout.sector_dofs[0])
-    return first.index(disk.tip_radial[0]), first.index(disk.tip_tangential[0])
-
-
 def _check_reduction(case: Case, disk: BladedDisk) -> None:
     """Refuse what can't be reduced.
 
@@ -245,18 +202,3 @@ def _check_reduction(case: Case, disk: BladedDisk) -> None:
     if nodal**2 > MOST_ENTRIES:
         expected = f"at most {int(MOST_ENTRIES**0.5) // 4} elements"
         raise CaseError([case_fault(case, "casing.elements", expected)])
-
-
-@contextmanager
-def _numbers_within_reach() -> Iterator[None]:
-    """Turn the floating point's limits into a fault of the case.
-
-    Raises:
-        CaseError: sizes or material so extreme that matrices overflow or lose definiteness.
-    """
-    try:
-        with np.errstate(over="raise", invalid="raise", divide="raise"):
-            yield
-    except (FloatingPointError, np.linalg.LinAlgError, OverflowError) as error:
-        expected = f"sizes, material and springs within reach of double precision ({error})"
-        raise CaseError([Fault(expected=expected)]) from None

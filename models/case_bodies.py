@@ -1,0 +1,77 @@
+"""From a case to its finite element models: the bladed disk and the casing in full."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+from bladewhirl.meshes import RingMesh, bladed_disk_mesh
+from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.case import BeamSection, Case
+from bladewhirl.models.casing import Casing, assemble_casing
+from bladewhirl.models.faults import CaseError, Fault
+from bladewhirl.models.sections import Section, line_properties
+
+
+def case_bladed_disk(case: Case, *, clamped: bool) -> BladedDisk:
+    """Assemble the bladed disk of a case, with a free or a clamped centre."""
+    given = case.bladed_disk
+    mesh = bladed_disk_mesh(
+        blades=given.blades,
+        tip_radius=given.tip_radius,
+        disk_radius=given.disk_radius,
+        elements_per_blade=given.elements_per_blade,
+    )
+    blade, disk = _section(case, given.blade), _section(case, given.disk)
+    properties = line_properties(mesh, {"blades": blade, "spokes": disk, "rim": disk})
+    return assemble_bladed_disk(
+        mesh, properties, shaft_stiffness=case.shaft.stiffness, clamped=clamped
+    )
+
+
+def case_casing(case: Case) -> Casing:
+    """Assemble the casing of a case."""
+    given = case.casing
+    radius = case.bladed_disk.tip_radius + given.clearance
+    return assemble_casing(
+        RingMesh(elements=given.elements, radius=radius),
+        _section(case, given.wall),
+        curvature=given.curvature,
+        support=given.support,
+        rotation=given.rotation,
+    )
+
+
+def tip_in_sector(disk: BladedDisk) -> tuple[int, int]:
+    """Positions of the tip's radial and tangential DoF among those of a sector."""
+    layout = disk.structure.layout
+    assert layout is not None  # a mesh made of sectors
+    first = list(layout.sector_dofs[0])
+    return first.index(disk.tip_radial[0]), first.index(disk.tip_tangential[0])
+
+
+def _section(case: Case, section: BeamSection) -> Section:
+    material = case.material
+    return Section(
+        width=section.width,
+        thickness=section.thickness,
+        young_modulus=material.young_modulus,
+        density=material.density,
+    )
+
+
+@contextmanager
+def numbers_within_reach() -> Iterator[None]:
+    """Turn the floating point's limits into a fault of the case.
+
+    Raises:
+        CaseError: sizes or material so extreme that matrices overflow or lose definiteness.
+    """
+    try:
+        with np.errstate(over="raise", invalid="raise", divide="raise"):
+            yield
+    except (FloatingPointError, np.linalg.LinAlgError, OverflowError) as error:
+        expected = f"sizes, material and springs within reach of double precision ({error})"
+        raise CaseError([Fault(expected=expected)]) from None

@@ -1,0 +1,69 @@
+"""The full finite element models of a case and their modes: what modal analysis looks at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bladewhirl.models.bladed_disk import BladedDisk
+from bladewhirl.models.case import Case
+from bladewhirl.models.case_bodies import (
+    case_bladed_disk,
+    case_casing,
+    numbers_within_reach,
+    tip_in_sector,
+)
+from bladewhirl.models.casing import RADIAL, TANGENTIAL, Casing
+from bladewhirl.models.labelled_modes import LabelledModes, labelled_modes
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModalStage:
+    """Bladed disk, with a free and with a clamped centre, and casing; nothing is reduced."""
+
+    case: Case
+    free_disk: BladedDisk
+    clamped_disk: BladedDisk
+    casing: Casing
+    free_modes: LabelledModes
+    clamped_modes: LabelledModes
+    casing_modes: LabelledModes
+
+    @property
+    def disk(self) -> BladedDisk:
+        """The bladed disk as the case has it."""
+        return self.clamped_disk if self.case.shaft.clamped else self.free_disk
+
+    @property
+    def disk_modes(self) -> LabelledModes:
+        """Modes of the bladed disk as the case has it."""
+        return self.clamped_modes if self.case.shaft.clamped else self.free_modes
+
+    @property
+    def reference_frequency(self) -> float:
+        """Lowest frequency of the bladed disk with a free centre [rad/s]."""
+        return float(self.free_modes.frequency[0])
+
+
+def modal_stage(case: Case, count: int | None = None) -> ModalStage:
+    """Find the modes of a case's full bladed disk and casing.
+
+    Args:
+        case: the case.
+        count: how many of the lowest of each; all when None.
+
+    Raises:
+        CaseError: numbers that finite elements can't be made of.
+    """
+    with numbers_within_reach():
+        free, clamped = case_bladed_disk(case, clamped=False), case_bladed_disk(case, clamped=True)
+        casing = case_casing(case)
+        tip = tip_in_sector(free)
+        return ModalStage(
+            case=case,
+            free_disk=free,
+            clamped_disk=clamped,
+            casing=casing,
+            free_modes=labelled_modes(free.structure, tip, "bladed-disk", count),
+            clamped_modes=labelled_modes(clamped.structure, tip, "bladed-disk", count),
+            casing_modes=labelled_modes(casing.structure, (RADIAL, TANGENTIAL), "casing", count),
+        )

@@ -1,0 +1,137 @@
+"""Contact scenarios of a whirling shaft (Figs 9 and 10): where contact is, and what friction does.
+
+Radial fields with one nodal diameter are Re(C exp(-i theta)), with their crest at arg(C); a shaft
+displaced by (x, y) is the phasor x + i y, which is also the radial field of a translation. The
+clearance changes by Re((W - U) exp(-i theta)), W of the casing and U of the blade tips, and is
+smallest at arg(U - W):
+
+* *standard*: on the side to which the shaft is displaced. Friction there drags the shaft against
+  the rotation and drives backward whirl. So it is where the rotor moves more than the casing.
+* *inverted*: on the opposite side, since the casing moves more (or the tips move against the
+  centre). Friction drags the shaft in the sense of rotation and drives forward whirl.
+
+Angles are in one frame, rotating or static; their difference is the same in both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bladewhirl.meshes.line_mesh import FloatArray
+
+Kind = Literal["standard", "inverted", "unsteady"]
+
+STEADY = 0.5
+"""A motion has a scenario when the mean direction of its lead, a vector, is at least this long."""
+
+SMALLEST = 1e-9
+"""Shares of the largest amplitude below which something does not move."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scenario:
+    """Where the clearance is smallest with respect to the shaft's displacement."""
+
+    lead: float  #: angle of the shaft less that of the smallest clearance, (-pi, pi] [rad]
+    steadiness: float  #: length of the mean direction of the lead: 1 when constant, 0 to 1
+
+    @property
+    def kind(self) -> Kind:
+        """Standard or inverted; unsteady where the lead has no preferred value."""
+        if self.steadiness < STEADY:
+            return "unsteady"
+        return "standard" if abs(self.lead) < np.pi / 2 else "inverted"
+
+    @property
+    def phase_shift(self) -> float:
+        """How far the lead is from 0 (standard) or pi (inverted), (-pi/2, pi/2] [rad]."""
+        turned = self.lead - (0.0 if abs(self.lead) < np.pi / 2 else np.pi)
+        return float(np.angle(np.exp(1j * turned)))
+
+    def friction_moment(
+        self, *, friction: float, normal_force: float, shaft_radius: float
+    ) -> float:
+        """Moment about the axis of the friction force that acts on the displaced shaft [N m].
+
+        Negative against the rotation, which drives backward whirl. The rotation is positive.
+
+        Args:
+            friction: Coulomb coefficient.
+            normal_force: of the contact [N].
+            shaft_radius: displacement of the shaft [m].
+        """
+        return float(-friction * normal_force * shaft_radius * np.cos(self.lead))
+
+
+def mode_scenario(*, shaft: complex, rotor: complex, casing: complex) -> Scenario:
+    """Scenario of a rotor mode and a casing mode, k = 1, that move in step.
+
+    Args:
+        shaft: displacement x + i y of the centre.
+        rotor: U of the blade tips, in the same unit.
+        casing: W of the casing.
+
+    Raises:
+        ValueError: the shaft does not move, or the clearance does not change.
+    """
+    closing = rotor - casing
+    if abs(shaft) <= SMALLEST * max(abs(rotor), abs(casing)):
+        raise ValueError("the shaft does not move in this mode: it has no contact scenario")
+    if abs(closing) <= SMALLEST * max(abs(rotor), abs(casing)):
+        raise ValueError("rotor and casing move alike: the clearance does not change")
+    lead = np.angle(shaft / closing)
+    return Scenario(lead=float(lead), steadiness=1.0)
+
+
+def motion_scenario(
+    *, shaft: ArrayLike, clearance_angle: ArrayLike, weight: ArrayLike | None = None
+) -> Scenario:
+    """Scenario of a motion: the mean direction of the shaft's lead.
+
+    Args:
+        shaft: displacement x, y of the centre over time [m], (times, 2).
+        clearance_angle: where the clearance is smallest, or contact is [rad], (times,).
+        weight: of each instant, such as its contact impulse; the same for all when None. Instants
+            at which the shaft stands still do not count.
+
+    Raises:
+        ValueError: the shaft stands still whenever there is weight.
+    """
+    lead = shaft_lead(shaft, clearance_angle)
+    weights = np.ones(len(lead)) if weight is None else np.asarray(weight, float)
+    weights = np.where(np.isnan(lead), 0.0, weights)
+    if not weights.sum() > 0.0:
+        raise ValueError("the shaft does not move: there is no contact scenario")
+    mean = np.sum(weights * np.exp(1j * np.nan_to_num(lead))) / weights.sum()
+    return Scenario(lead=float(np.angle(mean)), steadiness=float(abs(mean)))
+
+
+def shaft_lead(shaft: ArrayLike, clearance_angle: ArrayLike) -> FloatArray:
+    """Angle of the shaft less that of the smallest clearance, (-pi, pi] [rad], (times,).
+
+    Args:
+        shaft: displacement x, y of the centre over time [m], (times, 2).
+        clearance_angle: where the clearance is smallest [rad], (times,).
+
+    Returns:
+        nan where the shaft stands still.
+    """
+    x, y = np.asarray(shaft, float).T
+    radius = np.hypot(x, y)
+    moving = radius > SMALLEST * radius.max(initial=0.0)
+    lead = np.angle(np.exp(1j * (np.arctan2(y, x) - np.asarray(clearance_angle, float))))
+    return np.where(moving, lead, np.nan)
+
+
+def smallest_clearance_angle(gap: ArrayLike, angle: ArrayLike) -> FloatArray:
+    """Angle of the tip with the smallest gap at each instant [rad], (times,).
+
+    Args:
+        gap: of each tip over time [m], (times, tips).
+        angle: of each tip [rad], (tips,), in the frame that is wanted.
+    """
+    return np.asarray(np.asarray(angle, float)[np.argmin(np.asarray(gap, float), axis=1)])
