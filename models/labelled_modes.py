@@ -42,15 +42,25 @@ class LabelledModes:
     amplitudes: tuple[ComplexArray | FloatArray, ...]
     """Of each mode [kg^-1/2], in one sector (see `cyclic`); the field where column is -1."""
     layout: SectorLayout | None  #: sectors of the structure
+    size: int  #: number of its free degrees of freedom
 
     @property
     def count(self) -> int:
         """Number of modes."""
         return len(self.frequency)
 
-    def fields(self, chosen: IntArray) -> FloatArray:
-        """Mass-normalised fields of some modes on the structure's free DoF, (size, chosen)."""
-        return np.column_stack([self._field(int(mode)) for mode in chosen])
+    def expand(self, chosen: IntArray) -> Modes:
+        """Some modes with their mass-normalised fields on the structure's free DoF."""
+        fields = [self._field(int(mode)) for mode in chosen]
+        return Modes(
+            frequency=self.frequency[chosen],
+            shapes=np.stack(fields, axis=-1) if fields else np.zeros((self.size, 0)),
+            column=self.column[chosen],
+            nodal_diameter=self.nodal_diameter[chosen],
+            purity=self.purity[chosen],
+            spring_share=self.spring_share[chosen],
+            sectors=self.layout.sectors if self.layout else 0,
+        )
 
     def find(self, family: str, nodal_diameter: int) -> IntArray:
         """Numbers of the modes of one family and nodal diameter, ascending."""
@@ -73,6 +83,7 @@ class LabelledModes:
             column=self.column[numbers],
             amplitudes=tuple(self.amplitudes[i] for i in numbers),
             layout=self.layout,
+            size=self.size,
         )
 
     def _field(self, mode: int) -> FloatArray:
@@ -114,6 +125,7 @@ def labelled_modes(
         column=modes.column,
         amplitudes=tuple(modes.shapes.T),
         layout=structure.layout,
+        size=structure.size,
     )
 
 
@@ -154,6 +166,7 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
         column=modes.column,
         amplitudes=tuple(amplitudes[i] for i in order),
         layout=layout,
+        size=structure.size,
     )
 
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.bladed_disk import BladedDisk
 from bladewhirl.models.case import Case
 from bladewhirl.models.case_bodies import (
@@ -14,6 +17,7 @@ from bladewhirl.models.case_bodies import (
 )
 from bladewhirl.models.casing import RADIAL, TANGENTIAL, Casing
 from bladewhirl.models.labelled_modes import LabelledModes, labelled_modes
+from bladewhirl.models.stage_arrays import StageArrays, stage_arrays
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +46,23 @@ class ModalStage:
     def reference_frequency(self) -> float:
         """Lowest frequency of the bladed disk with a free centre [rad/s]."""
         return float(self.free_modes.frequency[0])
+
+    def arrays(self, disk_modes: IntArray, casing_modes: IntArray) -> StageArrays:
+        """Describe the stage by some of its modes.
+
+        Args:
+            disk_modes: numbers among `disk_modes`.
+            casing_modes: numbers among `casing_modes`.
+        """
+        return stage_arrays(
+            self.disk,
+            self.disk_modes.expand(disk_modes),
+            tuple(self.disk_modes.family[i] for i in disk_modes),
+            self.casing,
+            self.casing_modes.expand(casing_modes),
+            tuple(self.casing_modes.family[i] for i in casing_modes),
+            clearance=np.full(self.casing.mesh.elements, self.case.casing.clearance),
+        )
 
 
 def modal_stage(case: Case, count: int | None = None) -> ModalStage:

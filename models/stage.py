@@ -22,7 +22,7 @@ from bladewhirl.models.faults import CaseError, Fault
 from bladewhirl.models.frequencies import Frequencies, family_errors, lowest_frequencies
 from bladewhirl.models.modes import Modes, families, structure_modes
 from bladewhirl.models.reduction import Reduction, craig_bampton
-from bladewhirl.models.stage_arrays import StageArrays
+from bladewhirl.models.stage_arrays import StageArrays, stage_arrays
 
 FULL_FREQUENCIES = 7
 """Frequencies of the full model found for each nodal diameter: five families, the suspension
@@ -67,27 +67,13 @@ class Stage:
     @property
     def arrays(self) -> StageArrays:
         """What a result needs to know of the stage."""
-        mesh, modes = self.disk.mesh, self.reduction.modes
-        nodes = self.casing.mesh.elements
-        return StageArrays(
-            rotor_frequency=modes.frequency,
-            rotor_nodal_diameter=modes.nodal_diameter,
-            rotor_family=self.disk_family,
-            rotor_spring_share=modes.spring_share,
-            casing_frequency=self.casing_modes.frequency,
-            casing_nodal_diameter=self.casing_modes.nodal_diameter,
-            casing_family=self.casing_family,
-            rotor_point=mesh.points,
-            rotor_line=mesh.lines,
-            rotor_thickness=self.disk.properties.thickness,
-            rotor_part=tuple(mesh.line_parts),
-            rotor_shape=self.disk.cartesian(modes.shapes),
-            tip_node=mesh.node_sets["tips"],
-            tip_angle=self.disk.tip_angles,
-            centre_node=int(mesh.node_sets["centre"][0]),
-            casing_angle=self.casing.mesh.angles,
-            casing_thickness=np.full(nodes, self.casing.section.thickness),
-            casing_shape=self.reduced_casing.nodal,
+        return stage_arrays(
+            self.disk,
+            self.reduction.modes,
+            self.disk_family,
+            self.casing,
+            self.casing_modes,
+            self.casing_family,
             clearance=self.reduced_casing.clearance[:, 0],
         )
 
