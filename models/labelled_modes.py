@@ -49,12 +49,16 @@ class LabelledModes:
         """Number of modes."""
         return len(self.frequency)
 
-    def expand(self, chosen: IntArray) -> Modes:
-        """Some modes with their mass-normalised fields on the structure's free DoF."""
+    def fields(self, chosen: IntArray) -> FloatArray:
+        """Mass-normalised fields of some modes on the structure's free DoF, (size, chosen)."""
         fields = [self._field(int(mode)) for mode in chosen]
+        return np.stack(fields, axis=-1) if fields else np.zeros((self.size, 0))
+
+    def expand(self, chosen: IntArray) -> Modes:
+        """Some modes with their fields."""
         return Modes(
             frequency=self.frequency[chosen],
-            shapes=np.stack(fields, axis=-1) if fields else np.zeros((self.size, 0)),
+            shapes=self.fields(chosen),
             column=self.column[chosen],
             nodal_diameter=self.nodal_diameter[chosen],
             purity=self.purity[chosen],
