@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike, fspath
 from typing import Any
@@ -20,6 +21,7 @@ __all__ = [
     "case_fault",
     "case_from",
     "dumps_case",
+    "faults_from",
     "faults_in",
     "loads",
     "read_case",
@@ -91,10 +93,25 @@ def with_values(case: Case, values: Mapping[str, Any]) -> Case:
     return case_from(tables)
 
 
+@contextmanager
+def faults_from(file: str | PathLike[str], overrides: Iterable[str]) -> Iterator[None]:
+    """Say in faults raised inside where their key was set: by an override, or in the file.
+
+    Args:
+        file: that the case was read from.
+        overrides: as given to `read_case`.
+    """
+    keys = [override.partition("=")[0].strip() for override in overrides]
+    try:
+        yield
+    except CaseError as error:
+        raise CaseError(_placed(fault, fspath(file), keys) for fault in error.faults) from None
+
+
 def case_fault(case: Case, key: str, expected: str) -> Fault:
     """A fault at a dotted key of a case that only a later stage could see.
 
-    `faults_in` names the file further up.
+    `faults_in` or `faults_from` names the file further up.
     """
     value: Any = case.model_dump()
     for part in key.split("."):

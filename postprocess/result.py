@@ -14,9 +14,7 @@ import xarray as xr
 
 from bladewhirl.models.faults import UserError
 from bladewhirl.postprocess.fields import Array
-
-RESULT_NAME = "result.nc"
-"""The result's file in the folder of a run."""
+from bladewhirl.solvers.recorder import RESULT_NAME as RESULT_NAME
 
 PORTION = 4096
 """Records read at a time: 5 MB for 156 modes."""

@@ -64,18 +64,19 @@ def render(
     """
     from bladewhirl.models.faults import UserError
     from bladewhirl.postprocess.result import open_result
+    from bladewhirl.studies.times import parse_time
 
     targets = _targets(directory, output, {".gif": gif, ".mp4": mp4, ".png": png})
     moving = any(target.suffix.lower() != ".png" for target in targets)
     still = any(target.suffix.lower() == ".png" for target in targets)
     _refuse(not moving, {"--frames": frames, "--from": start, "--to": end}, "a still has --time")
     _refuse(not still, {"--time": time}, "an animation has --from and --to")
-    window = (_seconds(start, "--from"), _seconds(end, "--to"))
+    window = (parse_time("--from", start), parse_time("--to", end))
     with open_result(directory) as result:
         for target in targets:
             try:
                 if target.suffix.lower() == ".png":
-                    _still(result, target, _seconds(time, "--time"), exaggeration, frame)
+                    _still(result, target, parse_time("--time", time), exaggeration, frame)
                 else:
                     _film(result, target, frames, window, exaggeration, frame)
             except OSError as error:
@@ -105,25 +106,6 @@ def _refuse(foreign: bool, options: dict[str, object], reason: str) -> None:
     given = [name for name, value in options.items() if value is not None]
     if foreign and given:
         raise UserError(f"{given[0]}: not for what is to be drawn; {reason}")
-
-
-def _seconds(text: str | None, option: str) -> float | None:
-    """A time as a number of seconds or with a unit."""
-    from bladewhirl.models.faults import UserError
-    from bladewhirl.models.quantity import to_si
-
-    if text is None:
-        return None
-    try:
-        return float(text)
-    except ValueError:
-        pass
-    try:
-        return to_si(text, "s")
-    except ValueError:
-        raise UserError(
-            f'{option} {text}: expected a time in seconds, or with a unit such as "0.8 ms"'
-        ) from None
 
 
 def _still(

@@ -1,0 +1,98 @@
+"""The folder of a run: whether it may be used, what lies in it, how it is cleared."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from platform import platform
+
+from bladewhirl.models.faults import UserError
+from bladewhirl.solvers.recorder import RESULT_NAME
+from bladewhirl.studies.render import FILES as PICTURES
+
+CASE_NAME = "case.toml"
+PROVENANCE_NAME = "provenance.json"
+SUMMARY_NAME = "summary.json"
+VTK_NAME = "vtk"
+ORBIT_NAME, ENERGY_NAME = "orbit.png", "energy.png"
+
+PACKAGE = "bladewhirl"
+
+
+def check_free(directory: Path, *, overwrite: bool) -> None:
+    """See that a run may be written to a folder.
+
+    Raises:
+        UserError: it exists; with ``overwrite``, it is no folder or holds something else than a
+            run.
+    """
+    if not directory.exists():
+        return
+    if not overwrite:
+        raise UserError(f"{directory}: already exists; --overwrite replaces the run in it")
+    if not directory.is_dir():
+        raise UserError(f"{directory}: expected a folder to overwrite, found a file")
+    if any(directory.iterdir()) and not is_run(directory):
+        raise UserError(f"{directory}: expected an empty folder or one of a run to overwrite")
+
+
+def is_run(directory: Path) -> bool:
+    """Whether a folder holds what `write_provenance` leaves in it."""
+    try:
+        provenance = json.loads((directory / PROVENANCE_NAME).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(provenance, dict) and PACKAGE in provenance
+
+
+def clear(directory: Path) -> None:
+    """Make the folder, or take the files of an earlier run out of it; others stay."""
+    directory.mkdir(parents=True, exist_ok=True)
+    for path in _own_files(directory):
+        path.unlink(missing_ok=True)
+    vtk = directory / VTK_NAME
+    for folder in (vtk / "frames", vtk):
+        if folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()
+
+
+def write_provenance(directory: Path) -> None:
+    """Write what made the run: versions, date, machine."""
+    provenance = {
+        PACKAGE: version(),
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "python": sys.version.split()[0],
+        "platform": platform(),
+        "dependencies": dict(_dependencies()),
+    }
+    text = json.dumps(provenance, indent=2, ensure_ascii=False) + "\n"
+    (directory / PROVENANCE_NAME).write_text(text, encoding="utf-8")
+
+
+def version() -> str:
+    """Version of the installed package."""
+    return metadata.version(PACKAGE)
+
+
+def _dependencies() -> Iterator[tuple[str, str]]:
+    """Installed version of each dependency; those of extras are left out."""
+    for requirement in metadata.requires(PACKAGE) or []:
+        name = re.match(r"[\w.-]+", requirement)
+        if name is not None and "extra ==" not in requirement:
+            yield name[0], metadata.version(name[0])
+
+
+def _own_files(directory: Path) -> Iterator[Path]:
+    for name in (CASE_NAME, RESULT_NAME, SUMMARY_NAME, PROVENANCE_NAME, *PICTURES.values()):
+        yield directory / name
+    for figure in (Path(ORBIT_NAME), Path(ENERGY_NAME)):
+        yield from (directory / f"{figure.stem}{suffix}" for suffix in (".png", ".pdf", ".nc"))
+    vtk = directory / VTK_NAME
+    yield from (vtk / name for name in ("series.pvd", "mesh.vtu"))
+    for part in ("rotor", "casing"):
+        yield from vtk.glob(f"frames/{part}_*.vtu")

@@ -1,0 +1,30 @@
+"""Times on the command line."""
+
+from __future__ import annotations
+
+
+def parse_time(option: str, text: str | None) -> float | None:
+    """A time [s] from a number of seconds or text with a unit; None where none was given.
+
+    Args:
+        option: what errors call it, "--from".
+        text: "0.25" or "0.8 ms".
+
+    Raises:
+        UserError: anything else.
+    """
+    from bladewhirl.models.faults import UserError
+    from bladewhirl.models.quantity import to_si
+
+    if text is None:
+        return None
+    try:
+        return float(text)
+    except ValueError:
+        pass
+    try:
+        return to_si(text, "s")
+    except ValueError:
+        raise UserError(
+            f'{option} {text}: expected a time in seconds, or with a unit such as "0.8 ms"'
+        ) from None
