@@ -1,0 +1,103 @@
+"""What the contact march is given: two reduced bodies, loads, a contact law, a start. Arrays only.
+
+The rotor lives in its rotating frame, the casing in the static one. Both are mass-normalised
+modal models; their rows tell how the tips, the centre and the casing's nodes move. The bodies may
+come from any structure: with sectors the DFT columns of their modes let the march use it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+
+NEVER = np.inf
+"""End of a load that stays on."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedRotor:
+    """A bladed disk in modal coordinates, rotating frame."""
+
+    frequency: FloatArray  #: [rad/s], (modes,)
+    damping_ratio: FloatArray  #: (modes,)
+    tip_radial: FloatArray  #: radial displacement of each tip [kg^-1/2], (tips, modes)
+    tip_tangential: FloatArray  #: the same towards +theta
+    centre: FloatArray  #: x and y of the centre node [kg^-1/2], (2, modes); zero when clamped
+    tip_angle: FloatArray  #: of each tip from +x [rad], (tips,)
+    tip_radius: float  #: [m]
+    column: IntArray  #: DFT column of each mode over the tips, (modes,); -1 without symmetry
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedCasing:
+    """A casing in modal coordinates, static frame."""
+
+    frequency: FloatArray  #: [rad/s], (modes,)
+    damping_ratio: FloatArray  #: (modes,)
+    nodal: FloatArray  #: w, dw/ds, u, du/ds of each node [kg^-1/2], (nodes, 4, modes)
+    clearance: FloatArray  #: clearance and its slope along s at each node [m, 1], (nodes, 2)
+    radius: float  #: [m]
+    column: IntArray  #: DFT column of each mode over the nodes, (modes,); -1 without symmetry
+
+    @property
+    def element_length(self) -> float:
+        """Arc length of one element [m]."""
+        return 2.0 * np.pi * self.radius / len(self.nodal)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Load:
+    """A force pattern times cos(frequency t + phase), from a half-cosine ramp to an end."""
+
+    rotor: FloatArray  #: modal force [N kg^-1/2], (rotor modes,)
+    casing: FloatArray  #: modal force [N kg^-1/2], (casing modes,)
+    end: float = NEVER  #: the load is zero from this time on [s]
+    ramp: float = 0.0  #: length of the half-cosine ramp from zero [s]
+    frequency: float = 0.0  #: [rad/s]
+    phase: float = 0.0  #: [rad]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Start:
+    """Displacement and velocity at t = 0, modal coordinates."""
+
+    rotor: FloatArray  #: [kg^1/2 m], (rotor modes,)
+    rotor_velocity: FloatArray  #: [kg^1/2 m/s]
+    casing: FloatArray  #: (casing modes,)
+    casing_velocity: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactProblem:
+    """Everything that decides a march but its time step."""
+
+    rotor: ReducedRotor
+    casing: ReducedCasing
+    speed: float  #: Omega, counter-clockwise [rad/s]
+    friction: float  #: Coulomb coefficient
+    sliding: Literal["permanent", "signed"]
+    tip_rotation: bool  #: whether the angle of a tip follows u_t / R
+    displacement_limit: float  #: beyond it small displacements are no longer meant [m]
+    loads: tuple[Load, ...]
+    start: Start
+
+    @property
+    def critical_time_step(self) -> float:
+        """2 / omega_max, the stability limit of central differences [s]."""
+        highest = max(self.rotor.frequency.max(initial=0.0), self.casing.frequency.max(initial=0.0))
+        return float(2.0 / highest)
+
+
+def at_rest(rotor: ReducedRotor, casing: ReducedCasing) -> Start:
+    """Start without displacement or velocity."""
+    still_rotor, still_casing = np.zeros(len(rotor.frequency)), np.zeros(len(casing.frequency))
+    return Start(
+        rotor=still_rotor,
+        rotor_velocity=still_rotor,
+        casing=still_casing,
+        casing_velocity=still_casing,
+    )

@@ -1,0 +1,1050 @@
+"""The compiled contact step: central differences with forward-increment Lagrange multipliers.
+
+One module on purpose: numba does not notice a changed helper in another file when it caches.
+The scheme is that of Carpenter, Taylor and Katona (1991) with damping and sliding friction:
+
+    x_p = a x_n + b x_{n-1} + c f_n          a, b, c diagonal in modal coordinates
+    0 <= lambda  perp  g_p + W lambda >= 0   W = B_N^T c (B_N + mu B_T S)
+    x_{n+1} = x_p + c (B_N + mu B_T S) lambda
+
+Fields are evaluated in two stages so that one code serves cyclic and general stages: modal
+coordinates, laid out as (rows, columns), are first summed over rows with weights, giving one
+number a column, and the columns are then spread over tips or casing nodes by a shape matrix. On a
+cyclic stage a column is a Fourier harmonic and both stages are small; on any other stage there is
+one row, a column is a mode, and the shape matrix is dense.
+
+`advance` takes its arrays in named tuples and unpacks them once; every other function gets the
+few arrays it works on, because a tuple handed on costs a copy and a reference count for each of
+its arrays, which at this step length is more than the work itself. Slots of the state are
+addressed by number for the same reason.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from bladewhirl.solvers.lanes import (
+    HALF,
+    LANES,
+    add,
+    bare,
+    fma,
+    load,
+    load_half,
+    load_row,
+    mul,
+    splat,
+    splat_half,
+    store,
+    store_row,
+    sub,
+    total,
+)
+
+Array = NDArray[Any]
+FAST = {"reassoc", "contract", "nsz", "arcp"}  # NaN and infinity keep their meaning
+COMPILE = {"cache": True, "nogil": True, "fastmath": FAST, "error_model": "numpy"}
+
+RUNNING, DIVERGED = 0, 1
+W_KIND, W_SLOPE, U_KIND, U_SLOPE = 0, 1, 2, 3
+EXTERNAL, NORMAL, FRICTION, DAMPING = 0, 1, 2, 3
+STEP_CONTACTS, LCP_FAILURES, LCP_PIVOTS, CONTACT_STEPS = 0, 1, 2, 3
+LAST_TRIAL = 1_000_000  # marks a complementarity problem solved for all tips at once
+SINGULAR = 1e-11  # a pivot below this share of the diagonal calls a submatrix of W singular
+MENDED_TOGETHER = 6  # trials of the active set before faults are mended one at a time
+LOAD_END, LOAD_RAMP, LOAD_FREQUENCY, LOAD_PHASE = 0, 1, 2, 3
+
+
+class Body(NamedTuple):
+    """Modal recurrence of one body; flat arrays of rows * columns entries, zero where padded."""
+
+    a: Array  #: multiplies x_n
+    b: Array  #: multiplies x_{n-1}
+    c: Array  #: inverse of the scheme's diagonal [s2]
+    stiffness: Array  #: omega^2 [rad2/s2]
+    damping: Array  #: 2 xi omega [rad/s]
+    load: Array  #: load patterns, (patterns, entries)
+
+
+class Rotor(NamedTuple):
+    """Evaluation of the blade tips, and the constant parts of W that the rotor gives."""
+
+    radial: Array  #: weights, (rows, columns)
+    tangential: Array  #: weights with the radial shape, (rows, columns)
+    crossed: Array  #: weights with the tangential shape, (rows, columns)
+    shape: Array  #: (columns, padded tips)
+    cross_shape: Array  #: the same for the tangential direction
+    spread: Array  #: shape by tip, (tips, columns)
+    cross_spread: Array  #: cross_shape by tip, (tips, columns)
+    w_radial: Array  #: r c r^T, by column, (tips, tips)
+    w_tangential: Array  #: r c t^T, by column, (tips, tips)
+    position: Array  #: angle of each tip in elements of the casing, (padded tips,)
+
+
+class Casing(NamedTuple):
+    """Evaluation of the casing's nodal values w, w', u, u'."""
+
+    weight: Array  #: (4, rows, columns)
+    even: Array  #: shape; of even harmonics where these are apart, (4, columns, padded nodes)
+    odd: Array  #: shape of odd harmonics; no rows where they are not apart
+    spread_w: Array  #: whole shape of w by node, (nodes, columns)
+    spread_w_s: Array
+    spread_u: Array
+    spread_u_s: Array
+    compliance: Array  #: blocks of 8 x 4, see `_delassus`, (32 blocks,)
+    circulant: bool  #: whether blocks go by the distance of two elements
+    clearance: Array  #: nodal clearance and its slope, node 0 again, (2, padded nodes)
+    nodes: int
+    element_length: float  #: [m]
+
+
+class March(NamedTuple):
+    """Scalars of a march."""
+
+    time_step: float  #: [s]
+    elements_per_step: float  #: turn of the rotor a step, in casing elements
+    friction: float
+    signed: bool  #: whether the direction of sliding follows the relative velocity
+    sliding: float  #: sign of permanent sliding
+    wheel_speed: float  #: R Omega [m/s], for the true sign
+    elements_per_metre: float  #: tip rotation: casing elements a metre of u_t; 0 when neglected
+    displacement_limit: float  #: [m]
+    gap_scale: float  #: smallest scale of the complementarity residual [m]
+    loads: Array  #: end, ramp, frequency, phase of each pattern, (patterns, 4)
+
+
+class State(NamedTuple):
+    """Everything a march needs to go on; arrays are advanced in place."""
+
+    rotor: Array  #: x_{n-1}, x_n and scratch, (3, entries)
+    casing: Array  #: the same for the casing
+    gap: Array  #: smallest gap of each tip since the last record [m], (tips,)
+    impulse: Array  #: normal impulse since the last record [N s], (tips,)
+    drag: Array  #: friction impulse since the last record [N s], (tips,)
+    touched: Array  #: steps with contact since the last record, (tips,)
+    work: Array  #: external, normal, friction work and damping loss [J], (4,)
+    residual: Array  #: largest complementarity residual, (1,)
+    counts: Array  #: contacts at the last step, LCP failures, LCP pivots, steps with contact, (4,)
+
+
+class Records(NamedTuple):
+    """Rows written at record steps."""
+
+    step: Array  #: (records,)
+    rotor: Array  #: (records, 2, entries): displacement, velocity
+    casing: Array
+    gap: Array  #: (records, tips)
+    impulse: Array
+    drag: Array
+    touched: Array
+    contacts: Array  #: (records,)
+    energy: Array  #: half-step energy [J], (records,)
+    work: Array  #: (records, 4)
+
+
+class Scratch(NamedTuple):
+    """Working arrays of one march."""
+
+    columns: Array  #: (4, columns)
+    none: Array  #: zeros, (rotor rows, rotor columns)
+    nodal: Array  #: values and slopes of a nodal field, (2, padded nodes)
+    tip: Array  #: radial, tangential, scratch, place in elements, (4, padded tips)
+    gap: Array  #: free gap, gap after the correction [m], (2, padded tips)
+    hermite: Array  #: weights of each tip on its element: w, w', w, w', (4, padded tips)
+    element: Array  #: element under each tip, (tips,)
+    difference: Array  #: displacement over a step, rotor and casing, (2, entries)
+    load: Array  #: amplitude of each load pattern, (patterns,)
+    rows: Array  #: rows that a product takes, (2 tips,)
+    factor: Array  #: and with what factors, (4, 2 tips)
+    held: Array  #: 1 for tips in the active set, (tips,)
+    active: Array  #: their numbers, (tips,)
+    ends: Array  #: Hermite weights by active tip, (4 tips,)
+    solve: Array  #: W of the active tips with a right-hand side, (tips, padded tips + 1)
+    diagonal: Array  #: W_jj of the active tips, (tips,)
+    solution: Array  #: (tips,)
+    multiplier: Array  #: [N], (tips,)
+    sign: Array  #: direction of sliding, (tips,)
+    work: Array  #: of the contact forces over this step [J], (2,)
+    tableau: Array  #: of Lemke's method, (tips, 2 tips + 2)
+    basis: Array  #: of Lemke's method, (tips,)
+
+
+@njit(**COMPILE)
+def _predict(a: Array, b: Array, slots: Array, old: int, now: int, new: int) -> None:
+    for i in range(0, len(a), LANES):
+        x = fma(load(a, i), load_row(slots, now, i), mul(load(b, i), load_row(slots, old, i)))
+        store_row(slots, new, i, x)
+
+
+@njit(**COMPILE)
+def _column_sums(weight: Array, slots: Array, slot: int, out: Array) -> None:
+    """Sum modal coordinates over rows with weights."""
+    rows, columns = weight.shape
+    for h in range(0, columns, LANES):
+        even, odd = splat(0.0), splat(0.0)  # two chains of additions run side by side
+        for m in range(0, rows - 1, 2):
+            x = m * columns + h
+            even = fma(load_row(weight, m, h), load_row(slots, slot, x), even)
+            odd = fma(load_row(weight, m + 1, h), load_row(slots, slot, x + columns), odd)
+        if rows % 2 == 1:
+            x = (rows - 1) * columns + h
+            even = fma(load_row(weight, rows - 1, h), load_row(slots, slot, x), even)
+        store(out, h, add(even, odd))
+
+
+@njit(**COMPILE)
+def _combine(rows: Array, factor: Array, out: Array) -> None:
+    """Linear combination of all rows of a matrix."""
+    count, width = rows.shape
+    wide = width - width % (3 * LANES)
+    for i in range(0, wide, 3 * LANES):
+        first, second, third = splat(0.0), splat(0.0), splat(0.0)
+        for n in range(count):
+            f = splat(factor[n])
+            first = fma(load_row(rows, n, i), f, first)
+            second = fma(load_row(rows, n, i + LANES), f, second)
+            third = fma(load_row(rows, n, i + 2 * LANES), f, third)
+        store(out, i, first)
+        store(out, i + LANES, second)
+        store(out, i + 2 * LANES, third)
+    for i in range(wide, width, LANES):
+        first = splat(0.0)
+        for n in range(count):
+            first = fma(load_row(rows, n, i), splat(factor[n]), first)
+        store(out, i, first)
+
+
+@njit(**COMPILE)
+def _combine_some(rows: Array, index: Array, factor: Array, count: int, out: Array) -> None:
+    """Linear combination of some rows of a matrix."""
+    width = rows.shape[1]
+    wide = width - width % (3 * LANES)
+    for i in range(0, wide, 3 * LANES):
+        first, second, third = splat(0.0), splat(0.0), splat(0.0)
+        for n in range(count):
+            f, row = splat(factor[n]), index[n]
+            first = fma(load_row(rows, row, i), f, first)
+            second = fma(load_row(rows, row, i + LANES), f, second)
+            third = fma(load_row(rows, row, i + 2 * LANES), f, third)
+        store(out, i, first)
+        store(out, i + LANES, second)
+        store(out, i + 2 * LANES, third)
+    for i in range(wide, width, LANES):
+        first = splat(0.0)
+        for n in range(count):
+            first = fma(load_row(rows, index[n], i), splat(factor[n]), first)
+        store(out, i, first)
+
+
+@njit(**COMPILE)
+def _nodal_values(even: Array, odd: Array, column: Array, nodes: int, out: Array) -> None:
+    """Nodal values of a field on the casing, node 0 again at the end.
+
+    With harmonics of even and odd nodal diameter apart, opposite nodes share their products;
+    without, ``odd`` has no rows.
+    """
+    count, width = even.shape
+    if len(odd) == 0:
+        _combine(even, column, out)
+        out[nodes] = out[0]
+        return
+    half = nodes // 2
+    wide = width - width % (3 * LANES)
+    for i in range(0, wide, 3 * LANES):
+        e0, e1, e2 = splat(0.0), splat(0.0), splat(0.0)
+        o0, o1, o2 = splat(0.0), splat(0.0), splat(0.0)
+        for h in range(count):
+            f, g = splat(column[h]), splat(column[count + h])
+            e0 = fma(load_row(even, h, i), f, e0)
+            e1 = fma(load_row(even, h, i + LANES), f, e1)
+            e2 = fma(load_row(even, h, i + 2 * LANES), f, e2)
+            o0 = fma(load_row(odd, h, i), g, o0)
+            o1 = fma(load_row(odd, h, i + LANES), g, o1)
+            o2 = fma(load_row(odd, h, i + 2 * LANES), g, o2)
+        store(out, i, add(e0, o0))
+        store(out, i + LANES, add(e1, o1))
+        store(out, i + 2 * LANES, add(e2, o2))
+        store(out, 2 * width + i, sub(e0, o0))
+        store(out, 2 * width + i + LANES, sub(e1, o1))
+        store(out, 2 * width + i + 2 * LANES, sub(e2, o2))
+    for i in range(wide, width, LANES):
+        e0, o0 = splat(0.0), splat(0.0)
+        for h in range(count):
+            e0 = fma(load_row(even, h, i), splat(column[h]), e0)
+            o0 = fma(load_row(odd, h, i), splat(column[count + h]), o0)
+        store(out, i, add(e0, o0))
+        store(out, 2 * width + i, sub(e0, o0))
+    for i in range(0, width, LANES):
+        store(out, half + i, load(out, 2 * width + i))
+    out[nodes] = out[0]
+
+
+@njit(**COMPILE)
+def _load_factors(loads: Array, time: float, out: Array) -> bool:
+    """Amplitude of each load pattern; whether any is nonzero."""
+    loaded = False
+    for p in range(len(loads)):
+        factor = 0.0
+        if time < loads[p, LOAD_END]:
+            factor = np.cos(loads[p, LOAD_FREQUENCY] * time + loads[p, LOAD_PHASE])
+            if time < loads[p, LOAD_RAMP]:
+                factor *= 0.5 - 0.5 * np.cos(np.pi * time / loads[p, LOAD_RAMP])
+        out[p] = factor
+        loaded = loaded or factor != 0.0
+    return loaded
+
+
+@njit(**COMPILE)
+def _add_load(pattern: Array, factors: Array, c: Array, slots: Array, new: int) -> None:
+    for p in range(len(factors)):
+        if factors[p] != 0.0:
+            factor = splat(factors[p])
+            for i in range(0, len(c), LANES):
+                force = mul(factor, load_row(pattern, p, i))
+                store_row(slots, new, i, fma(force, load(c, i), load_row(slots, new, i)))
+
+
+@njit(**COMPILE)
+def _external_work(pattern: Array, factors: Array, slots: Array, old: int, new: int) -> float:
+    """d^T f with d = (x_{n+1} - x_{n-1}) / 2."""
+    done = 0.0
+    for p in range(len(factors)):
+        if factors[p] != 0.0:
+            part = splat(0.0)
+            for i in range(0, pattern.shape[1], LANES):
+                moved = sub(load_row(slots, new, i), load_row(slots, old, i))
+                part = fma(moved, load_row(pattern, p, i), part)
+            done += 0.5 * factors[p] * total(part)
+    return done
+
+
+@njit(**COMPILE)
+def _damping_loss(damping: Array, slots: Array, old: int, new: int) -> float:
+    """d^T D d with d = (x_{n+1} - x_{n-1}) / 2."""
+    loss = splat(0.0)
+    for i in range(0, len(damping), LANES):
+        moved = sub(load_row(slots, new, i), load_row(slots, old, i))
+        loss = fma(mul(load(damping, i), moved), moved, loss)
+    return 0.25 * float(total(loss))
+
+
+@njit(**COMPILE)
+def _half_step_energy(
+    stiffness: Array, slots: Array, old: int, now: int, time_step: float
+) -> float:
+    """E_{n-1/2} = v^T v / 2 + x_{n-1}^T K x_n / 2 with v = (x_n - x_{n-1}) / dt."""
+    energy = 0.0
+    for i in range(len(stiffness)):
+        v = (slots[now, i] - slots[old, i]) / time_step
+        energy += v * v + stiffness[i] * slots[now, i] * slots[old, i]
+    return 0.5 * energy
+
+
+@njit(**COMPILE)
+def _place_tips(
+    position: Array,
+    shift: float,
+    nodes: int,
+    length: float,
+    hermite: Array,
+    element: Array,
+) -> None:
+    """Find the element under each tip and its Hermite weights."""
+    turn = 1.0 / nodes
+    for j in range(len(element)):
+        at = position[j] + shift
+        at -= nodes * np.floor(at * turn)
+        start = np.floor(at)
+        xi = at - start
+        rest = 1.0 - xi
+        # Rounding may put a tip on node `nodes`, which is node 0 again.
+        element[j] = int(start) if start < nodes else 0
+        hermite[0, j] = rest * rest * (1.0 + 2.0 * xi)
+        hermite[1, j] = length * xi * rest * rest
+        hermite[2, j] = xi * xi * (3.0 - 2.0 * xi)
+        hermite[3, j] = -length * xi * xi * rest
+
+
+@njit(**COMPILE)
+def _on_tips(value: Array, slope: Array, hermite: Array, element: Array, out: Array) -> bool:
+    """Value of a nodal Hermite field under each tip; False, and no further, at a NaN.
+
+    Leaving the loop early also keeps the compiler from vector gathers, which are slower here.
+    """
+    for j in range(len(element)):
+        e = element[j]
+        at_tip = (hermite[0, j] * value[e] + hermite[1, j] * slope[e]) + (
+            hermite[2, j] * value[e + 1] + hermite[3, j] * slope[e + 1]
+        )
+        out[j] = at_tip
+        if at_tip != at_tip:
+            return False
+    return True
+
+
+@njit(**COMPILE)
+def _close_gaps(
+    value: Array,
+    slope: Array,
+    clearance: Array,
+    hermite: Array,
+    element: Array,
+    radial: Array,
+    limit: float,
+    gap: Array,
+) -> bool:
+    """Gap of each tip from nodal w and tip u_r; whether all |u_r| keep the displacement limit."""
+    for i in range(0, clearance.shape[1], LANES):
+        store(value, i, add(load(value, i), load_row(clearance, 0, i)))
+        store(slope, i, add(load(slope, i), load_row(clearance, 1, i)))
+    if not _on_tips(value, slope, hermite, element, gap):
+        return False
+    within, tips = 0, len(element)
+    for j in range(tips):
+        gap[j] -= radial[j]
+        within += abs(radial[j]) <= limit  # False for NaN
+    return within == tips
+
+
+@njit(**COMPILE)
+def _delassus(
+    active: Array,
+    size: int,
+    compliance: Array,
+    circulant: bool,
+    w_radial: Array,
+    w_tangential: Array,
+    friction: float,
+    sign: Array,
+    nodes: int,
+    hermite: Array,
+    element: Array,
+    ends: Array,
+    w: Array,
+    diagonal: Array,
+) -> None:
+    """W of the active tips: [i, j] is the gap of the i-th per multiplier of the j-th.
+
+    The casing's part is n_i^T C (n_j + mu s t_j) with four nodal values at either end: eight
+    rows of four in ``compliance`` for each pair of elements, or, where only their distance
+    counts, for each distance.
+    """
+    for n in range(size):
+        for k in range(HALF):
+            ends[HALF * n + k] = hermite[k, active[n]]
+    for n in range(size):
+        j = active[n]
+        mu, e = friction * sign[j], element[j]
+        n0, n1 = hermite[0, j], hermite[1, j]
+        n2, n3 = hermite[2, j], hermite[3, j]
+        p0, p1, p2, p3 = splat_half(n0), splat_half(n1), splat_half(n2), splat_half(n3)
+        q0, q1, q2, q3 = (
+            splat_half(mu * n0), splat_half(mu * n1), splat_half(mu * n2), splat_half(mu * n3),
+        )  # fmt: skip
+        for m in range(size):
+            i = active[m]
+            block = element[i] * nodes + e
+            if circulant:
+                block = element[i] - e
+                block = block if block >= 0 else block + nodes
+            r = 8 * HALF * block
+            pressed = mul(load_half(compliance, r), p0)
+            pressed = fma(load_half(compliance, r + 1 * HALF), p1, pressed)
+            pressed = fma(load_half(compliance, r + 2 * HALF), p2, pressed)
+            pressed = fma(load_half(compliance, r + 3 * HALF), p3, pressed)
+            dragged = mul(load_half(compliance, r + 4 * HALF), q0)
+            dragged = fma(load_half(compliance, r + 5 * HALF), q1, dragged)
+            dragged = fma(load_half(compliance, r + 6 * HALF), q2, dragged)
+            dragged = fma(load_half(compliance, r + 7 * HALF), q3, dragged)
+            moved = total(mul(add(pressed, dragged), load_half(ends, HALF * m)))
+            w[m, n] = moved + w_radial[j, i] + mu * w_tangential[j, i]
+        diagonal[j] = w[n, n]
+
+
+@njit(**COMPILE)
+def _eliminate(size: int, lu: Array, solution: Array) -> bool:
+    """Solve a system given as a matrix with its right-hand side behind it; destroys the matrix.
+
+    W is positive definite but for friction, so pivots stay on the diagonal; where one nearly
+    vanishes the answer is False and the caller has another method.
+    """
+    width, largest = size + 1, 0.0
+    for k in range(size):
+        largest = max(largest, abs(lu[k, k]))
+    for k in range(size):
+        if not abs(lu[k, k]) > SINGULAR * largest:
+            return False
+        inverse, start = -1.0 / lu[k, k], k - k % LANES
+        for i in range(k + 1, size):
+            ratio = splat(lu[i, k] * inverse)
+            for j in range(start, width, LANES):
+                store_row(lu, i, j, fma(load_row(lu, k, j), ratio, load_row(lu, i, j)))
+    for i in range(size - 1, -1, -1):
+        right = lu[i, size]
+        for j in range(i + 1, size):
+            right -= lu[i, j] * solution[j]
+        solution[i] = right / lu[i, i]
+    return True
+
+
+@njit(**COMPILE)
+def _active_multipliers(
+    gap: Array,
+    size: int,
+    active: Array,
+    held: Array,
+    lu: Array,
+    solution: Array,
+    multiplier: Array,
+    one_by_one: bool,
+) -> int:
+    """Multipliers that close the gaps of the active tips, negative ones let go.
+
+    ``lu`` holds W of the active tips and is destroyed.
+
+    Returns:
+        number of tips let go (they leave ``held``; none means done), or -1 for a singular W.
+    """
+    for i in range(size):
+        lu[i, size] = -gap[active[i]]
+    if not _eliminate(size, lu, solution):
+        return -1
+    for j in range(len(multiplier)):
+        multiplier[j] = 0.0
+    released = 0
+    for i in range(size):
+        if solution[i] < 0.0:
+            if released == 0 or not one_by_one:
+                held[active[i]] = 0
+            released += 1
+        else:
+            multiplier[active[i]] = solution[i]
+    return released
+
+
+@njit(**COMPILE)
+def _lemke(gap: Array, w: Array, t: Array, basis: Array, multiplier: Array) -> bool:
+    """Solve the complementarity problem by Lemke's method; singular W is no obstacle.
+
+    The tableau holds w - M z - z0 = q, scaled, one row a basic variable. Variables are numbered
+    0..n-1 for w (gaps), n..2n-1 for z (multipliers), 2n for the covering variable z0.
+    """
+    tips = len(multiplier)
+    cover = 2 * tips
+    gap_scale, w_scale = 0.0, 0.0
+    for i in range(tips):
+        gap_scale = max(gap_scale, abs(gap[i]))
+        w_scale = max(w_scale, abs(w[i, i]))
+    multiplier[:] = 0.0
+    row = 0
+    for i in range(tips):
+        for j in range(tips):
+            t[i, j] = 1.0 if i == j else 0.0
+            t[i, tips + j] = -w[i, j] / w_scale
+        t[i, cover], t[i, cover + 1] = -1.0, gap[i] / gap_scale
+        basis[i] = i
+        if gap[i] < gap[row]:
+            row = i
+    entering = cover
+    for _ in range(50 * tips):
+        leaving = int(basis[row])
+        pivot = t[row, entering]
+        for j in range(cover + 2):
+            t[row, j] /= pivot
+        for i in range(tips):
+            if i != row and t[i, entering] != 0.0:
+                ratio = t[i, entering]
+                for j in range(cover + 2):
+                    t[i, j] -= ratio * t[row, j]
+        basis[row] = entering
+        if leaving == cover:
+            for i in range(tips):
+                if tips <= basis[i] < cover:
+                    value = t[i, cover + 1] * gap_scale / w_scale
+                    multiplier[int(basis[i]) - tips] = max(0.0, value)
+            return True
+        entering = leaving + tips if leaving < tips else leaving - tips
+        row, best = -1, np.inf
+        for i in range(tips):
+            if t[i, entering] > 1e-10:
+                ratio = t[i, cover + 1] / t[i, entering]
+                tied = row >= 0 and abs(ratio - best) <= 1e-14 * (1.0 + abs(best))
+                if (tied and basis[i] == cover) or (not tied and ratio < best):
+                    row, best = i, ratio
+        if row < 0:
+            return False
+    return False
+
+
+@njit(**COMPILE)
+def _gauss_seidel(gap: Array, w: Array, multiplier: Array) -> None:
+    """Projected Gauss-Seidel from the multipliers at hand, for what Lemke's method gave up."""
+    tips = len(multiplier)
+    for _ in range(2000):
+        change, largest = 0.0, 0.0
+        for i in range(tips):
+            closing = gap[i]
+            for j in range(tips):
+                closing += w[i, j] * multiplier[j]
+            value = max(0.0, multiplier[i] - closing / w[i, i])
+            change = max(change, abs(value - multiplier[i]))
+            largest = max(largest, value)
+            multiplier[i] = value
+        if change <= 1e-14 * largest:
+            return
+
+
+@njit(**COMPILE)
+def _rotor_columns(
+    multiplier: Array,
+    sign: Array,
+    friction: float,
+    spread: Array,
+    cross_spread: Array,
+    index: Array,
+    factor: Array,
+    pressed: Array,
+    dragged: Array,
+    crossed: Array,
+) -> None:
+    """Normal and friction force on the tips, by column."""
+    size = 0
+    for j in range(len(multiplier)):
+        if multiplier[j] > 0.0:
+            index[size], factor[size] = j, -multiplier[j]
+            size += 1
+    _combine_some(spread, index, factor, size, pressed)
+    for i in range(size):
+        factor[i] *= friction * sign[index[i]]
+    _combine_some(spread, index, factor, size, dragged)
+    _combine_some(cross_spread, index, factor, size, crossed)
+
+
+@njit(**COMPILE)
+def _casing_factors(
+    multiplier: Array,
+    sign: Array,
+    friction: float,
+    nodes: int,
+    hermite: Array,
+    element: Array,
+    index: Array,
+    on_w: Array,
+    on_w_s: Array,
+    on_u: Array,
+    on_u_s: Array,
+) -> int:
+    """Factors of the rows of ``spread`` that normal and friction force take on w, w', u, u'.
+
+    Returns:
+        number of rows, two for each tip in contact.
+    """
+    size = 0
+    for j in range(len(multiplier)):
+        load = multiplier[j]
+        if load > 0.0:
+            drag, e = friction * sign[j] * load, element[j]
+            index[size], index[size + 1] = e, e + 1 if e + 1 < nodes else 0
+            on_w[size], on_w[size + 1] = load * hermite[0, j], load * hermite[2, j]
+            on_w_s[size], on_w_s[size + 1] = load * hermite[1, j], load * hermite[3, j]
+            on_u[size], on_u[size + 1] = drag * hermite[0, j], drag * hermite[2, j]
+            on_u_s[size], on_u_s[size + 1] = drag * hermite[1, j], drag * hermite[3, j]
+            size += 2
+    return size
+
+
+@njit(**COMPILE)
+def _correct(
+    c: Array,
+    normal: Array,
+    normal_weight: Array,
+    normal_2: Array,
+    normal_weight_2: Array,
+    shear: Array,
+    shear_weight: Array,
+    shear_2: Array,
+    shear_weight_2: Array,
+    slots: Array,
+    old: int,
+    new: int,
+    work: Array,
+) -> None:
+    """Add contact forces, given by column, to x_{n+1}, and their work over the step to work.
+
+    Normal and friction force each come as two sets of columns with their weights.
+    """
+    rows, columns = normal_weight.shape
+    on_normal, on_shear = splat(0.0), splat(0.0)
+    for h in range(0, columns, LANES):
+        n0, n1 = load(normal, h), load(normal_2, h)
+        s0, s1 = load(shear, h), load(shear_2, h)
+        for m in range(rows):
+            i = m * columns + h
+            pressed = mul(n0, load_row(normal_weight, m, h))
+            pressed = fma(n1, load_row(normal_weight_2, m, h), pressed)
+            dragged = mul(s0, load_row(shear_weight, m, h))
+            dragged = fma(s1, load_row(shear_weight_2, m, h), dragged)
+            x = fma(load(c, i), add(pressed, dragged), load_row(slots, new, i))
+            store_row(slots, new, i, x)
+            moved = sub(x, load_row(slots, old, i))
+            on_normal = fma(moved, pressed, on_normal)
+            on_shear = fma(moved, dragged, on_shear)
+    work[0] += 0.5 * total(on_normal)
+    work[1] += 0.5 * total(on_shear)
+
+
+@njit(**COMPILE)
+def _residual(
+    scale: float, free_gap: Array, gap: Array, diagonal: Array, multiplier: Array
+) -> float:
+    """max |min(g_j, W_jj lambda_j)| / max(clearance, max |g_p|), g recomputed."""
+    worst = 0.0
+    for j in range(len(multiplier)):
+        scale = max(scale, abs(free_gap[j]))
+        if multiplier[j] > 0.0:
+            worst = max(worst, abs(min(gap[j], diagonal[j] * multiplier[j])))
+        else:
+            worst = max(worst, -gap[j])
+    return worst / scale if scale > 0.0 else worst
+
+
+@njit(**COMPILE)
+def _account_contact(
+    multiplier: Array,
+    sign: Array,
+    friction: float,
+    time_step: float,
+    impulse: Array,
+    drag: Array,
+    touched: Array,
+    count: Array,
+) -> None:
+    """Book the impulses of an accepted step with contact."""
+    contacts = 0
+    for j in range(len(multiplier)):
+        if multiplier[j] > 0.0:
+            contacts += 1
+            pressed = multiplier[j] * time_step
+            impulse[j] += pressed
+            drag[j] += friction * sign[j] * pressed
+            touched[j] += 1.0
+    count[STEP_CONTACTS] = contacts
+    count[CONTACT_STEPS] += 1
+
+
+@njit(**COMPILE)
+def _tip_tangential(
+    tangential: Array,
+    crossed: Array,
+    shape: Array,
+    cross_shape: Array,
+    slots: Array,
+    slot: int,
+    columns: Array,
+    out: Array,
+    scratch: Array,
+) -> None:
+    """Tangential displacement of each tip."""
+    _column_sums(tangential, slots, slot, columns)
+    _combine(shape, columns, out)
+    _column_sums(crossed, slots, slot, columns)
+    _combine(cross_shape, columns, scratch)
+    for j in range(0, len(out), LANES):
+        store(out, j, add(load(out, j), load(scratch, j)))
+
+
+@njit(**COMPILE)
+def _difference(slots: Array, later: int, earlier: int, out: Array, row: int) -> None:
+    for i in range(0, slots.shape[1], LANES):
+        store_row(out, row, i, sub(load_row(slots, later, i), load_row(slots, earlier, i)))
+
+
+@njit(**COMPILE)
+def _sliding_signs(
+    blade: Array, casing: Array, wheel_speed: float, time_step: float, sign: Array
+) -> None:
+    """Direction of sliding at each tip, from the tangential displacements over the last step."""
+    for j in range(len(sign)):
+        sign[j] = np.sign(wheel_speed + (blade[j] - casing[j]) / time_step)
+
+
+@njit(**COMPILE)
+def _copy(source: Array, target: Array, row: int) -> None:
+    for i in range(len(source)):
+        target[row, i] = source[i]
+
+
+@njit(**COMPILE)
+def _record_position(slots: Array, now: int, target: Array, row: int) -> None:
+    for i in range(slots.shape[1]):
+        target[row, 0, i] = slots[now, i]
+
+
+@njit(**COMPILE)
+def _record_velocity(
+    slots: Array, later: int, earlier: int, interval: float, target: Array, row: int
+) -> None:
+    for i in range(slots.shape[1]):
+        target[row, 1, i] = (slots[later, i] - slots[earlier, i]) / interval
+
+
+@njit(**COMPILE)
+def _settle(slots: Array, old: int, now: int, new: int) -> None:
+    """Put x_{n-1} and x_n back into slots 0 and 1."""
+    for i in range(slots.shape[1]):
+        before, current, scratch = slots[old, i], slots[now, i], slots[new, i]
+        slots[0, i], slots[1, i], slots[2, i] = before, current, scratch
+
+
+@njit(**COMPILE)
+def advance(
+    rotor: Rotor,
+    casing: Casing,
+    rotor_body: Body,
+    casing_body: Body,
+    march: March,
+    state: State,
+    records: Records,
+    s: Scratch,
+    step: int,
+    steps: int,
+    record_every: int,
+) -> tuple[int, int, int]:
+    """March from ``step`` to ``step + steps``, recording at multiples of ``record_every``.
+
+    A record at step n is written once x_{n+1} is known, its velocity being
+    (x_{n+1} - x_{n-1}) / (2 dt). Before the first step, slot 0 of the state holds x_{n-1} and
+    slot 1 x_n; the same holds on return.
+
+    Returns:
+        status (RUNNING or DIVERGED), the step reached, and the number of records written. On
+        divergence the last state within the displacement limit is recorded, its velocity a
+        backward difference.
+    """
+    dt, friction, limit = march.time_step, march.friction, march.displacement_limit
+    per_step, per_metre = march.elements_per_step, march.elements_per_metre
+    signed, wheel_speed, gap_scale = march.signed, march.wheel_speed, march.gap_scale
+    circulant, nodes, length = casing.circulant, casing.nodes, casing.element_length
+    loads, factors = bare(march.loads), bare(s.load)
+    xs, ys = bare(state.rotor), bare(state.casing)
+    ra, rb, rc = bare(rotor_body.a), bare(rotor_body.b), bare(rotor_body.c)
+    ca, cb, cc = bare(casing_body.a), bare(casing_body.b), bare(casing_body.c)
+    r_load, c_load = bare(rotor_body.load), bare(casing_body.load)
+    r_damping, c_damping = bare(rotor_body.damping), bare(casing_body.damping)
+    r_stiffness, c_stiffness = bare(rotor_body.stiffness), bare(casing_body.stiffness)
+    radial, tangential = bare(rotor.radial), bare(rotor.tangential)
+    crossed, position = bare(rotor.crossed), bare(rotor.position)
+    shape, cross_shape = bare(rotor.shape), bare(rotor.cross_shape)
+    spread, cross_spread = bare(rotor.spread), bare(rotor.cross_spread)
+    w_radial, w_tangential = bare(rotor.w_radial), bare(rotor.w_tangential)
+    w_weight, w_s_weight = bare(casing.weight[W_KIND]), bare(casing.weight[W_SLOPE])
+    u_weight, u_s_weight = bare(casing.weight[U_KIND]), bare(casing.weight[U_SLOPE])
+    even, odd = bare(casing.even[W_KIND]), bare(casing.odd[W_KIND])
+    even_s, odd_s = bare(casing.even[W_SLOPE]), bare(casing.odd[W_SLOPE])
+    even_u, odd_u = bare(casing.even[U_KIND]), bare(casing.odd[U_KIND])
+    even_u_s, odd_u_s = bare(casing.even[U_SLOPE]), bare(casing.odd[U_SLOPE])
+    spread_w, spread_w_s = bare(casing.spread_w), bare(casing.spread_w_s)
+    spread_u, spread_u_s = bare(casing.spread_u), bare(casing.spread_u_s)
+    compliance, clearance = bare(casing.compliance), bare(casing.clearance)
+    r_columns, c_columns = radial.shape[1], w_weight.shape[1]
+    column, pressed = bare(s.columns[0, :r_columns]), bare(s.columns[1, :r_columns])
+    dragged, across = bare(s.columns[2, :r_columns]), bare(s.columns[3, :r_columns])
+    values, slopes = bare(s.columns[0, :c_columns]), bare(s.columns[1, :c_columns])
+    on_u, on_u_s = bare(s.columns[2, :c_columns]), bare(s.columns[3, :c_columns])
+    none, no_weight = bare(s.none[0]), bare(s.none)
+    w, w_s = bare(s.nodal[0]), bare(s.nodal[1])
+    free_gap, gap = bare(s.gap[0]), bare(s.gap[1])
+    u_r, u_t, tip_scratch, at = bare(s.tip[0]), bare(s.tip[1]), bare(s.tip[2]), bare(s.tip[3])
+    hermite, element, moved = bare(s.hermite), bare(s.element), bare(s.difference)
+    sign, multiplier, diagonal = bare(s.sign), bare(s.multiplier), bare(s.diagonal)
+    held, active, ends = bare(s.held), bare(s.active), bare(s.ends)
+    lu, solution, tableau = bare(s.solve), bare(s.solution), bare(s.tableau)
+    basis, index, step_work = bare(s.basis), bare(s.rows), bare(s.work)
+    f_w, f_w_s = bare(s.factor[0]), bare(s.factor[1])
+    f_u, f_u_s = bare(s.factor[2]), bare(s.factor[3])
+    work, count, residual = bare(state.work), bare(state.counts), bare(state.residual)
+    smallest, impulse = bare(state.gap), bare(state.impulse)
+    drag, touched = bare(state.drag), bare(state.touched)
+    rec_step, rec_energy, rec_work = records.step, records.energy, records.work
+    rec_gap, rec_impulse, rec_drag = records.gap, records.impulse, records.drag
+    rec_touched, rec_contacts = records.touched, records.contacts
+    rec_rotor, rec_casing = records.rotor, records.casing
+
+    for j in range(len(sign)):
+        sign[j] = march.sliding
+    tips, written, status = len(element), 0, RUNNING
+    old, now, new = 0, 1, 2
+    end = step + steps
+    while step < end:
+        recording = step % record_every == 0
+        loaded = _load_factors(loads, step * dt, factors)
+        contacts = count[STEP_CONTACTS]
+        count[STEP_CONTACTS] = 0
+        trial, size, penetrating, within = 0, 0, 0, True
+        while True:
+            if trial != 1:
+                # Predict without contact.
+                _predict(ra, rb, xs, old, now, new)
+                _predict(ca, cb, ys, old, now, new)
+                if loaded:
+                    _add_load(r_load, factors, rc, xs, new)
+                    _add_load(c_load, factors, cc, ys, new)
+
+            if trial == 0:
+                # Where the tips stand at the end of the step.
+                for j in range(0, len(at), LANES):
+                    store(at, j, load(position, j))
+                if per_metre != 0.0:
+                    _tip_tangential(
+                        tangential, crossed, shape, cross_shape, xs, new, column, u_t, tip_scratch
+                    )
+                    for j in range(tips):
+                        at[j] += per_metre * u_t[j]
+                _place_tips(at, per_step * (step + 1), nodes, length, hermite, element)
+            else:
+                # Multipliers of the active set; tips they would hold back are let go.
+                released = 1
+                while released > 0:
+                    size = 0
+                    for j in range(tips):
+                        if held[j] == 1:
+                            active[size] = j
+                            size += 1
+                    _delassus(
+                        active, size, compliance, circulant, w_radial, w_tangential, friction,
+                        sign, nodes, hermite, element, ends, lu, diagonal,
+                    )  # fmt: skip
+                    released = _active_multipliers(
+                        free_gap, size, active, held, lu, solution, multiplier,
+                        trial > MENDED_TOGETHER,
+                    )  # fmt: skip
+                    trial += released > 0
+                    count[LCP_PIVOTS] += released > 0
+                if released < 0 or trial > MENDED_TOGETHER + 4 * tips:
+                    # Singular, or going round in circles: all tips at once.
+                    trial = LAST_TRIAL
+                    for j in range(tips):
+                        active[j] = j
+                    size = tips
+                    _delassus(
+                        active, size, compliance, circulant, w_radial, w_tangential, friction,
+                        sign, nodes, hermite, element, ends, lu, diagonal,
+                    )  # fmt: skip
+                    if not _lemke(free_gap, lu, tableau, basis, multiplier):
+                        count[LCP_FAILURES] += 1
+                        _gauss_seidel(free_gap, lu, multiplier)
+                # Correct.
+                step_work[0], step_work[1] = 0.0, 0.0
+                _rotor_columns(
+                    multiplier, sign, friction, spread, cross_spread, index, f_w,
+                    pressed, dragged, across,
+                )  # fmt: skip
+                _correct(
+                    rc, pressed, radial, none, no_weight, dragged, tangential, across, crossed,
+                    xs, old, new, step_work,
+                )  # fmt: skip
+                nodal_loads = _casing_factors(
+                    multiplier, sign, friction, nodes, hermite, element, index,
+                    f_w, f_w_s, f_u, f_u_s,
+                )  # fmt: skip
+                _combine_some(spread_w, index, f_w, nodal_loads, values)
+                _combine_some(spread_w_s, index, f_w_s, nodal_loads, slopes)
+                _combine_some(spread_u, index, f_u, nodal_loads, on_u)
+                _combine_some(spread_u_s, index, f_u_s, nodal_loads, on_u_s)
+                _correct(
+                    cc, values, w_weight, slopes, w_s_weight, on_u, u_weight, on_u_s, u_s_weight,
+                    ys, old, new, step_work,
+                )  # fmt: skip
+
+            _column_sums(radial, xs, new, column)
+            _combine(shape, column, u_r)
+            _column_sums(w_weight, ys, new, values)
+            _nodal_values(even, odd, values, nodes, w)
+            _column_sums(w_s_weight, ys, new, slopes)
+            _nodal_values(even_s, odd_s, slopes, nodes, w_s)
+            if trial == 0:
+                within = _close_gaps(w, w_s, clearance, hermite, element, u_r, limit, free_gap)
+                for j in range(tips):
+                    held[j] = 1 if free_gap[j] < 0.0 else 0
+                    penetrating += held[j]
+                if penetrating == 0:
+                    break
+                if signed:
+                    _difference(xs, now, old, moved, 0)
+                    _difference(ys, now, old, moved, 1)
+                    _tip_tangential(
+                        tangential, crossed, shape, cross_shape, moved, 0, column, u_t, tip_scratch
+                    )
+                    _column_sums(u_weight, moved, 1, values)
+                    _nodal_values(even_u, odd_u, values, nodes, w)
+                    _column_sums(u_s_weight, moved, 1, values)
+                    _nodal_values(even_u_s, odd_u_s, values, nodes, w_s)
+                    _on_tips(w, w_s, hermite, element, tip_scratch)
+                    _sliding_signs(u_t, tip_scratch, wheel_speed, dt, sign)
+            else:
+                within = _close_gaps(w, w_s, clearance, hermite, element, u_r, limit, gap)
+                if trial >= LAST_TRIAL or not within:
+                    break
+                # Tips that the correction pushed into the casing join the set.
+                joined = 0
+                for j in range(tips):
+                    if held[j] == 0 and gap[j] < 0.0:
+                        if joined == 0 or trial <= MENDED_TOGETHER:
+                            held[j] = 1
+                        joined += 1
+                if joined == 0:
+                    break
+                count[LCP_PIVOTS] += 1
+            trial += 1
+
+        if recording or not within:
+            # What is known at step n, before x_{n+1}; what counts between records starts anew.
+            rec_step[written] = step
+            rec_energy[written] = _half_step_energy(
+                r_stiffness, xs, old, now, dt
+            ) + _half_step_energy(c_stiffness, ys, old, now, dt)
+            _copy(work, rec_work, written)
+            _copy(smallest, rec_gap, written)
+            _copy(impulse, rec_impulse, written)
+            _copy(drag, rec_drag, written)
+            _copy(touched, rec_touched, written)
+            rec_contacts[written] = contacts
+            _record_position(xs, now, rec_rotor, written)
+            _record_position(ys, now, rec_casing, written)
+            later, interval = (new, 2.0 * dt) if within else (now, dt)
+            _record_velocity(xs, later, old, interval, rec_rotor, written)
+            _record_velocity(ys, later, old, interval, rec_casing, written)
+            written += 1
+            for j in range(tips):
+                smallest[j], impulse[j], drag[j], touched[j] = np.inf, 0.0, 0.0, 0.0
+        if not within:
+            status = DIVERGED
+            break
+
+        # Accept the step.
+        if penetrating > 0:
+            worst = _residual(gap_scale, free_gap, gap, diagonal, multiplier)
+            residual[0] = max(residual[0], worst)
+            work[NORMAL] += step_work[0]
+            work[FRICTION] += step_work[1]
+            _account_contact(multiplier, sign, friction, dt, impulse, drag, touched, count)
+            for j in range(tips):
+                smallest[j] = min(smallest[j], gap[j])
+        else:
+            for j in range(tips):
+                smallest[j] = min(smallest[j], free_gap[j])
+        if loaded:
+            work[EXTERNAL] += _external_work(r_load, factors, xs, old, new)
+            work[EXTERNAL] += _external_work(c_load, factors, ys, old, new)
+        work[DAMPING] += (
+            _damping_loss(r_damping, xs, old, new) + _damping_loss(c_damping, ys, old, new)
+        ) / dt
+        old, now, new = now, new, old
+        step += 1
+    _settle(xs, old, now, new)
+    _settle(ys, old, now, new)
+    return status, step, written

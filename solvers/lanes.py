@@ -1,0 +1,208 @@
+"""Eight doubles at a time in compiled code.
+
+numba leaves it to the compiler to find vector registers in plain loops. In a step of a
+microsecond that costs more than half of the time: the compiler must guard each loop against
+arrays that overlap, keeps sums in memory for the same reason, and leaves remainders to scalar
+code. The functions here name the registers: ``load`` and ``store`` move LANES consecutive doubles
+of an array, ``fma`` and ``total`` work on them. Machines with narrower registers get the same
+results, the compiler splits each operation. Arrays must be padded to whole registers; nothing is
+checked.
+
+numba's cache does not notice a change in this file: after one, touch the modules that use it.
+"""
+
+# The code generators below speak to untyped interfaces of numba and llvmlite throughout.
+# mypy: disable-error-code="no-untyped-def, no-untyped-call, untyped-decorator, misc"
+
+from __future__ import annotations
+
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic, models, register_model
+from numba.np.arrayobj import populate_array
+
+LANES = 8
+"""Doubles in the widest common vector register."""
+
+HALF = LANES // 2
+"""Doubles of the narrower kind of register, for short vectors (``load_half``)."""
+
+
+class _LanesType(types.Type):
+    def __init__(self, width):
+        self.width = width
+        super().__init__(name=f"lanes{width}")
+
+
+@register_model(_LanesType)
+class _LanesModel(models.PrimitiveModel):
+    def __init__(self, manager, kind):
+        super().__init__(manager, kind, _vector(kind.width))
+
+
+def _vector(width):
+    return ir.VectorType(ir.DoubleType(), width)
+
+
+_FULL, _HALF = _LanesType(LANES), _LanesType(HALF)
+
+
+def _address(context, builder, kind, array, indices, width):
+    """Pointer to a register's worth of a C-contiguous array from an index on."""
+    view = context.make_array(kind)(context, builder, array)
+    place = indices[-1]
+    if len(indices) == 2:
+        columns = builder.extract_value(view.shape, 1)
+        place = builder.add(builder.mul(indices[0], columns), place)
+    return builder.bitcast(builder.gep(view.data, [place]), _vector(width).as_pointer())
+
+
+def _loader(width):
+    def generate(context, builder, signature, arguments):
+        kind, array, indices = signature.args[0], arguments[0], arguments[1:]
+        value = builder.load(_address(context, builder, kind, array, indices, width))
+        value.align = 8
+        return value
+
+    return generate
+
+
+def _storer(context, builder, signature, arguments):
+    kind, array, indices, value = signature.args[0], arguments[0], arguments[1:-1], arguments[-1]
+    place = _address(context, builder, kind, array, indices, signature.args[-1].width)
+    builder.store(value, place).align = 8
+    return context.get_dummy_value()
+
+
+def _splatter(width):
+    def generate(context, builder, signature, arguments):
+        blank = ir.Constant(_vector(width), ir.Undefined)
+        first = builder.insert_element(blank, arguments[0], ir.IntType(32)(0))
+        everywhere = ir.Constant(ir.VectorType(ir.IntType(32), width), [0] * width)
+        return builder.shuffle_vector(first, blank, everywhere)
+
+    return generate
+
+
+@intrinsic
+def bare(typing_context, array):
+    """The same C-contiguous array without an owner: nothing counts references to it.
+
+    A count is an atomic operation, some ten of which cost as much as a product. The caller must
+    keep the array alive.
+    """
+
+    def generate(context, builder, signature, arguments):
+        owned = context.make_array(signature.args[0])(context, builder, arguments[0])
+        view = context.make_array(signature.return_type)(context, builder)
+        populate_array(
+            view,
+            data=owned.data,
+            shape=owned.shape,
+            strides=owned.strides,
+            itemsize=owned.itemsize,
+            meminfo=None,
+        )
+        return view._getvalue()
+
+    return types.Array(array.dtype, array.ndim, "C")(array), generate
+
+
+@intrinsic
+def load(typing_context, array, i):
+    """Doubles i .. i + LANES - 1 of a vector."""
+    return _FULL(array, types.intp), _loader(LANES)
+
+
+@intrinsic
+def load_row(typing_context, array, row, i):
+    """Doubles i .. i + LANES - 1 of a row of a matrix."""
+    return _FULL(array, types.intp, types.intp), _loader(LANES)
+
+
+@intrinsic
+def load_half(typing_context, array, i):
+    """Doubles i .. i + HALF - 1 of a vector."""
+    return _HALF(array, types.intp), _loader(HALF)
+
+
+@intrinsic
+def store(typing_context, array, i, value):
+    """Write a register to a vector."""
+    return types.void(array, types.intp, value), _storer
+
+
+@intrinsic
+def store_row(typing_context, array, row, i, value):
+    """Write a register to a row of a matrix."""
+    return types.void(array, types.intp, types.intp, value), _storer
+
+
+@intrinsic
+def splat(typing_context, value):
+    """The same double in all LANES lanes."""
+    return _FULL(types.float64), _splatter(LANES)
+
+
+@intrinsic
+def splat_half(typing_context, value):
+    """The same double in HALF lanes."""
+    return _HALF(types.float64), _splatter(HALF)
+
+
+@intrinsic
+def fma(typing_context, a, b, c):
+    """a * b + c."""
+
+    def generate(context, builder, signature, arguments):
+        product = builder.fmul(arguments[0], arguments[1], flags=("contract",))
+        return builder.fadd(product, arguments[2], flags=("contract",))
+
+    return a(a, b, c), generate
+
+
+@intrinsic
+def add(typing_context, a, b):
+    """a + b."""
+
+    def generate(context, builder, signature, arguments):
+        return builder.fadd(arguments[0], arguments[1])
+
+    return a(a, b), generate
+
+
+@intrinsic
+def sub(typing_context, a, b):
+    """a - b."""
+
+    def generate(context, builder, signature, arguments):
+        return builder.fsub(arguments[0], arguments[1])
+
+    return a(a, b), generate
+
+
+@intrinsic
+def mul(typing_context, a, b):
+    """a * b."""
+
+    def generate(context, builder, signature, arguments):
+        return builder.fmul(arguments[0], arguments[1])
+
+    return a(a, b), generate
+
+
+@intrinsic
+def total(typing_context, a):
+    """Sum of the lanes."""
+
+    def generate(context, builder, signature, arguments):
+        value, whole = arguments[0], signature.args[0].width
+        width = whole
+        while width > 1:
+            width //= 2
+            order = [*range(width, 2 * width), *([0] * (whole - width))]
+            mask = ir.Constant(ir.VectorType(ir.IntType(32), whole), order)
+            value = builder.fadd(value, builder.shuffle_vector(value, value, mask))
+        return builder.extract_element(value, ir.IntType(32)(0))
+
+    return types.float64(a), generate

@@ -1,0 +1,169 @@
+"""Contact march: schemes behind one contract, and the loop that yields what they record.
+
+A scheme is made once for a problem and a time step (it factorises then) and advances a state:
+state in, state out, so that a march can be stopped, stored and resumed bit by bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol, TypeVar
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.contact_problem import ContactProblem
+
+
+class EndReason(Enum):
+    """Why a march ended."""
+
+    COMPLETED = "completed"
+    DIVERGENT = "divergent"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chunk:
+    """Consecutive records of a march."""
+
+    step: IntArray  #: step of each record, (records,)
+    time: FloatArray  #: [s], (records,)
+    rotor_displacement: FloatArray  #: modal [kg^1/2 m], (records, rotor modes)
+    rotor_velocity: FloatArray  #: modal [kg^1/2 m/s]
+    casing_displacement: FloatArray  #: (records, casing modes)
+    casing_velocity: FloatArray
+    gap: FloatArray  #: smallest gap of each tip since the last record [m], (records, tips)
+    contact_impulse: FloatArray  #: normal, since the last record [N s], (records, tips)
+    friction_impulse: FloatArray  #: positive when the blade is dragged to -theta [N s]
+    contact_steps: IntArray  #: steps with contact since the last record, (records, tips)
+    contacts: IntArray  #: tips in contact at the record, (records,)
+    energy: FloatArray  #: half-step energy of both bodies [J], (records,)
+    external_work: FloatArray  #: since the start [J], (records,)
+    normal_work: FloatArray  #: of the normal contact forces [J]
+    friction_work: FloatArray  #: of the friction forces [J]
+    damping_work: FloatArray  #: lost to modal damping [J], positive
+
+    @property
+    def records(self) -> int:
+        """Number of records."""
+        return len(self.step)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Statistics:
+    """What a march knows of its own quality."""
+
+    steps: int  #: steps done
+    contact_steps: int  #: of these, with contact
+    complementarity_residual: float  #: largest of all steps (see `CentralDifference`)
+    pivots: int  #: changes of the active set after the first guess
+    lcp_failures: int  #: steps whose complementarity problem no exact method solved
+
+
+class MarchState(Protocol):
+    """State of a march between two steps; what it holds is the scheme's."""
+
+    @property
+    def step(self) -> int:
+        """Number of steps done."""
+
+    @property
+    def statistics(self) -> Statistics:
+        """Quality so far."""
+
+
+StateT = TypeVar("StateT", bound=MarchState)
+
+
+class Scheme(Protocol[StateT]):
+    """A time-stepping scheme, factorised for one problem and one time step."""
+
+    def init(self) -> StateT:
+        """State at t = 0."""
+
+    def advance(self, state: StateT, steps: int) -> tuple[StateT, Chunk, EndReason | None]:
+        """Do that many steps; the state given stays as it was."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Timing:
+    """Steps of a march.
+
+    Raises:
+        ValueError: a time step that is not positive, a negative duration, or records that are not
+            a whole number of steps apart.
+    """
+
+    time_step: float  #: [s]
+    duration: float  #: [s]; zero leaves the record at t = 0 alone
+    record_step: float  #: time between records [s]
+
+    def __post_init__(self) -> None:
+        if not (self.time_step > 0.0 and self.duration >= 0.0):
+            raise ValueError(
+                "time step must be positive and duration not negative; "
+                f"got {self.time_step}, {self.duration}"
+            )
+        ratio = self.record_step / self.time_step
+        if not (self.record_every >= 1 and abs(ratio - self.record_every) < 1e-6 * ratio):
+            raise ValueError(
+                f"record_step must be a whole number of time steps ({self.time_step} s); "
+                f"got {self.record_step} s, {ratio:.6g} steps"
+            )
+
+    @property
+    def record_every(self) -> int:
+        """Steps between records."""
+        return round(self.record_step / self.time_step)
+
+    @property
+    def steps(self) -> int:
+        """Steps of the whole march."""
+        return round(self.duration / self.time_step)
+
+
+CHUNK_STEPS = 20_000
+"""Steps between two yields: short enough for a smooth progress bar, long enough to cost nothing."""
+
+
+def march(
+    scheme: Scheme[StateT], timing: Timing, state: StateT | None = None
+) -> Iterator[tuple[StateT, Chunk, EndReason | None]]:
+    """Advance a scheme over a whole march, yielding state and records chunk by chunk.
+
+    Args:
+        scheme: factorised for the problem and ``timing.time_step``.
+        timing: steps and records.
+        state: to resume from; the scheme's start when None.
+
+    Yields:
+        the state reached, the records since the last yield, and why the march ended (None while
+        it goes on).
+    """
+    if state is None:
+        state = scheme.init()
+    per_chunk = max(1, CHUNK_STEPS // timing.record_every) * timing.record_every
+    # A record at step n is complete with x_{n+1}: the last one asks for one step more.
+    last = timing.steps + 1
+    while state.step < last:
+        steps = min(per_chunk - state.step % per_chunk, last - state.step)
+        state, chunk, end = scheme.advance(state, steps)
+        if end is None and state.step >= last:
+            end = EndReason.COMPLETED
+        yield state, chunk, end
+        if end is not None:
+            return
+
+
+def check_time_step(problem: ContactProblem, time_step: float) -> None:
+    """Refuse a time step at or above the stability limit.
+
+    Raises:
+        ValueError: naming the limit and what to do.
+    """
+    limit = problem.critical_time_step
+    if not time_step < limit:
+        raise ValueError(
+            f"time step {time_step:.3g} s is at or above the critical step {limit:.3g} s = "
+            "2/omega_max; take a smaller one, fewer casing elements or fixed-interface modes"
+        )
