@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bladewhirl.models.bladed_disk import BladedDisk
-from bladewhirl.models.casing import Casing
 from bladewhirl.models.coupling import BoolArray, CouplingModes, FloatArray, IntArray
 from bladewhirl.models.cyclic import is_pair
-from bladewhirl.models.modes import Modes, families
+from bladewhirl.models.labelled_modes import LabelledModes
+from bladewhirl.models.modal_stage import ModalStage
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
 """Families of the bladed disk that are coupled, besides the suspension pair."""
@@ -26,14 +26,23 @@ class StageModes:
     modes: CouplingModes  #: with physical amplitudes: of w, and at the tips, per unit coordinate
     family: tuple[str, ...]  #: "casing", "suspension", "1F" to "5F", (entries,)
     number: IntArray  #: of each entry's mode among those of its body; a sine follows, (entries,)
+    modal: ModalStage  #: finite elements and all modes of both bodies
 
     def take(self, chosen: IntArray) -> StageModes:
         """Keep some entries, by positions."""
-        return StageModes(
+        return replace(
+            self,
             modes=self.modes.take(chosen),
             family=tuple(self.family[i] for i in chosen),
             number=self.number[chosen],
         )
+
+    def mode_numbers(self, *, on_casing: bool) -> tuple[IntArray, IntArray]:
+        """Coordinates that belong to one body, and the numbers of their modes on it."""
+        entry = self.modes.entry
+        sine = np.arange(self.modes.size) - self.modes.cosine[entry]
+        coordinates = np.flatnonzero(self.modes.on_casing[entry] == on_casing)
+        return coordinates, (self.number[entry] + sine)[coordinates]
 
     def with_unit_amplitudes(self) -> StageModes:
         """Give every mode amplitude one, as the paper does."""
@@ -60,14 +69,7 @@ class StageModes:
         return self.take(np.concatenate(chosen))
 
 
-def stage_modes(
-    disk: BladedDisk,
-    disk_modes: Modes,
-    casing: Casing,
-    casing_modes: Modes,
-    *,
-    damping_ratio: float,
-) -> StageModes:
+def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
     """Collect the modes that the springs couple: those with radial motion at the springs.
 
     Of the bladed disk these are the suspension pair and `FAMILIES`; of the casing the lowest of
@@ -76,55 +78,61 @@ def stage_modes(
     tips or nodes.
 
     Args:
-        disk: the bladed disk.
-        disk_modes: its modes.
-        casing: the casing.
-        casing_modes: its modes.
+        modal: finite element models with all their modes.
         damping_ratio: of every mode.
 
     Raises:
         ValueError: modes without nodal diameter: the stage has no cyclic symmetry.
     """
-    if not (disk_modes.is_cyclic and casing_modes.is_cyclic):
+    disk, disk_modes = modal.disk, modal.disk_modes
+    casing, casing_modes = modal.casing, modal.casing_modes
+    if disk_modes.column.min() < 0 or casing_modes.column.min() < 0:
         raise ValueError("coupling by nodal diameter needs a stage with cyclic symmetry")
-    radial = disk_modes.shapes[disk.tip_radial]
-    disk_amplitude = wave_amplitudes(radial, disk.tip_angles, disk_modes.nodal_diameter)
-    wall = casing.nodal(casing_modes.shapes)[:, 0]
-    casing_amplitude = wave_amplitudes(wall, casing.mesh.angles, casing_modes.nodal_diameter)
+    blades, elements = len(disk.tip_angles), casing.mesh.elements
 
-    labels = families(disk_modes, "bladed-disk")
-    found: list[tuple[int, bool, int, str]] = []  # nodal diameter, on the rotor, number, family
-    for k in range(min(disk_modes.sectors // 2, (casing_modes.sectors - 1) // 2) + 1):
-        wall_waves = _first_waves(casing_modes, casing_amplitude, k)[:1]
-        disk_waves = [
-            (k, True, int(number), labels[number])
-            for number in _first_waves(disk_modes, disk_amplitude, k)
-            if labels[number] in ("suspension", *FAMILIES)
+    def on_disk(fields: FloatArray, k: IntArray) -> FloatArray:
+        return wave_amplitudes(fields[disk.tip_radial], disk.tip_angles, k)
+
+    def on_wall(fields: FloatArray, k: IntArray) -> FloatArray:
+        return wave_amplitudes(casing.nodal(fields)[:, 0], casing.mesh.angles, k)
+
+    coupled = {"suspension", *FAMILIES}
+    rotor = _moving(disk_modes, on_disk, [name in coupled for name in disk_modes.family])
+    wall = _moving(casing_modes, on_wall, 2 * casing_modes.nodal_diameter < elements)
+    found: list[tuple[int, bool, int, float]] = []  # nodal diameter, on rotor, number, amplitude
+    for k in sorted({int(disk_modes.nodal_diameter[number]) for number in rotor}):
+        lowest = [number for number in wall if casing_modes.nodal_diameter[number] == k][:1]
+        found += [(k, False, number, wall[number]) for number in lowest]
+        found += [
+            (k, True, number, rotor[number])
+            for number in rotor
+            if disk_modes.nodal_diameter[number] == k
         ]
-        if disk_waves:
-            found += [(k, False, int(number), "casing") for number in wall_waves]
-            found += disk_waves
-
-    on_rotor = np.array([rotor for _, rotor, _, _ in found], dtype=np.bool_)
-    number = np.array([n for _, _, n, _ in found], dtype=np.int64)
+    family = tuple(disk_modes.family[n] if on_rotor else "casing" for _, on_rotor, n, _ in found)
     return StageModes(
         modes=CouplingModes(
-            name=tuple(_name(family, k) for k, _, _, family in found),
-            on_casing=~on_rotor,
+            name=tuple(
+                name if name == "suspension" else f"{name} k={k}"
+                for name, (k, _, _, _) in zip(family, found, strict=True)
+            ),
+            on_casing=np.array([not on_rotor for _, on_rotor, _, _ in found], dtype=np.bool_),
             nodal_diameter=np.array([k for k, _, _, _ in found], dtype=np.int64),
-            frequency=_either(on_rotor, number, disk_modes.frequency, casing_modes.frequency),
-            amplitude=_either(on_rotor, number, disk_amplitude, casing_amplitude),
+            frequency=np.array(
+                [
+                    (disk_modes if on_rotor else casing_modes).frequency[number]
+                    for _, on_rotor, number, _ in found
+                ]
+            ),
+            amplitude=np.array([amplitude for _, _, _, amplitude in found]),
             damping_ratio=np.full(len(found), damping_ratio),
             paired=np.array(
-                [
-                    is_pair(k, disk_modes.sectors if rotor else casing_modes.sectors)
-                    for k, rotor, _, _ in found
-                ],
+                [is_pair(k, blades if on_rotor else elements) for k, on_rotor, _, _ in found],
                 dtype=np.bool_,
             ),
         ),
-        family=tuple(family for _, _, _, family in found),
-        number=number,
+        family=family,
+        number=np.array([number for _, _, number, _ in found], dtype=np.int64),
+        modal=modal,
     )
 
 
@@ -142,18 +150,14 @@ def wave_amplitudes(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatA
     return np.asarray(share * np.sum(field * waves, axis=0))
 
 
-def _first_waves(modes: Modes, amplitude: FloatArray, k: int) -> IntArray:
-    """Cosine (or only) modes of nodal diameter k with a radial amplitude, ascending."""
-    column = 0 if k == 0 else 2 * k - 1
-    moving = np.abs(amplitude) > SMALLEST_AMPLITUDE * np.abs(amplitude).max()
-    return np.flatnonzero((modes.column == column) & moving)
-
-
-def _either(
-    on_rotor: BoolArray, number: IntArray, rotor: FloatArray, casing: FloatArray
-) -> FloatArray:
-    return np.array([(rotor if on else casing)[n] for on, n in zip(on_rotor, number, strict=True)])
-
-
-def _name(family: str, k: int) -> str:
-    return family if family == "suspension" else f"{family} k={k}"
+def _moving(
+    modes: LabelledModes,
+    amplitudes: Callable[[FloatArray, IntArray], FloatArray],
+    wanted: Sequence[bool] | BoolArray,
+) -> dict[int, float]:
+    """Numbers of the wanted modes with a radial amplitude, ascending, sines left out."""
+    numbers = modes.one_a_pair()
+    numbers = numbers[np.asarray(wanted, dtype=np.bool_)[numbers]]
+    found = amplitudes(modes.fields(numbers), modes.nodal_diameter[numbers])
+    moving = np.abs(found) > SMALLEST_AMPLITUDE * np.abs(found).max()
+    return dict(zip(numbers[moving].tolist(), found[moving].tolist(), strict=True))

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -11,10 +14,21 @@ from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.drawing import Drawing, Ribbon
 from bladewhirl.postprocess.fields import Array, IntArray
+from bladewhirl.postprocess.orbits import FRAMES, whirl
 from bladewhirl.postprocess.style import COLOURS, FULL_WIDTH, SEQUENTIAL, new_figure, styled
 from bladewhirl.solvers.coupled_modes import CoupledMotion
 
-MILLI = 1e3
+MILLI, MICRO = 1e3, 1e6
+
+ARROWS = 8
+"""Arrows along an orbit."""
+
+ARROW: Mapping[str, Any] = {
+    "arrowstyle": "-|>,head_width=0.2,head_length=0.4",
+    "color": COLOURS["k = 1"],
+    "shrinkA": 0.0,
+    "shrinkB": 0.0,
+}
 
 
 def motion_dataset(motion: CoupledMotion, *, reference: float) -> xr.Dataset:
@@ -43,37 +57,66 @@ def motion_dataset(motion: CoupledMotion, *, reference: float) -> xr.Dataset:
             "nodal_diameter": motion.nodal_diameter,
             "speed": motion.speed,
             "reference_frequency": reference,
-            "rotor_wave_speed": motion.rotor_wave_speed,
+            "rotor_wave_speed": motion.rotor_wave_speed,  # rad/s, forward positive
             "casing_wave_speed": motion.casing_wave_speed,
         },
     )
 
 
 @styled
+def plot_orbits(orbit: xr.Dataset) -> Figure:
+    """Draw the shaft's growing orbit in rotating and static axes, Fig. 14(a) and (b).
+
+    Arrows show the way it goes; each title names the whirl as measured.
+
+    Args:
+        orbit: from `orbits.shaft_orbit`.
+    """
+    figure = new_figure(height=0.052)
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    edge = 1.1 * MICRO * float(orbit["radius"].max())
+    for axes, frame in zip(panels, FRAMES, strict=True):
+        path = MICRO * orbit[frame].values
+        axes.plot(*path.T, color=COLOURS["rotor"], linewidth=0.6)
+        for record in np.linspace(0.0, len(path) - 1.0, ARROWS + 1).astype(np.int64)[1:]:
+            axes.annotate("", path[record], path[record - 1], arrowprops=ARROW)
+        found = whirl(orbit, frame)
+        axes.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge), xlabel="x [µm]")
+        axes.set_title(f"{frame} frame\n{found.direction}, {abs(found.rate) / (2 * np.pi):.3g} Hz")
+    panels[0].set_ylabel("y [µm]")
+    return figure
+
+
+@styled
 def plot_phases(data: xr.Dataset) -> Figure:
-    """Draw the static phase of shaft and of smallest clearance, Fig. 14(c), and their difference.
+    """Draw the static phase of shaft and smallest clearance, Fig. 14(c), and their difference.
+
+    Where the shaft rests, in waves of other nodal diameters than one, the clearance stands alone.
 
     Args:
         data: from `motion_dataset`.
     """
-    figure = new_figure(height=0.07)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    moves = data.attrs["nodal_diameter"] == 1
+    figure = new_figure(height=0.07 if moves else 0.05)
+    rows: dict[str, Any] = {"nrows": 2, "height_ratios": (2, 1)} if moves else {}
+    panels = np.atleast_1d(figure.subplots(sharex=True, **rows))
     time = MILLI * data["time"].values
-    for name, key, style in (
-        ("shaft", "rotor", "-"),
-        ("smallest clearance", "casing", "--"),
-    ):
+    curves = (("shaft", "rotor", "-"), ("smallest clearance", "casing", "--"))
+    for name, key, style in curves if moves else curves[1:]:
         phase = data[f"{name.replace(' ', '_')}_phase"].values
         wrapped = np.angle(np.exp(1j * phase))
         # A jump from pi to -pi is no motion: break the line there.
-        broken = np.where(np.abs(np.diff(wrapped, prepend=wrapped[0])) > np.pi, np.nan, wrapped)
-        upper.plot(time, np.degrees(broken), style, color=COLOURS[key], label=name, linewidth=1.2)
-    lower.plot(time, np.degrees(data["shaft_lead"]), color=COLOURS["k = 1"])
-    for axes in (upper, lower):
-        axes.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
-    upper.set_ylabel("phase, static frame [°]")
-    lower.set(ylabel="difference [°]", xlabel="time [ms]", xlim=(time[0], time[-1]))
-    figure.legend(*upper.get_legend_handles_labels(), loc="outside upper center", ncols=2)
+        jumps = np.abs(np.diff(wrapped, prepend=wrapped[0])) > np.pi
+        degrees = np.degrees(np.where(jumps, np.nan, wrapped))
+        panels[0].plot(time, degrees, style, color=COLOURS[key], label=name, linewidth=1.2)
+    panels[0].set_ylabel("phase, static frame [°]")
+    if moves:
+        panels[1].plot(time, np.degrees(data["shaft_lead"]), color=COLOURS["k = 1"])
+        panels[1].set_ylabel("shaft leads [°]")
+    for axes in panels:
+        axes.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), xlim=(time[0], time[-1]))
+    panels[-1].set_xlabel("time [ms]")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
     return figure
 
 
@@ -100,7 +143,12 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
         for ribbon in (picture.casing, picture.rotor):
             shown = _draw_ribbon(axes, ribbon, norm)
         near = picture.tips[int(np.argmin(gaps[index]))]
-        dot = {"color": COLOURS["contact"], "markersize": 5, "linestyle": "none", "marker": "o"}
+        dot: Mapping[str, Any] = {
+            "color": COLOURS["contact"],
+            "markersize": 5,
+            "linestyle": "none",
+            "marker": "o",
+        }
         axes.plot(*near, **dot, markerfacecolor="none")
         axes.plot(0.0, 0.0, "+", color=COLOURS["rest"], markersize=5)
         axes.plot(*picture.shaft, "o", color=COLOURS["k = 1"], markersize=3)

@@ -16,6 +16,7 @@ from typer.core import TyperGroup
 
 from bladewhirl.studies.new import new
 from bladewhirl.studies.render import render
+from bladewhirl.studies.stability import stability
 
 USER_ERROR = 2
 """Exit code when the user can put it right; click uses the same for wrong options."""
@@ -47,6 +48,7 @@ app = typer.Typer(
 )
 app.command()(new)
 app.command()(render)
+app.command()(stability)
 
 
 def _print_version(wanted: bool) -> None:

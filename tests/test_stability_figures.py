@@ -19,6 +19,8 @@ from bladewhirl.postprocess.stability_figures import (
     plot_spectrum,
     plot_truncation,
     spectrum_dataset,
+    truncation_dataset,
+    zones_dataset,
 )
 from bladewhirl.postprocess.style import save_figure
 from bladewhirl.solvers.coupled_modes import CoupledMotion
@@ -33,13 +35,12 @@ def six_modes() -> CouplingModes:
     return paper_modes(casing=0.055 * UNIT, first_flexural=UNIT, suspension=2.5 * UNIT)
 
 
-def chart(modes: CouplingModes) -> xr.Dataset:
-    speeds, kappas = np.linspace(0.6, 3.0, 120) * UNIT, np.linspace(0.0, 1000.0, 30)
+def chart(modes: CouplingModes, low: float = 0.6, high: float = 3.0) -> xr.Dataset:
+    speeds, kappas = np.linspace(low, high, 120) * UNIT, np.linspace(0.0, 1000.0, 30)
+    zones = unstable_zones(modes, kappas=kappas, low=speeds[0], high=speeds[-1])
     return chart_dataset(
         stability_chart(modes, speeds=speeds, kappas=kappas),
-        unstable_zones(modes, kappas=kappas, low=speeds[0], high=speeds[-1]),
-        modes,
-        reference=UNIT,
+        zones_dataset(zones, modes, speed=speeds, kappa=kappas, reference=UNIT),
     )
 
 
@@ -79,14 +80,7 @@ def test_chart_draws_its_zones_up_from_the_coincidence_speeds(tmp_path: Path) ->
 
 
 def test_chart_without_an_unstable_point_can_be_drawn(tmp_path: Path) -> None:
-    modes = six_modes()
-    speeds, kappas = np.linspace(1.5, 2.0, 20) * UNIT, np.linspace(0.0, 100.0, 10)
-    data = chart_dataset(
-        stability_chart(modes, speeds=speeds, kappas=kappas),
-        unstable_zones(modes, kappas=kappas, low=speeds[0], high=speeds[-1]),
-        modes,
-        reference=UNIT,
-    )
+    data = chart(six_modes(), low=1.5, high=2.0)
     save_figure(plot_chart(data), tmp_path / "stable", data)
     assert data.sizes["zone"] == 0
 
@@ -112,12 +106,13 @@ def test_truncation_shows_zones_that_six_modes_hide(tmp_path: Path) -> None:
         name=six.name + second.name,
         **{name: np.concatenate([getattr(six, name), getattr(second, name)]) for name in names},
     )
-    figure = plot_truncation(chart(whole), chart(six))
+    data = truncation_dataset(chart(whole), chart(six))
+    figure = plot_truncation(data)
     fills = figure.axes[0].collections
     outlines = figure.axes[0].lines
     assert len(fills) == 4
     assert len(outlines) == 4
-    save_figure(figure, tmp_path / "truncation", chart(whole))
+    save_figure(figure, tmp_path / "truncation", data)
 
 
 def test_phases_and_their_difference(tmp_path: Path) -> None:

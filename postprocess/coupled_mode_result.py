@@ -1,0 +1,126 @@
+"""A coupled mode laid out like the result of a run, so that everything that reads one draws it."""
+
+from __future__ import annotations
+
+from importlib import metadata
+
+import numpy as np
+import xarray as xr
+from scipy.integrate import cumulative_trapezoid
+
+from bladewhirl.models.coupling import FloatArray, IntArray
+from bladewhirl.models.stage_coupling import StageModes
+from bladewhirl.solvers.coupled_modes import CoupledMotion, RadialShapes
+from bladewhirl.solvers.recorder import HISTORY, STATIC
+
+
+def radial_shapes(stage: StageModes) -> RadialShapes:
+    """Shapes of shaft, tips and casing for unit coordinates, step 4 of Section 3.3.2.
+
+    Args:
+        stage: the coupled modes; shapes are those of the finite element modes, whatever
+            amplitudes the coupling takes.
+    """
+    disk, casing, size = stage.modal.disk, stage.modal.casing, stage.modes.size
+    rotor, rotor_modes = stage.mode_numbers(on_casing=False)
+    wall, wall_modes = stage.mode_numbers(on_casing=True)
+    shapes = stage.modal.disk_modes.fields(rotor_modes)
+    tips = np.zeros((len(disk.tip_angles), size))
+    tips[:, rotor] = shapes[disk.tip_radial]
+    centre = np.zeros((2, size))
+    centre[:, rotor] = disk.cartesian(shapes)[disk.mesh.node_sets["centre"][0], :2]
+    radial = np.zeros((casing.mesh.elements, size))
+    radial[:, wall] = casing.nodal(stage.modal.casing_modes.fields(wall_modes))[:, 0]
+    return RadialShapes(
+        centre=centre,
+        tips=tips,
+        tip_angle=disk.tip_angles,
+        casing=radial,
+        casing_angle=casing.mesh.angles,
+    )
+
+
+def coupled_mode_result(
+    stage: StageModes, motion: CoupledMotion, *, reference: float, case: str
+) -> xr.Dataset:
+    """Lay a coupled mode in time out like `result.nc`.
+
+    Nothing touches: contacts, impulses and friction are zero. The energy is that of the two
+    bodies, and the work of the springs between them stands as external work.
+
+    Args:
+        stage: the coupled modes.
+        motion: of one coupled mode, equally spaced in time.
+        reference: frequency that speeds are multiples of [rad/s].
+        case: the case file's text.
+    """
+    rotor, rotor_modes = stage.mode_numbers(on_casing=False)
+    wall, wall_modes = stage.mode_numbers(on_casing=True)
+    arrays = stage.modal.arrays(rotor_modes, wall_modes)
+    records = len(motion.time)
+    energy, lost = _energy(stage, motion), _damping_work(stage, motion)
+    zero, untouched = np.zeros(records), np.zeros((records, len(arrays.tip_node)))
+    history: dict[str, FloatArray | IntArray] = {
+        "time": motion.time,
+        "rotor_displacement": motion.displacement[:, rotor],
+        "rotor_velocity": motion.velocity[:, rotor],
+        "casing_displacement": motion.displacement[:, wall],
+        "casing_velocity": motion.velocity[:, wall],
+        "gap": _gaps(stage, motion),
+        "contact_impulse": untouched,
+        "friction_impulse": untouched,
+        "contact_steps": untouched.astype(np.int64),
+        "contacts": zero.astype(np.int64),
+        "energy": energy,
+        "external_work": energy - energy[0] + lost,
+        "normal_work": zero,
+        "friction_work": zero,
+        "damping_work": lost,
+    }
+    static = {name: np.asarray(getattr(arrays, name)) for name in STATIC}
+    step = float(motion.time[1] - motion.time[0])
+    given = stage.modal.case
+    return xr.Dataset(
+        {
+            name: (about.dimensions, values, {"units": about.units, "long_name": about.long_name})
+            for table, found in ((HISTORY, history), (STATIC, static))
+            for name, about in table.items()
+            for values in [found[name]]
+        },
+        attrs={
+            "title": "coupled mode",
+            "version": metadata.version("bladewhirl"),
+            "speed": motion.speed,
+            "reference_frequency": reference,
+            "casing_radius": stage.modal.casing.mesh.radius,
+            "tip_radius": given.bladed_disk.tip_radius,
+            "friction": 0.0,
+            "time_step": step,
+            "record_step": step,
+            "clamped": int(given.shaft.clamped),
+            "end_reason": "completed",
+            "end_message": "the clearance closes here",
+            "case": case,
+            "steps": records - 1,
+        },
+    )
+
+
+def _gaps(stage: StageModes, motion: CoupledMotion) -> FloatArray:
+    """Gap at each tip at each record, (records, blades)."""
+    angle = stage.modal.disk.tip_angles + motion.speed * motion.time[:, None]
+    wall = (motion.casing_wave[:, None] * np.exp(-1j * motion.nodal_diameter * angle)).real
+    tips = motion.displacement @ radial_shapes(stage).tips.T
+    return np.asarray(stage.modal.case.casing.clearance + wall - tips)
+
+
+def _energy(stage: StageModes, motion: CoupledMotion) -> FloatArray:
+    """Kinetic and strain energy of both bodies, without the springs between them, (records,)."""
+    strain = stage.modes.frequency[stage.modes.entry] * motion.displacement
+    return np.asarray(0.5 * np.sum(motion.velocity**2 + strain**2, axis=1))
+
+
+def _damping_work(stage: StageModes, motion: CoupledMotion) -> FloatArray:
+    """Energy that modal damping has taken since the first record, (records,)."""
+    power = motion.velocity**2 @ stage.modes.damping_rate[stage.modes.entry]
+    return np.asarray(cumulative_trapezoid(power, motion.time, initial=0.0))

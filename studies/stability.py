@@ -1,0 +1,101 @@
+"""`bladewhirl stability`: at which speeds and coupling stiffnesses the stage is unstable."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def stability(
+    case: Annotated[Path, typer.Argument(help="Case file.", show_default=False)],
+    speed: Annotated[
+        str | None,
+        typer.Option(help='One speed: multiples of ω₁, or text such as "2500 rpm".'),
+    ] = None,
+    kappa: Annotated[
+        float | None, typer.Option(help="One coupling stiffness [N/m]; with --speed.")
+    ] = None,
+    speeds: Annotated[
+        str, typer.Option(metavar="START:STOP:COUNT", help="Speeds of the chart, times ω₁.")
+    ] = "0.6:3:600",
+    kappas: Annotated[
+        str, typer.Option(metavar="START:STOP:COUNT", help="Stiffnesses of the chart [N/m].")
+    ] = "0:1000:300",
+    line: Annotated[
+        float, typer.Option(help="Stiffness [N/m] along which eigenvalues are drawn.")
+    ] = 500.0,
+    modes: Annotated[
+        str,
+        typer.Option(
+            help='Which modes are coupled: "six" as in the paper, "all", or a list such as'
+            ' "casing:1,1F:1,2F:1,suspension"; without ":k", of all nodal diameters.'
+        ),
+    ] = "six",
+    damped: Annotated[bool, typer.Option("--damped", help="With the case's damping.")] = False,
+    no_pi: Annotated[
+        bool, typer.Option("--no-pi", help="Without the factor π of Eq. (8), as in Eq. (9).")
+    ] = False,
+    physical: Annotated[
+        bool, typer.Option("--physical", help="With the modes' own amplitudes, not one for all.")
+    ] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", help="Folder to make; for a chart CASE-stability by default."
+        ),
+    ] = None,
+    films: Annotated[
+        bool, typer.Option(help="Also the divergent mode as VTK series and GIF.")
+    ] = True,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Write into a folder that exists.")
+    ] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    overrides: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change the case: casing.support=2e3."),
+    ] = None,
+) -> None:
+    """Chart growth rates over speed and coupling stiffness, or look at one point.
+
+    Frame and bearings couple bladed disk and casing by springs of stiffness κ. A chart shows the
+    unstable zones, their borders found by root finding, the eigenvalues along --line and, for
+    other modes than the six of the paper, what those six hide. One point (--speed and --kappa)
+    gives growth rate and eigenvalues and, with -o, the divergent mode in time. With --json and no
+    -o nothing is written.
+    """
+    from bladewhirl.models.case_file import read_case
+    from bladewhirl.models.faults import UserError
+    from bladewhirl.studies.coupled_system import couple
+    from bladewhirl.studies.ranges import not_negative, parse_range
+
+    if (speed is None) != (kappa is None):
+        raise UserError("--speed, --kappa: expected both, for one point, or neither, for a chart")
+    speed_range = parse_range("--speeds", speeds)
+    kappa_range = parse_range("--kappas", kappas)
+    not_negative("--line", line)
+    not_negative("--kappa", kappa or 0.0)
+    folder = output
+    if output is None and speed is None and not json:
+        folder = Path(f"{case.stem}-stability")
+    if folder is not None and folder.exists() and not overwrite:
+        raise UserError(f"{folder}: already exists; --overwrite writes into it")
+    system = couple(
+        read_case(case, overrides or []),
+        chosen=modes,
+        damped=damped,
+        with_pi=not no_pi,
+        physical=physical,
+    )
+    if speed is not None and kappa is not None:
+        from bladewhirl.studies.stability_point import look_at_point
+
+        look_at_point(system, speed=speed, kappa=kappa, folder=folder, films=films, as_json=json)
+    else:
+        from bladewhirl.studies.stability_chart import make_chart
+
+        make_chart(
+            system, speeds=speed_range, kappas=kappa_range, line=line, folder=folder, as_json=json
+        )
