@@ -12,7 +12,13 @@ from matplotlib.collections import PolyCollection, QuadMesh
 from synthetic_result import synthetic_result
 
 from bladewhirl.models.coupling import CouplingModes, paper_modes
-from bladewhirl.postprocess.coupled_mode_figures import motion_dataset, plot_phases, plot_shapes
+from bladewhirl.postprocess.coupled_mode_figures import (
+    motion_dataset,
+    plot_orbits,
+    plot_phases,
+    plot_shapes,
+)
+from bladewhirl.postprocess.orbits import shaft_orbit
 from bladewhirl.postprocess.stability_figures import (
     chart_dataset,
     plot_chart,
@@ -130,6 +136,18 @@ def test_waves_that_move_no_shaft_have_no_shaft_phase() -> None:
     data = motion_dataset(replace(motion(), nodal_diameter=2), reference=UNIT)
     assert np.isnan(data["shaft_phase"]).all()
     assert data["smallest_clearance_phase"].notnull().all()
+
+
+def test_orbits_are_named_as_measured(tmp_path: Path) -> None:
+    """The synthetic shaft whirls backward in rotating axes, forward in static ones."""
+    orbit = shaft_orbit(synthetic_result(growth=5.0))
+    figure = plot_orbits(orbit)
+    titles = [axes.get_title() for axes in figure.axes]
+    assert [title.split("\n")[1].split(",")[0] for title in titles] == ["backward", "forward"]
+    drawn = np.asarray(figure.axes[0].lines[0].get_xydata(), dtype=np.float64)
+    assert drawn == pytest.approx(1e6 * orbit["rotating"].values)
+    assert len(figure.axes[0].texts) == 8  # arrows
+    save_figure(figure, tmp_path / "orbit", orbit)
 
 
 def test_shapes_differ_from_record_to_record() -> None:
