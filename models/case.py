@@ -232,9 +232,10 @@ class March(Table):
         default=1e-4, description="Time between records [s], a whole number of time steps."
     )
     displacement_limit: Length = Field(
-        default=0.05,
-        description="Displacement at which a divergent march ends [m]: a tenth of the tip radius,"
-        " beyond which displacements are no longer small (a choice).",
+        default=0.15,
+        description="Radial or tangential displacement of a blade tip at which a divergent march"
+        " ends [m]: a third of the blade's length, where linear bending is off by a tenth"
+        " (a choice).",
     )
     scheme: Literal["central-difference"] = Field(
         default="central-difference",

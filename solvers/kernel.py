@@ -53,6 +53,7 @@ RUNNING, DIVERGED = 0, 1
 W_KIND, W_SLOPE, U_KIND, U_SLOPE = 0, 1, 2, 3
 EXTERNAL, NORMAL, FRICTION, DAMPING = 0, 1, 2, 3
 STEP_CONTACTS, LCP_FAILURES, LCP_PIVOTS, CONTACT_STEPS = 0, 1, 2, 3
+CHECK_EVERY = 100  # steps between looks at the tips' tangential displacement
 LAST_TRIAL = 1_000_000  # marks a complementarity problem solved for all tips at once
 SINGULAR = 1e-11  # a pivot below this share of the diagonal calls a submatrix of W singular
 MENDED_TOGETHER = 6  # trials of the active set before faults are mended one at a time
@@ -112,7 +113,7 @@ class March(NamedTuple):
     sliding: float  #: sign of permanent sliding
     wheel_speed: float  #: R Omega [m/s], for the true sign
     elements_per_metre: float  #: tip rotation: casing elements a metre of u_t; 0 when neglected
-    displacement_limit: float  #: [m]
+    displacement_limit: float  #: of a tip, radial or tangential [m]
     gap_scale: float  #: smallest scale of the complementarity residual [m]
     loads: Array  #: end, ramp, frequency, phase of each pattern, (patterns, 4)
 
@@ -1000,6 +1001,13 @@ def advance(
                     break
                 count[LCP_PIVOTS] += 1
             trial += 1
+
+        if within and (step + 1) % CHECK_EVERY == 0:
+            _tip_tangential(
+                tangential, crossed, shape, cross_shape, xs, new, column, u_t, tip_scratch
+            )
+            for j in range(tips):
+                within = within and abs(u_t[j]) <= limit
 
         if recording or not within:
             # What is known at step n, before x_{n+1}; what counts between records starts anew.

@@ -214,7 +214,8 @@ def _attributes(prepared: Prepared) -> dict[str, Attribute]:
 
 def _divergence(prepared: Prepared, chunk: Chunk) -> str:
     """Which tip went too far, when, and what to do."""
-    outward = np.abs(prepared.problem.rotor.tip_radial @ chunk.rotor_displacement[-1])
+    rotor, last = prepared.problem.rotor, chunk.rotor_displacement[-1]
+    outward = np.maximum(np.abs(rotor.tip_radial @ last), np.abs(rotor.tip_tangential @ last))
     limit = prepared.problem.displacement_limit
     return (
         f"blade {int(outward.argmax())} passed march.displacement_limit = {limit:g} m at "
