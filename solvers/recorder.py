@@ -190,6 +190,8 @@ class Recorder:
         Raises:
             NonFiniteError: a record is not finite; it and those after it are left out.
         """
+        if chunk.records == 0:  # records may be further apart than chunks
+            return
         history = {name: np.asarray(getattr(chunk, name)) for name in HISTORY}
         finite = _finite_records(history)
         first, last = self._records, self._records + finite

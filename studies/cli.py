@@ -7,6 +7,7 @@ load the standard library and typer only; what the command needs is imported whe
 
 from __future__ import annotations
 
+import os
 import sys
 from importlib import metadata
 from typing import Annotated, Any
@@ -16,6 +17,8 @@ from typer.core import TyperGroup
 
 from bladewhirl.studies.new import new
 from bladewhirl.studies.render import render
+from bladewhirl.studies.run import run
+from bladewhirl.studies.show import show
 from bladewhirl.studies.stability import stability
 
 USER_ERROR = 2
@@ -48,6 +51,8 @@ app = typer.Typer(
 )
 app.command()(new)
 app.command()(render)
+app.command()(run)
+app.command()(show)
 app.command()(stability)
 
 
@@ -71,4 +76,7 @@ def bladewhirl(
 
 def main() -> None:
     """Entry point of the command ``bladewhirl``."""
+    # Matrices of one sector are small: on a busy machine threads make their products wait for
+    # each other, twenty times as long as one thread needs. NumPy, not loaded yet, heeds this.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     app()

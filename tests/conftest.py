@@ -1,8 +1,18 @@
 """Fixtures that several test modules share."""
 
+import os
+
+# As the command line does; read when NumPy is first loaded.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
+from hypothesis import settings
 
 from bladewhirl.postprocess.off_screen import OffScreenError, require_off_screen
+
+# The same examples everywhere, and none judged by the clock.
+settings.register_profile("house", deadline=None, derandomize=True, database=None)
+settings.load_profile("house")
 
 
 @pytest.fixture

@@ -1,0 +1,139 @@
+"""`bladewhirl show`: a case in full, and what follows from it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rich.table import Table
+
+    from bladewhirl.studies.derived import Derived, Rate
+
+
+def show(
+    case: Annotated[Path, typer.Argument(help="Case file.")],
+    overrides: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change the case, march.speed=1.2."),
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+) -> None:
+    """Print a case with every key, and the figures that follow from it.
+
+    These are masses, lowest frequencies, the speed in rpm, the critical time step, the load of an
+    imbalance, what the reduction kept and how well, and the size of a run.
+    """
+    import json as json_text
+    from dataclasses import asdict
+
+    from rich.console import Console
+
+    from bladewhirl.models.case_file import dumps_case, faults_from, read_case
+    from bladewhirl.models.faults import CaseError
+    from bladewhirl.models.march_problem import time_step_faults
+    from bladewhirl.models.stage import build_stage
+    from bladewhirl.studies.derived import derive
+
+    values = overrides or []
+    checked = read_case(case, values)
+    with faults_from(case, values):
+        stage = build_stage(checked)
+        faults = list(time_step_faults(stage))
+        if faults:
+            raise CaseError(faults)
+        derived = derive(stage)
+    if json:
+        tables = checked.model_dump(mode="json", exclude_none=True)
+        document = {"case": tables, "derived": asdict(derived)}
+        typer.echo(json_text.dumps(document, indent=2, allow_nan=False, ensure_ascii=False))
+        return
+    console = Console()
+    typer.echo(dumps_case(checked))
+    console.print(_figures(derived), _frequencies(derived), sep="\n")
+
+
+def _figures(derived: Derived) -> Table:
+    from rich.table import Table
+
+    table = Table(show_header=False, box=None, pad_edge=False)
+    table.add_column(style="cyan", no_wrap=True)
+    table.add_column(overflow="fold")
+    for name, text in _rows(derived):
+        table.add_row(name, text)
+    return table
+
+
+def _rows(derived: Derived) -> Iterator[tuple[str, str]]:
+    reduction = derived.reduction
+    yield "bladed disk", f"{derived.bladed_disk_mass:.5g} kg"
+    yield "casing", f"{derived.casing_mass:.5g} kg"
+    yield "reference frequency", _text(derived.reference_frequency)
+    yield "speed", _text(derived.speed)
+    if derived.suspension is not None:
+        yield "suspension modes", _text(derived.suspension)
+    if derived.imbalance is not None:
+        load = derived.imbalance
+        yield "imbalance", f"{load.unbalance:.4g} kg m, {load.force:.5g} N at this speed"
+    if derived.distortion is not None:
+        answer = 1e3 * derived.distortion.static_displacement
+        yield "casing mode loaded", _text(derived.distortion.frequency)
+        yield "its static answer", f"{answer:.4g} mm"
+    sets = ", ".join(f"{size} {name}" for name, size in reduction.boundary.items())
+    yield (
+        "reduced model",
+        f"{reduction.modes} modes: {sets}, {reduction.fixed_interface_modes} fixed-interface"
+        f" of {reduction.internal}",
+    )
+    yield (
+        "its frequency errors",
+        ", ".join(f"{name} {100 * error:.2g} %" for name, error in _families(derived)),
+    )
+    for body, cyclic in derived.cyclic.items():
+        how = "harmonic by harmonic (cyclic)" if cyclic else "by dense products"
+        yield f"march, {body.replace('_', ' ')}", how
+    yield (
+        "critical time step",
+        f"{derived.critical_time_step:.4g} s, time step / critical {derived.dt_over_critical:.3g}",
+    )
+    yield "steps", f"{derived.steps}, {derived.records} records"
+    yield "result.nc", f"about {derived.result_bytes / 1e6:.3g} MB"
+
+
+def _families(derived: Derived) -> list[tuple[str, float]]:
+    """Errors of the suspension pair and the first five families."""
+    errors = derived.reduction.frequency_error
+    shown = ("suspension", *(f"{rank}F" for rank in range(1, 6)))
+    return [(name, errors[name]) for name in shown if name in errors]
+
+
+def _frequencies(derived: Derived) -> Table:
+    """Lowest frequencies by nodal diameter, side by side."""
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, title="lowest frequencies", title_justify="left")
+    table.add_column("k", justify="right", style="cyan")
+    for body in ("bladed disk", "casing"):
+        table.add_column(f"{body} [Hz]", justify="right")
+        table.add_column("normalised", justify="right")
+    rings = {mode.nodal_diameter: mode.frequency for mode in derived.casing}
+    for mode in derived.bladed_disk:
+        ring = rings.get(mode.nodal_diameter)
+        disk = mode.frequency
+        table.add_row(
+            str(mode.nodal_diameter),
+            *(f"{disk.hz:.6g}", f"{disk.normalised:.5g}"),
+            *((f"{ring.hz:.6g}", f"{ring.normalised:.5g}") if ring else ("", "")),
+        )
+    return table
+
+
+def _text(rate: Rate) -> str:
+    return (
+        f"{rate.normalised:.5g} × reference = {rate.hz:.5g} Hz = {rate.rpm:.5g} rpm"
+        f" = {rate.rad_per_s:.5g} rad/s"
+    )
