@@ -1,0 +1,66 @@
+"""Modes with one nodal diameter as the springs of the shaft get stiffer.
+
+The shaft springs add kappa s s^H, of rank one, to the stiffness of the block k = 1 (s is the
+displacement of the centre). Each frequency therefore rises with kappa, up to the frequency of the
+same rank with a clamped centre, and never beyond the next one of the block: branches veer, and
+the n-th frequency is the n-th branch (Weyl's and Cauchy's inequalities). So nothing has to be
+guessed to follow them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+from numpy.typing import NDArray
+
+from bladewhirl.meshes.line_mesh import FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShaftVeering:
+    """Branches of frequencies over spring stiffness."""
+
+    stiffness: FloatArray  #: of each of the two springs [N/m], (stiffnesses,)
+    frequency: FloatArray  #: ascending [rad/s], (stiffnesses, branches)
+    spring_share: FloatArray  #: share of the strain energy in the springs, as `frequency`
+    clamped: FloatArray  #: frequencies with a clamped centre [rad/s], (branches,)
+
+
+def shaft_veering(
+    stiffness: NDArray[np.complex128],
+    mass: NDArray[np.complex128],
+    centre: NDArray[np.complex128],
+    *,
+    springs: FloatArray,
+    branches: int,
+) -> ShaftVeering:
+    """Follow the lowest frequencies of block k = 1 over the stiffness of the shaft springs.
+
+    Args:
+        stiffness: of the block without springs, Hermitian, (n, n).
+        mass: of the block, (n, n).
+        centre: s of the springs' stiffness kappa s s^H, (n,); a unit coordinate vector.
+        springs: stiffnesses kappa [N/m], (stiffnesses,).
+        branches: how many of the lowest.
+    """
+    frequency, share = np.empty((2, len(springs), branches))
+    unit = np.outer(centre, centre.conj())
+    for i, kappa in enumerate(springs):
+        squares, vectors = la.eigh(
+            stiffness + kappa * unit, mass, subset_by_index=(0, branches - 1)
+        )
+        squares = np.maximum(squares, 0.0)
+        frequency[i] = np.sqrt(squares)
+        in_springs = kappa * np.abs(centre.conj() @ vectors) ** 2
+        share[i] = in_springs / np.maximum(squares, np.finfo(float).tiny)
+    held = np.flatnonzero(np.abs(centre) < 0.5)
+    inside = np.ix_(held, held)
+    clamped = la.eigvalsh(stiffness[inside], mass[inside], subset_by_index=(0, branches - 1))
+    return ShaftVeering(
+        stiffness=springs,
+        frequency=frequency,
+        spring_share=np.minimum(share, 1.0),
+        clamped=np.sqrt(np.maximum(clamped, 0.0)),
+    )
