@@ -34,7 +34,10 @@ def check_free(directory: Path, *, overwrite: bool) -> None:
     if not directory.exists():
         return
     if not overwrite:
-        raise UserError(f"{directory}: already exists; --overwrite replaces the run in it")
+        raise UserError(
+            f"{directory}: already exists; --overwrite replaces the run in it, -o names another"
+            " folder"
+        )
     if not directory.is_dir():
         raise UserError(f"{directory}: expected a folder to overwrite, found a file")
     if any(directory.iterdir()) and not is_run(directory):

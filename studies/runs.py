@@ -68,6 +68,17 @@ class Window:
                 " later"
             )
 
+    def check_within(self, duration: float) -> None:
+        """See that there is something to show.
+
+        Raises:
+            UserError: it begins when the run has ended.
+        """
+        if self.frames > 0 and self.start is not None and self.start > duration:
+            raise UserError(
+                f"--from {self.start:g}: expected a time before the end of the run, {duration:g} s"
+            )
+
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
@@ -149,6 +160,7 @@ def run_case(
     """
     directory = Path(directory)
     window = Window(frames=frames, start=start, end=end, rotating=rotating)
+    window.check_within(case.march.duration)
     folder.check_free(directory, overwrite=overwrite)
     prepared = prepare(case)
     try:
