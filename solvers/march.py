@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol, TypeVar
 
+import numpy as np
+
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.contact_problem import ContactProblem
 
@@ -90,8 +92,8 @@ class Timing:
     """Steps of a march.
 
     Raises:
-        ValueError: a time step that is not positive, a negative duration, or records that are not
-            a whole number of steps apart.
+        ValueError: a time step that is not positive, a negative or infinite duration, or records
+            that are not a whole number of steps apart.
     """
 
     time_step: float  #: [s]
@@ -99,13 +101,13 @@ class Timing:
     record_step: float  #: time between records [s]
 
     def __post_init__(self) -> None:
-        if not (self.time_step > 0.0 and self.duration >= 0.0):
+        if not (0.0 < self.time_step < np.inf and 0.0 <= self.duration < np.inf):
             raise ValueError(
-                "time step must be positive and duration not negative; "
+                "time step must be positive, duration not negative, both finite; "
                 f"got {self.time_step}, {self.duration}"
             )
         ratio = self.record_step / self.time_step
-        if not (self.record_every >= 1 and abs(ratio - self.record_every) < 1e-6 * ratio):
+        if not (0.5 < ratio < np.inf and abs(ratio - self.record_every) < 1e-6 * ratio):
             raise ValueError(
                 f"record_step must be a whole number of time steps ({self.time_step} s); "
                 f"got {self.record_step} s, {ratio:.6g} steps"
