@@ -256,8 +256,9 @@ def pack_casing(
         weight = np.ones((kinds, modes))
         shape = np.zeros((kinds, nodes, layout.columns))
         shape[..., :modes] = casing.nodal.transpose(1, 0, 2)
-    forces = casing.nodal.reshape(-1, modes) * inverse
-    response = (forces @ casing.nodal[:, :2].reshape(-1, modes).T).reshape(nodes, kinds, nodes, 2)
+    forces = casing.nodal.reshape(nodes * kinds, modes) * inverse
+    rows = casing.nodal[:, :2].reshape(2 * nodes, modes)
+    response = (forces @ rows.T).reshape(nodes, kinds, nodes, 2)
     ends = np.column_stack([np.arange(nodes), np.roll(np.arange(nodes), -1)])
     # Four nodal values (two ends) moved by four normal and four tangential nodal forces.
     pushed = np.concatenate(

@@ -410,3 +410,22 @@ def test_a_travelling_tip_feels_the_casing_under_it() -> None:
     steps = run(given, 1e-6, 200)[1]
     np.testing.assert_allclose(steps.gap[::20], gap, rtol=1e-9)
     np.testing.assert_array_equal(chunk.gap[1:], steps.gap[1:].reshape(10, 20, 22).min(axis=1))
+
+
+def test_a_rigid_casing_needs_no_mode() -> None:
+    rotor = one_tip(np.array([100.0]), tip_radial=np.ones((1, 1)))
+    idle = wall(1e-3)
+    rigid = replace(
+        idle,
+        frequency=np.zeros(0),
+        damping_ratio=np.zeros(0),
+        nodal=np.zeros((4, 4, 0)),
+        column=np.zeros(0, dtype=np.int64),
+    )
+    chunks = []
+    for casing in (idle, rigid):
+        load = Load(rotor=np.array([50.0]), casing=np.zeros(len(casing.frequency)))
+        chunks.append(run(problem(rotor, casing, loads=(load,)), 1e-4, 500)[1])
+    assert chunks[0].contact_impulse.sum() > 0.0
+    assert chunks[1].casing_displacement.shape == (501, 0)
+    np.testing.assert_array_equal(chunks[0].contact_impulse, chunks[1].contact_impulse)
