@@ -68,7 +68,7 @@ def mode_motion(
     frequency = float((arrays.rotor_frequency if on_disk else arrays.casing_frequency)[0])
     time = 2.0 * np.pi / frequency * np.arange(PICTURES) / PICTURES
     shift, rate = _coordinates(frequency * time, len(numbers), wave)
-    scale = _clearance(stage) / _largest(fixed, body, shift)
+    scale = shown_clearance(stage) / _largest(fixed, body, shift)
     displacement, velocity = scale * shift, scale * frequency * rate
     rest = np.zeros((PICTURES, 1))
     rotor, casing = (displacement, rest) if on_disk else (rest, displacement)
@@ -108,7 +108,8 @@ def _coordinates(phase: FloatArray, modes: int, wave: Wave) -> tuple[FloatArray,
     return np.column_stack([cos, sense * sin]), np.column_stack([-sin, sense * cos])
 
 
-def _clearance(stage: ModalStage) -> float:
+def shown_clearance(stage: ModalStage) -> float:
+    """Clearance [m], or a thousandth of the tip radius where there is none."""
     given = stage.case
     return given.casing.clearance or SHARE_OF_RADIUS * given.bladed_disk.tip_radius
 

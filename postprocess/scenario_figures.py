@@ -173,7 +173,7 @@ def _draw_rings(axes: Axes, data: xr.Dataset) -> None:
     axes.set_axis_off()
     kind = data.attrs["scenario"]
     driven = "backward" if kind == "standard" else "forward"
-    axes.set_title(f"{data.attrs['mode']}, {kind} scenario: friction drives {driven} whirl")
+    axes.set_title(f"{data.attrs['mode']}, {kind}: friction drives {driven} whirl")
 
 
 def _arc(middle: float, radius: float, half_angle: float) -> FloatArray:

@@ -15,11 +15,14 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from bladewhirl.studies.campbell import campbell
+from bladewhirl.studies.modes import modes
 from bladewhirl.studies.new import new
 from bladewhirl.studies.render import render
 from bladewhirl.studies.run import run
 from bladewhirl.studies.show import show
 from bladewhirl.studies.stability import stability
+from bladewhirl.studies.veering import veering
 
 USER_ERROR = 2
 """Exit code when the user can put it right; click uses the same for wrong options."""
@@ -49,11 +52,14 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+app.command()(campbell)
+app.command()(modes)
 app.command()(new)
 app.command()(render)
 app.command()(run)
 app.command()(show)
 app.command()(stability)
+app.command()(veering)
 
 
 def _print_version(wanted: bool) -> None:

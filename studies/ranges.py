@@ -44,6 +44,30 @@ def parse_range(option: str, text: str) -> NDArray[np.float64]:
     return np.linspace(start, stop, count)
 
 
+def parse_interval(option: str, text: str) -> tuple[float, float]:
+    """Ends of an interval from "START:STOP".
+
+    Args:
+        option: what errors call it, "--speeds".
+        text: two numbers with a colon between them; START >= 0, STOP > START.
+
+    Raises:
+        UserError: anything else.
+    """
+    parts = text.split(":")
+    try:
+        start, stop = (float(part) for part in parts)
+    except ValueError:
+        raise UserError(f"{option} {text}: expected START:STOP, two numbers") from None
+    if not (math.isfinite(start) and math.isfinite(stop)):
+        raise UserError(f"{option} {text}: expected START:STOP with finite numbers")
+    if start < 0.0:
+        raise UserError(f"{option} {text}: expected a START of zero or more")
+    if stop <= start:
+        raise UserError(f"{option} {text}: expected a STOP above the START of {start:g}")
+    return start, stop
+
+
 def not_negative(option: str, value: float) -> None:
     """Refuse a negative or non-finite number.
 
