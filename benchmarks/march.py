@@ -1,0 +1,170 @@
+"""Speed of the contact march as ratios that any machine can give: `python benchmarks/march.py`.
+
+Three things are timed in turn, in one process: the compiled kernel with everything on (contact,
+ledger, a record every 100 steps), the same algorithm in vectorised NumPy (`plain_march`), and as
+a floor the two dense products that a step would need without symmetry, compiled: 44 x 156 for the
+tips, 80 x 160 for the casing's nodes. All run on the paper's stage in three states:
+
+* no contact: the imbalance load sets in;
+* few contacts: the imbalance case at 0.3 s, blades 21 to 3 rubbing;
+* half of the blades: the distortion case at 0.2 s. It diverges and would be stopped at its
+  displacement limit before; with the limit raised it goes on to the contact state in which
+  divergent runs spend their time.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numba import njit
+from plain_march import PlainMarch
+from rich.console import Console
+from rich.table import Table
+
+from bladewhirl.models.case_file import read_case
+from bladewhirl.models.contact_problem import ContactProblem
+from bladewhirl.models.march_problem import contact_problem
+from bladewhirl.models.stage import build_stage
+from bladewhirl.solvers.central_difference import CentralDifference, CentralDifferenceState
+
+EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
+TIME_STEP = 1e-6  # s
+RECORD_EVERY = 100
+COMPARED_STEPS = 500
+KERNEL_STEPS, PLAIN_STEPS, FLOOR_STEPS = 4000, 200, 4000
+OUT_OF_REACH = 10.0  # m
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """A march at a point of its history."""
+
+    name: str
+    problem: ContactProblem
+    scheme: CentralDifference
+    state: CentralDifferenceState
+
+    def kernel(self, steps: int) -> float:
+        """Contacts a step."""
+        _, chunk, end = self.scheme.advance(self.state, steps)
+        if end is not None:
+            raise RuntimeError(f"{self.name}: the march ended")
+        whole = chunk.step[-1] - chunk.step[0]
+        return float(chunk.contact_steps[1:].sum() / whole)
+
+    def plain(self) -> PlainMarch:
+        """The same march in NumPy."""
+        every = CentralDifference(self.problem, TIME_STEP, 1)
+        _, chunk, _ = every.advance(self.state, 2)
+        before, now = np.hstack([chunk.rotor_displacement, chunk.casing_displacement])
+        return PlainMarch(self.problem, TIME_STEP, before, now, int(chunk.step[1]))
+
+    def difference(self) -> float:
+        """Largest difference between kernel and NumPy over a stretch, by the largest value."""
+        every = CentralDifference(self.problem, TIME_STEP, 1)
+        plain = self.plain()
+        plain.advance(COMPARED_STEPS, 1)
+        _, chunk, _ = every.advance(self.state, COMPARED_STEPS + 1)
+        ours = np.hstack([chunk.rotor_displacement, chunk.casing_displacement])[1:]
+        theirs = np.array([record[0] for record in plain.records])
+        return float(np.abs(ours - theirs).max() / np.abs(theirs).max())
+
+
+def settings() -> list[Setting]:
+    """The three states."""
+
+    def reached(name: str, problem: ContactProblem, steps: int) -> Setting:
+        scheme = CentralDifference(problem, TIME_STEP, RECORD_EVERY)
+        state, _, _ = scheme.advance(scheme.init(), steps)
+        return Setting(name=name, problem=problem, scheme=scheme, state=state)
+
+    imbalance, distortion = (
+        contact_problem(build_stage(read_case(EXAMPLES / f"{name}.toml", [])))
+        for name in ("imbalance", "casing_distortion")
+    )
+    followed = replace(distortion, displacement_limit=OUT_OF_REACH)
+    return [
+        reached("no contact", imbalance, 100),
+        reached("few contacts", imbalance, 300_000),
+        reached("half of the blades", followed, 200_000),
+    ]
+
+
+@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+def dense_products(tips, x, on_tips, nodes, y, on_nodes, steps):  # type: ignore[no-untyped-def]
+    """The floor; results feed back, so that no product can be left out."""
+    for step in range(steps):
+        for i in range(tips.shape[0]):
+            total = 0.0
+            for j in range(tips.shape[1]):
+                total += tips[i, j] * x[j]
+            on_tips[i] = total
+        for i in range(nodes.shape[0]):
+            total = 0.0
+            for j in range(nodes.shape[1]):
+                total += nodes[i, j] * y[j]
+            on_nodes[i] = total
+        x[step % len(x)] += 1e-30 * on_nodes[step % len(on_nodes)]
+        y[step % len(y)] += 1e-30 * on_tips[step % len(on_tips)]
+
+
+def floor() -> Callable[[int], None]:
+    """Two dense products a step, on numbers of no meaning."""
+    random = np.random.default_rng(0)
+    tips, nodes = random.standard_normal((44, 156)), random.standard_normal((80, 160))
+    x, y = random.standard_normal(156), random.standard_normal(160)
+    on_tips, on_nodes = np.zeros(44), np.zeros(80)
+    return lambda steps: dense_products(tips, x, on_tips, nodes, y, on_nodes, steps)
+
+
+def microseconds(work: Callable[[int], object], steps: int) -> float:
+    """Time a step."""
+    start = time.perf_counter()
+    work(steps)
+    return (time.perf_counter() - start) / steps * 1e6
+
+
+def main() -> None:
+    """Time everything in turn, several times, and print medians of times and of ratios."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--repeat", type=int, default=25, help="how often everything is timed")
+    repeat = parser.parse_args().repeat
+    table = Table(title=f"Contact march, medians of {repeat} interleaved timings")
+    for column in (
+        "state", "contacts a step", "kernel [µs]", "NumPy [µs]", "floor [µs]",
+        "NumPy / kernel", "floor / kernel", "kernel and NumPy differ by",
+    ):  # fmt: skip
+        table.add_column(column, justify="left" if column == "state" else "right")
+    products = floor()
+    products(1)  # compiles
+    rows = [(setting, setting.difference(), setting.kernel(KERNEL_STEPS)) for setting in settings()]
+    for setting, difference, contacts in rows:
+        numpy_march = partial(setting.plain().advance, record_every=RECORD_EVERY)
+        times = np.array(
+            [
+                (
+                    microseconds(setting.kernel, KERNEL_STEPS),
+                    microseconds(numpy_march, PLAIN_STEPS),
+                    microseconds(products, FLOOR_STEPS),
+                )
+                for _ in range(repeat)
+            ]
+        )
+        kernel, numpy, bare = np.median(times, axis=0)
+        table.add_row(
+            setting.name, f"{contacts:.2f}", f"{kernel:.2f}", f"{numpy:.1f}", f"{bare:.2f}",
+            f"{np.median(times[:, 1] / times[:, 0]):.1f}",
+            f"{np.median(times[:, 2] / times[:, 0]):.2f}",
+            f"{difference:.0e}",
+        )  # fmt: skip
+    Console(width=120).print(table)
+
+
+if __name__ == "__main__":
+    main()
