@@ -1,0 +1,79 @@
+"""The cases in examples/: each marches, and at full length gives what the README says."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bladewhirl.models import Case, read_case, with_values
+from bladewhirl.studies.runs import Run, run_case
+
+ROOT = Path(__file__).parents[1]
+EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
+STAGE = ("material", "bladed_disk", "shaft", "casing", "reduction", "damping", "contact")
+
+
+def stage(case: Case) -> dict[str, object]:
+    """The tables that describe the stage, without its load."""
+    tables = case.model_dump()
+    return {name: tables[name] for name in STAGE}
+
+
+def readme_row(name: str) -> list[str]:
+    """What the README's table says of fan stage, casing distortion and imbalance."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (row,) = re.findall(rf"^\| {name} \|(.*)\|$", text, flags=re.MULTILINE)
+    return [cell.strip() for cell in row.split("|")]
+
+
+def test_there_are_three() -> None:
+    names = [path.stem for path in EXAMPLES]
+    assert names == ["casing_distortion", "fan_stage", "imbalance"]
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_marches(path: Path, tmp_path: Path) -> None:
+    case = with_values(read_case(path), {"march.duration": 5e-3})
+    run = run_case(case, tmp_path / "run", frames=2)
+    assert run.end_reason == "completed"
+    assert run.summary.energy_residual <= 1e-8
+    with run.open() as result:
+        assert result.sizes["time"] == 51
+        assert np.isfinite(result.energy.values).all()
+        moves = float(result.energy.max()) > 0.0
+    assert moves == (case.excitation.type != "none")
+
+
+def test_contact_cases_differ_from_the_fan_stage_in_one_line() -> None:
+    fan, *others = (
+        stage(read_case(ROOT / "examples" / f"{name}.toml"))
+        for name in ("fan_stage", "casing_distortion", "imbalance")
+    )
+    for other in others:
+        casing = other["casing"]
+        assert isinstance(casing, dict)
+        assert casing["support"] == 7.975e6
+        assert other | {"casing": casing | {"support": 1508.0}} == fan
+
+
+@pytest.fixture(scope="module", params=["fan_stage", "casing_distortion", "imbalance"])
+def full(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Run:
+    """An example at full length."""
+    case = read_case(ROOT / "examples" / f"{request.param}.toml")
+    return run_case(case, tmp_path_factory.mktemp("full") / request.param, frames=0)
+
+
+@pytest.mark.slow
+def test_full_length_gives_what_the_readme_says(full: Run) -> None:
+    column = ["fan_stage", "casing_distortion", "imbalance"].index(full.directory.name)
+    summary = full.summary
+    assert readme_row("regime at speed 1.05")[column].replace(" ", "-") == summary.regime
+    radius = float(readme_row("largest shaft radius")[column].split()[0]) * 1e-3
+    assert summary.shaft_radius_max == pytest.approx(radius, rel=0.02)
+    end = float(readme_row("end of the march")[column].split()[0])
+    assert summary.end_time == pytest.approx(end, rel=0.02)
+    touched = readme_row("blades that touched")[column]
+    assert f"{sum(share > 0.0 for share in summary.contact_share)} of 22" == touched
+    assert summary.energy_residual <= 1e-8
+    assert summary.complementarity_residual <= 1e-10
