@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numpy as np
+import scipy.linalg as la
 
 from bladewhirl.meshes import RingMesh, bladed_disk_mesh
 from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
@@ -67,11 +69,13 @@ def numbers_within_reach() -> Iterator[None]:
     """Turn the floating point's limits into a fault of the case.
 
     Raises:
-        CaseError: sizes or material so extreme that matrices overflow or lose definiteness.
+        CaseError: sizes or material so extreme that matrices overflow, are singular to rounding
+            or lose definiteness.
     """
     try:
-        with np.errstate(over="raise", invalid="raise", divide="raise"):
+        with np.errstate(over="raise", invalid="raise", divide="raise"), warnings.catch_warnings():
+            warnings.simplefilter("error", la.LinAlgWarning)
             yield
-    except (FloatingPointError, np.linalg.LinAlgError, OverflowError) as error:
+    except (ArithmeticError, ValueError, la.LinAlgError, la.LinAlgWarning) as error:
         expected = f"sizes, material and springs within reach of double precision ({error})"
         raise CaseError([Fault(expected=expected)]) from None

@@ -7,6 +7,7 @@ from itertools import chain
 
 import numpy as np
 
+from bladewhirl.models.case_bodies import numbers_within_reach
 from bladewhirl.models.case_file import case_fault
 from bladewhirl.models.contact_problem import ContactProblem
 from bladewhirl.models.faults import CaseError, Fault
@@ -18,23 +19,24 @@ def contact_problem(stage: Stage) -> ContactProblem:
     """What to march.
 
     Raises:
-        CaseError: all faults of `march_faults`.
+        CaseError: all faults of `march_faults`, or loads beyond the largest float.
     """
     faults = list(march_faults(stage))
     if faults:
         raise CaseError(faults)
     case = stage.case
-    return ContactProblem(
-        rotor=stage.rotor,
-        casing=stage.reduced_casing,
-        speed=stage.speed,
-        friction=case.contact.friction,
-        sliding=case.contact.sliding,
-        tip_rotation=case.contact.tip_rotation,
-        displacement_limit=case.march.displacement_limit,
-        loads=excitation_loads(stage),
-        start=initial_state(stage),
-    )
+    with numbers_within_reach():
+        return ContactProblem(
+            rotor=stage.rotor,
+            casing=stage.reduced_casing,
+            speed=stage.speed,
+            friction=case.contact.friction,
+            sliding=case.contact.sliding,
+            tip_rotation=case.contact.tip_rotation,
+            displacement_limit=case.march.displacement_limit,
+            loads=excitation_loads(stage),
+            start=initial_state(stage),
+        )
 
 
 def critical_time_step(stage: Stage) -> float:

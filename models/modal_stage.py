@@ -17,7 +17,8 @@ from bladewhirl.models.case_bodies import (
 )
 from bladewhirl.models.casing import RADIAL, TANGENTIAL, Casing
 from bladewhirl.models.labelled_modes import LabelledModes, labelled_modes
-from bladewhirl.models.stage_arrays import StageArrays, stage_arrays
+from bladewhirl.models.stage_arrays import StageArrays
+from bladewhirl.models.stage_to_arrays import stage_arrays
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,7 +22,8 @@ from bladewhirl.models.faults import CaseError, Fault
 from bladewhirl.models.frequencies import Frequencies, family_errors, lowest_frequencies
 from bladewhirl.models.modes import Modes, families, structure_modes
 from bladewhirl.models.reduction import Reduction, craig_bampton
-from bladewhirl.models.stage_arrays import StageArrays, stage_arrays
+from bladewhirl.models.stage_arrays import StageArrays
+from bladewhirl.models.stage_to_arrays import stage_arrays
 
 FULL_FREQUENCIES = 7
 """Frequencies of the full model found for each nodal diameter: five families, the suspension
@@ -30,6 +31,8 @@ pair, and one more."""
 
 MOST_ENTRIES = 5e8
 """Largest number of entries (4 GB) in the shapes of a reduced model's modes."""
+
+LOST = "the lowest frequency of the bladed disk is lost in rounding"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,6 +100,8 @@ def build_stage(case: Case) -> Stage:
             case.reduction.fixed_interface_modes,
             tip_in_sector(disk),
         )
+        if not reduction.modes.frequency[0] > 0.0:
+            raise FloatingPointError(LOST)
         casing_modes = structure_modes(casing.structure, (RADIAL, TANGENTIAL))
     disk_family = families(reduction.modes, "bladed-disk")
     return Stage(
@@ -135,7 +140,7 @@ def _reference_frequency(case: Case, full: Frequencies) -> float:
         full = lowest_frequencies(free.structure, FULL_FREQUENCIES)
     lowest = float(min(found[0] for found in full.values()))
     if not lowest > 0.0:
-        raise FloatingPointError("the lowest frequency of the bladed disk is lost in rounding")
+        raise FloatingPointError(LOST)
     return lowest
 
 

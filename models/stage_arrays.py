@@ -4,12 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.bladed_disk import BladedDisk
-from bladewhirl.models.casing import Casing
-from bladewhirl.models.modes import Modes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,48 +30,3 @@ class StageArrays:
     casing_thickness: FloatArray  #: of element i, from node i to the next [m], (casing nodes,)
     casing_shape: FloatArray  #: w, dw/ds, u, du/ds, (casing nodes, 4, casing modes)
     clearance: FloatArray  #: at each casing node [m], (casing nodes,)
-
-
-def stage_arrays(
-    disk: BladedDisk,
-    disk_modes: Modes,
-    disk_family: tuple[str, ...],
-    casing: Casing,
-    casing_modes: Modes,
-    casing_family: tuple[str, ...],
-    *,
-    clearance: FloatArray,
-) -> StageArrays:
-    """Describe two bodies by some of their modes.
-
-    Args:
-        disk: the bladed disk.
-        disk_modes: of it, full or reduced, with fields on its free degrees of freedom.
-        disk_family: of each of them, (rotor modes,).
-        casing: the casing.
-        casing_modes: of it.
-        casing_family: of each of them, (casing modes,).
-        clearance: at each casing node [m], (casing nodes,).
-    """
-    mesh = disk.mesh
-    return StageArrays(
-        rotor_frequency=disk_modes.frequency,
-        rotor_nodal_diameter=disk_modes.nodal_diameter,
-        rotor_family=disk_family,
-        rotor_spring_share=disk_modes.spring_share,
-        casing_frequency=casing_modes.frequency,
-        casing_nodal_diameter=casing_modes.nodal_diameter,
-        casing_family=casing_family,
-        rotor_point=mesh.points,
-        rotor_line=mesh.lines,
-        rotor_thickness=disk.properties.thickness,
-        rotor_part=tuple(mesh.line_parts),
-        rotor_shape=disk.cartesian(disk_modes.shapes),
-        tip_node=mesh.node_sets["tips"],
-        tip_angle=disk.tip_angles,
-        centre_node=int(mesh.node_sets["centre"][0]),
-        casing_angle=casing.mesh.angles,
-        casing_thickness=np.full(casing.mesh.elements, casing.section.thickness),
-        casing_shape=casing.nodal(casing_modes.shapes),
-        clearance=clearance,
-    )

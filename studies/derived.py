@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bladewhirl.models.case_bodies import numbers_within_reach
 from bladewhirl.models.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.loads import W, imbalance_force, radial_mode, unbalance
 from bladewhirl.models.march_problem import critical_time_step
@@ -84,7 +85,16 @@ class Derived:
 
 
 def derive(stage: Stage) -> Derived:
-    """Work the figures of a stage out."""
+    """Work the figures of a stage out.
+
+    Raises:
+        CaseError: some are beyond the largest float.
+    """
+    with numbers_within_reach():
+        return _derive(stage)
+
+
+def _derive(stage: Stage) -> Derived:
     case, disk, modes = stage.case, stage.disk, stage.reduction.modes
     casing, boundary = stage.casing, stage.boundary_sets
     pair = suspension_pair(modes)

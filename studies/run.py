@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,7 +12,7 @@ import typer
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from bladewhirl.studies.runs import Run
+    from bladewhirl.studies.runs import Activity, Progress, Run
 
 RUNS = Path("runs")
 """Folder that runs go to where none is named."""
@@ -108,19 +108,18 @@ def _print(done: Run) -> None:
 
 
 @contextmanager
-def _progress_bar(
-    console: Console, steps: int, time_step: float
-) -> Iterator[Callable[[int, int], None]]:
+def _progress_bar(console: Console, steps: int, time_step: float) -> Iterator[Progress]:
     """Simulated time, steps per second and time left, on a terminal."""
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich import progress as bars
 
     duration = steps * time_step
-    with Progress(
-        TextColumn("{task.fields[stage]}"),
-        BarColumn(),
-        TextColumn("{task.fields[reached]:.4f} of {task.fields[duration]:g} s"),
-        TextColumn("{task.fields[rate]}"),
-        TimeRemainingColumn(),
+    with bars.Progress(
+        bars.TextColumn("{task.fields[stage]}"),
+        bars.BarColumn(),
+        bars.TextColumn("{task.fields[reached]:.4f} of {task.fields[duration]:g} s"),
+        bars.TextColumn("{task.fields[rate]}"),
+        bars.TimeRemainingColumn(),
+        bars.TextColumn("left"),
         console=console,
         transient=True,
         disable=not console.is_terminal,
@@ -129,12 +128,12 @@ def _progress_bar(
             "", total=steps, stage="preparing", reached=0.0, duration=duration, rate=""
         )
 
-        def progress(done: int, total: int) -> None:
+        def progress(activity: Activity, done: int, total: int) -> None:
             speed = bar.tasks[task].speed
             bar.update(
                 task,
                 completed=done,
-                stage="marching" if done < total else "writing",
+                stage=activity,
                 reached=done * time_step,
                 rate=f"{speed:,.0f} steps/s" if speed else "",
             )

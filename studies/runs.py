@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import signal
 import threading
 import time
@@ -9,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Literal
 
 import numpy as np
 
@@ -27,74 +28,25 @@ from bladewhirl.solvers.recorder import (
     Attribute,
     NonFiniteError,
     Recorder,
+    result_bytes,
 )
 from bladewhirl.studies import run_directory as folder
+from bladewhirl.studies.write_up import Run, Window, write_up
 
-if TYPE_CHECKING:
-    import xarray as xr
+__all__ = ["Activity", "Prepared", "Progress", "Run", "march_to_file", "prepare", "prepare_stage", "run_case"]
 
-    from bladewhirl.postprocess.summary import Summary
+SPARE_BYTES = 4_000_000
+"""Room on the disk that a march leaves: HDF5 can't close a file on a full disk in order."""
 
-Report = Callable[[int, int], None]
-"""Called with steps done and steps in all."""
+Activity = Literal["marching", "writing"]
+
+Progress = Callable[[Activity, int, int], None]
+"""Called with what is being done, steps done and steps in all."""
 
 REMEDY = (
     "small displacements no longer hold; if the stage is not meant to diverge, look at its speed, "
     "load, damping and friction, else raise march.displacement_limit to follow it further"
 )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Window:
-    """Which instants of a run its ParaView series shows.
-
-    Raises:
-        UserError: fewer than no frames, or a window that is empty or begins before the run.
-    """
-
-    frames: int  #: spread evenly; 0 for no series
-    start: float | None  #: [s]; that of the run when None
-    end: float | None  #: [s]; that of the run when None
-    rotating: bool  #: seen from the rotor
-
-    def __post_init__(self) -> None:
-        if self.frames < 0:
-            raise UserError(f"--frames {self.frames}: expected 0 or more")
-        start = 0.0 if self.start is None else self.start
-        end = np.inf if self.end is None else self.end
-        if not 0.0 <= start <= end:
-            raise UserError(
-                f"--from {start:g} --to {end:g}: expected a window in order that begins at 0 s or"
-                " later"
-            )
-
-    def check_within(self, duration: float) -> None:
-        """See that there is something to show.
-
-        Raises:
-            UserError: it begins when the run has ended.
-        """
-        if self.frames > 0 and self.start is not None and self.start > duration:
-            raise UserError(
-                f"--from {self.start:g}: expected a time before the end of the run, {duration:g} s"
-            )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Run:
-    """What a run left."""
-
-    directory: Path
-    end_reason: str  #: "completed", "divergent" or "interrupted"
-    end_message: str  #: where it did not complete, cause and remedy in one line
-    summary: Summary
-    hints: tuple[str, ...]  #: what may be done better
-
-    def open(self) -> xr.Dataset:
-        """The result, read when used; close it, or open it in a ``with``."""
-        from bladewhirl.postprocess.result import open_result
-
-        return open_result(self.directory)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,8 +65,16 @@ def prepare(case: Case) -> Prepared:
     Raises:
         CaseError: all faults that only show here.
     """
-    stage = build_stage(case)
-    problem = contact_problem(stage)
+    return prepare_stage(build_stage(case))
+
+
+def prepare_stage(stage: Stage) -> Prepared:
+    """Factorise the march of a stage and compile the kernel.
+
+    Raises:
+        CaseError: all faults that stand in the way of a march.
+    """
+    problem, case = contact_problem(stage), stage.case
     timing = Timing(
         time_step=case.march.time_step,
         duration=case.march.duration,
@@ -134,7 +94,7 @@ def run_case(
     start: float | None = None,
     end: float | None = None,
     rotating: bool = False,
-    progress: Report | None = None,
+    progress: Progress | None = None,
 ) -> Run:
     """Run a case and leave everything about it in a folder.
 
@@ -151,7 +111,8 @@ def run_case(
         start: of the series [s]; of the run when None.
         end: of the series [s]; of the run when None.
         rotating: show the series as seen from the rotor.
-        progress: called with steps done and steps in all, every few hundredths of a second.
+        progress: called with what is being done, steps done and steps in all, many times a second
+            while marching.
 
     Raises:
         CaseError: all faults of the case.
@@ -164,16 +125,19 @@ def run_case(
     folder.check_free(directory, overwrite=overwrite)
     prepared = prepare(case)
     try:
+        _check_room(directory, _expected_bytes(prepared))
         folder.clear(directory)
         folder.write_provenance(directory)
         (directory / folder.CASE_NAME).write_text(dumps_case(case), encoding="utf-8")
-        report = _march(prepared, directory / RESULT_NAME, progress)
-        return _write_up(directory, report, window)
+        report = march_to_file(prepared, directory / RESULT_NAME, progress)
+        return write_up(directory, report, window)
     except OSError as error:
         raise UserError(f"{directory}: cannot be written ({error})") from None
 
 
-def _march(prepared: Prepared, path: Path, progress: Report | None) -> dict[str, float]:
+def march_to_file(
+    prepared: Prepared, path: Path, progress: Progress | None = None
+) -> dict[str, float]:
     """March and record; returns what the march alone knows of its quality."""
     timing, residual = prepared.timing, 0.0
     reason, message = EndReason.COMPLETED.value, ""
@@ -182,10 +146,11 @@ def _march(prepared: Prepared, path: Path, progress: Report | None) -> dict[str,
         try:
             with _interrupt() as interrupted:
                 for state, chunk, end in march(prepared.scheme, timing):
+                    _check_room(path.parent, 0)
                     recorder.write(chunk)
                     residual = state.statistics.complementarity_residual
                     if progress is not None:
-                        progress(min(state.step, timing.steps), timing.steps)
+                        progress("marching", min(state.step, timing.steps), timing.steps)
                     if end is EndReason.DIVERGENT:
                         reason, message = end.value, _divergence(prepared, chunk)
                     elif end is None and interrupted():
@@ -203,7 +168,34 @@ def _march(prepared: Prepared, path: Path, progress: Report | None) -> dict[str,
             "us_per_step": 1e6 * wall_time / max(recorder.steps, 1),
         }
         recorder.finish(reason, message, report)
+    if progress is not None:
+        progress("writing", recorder.steps, timing.steps)
     return report
+
+
+def _expected_bytes(prepared: Prepared) -> int:
+    problem, timing = prepared.problem, prepared.timing
+    return result_bytes(
+        len(problem.rotor.frequency),
+        len(problem.casing.frequency),
+        len(problem.rotor.tip_angle),
+        timing.steps // timing.record_every + 1,
+    )
+
+
+def _check_room(directory: Path, needed: int) -> None:
+    """See that there is room for so many bytes and a little more.
+
+    Raises:
+        UserError: there is not.
+    """
+    existing = next(path for path in (directory, *directory.absolute().parents) if path.exists())
+    free = shutil.disk_usage(existing).free
+    if free < needed + SPARE_BYTES:
+        raise UserError(
+            f"{directory}: expected {(needed + SPARE_BYTES) / 1e6:.0f} MB of room on the disk, "
+            f"found {free / 1e6:.0f} MB"
+        )
 
 
 def _attributes(prepared: Prepared) -> dict[str, Attribute]:
@@ -233,54 +225,6 @@ def _divergence(prepared: Prepared, chunk: Chunk) -> str:
         f"blade {int(outward.argmax())} passed march.displacement_limit = {limit:g} m at "
         f"{chunk.time[-1]:.6g} s; {REMEDY}"
     )
-
-
-def _write_up(directory: Path, report: dict[str, float], window: Window) -> Run:
-    """Summary, figures and series of what was recorded."""
-    from bladewhirl.postprocess.energies import plot_energy, strain_energies
-    from bladewhirl.postprocess.orbits import plot_orbit, shaft_orbit
-    from bladewhirl.postprocess.result import open_result
-    from bladewhirl.postprocess.style import save_figure
-    from bladewhirl.postprocess.summary import summarise, write_summary
-
-    with open_result(directory) as result:
-        summary = summarise(result, report)
-        write_summary(summary, directory / folder.SUMMARY_NAME)
-        orbit, energies = shaft_orbit(result), strain_energies(result)
-        save_figure(plot_orbit(orbit), directory / folder.ORBIT_NAME, orbit)
-        save_figure(plot_energy(energies), directory / folder.ENERGY_NAME, energies)
-        return Run(
-            directory=directory,
-            end_reason=result.attrs["end_reason"],
-            end_message=result.attrs["end_message"],
-            summary=summary,
-            hints=tuple(_write_series(result, directory / folder.VTK_NAME, window)),
-        )
-
-
-def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
-    """Write the ParaView series; yields hints."""
-    from bladewhirl.postprocess.fields import ViewError, frame_records, sampling_hint
-    from bladewhirl.postprocess.vtk_series import write_vtk
-
-    if window.frames == 0:
-        return
-    try:
-        records = frame_records(result, window.frames, window.start, window.end)
-    except ViewError as error:  # the run ended before the window
-        yield f"no ParaView series: {error}"
-        return
-    write_vtk(
-        result,
-        directory,
-        frames=window.frames,
-        start=window.start,
-        end=window.end,
-        rotating=window.rotating,
-    )
-    hint = sampling_hint(result, records)
-    if hint:
-        yield f"{directory.name}: {hint} (--from, --to, --frames)"
 
 
 @contextmanager

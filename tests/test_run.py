@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -10,6 +11,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import meshio
 import numpy as np
@@ -140,15 +142,15 @@ def test_a_resolved_case_gives_the_same_bits_again(path: Path) -> None:
 
 
 def test_from_python_to_a_dataset(path: Path) -> None:
-    told: list[tuple[int, int]] = []
+    told: list[tuple[str, int, int]] = []
     case = with_values(read_case(path), {"march.duration": 0.1, "excitation.modal_force": 10.0})
     run = run_case(
-        case, path.parent / "out", frames=5, progress=lambda done, total: told.append((done, total))
+        case, path.parent / "out", frames=5, progress=lambda *report: told.append(report)
     )
     assert run.end_reason == "completed"
     assert run.summary.regime == "no-contact"
-    assert told[-1] == (50_000, 50_000)
-    assert len(told) > 1
+    assert told[-2:] == [("marching", 50_000, 50_000), ("writing", 50_000, 50_000)]
+    assert len(told) > 2
     assert told == sorted(told)
     assert "5 frames over 4.3 revolutions" in run.hints[0]
     with run.open() as result:
@@ -201,6 +203,16 @@ def test_divergence_is_a_result(path: Path) -> None:
         assert result["time"][-1] == summary["end_time"]
         for variable in result.variables.values():
             assert variable.dtype.kind != "f" or np.isfinite(variable.values).all()
+
+
+def test_a_window_of_the_run_seen_from_the_rotor(path: Path) -> None:
+    out = path.parent / "out"
+    window = ["--from", "2 ms", "--to", "0.004", "--frames", "3", "--rotating"]
+    assert RUNNER.invoke(app, ["run", str(path), "-o", str(out), *window]).exit_code == 0
+    index = (out / "vtk" / "series.pvd").read_text()
+    assert re.findall(r'timestep="([^"]+)" part="0"', index) == ["0.002", "0.003", "0.004"]
+    frames = [meshio.read(out / "vtk" / "frames" / f"rotor_0000{i}.vtu") for i in range(3)]
+    np.testing.assert_array_equal(frames[0].points, frames[2].points)  # the rotor stays
 
 
 def test_a_series_that_begins_after_the_end_is_left_out(path: Path) -> None:
@@ -297,6 +309,22 @@ def test_where_nothing_can_be_written(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="cannot be written") as found:
         run_case(quick(), tmp_path / "file" / "out")
     assert len(found.value.lines) == 1
+
+
+def test_a_disk_without_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is seen before the march where it can be, and ends a march in order."""
+    free = [10**7]
+    monkeypatch.setattr("shutil.disk_usage", lambda path: SimpleNamespace(free=free.pop()))
+    long = quick(**{"march.duration": 100.0})
+    with pytest.raises(UserError, match="MB of room on the disk, found 10 MB"):
+        run_case(long, tmp_path / "deep" / "out")
+    assert not [*tmp_path.iterdir()]
+    free[:] = [10**6, *[10**12] * 3]
+    with pytest.raises(UserError, match="expected 4 MB of room on the disk, found 1 MB"):
+        run_case(long, tmp_path / "out")
+    with xr.open_dataset(tmp_path / "out" / "result.nc") as result:
+        assert result.attrs["end_reason"] == "unfinished"
+        assert result.sizes["time"] == 2 * 400
 
 
 @contextmanager
