@@ -36,8 +36,3 @@ class RingMesh:
     def element_length(self) -> float:
         """Arc length of one element [m]."""
         return 2.0 * np.pi * self.radius / self.elements
-
-    @property
-    def points(self) -> FloatArray:
-        """Node positions [m], (elements, 2)."""
-        return self.radius * np.column_stack([np.cos(self.angles), np.sin(self.angles)])

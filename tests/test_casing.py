@@ -111,6 +111,17 @@ def test_rotation_and_translations_on_a_soft_support() -> None:
     np.testing.assert_allclose(modes.spring_share[:3], 1.0, atol=2e-4)
 
 
+def test_on_a_stiff_support_only_rigid_motions_are_called_rigid() -> None:
+    """The support holds more than half of the energy of the breathing motion too."""
+    modes = casing_modes(40, 1e9)
+    labels = families(modes, "casing")
+    rigid = [i for i, label in enumerate(labels) if label == "rigid"]
+    assert [int(modes.nodal_diameter[i]) for i in rigid] == [0, 1, 1]
+    breathing = np.flatnonzero(modes.nodal_diameter == 0)[1]
+    assert labels[breathing] == "1F"
+    assert 0.5 < modes.spring_share[breathing] < 0.6
+
+
 @pytest.mark.parametrize("curvature", ["exact", "shallow"])
 @pytest.mark.parametrize("support", [0.0, 7.975e6])
 def test_holding_the_rotation_takes_one_motion_away(

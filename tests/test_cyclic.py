@@ -150,12 +150,12 @@ def test_symmetry_is_found_not_assumed() -> None:
     assert not replace(disk.structure, springs=uneven.tocsr()).is_cyclic
 
 
-def test_shares_of_a_field_of_two_waves() -> None:
+def test_shares_of_a_field_of_several_waves() -> None:
     layout = SectorLayout(sector_dofs=np.arange(7)[:, None], centre_dofs=np.full(3, -1))
     angle = 2.0 * np.pi * np.arange(7) / 7
-    field = 3.0 * np.cos(2.0 * angle + 0.4) + np.sin(3.0 * angle)
+    field = 1.0 + 3.0 * np.cos(2.0 * angle + 0.4) + np.sin(3.0 * angle)
     shares = wave_shares(field[:, None], np.ones(7), layout)[:, 0]
-    np.testing.assert_allclose(shares, [0.0, 0.0, 0.9, 0.1], atol=1e-15)
+    np.testing.assert_allclose(shares, [1 / 6, 0.0, 3 / 4, 1 / 12], atol=1e-15)
 
 
 def test_centre_counts_as_one_nodal_diameter_and_its_rotation_as_none() -> None:
