@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from bladewhirl.models.case import Case
+from bladewhirl.models.case_bodies import numbers_within_reach
 from bladewhirl.models.case_file import dumps_case
 from bladewhirl.models.contact_problem import ContactProblem
 from bladewhirl.models.faults import UserError
@@ -33,7 +34,16 @@ from bladewhirl.solvers.recorder import (
 from bladewhirl.studies import run_directory as folder
 from bladewhirl.studies.write_up import Run, Window, write_up
 
-__all__ = ["Activity", "Prepared", "Progress", "Run", "march_to_file", "prepare", "prepare_stage", "run_case"]
+__all__ = [
+    "Activity",
+    "Prepared",
+    "Progress",
+    "Run",
+    "march_to_file",
+    "prepare",
+    "prepare_stage",
+    "run_case",
+]
 
 SPARE_BYTES = 4_000_000
 """Room on the disk that a march leaves: HDF5 can't close a file on a full disk in order."""
@@ -80,7 +90,8 @@ def prepare_stage(stage: Stage) -> Prepared:
         duration=case.march.duration,
         record_step=case.march.record_step,
     )
-    scheme = CentralDifference(problem, timing.time_step, timing.record_every)
+    with numbers_within_reach():
+        scheme = CentralDifference(problem, timing.time_step, timing.record_every)
     scheme.advance(scheme.init(), 0)  # compiles, so that the march's clock does not count it
     return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
 
