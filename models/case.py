@@ -232,10 +232,10 @@ class March(Table):
         default=1e-4, description="Time between records [s], a whole number of time steps."
     )
     displacement_limit: Length = Field(
-        default=0.15,
+        default=0.5,
         description="Radial or tangential displacement of a blade tip at which a divergent march"
-        " ends [m]: a third of the blade's length, where linear bending is off by a tenth"
-        " (a choice).",
+        " ends [m]: more than a blade's length, where a linear model has nothing left to say. It is"
+        " off by a tenth from a third of that length on; transients pass that and decay (a choice).",
     )
     scheme: Literal["central-difference"] = Field(
         default="central-difference",

@@ -57,7 +57,7 @@ DEFAULTS: dict[str, object] = {
     "march.time_step": 1e-6,
     "march.duration": 3.0,
     "march.record_step": 1e-4,
-    "march.displacement_limit": 0.15,
+    "march.displacement_limit": 0.5,
     "march.scheme": "central-difference",
 }
 
