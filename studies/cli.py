@@ -22,6 +22,7 @@ from bladewhirl.studies.render import render
 from bladewhirl.studies.run import run
 from bladewhirl.studies.show import show
 from bladewhirl.studies.stability import stability
+from bladewhirl.studies.sweep import sweep
 from bladewhirl.studies.veering import veering
 
 USER_ERROR = 2
@@ -59,6 +60,7 @@ app.command()(render)
 app.command()(run)
 app.command()(show)
 app.command()(stability)
+app.command()(sweep)
 app.command()(veering)
 
 

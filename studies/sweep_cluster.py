@@ -1,0 +1,118 @@
+"""Groups of points on dask workers: a few at a time, suspects alone, results as they come."""
+
+from __future__ import annotations
+
+import uuid
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+
+import dask
+from dask.system import CPU_COUNT
+from distributed import Client, LocalCluster, as_completed
+from distributed.scheduler import KilledWorker
+
+from bladewhirl.models.faults import UserError
+from bladewhirl.studies.sweep_points import Failure, Group, Outcome, Work, march_group
+
+PATIENCE = "30s"
+"""How long an existing scheduler has to answer."""
+
+LOCAL: Mapping[str, object] = {
+    # A group that a worker died with is suspect at once: it is then tried alone, see below.
+    "distributed.scheduler.allowed-failures": 1,
+    # Workers leave with their parent; nobody asks them for a web page.
+    "distributed.worker.daemon": True,
+}
+
+READY = 1
+"""Groups waiting at a worker beside the one it does, so that it never waits for the next."""
+
+
+def march_groups(
+    work: Work, groups: Sequence[Group], *, scheduler: str | None, workers: int | None
+) -> Iterator[Mapping[int, Outcome]]:
+    """March groups, yielding the outcomes of each as they come.
+
+    A worker that dies takes down nothing but what it was doing: dask starts another and gives the
+    work to the next. A group that was being done when workers died again is put aside and tried
+    alone at the end, when no other can be to blame; if they die even so, its points fail.
+
+    Args:
+        work: what the groups have in common.
+        groups: to march.
+        scheduler: address of an existing scheduler, or None.
+        workers: number of local ones; one a core when None.
+
+    Raises:
+        UserError: the scheduler does not answer, or has no workers.
+    """
+    if not groups:
+        return
+    with _client(scheduler, workers, len(groups)) as client:
+        suspects: list[Group] = []
+        yield from _in_flight(client, work, groups, suspects)
+        for group in suspects:
+            dead: list[Group] = []
+            yield from _in_flight(client, work, [group], dead)
+            if dead:
+                reason = "the worker died every time it marched this point, alone too"
+                yield {point: Failure(reason=reason) for point in group.points}
+
+
+def _in_flight(
+    client: Client, work: Work, groups: Sequence[Group], suspects: list[Group]
+) -> Iterator[Mapping[int, Outcome]]:
+    """March groups with a few of them submitted at a time: a sweep of any size takes no memory."""
+    waiting, marching = deque(groups), {}
+    results = as_completed(loop=client.loop)
+
+    def submit() -> None:
+        group = waiting.popleft()
+        key = ("sweep-" + uuid.uuid4().hex, group.number)
+        future = client.submit(march_group, work, group, key=key, pure=False)
+        marching[future.key] = group
+        results.add(future)
+
+    while waiting or marching:
+        threads = max(1, sum(client.nthreads().values()))
+        while waiting and len(marching) < (1 + READY) * threads:
+            submit()
+        future = next(results)
+        group = marching.pop(future.key)
+        try:
+            outcomes = future.result()
+        except KilledWorker:
+            suspects.append(group)
+            continue
+        finally:
+            future.release()
+        yield outcomes
+
+
+@contextmanager
+def _client(scheduler: str | None, workers: int | None, groups: int) -> Iterator[Client]:
+    """A client of the scheduler, or of a local cluster that ends with it."""
+    if scheduler is not None:
+        try:
+            client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
+        except (OSError, ValueError, TimeoutError) as error:
+            raise UserError(
+                f"--scheduler {scheduler}: expected the address of a dask scheduler ({error})"
+            ) from None
+        with client:
+            yield client
+        return
+    count = workers or CPU_COUNT
+    with (
+        dask.config.set(LOCAL),
+        LocalCluster(
+            n_workers=min(count, groups),
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address=None,
+            silence_logs="CRITICAL",
+        ) as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
+        yield client
