@@ -334,8 +334,8 @@ def test_values_compared_with_a_mistaken_one_are_not_blamed() -> None:
         ("[march]\nspeed = 1.0.0", "line 2"),
         ("a = 1\na = 2\n[b]", "overwrite"),
         ("a = " + "9" * 5000, "integers"),
-        ("a = " + "[" * 5000, "less nesting"),
-        (".".join("a" * 5000) + " = 1", "less nesting"),
+        pytest.param("a = " + "[" * 5000, "less nesting", id="nested values"),
+        pytest.param(".".join("a" * 5000) + " = 1", "less nesting", id="nested keys"),
     ],
 )
 def test_invalid_toml_is_one_line(text: str, reason: str) -> None:
