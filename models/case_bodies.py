@@ -16,6 +16,8 @@ from bladewhirl.models.casing import Casing, assemble_casing
 from bladewhirl.models.faults import CaseError, Fault
 from bladewhirl.models.sections import Section, line_properties
 
+LOST = "the lowest frequency of the bladed disk is lost in rounding"
+
 
 def case_bladed_disk(case: Case, *, clamped: bool) -> BladedDisk:
     """Assemble the bladed disk of a case, with a free or a clamped centre."""

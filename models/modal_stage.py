@@ -10,6 +10,7 @@ from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.bladed_disk import BladedDisk
 from bladewhirl.models.case import Case
 from bladewhirl.models.case_bodies import (
+    LOST,
     case_bladed_disk,
     case_casing,
     numbers_within_reach,
@@ -80,12 +81,15 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
         free, clamped = case_bladed_disk(case, clamped=False), case_bladed_disk(case, clamped=True)
         casing = case_casing(case)
         tip = tip_in_sector(free)
+        free_modes = labelled_modes(free.structure, tip, "bladed-disk", count)
+        if not free_modes.frequency[0] > 0.0:
+            raise FloatingPointError(LOST)
         return ModalStage(
             case=case,
             free_disk=free,
             clamped_disk=clamped,
             casing=casing,
-            free_modes=labelled_modes(free.structure, tip, "bladed-disk", count),
+            free_modes=free_modes,
             clamped_modes=labelled_modes(clamped.structure, tip, "bladed-disk", count),
             casing_modes=labelled_modes(casing.structure, (RADIAL, TANGENTIAL), "casing", count),
         )

@@ -10,6 +10,7 @@ from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.bladed_disk import BladedDisk
 from bladewhirl.models.case import Case
 from bladewhirl.models.case_bodies import (
+    LOST,
     case_bladed_disk,
     case_casing,
     numbers_within_reach,
@@ -31,8 +32,6 @@ pair, and one more."""
 
 MOST_ENTRIES = 5e8
 """Largest number of entries (4 GB) in the shapes of a reduced model's modes."""
-
-LOST = "the lowest frequency of the bladed disk is lost in rounding"
 
 
 @dataclass(frozen=True, kw_only=True)

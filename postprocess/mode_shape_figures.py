@@ -25,7 +25,10 @@ DRAWN = 0.2
 """Largest displacement in a picture, as a share of the radius."""
 
 BEAM_PIECES = 8
-"""A beam is drawn as this many straight pieces, along its Hermite curve."""
+"""A beam is drawn as this many straight pieces, along its Hermite curve, ..."""
+
+MOST_PIECES = 16_000
+"""... or fewer, where the bladed disk would be drawn as more than so many."""
 
 RING_POINTS = 360
 """And the casing as at least this many."""
@@ -56,7 +59,8 @@ class Outline:
 
     def __init__(self, data: xr.Dataset, body: Body) -> None:
         if body == "bladed-disk":
-            stations, rows = line_rows(data, BEAM_PIECES)
+            pieces = min(BEAM_PIECES, max(1, MOST_PIECES // data.sizes["rotor_line"]))
+            stations, rows = line_rows(data, pieces)
             self.rest = stations
             self._rows = rows.reshape(-1, 2, rows.shape[-1])
             self._shift = data["rotor_shape"].values[int(data["centre_node"]), :2]

@@ -105,7 +105,7 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
         free = _chosen(data, "free", name)
         axes.plot(*free, "-", color=COLOURS["rest"], linewidth=0.6, zorder=1)
     every = [_chosen(data, "free", name) for name in names]
-    top = max(float(frequency.max()) for _, frequency in every)
+    top = max(float(frequency.max(initial=0.0)) for _, frequency in every)
     dot: Mapping[str, Any] = {"linestyle": "none", "markersize": 3.0}
     axes.plot(*_joined(every), "o", color=COLOURS["total"], label="free centre", **dot)
     clamped = _joined([_chosen(data, "clamped", name) for name in names])

@@ -151,3 +151,12 @@ def test_bad_input_is_one_line(
     result = run("fan.toml", *arguments)
     assert (result.exit_code, result.stdout, result.stderr) == (2, "", f"{line}\n")
     assert [path.name for path in tmp_path.iterdir()] == ["fan.toml"]
+
+
+def test_a_disk_with_fewer_families_than_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    small = with_values(Case(), {"bladed_disk.blades": 3, "bladed_disk.elements_per_blade": 1})
+    (tmp_path / "small.toml").write_text(dumps_case(small), encoding="utf-8")
+    assert run("small.toml").exit_code == 0
