@@ -1,4 +1,4 @@
-"""Solvers on arrays: coincidence and stability, coupled modes, contact scenarios, Floquet analysis."""
+"""Solvers on arrays: coincidence, stability, coupled modes, contact scenarios, Floquet analysis."""
 
 from bladewhirl.solvers.coincidence import (
     Coincidences,
