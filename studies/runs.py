@@ -92,7 +92,8 @@ def prepare_stage(stage: Stage) -> Prepared:
     )
     with numbers_within_reach():
         scheme = CentralDifference(problem, timing.time_step, timing.record_every)
-    scheme.advance(scheme.init(), 0)  # compiles, so that the march's clock does not count it
+        begin = scheme.init()
+    scheme.advance(begin, 0)  # compiles, so that the march's clock does not count it
     return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
 
 

@@ -124,7 +124,8 @@ def test_faults_of_the_march_come_together() -> None:
         ("march.speed", 1e6),
         ("coupling.stiffness", 500.0),
         ("initial.tip_displacement", ((2e-3, 0.0), *((0.0, 0.0),) * 21)),
-        ("initial.centre_displacement", (0.0, 0.2)),
+        ("march.displacement_limit", 0.05),
+        ("initial.centre_displacement", (0.0, 0.06)),
     )
     with pytest.raises(CaseError) as found:
         contact_problem(stage)
