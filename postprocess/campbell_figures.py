@@ -27,6 +27,10 @@ SHADE = "#F0F0F0"
 MOST_NUMBERED = 12
 """Highest nodal diameter whose coincidences get their number."""
 
+DIGIT_ROOM, NUMBER_ROOM = 0.014, np.array([0.02, 0.05])
+"""Shares of the axes that a number takes, width by the digit; one that would cover another is
+left out."""
+
 HEADROOM = 1.15
 """Highest frequency shown over the highest coincidence or mode of interest."""
 
@@ -131,12 +135,18 @@ def _mark_coincidences(axes: Axes, data: xr.Dataset, meeting: FloatArray, shown:
     for here, colour in ((shown & (k != 1), "other k"), (shown & (k == 1), "k = 1")):
         axes.plot(speeds[here], meeting[here], "o", color=COLOURS[colour], clip_on=False, **ring)
     numbered = shown & (k <= MOST_NUMBERED) & np.isin(family, ("1F", "suspension"))
+    size = np.array([np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())])
+    placed: dict[bool, FloatArray] = {}  # the last number above a level, and below one
     for i in np.flatnonzero(numbered):
-        # Number 1 stands on the other side, where its neighbours have none.
-        place = (3.0, -9.0) if k[i] == 1 else (-4.0, 3.5)
-        if meeting[i] < 0.05 * axes.get_ylim()[1]:
-            place = (-4.0, 3.5)
-        axes.annotate(str(k[i]), (speeds[i], meeting[i]), xytext=place, textcoords="offset points")
+        here = np.array([speeds[i], meeting[i]])
+        room = size * (NUMBER_ROOM + [DIGIT_ROOM * len(str(k[i])), 0.0])
+        # Number 1 stands below, where its neighbours have none, if there is room.
+        below = bool(k[i] == 1 and meeting[i] > room[1])
+        if below in placed and (np.abs(here - placed[below]) < room).all():
+            continue
+        placed[below] = here
+        offset = (3.0, -9.0) if below else (-4.0, 3.5)
+        axes.annotate(str(k[i]), tuple(here), xytext=offset, textcoords="offset points")
 
 
 def _draw_mode(
