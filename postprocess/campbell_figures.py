@@ -139,7 +139,8 @@ def _mark_coincidences(axes: Axes, data: xr.Dataset, meeting: FloatArray, shown:
     placed: dict[bool, FloatArray] = {}  # the last number above a level, and below one
     for i in np.flatnonzero(numbered):
         here = np.array([speeds[i], meeting[i]])
-        room = size * (NUMBER_ROOM + [DIGIT_ROOM * len(str(k[i])), 0.0])
+        width, height = NUMBER_ROOM
+        room = size * np.array([width + DIGIT_ROOM * len(str(k[i])), height])
         # Number 1 stands below, where its neighbours have none, if there is room.
         below = bool(k[i] == 1 and meeting[i] > room[1])
         if below in placed and (np.abs(here - placed[below]) < room).all():
