@@ -4,7 +4,8 @@ The shaft's place is one complex number z = x + i y, so that exp(i omega t) goes
 counter-clockwise: its transform tells forward from backward motion, which that of x alone (the
 paper's Figs 15 and 17a) does not. Frequencies are positive for forward motion, in the sense of
 rotation. A circle of radius r has the amplitude r at one frequency; a straight vibration has half
-its amplitude at two.
+its amplitude at two. Transforms have a Blackman-Harris window, whose side lobes are below all that
+is drawn.
 """
 
 from __future__ import annotations
@@ -17,14 +18,12 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from scipy.signal import ShortTimeFFT
-from scipy.signal.windows import blackman
 
 from bladewhirl.postprocess.energies import FIRST_FAMILY, SUSPENSION
 from bladewhirl.postprocess.fields import Array
 from bladewhirl.postprocess.orbits import MILLI, Frame
 from bladewhirl.postprocess.style import COLOURS, SEQUENTIAL, new_figure, speed_label, styled
-from bladewhirl.postprocess.windows import evenly_spaced, window_label
+from bladewhirl.postprocess.windows import evenly_spaced, few_time_ticks, window_label
 
 FEWEST_RECORDS = 16
 """Records without which a spectrum says nothing."""
@@ -91,7 +90,7 @@ def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
 
 
 def shaft_spectrum(orbit: xr.Dataset, frame: Frame = "rotating") -> xr.Dataset:
-    """Amplitude of the shaft over frequency, by one transform of all records (Blackman window).
+    """Amplitude of the shaft over frequency, by one transform of all records.
 
     Args:
         orbit: from `orbits.shaft_orbit`, of the time that is wanted.
@@ -103,9 +102,12 @@ def shaft_spectrum(orbit: xr.Dataset, frame: Frame = "rotating") -> xr.Dataset:
     Raises:
         ViewError: too few records, or not equally spaced.
     """
+    # Loaded when used: it takes longer than all of postprocess together.
+    from scipy.signal.windows import blackmanharris
+
     even, step = evenly_spaced(orbit, FEWEST_RECORDS)
     records = even.sizes["time"]
-    window = blackman(records, sym=False)
+    window = blackmanharris(records, sym=False)
     transform = np.fft.fft(window * _phasor(even, frame), PADDING * records) / window.sum()
     frequency = 2 * np.pi * np.fft.fftfreq(PADDING * records, step)
     return xr.Dataset(
@@ -119,7 +121,7 @@ def shaft_spectrum(orbit: xr.Dataset, frame: Frame = "rotating") -> xr.Dataset:
 def shaft_spectrogram(
     orbit: xr.Dataset, frame: Frame = "rotating", length: float | None = None
 ) -> xr.Dataset:
-    """Amplitude of the shaft over frequency and time, Fig. 17(a): slices with a Blackman window.
+    """Amplitude of the shaft over frequency and time, Fig. 17(a).
 
     Args:
         orbit: from `orbits.shaft_orbit`, of the time that is wanted.
@@ -134,6 +136,9 @@ def shaft_spectrogram(
     Raises:
         ViewError: too few records, or not equally spaced.
     """
+    from scipy.signal import ShortTimeFFT
+    from scipy.signal.windows import blackmanharris
+
     even, step = evenly_spaced(orbit, FEWEST_RECORDS)
     records = even.sizes["time"]
     if length is None:
@@ -141,7 +146,7 @@ def shaft_spectrogram(
         length = min(max(SHARE * records * step, PERIODS * period), MOST * records * step)
     size = int(np.clip(round(length / step), FEWEST_RECORDS // 2, records))
     transform = ShortTimeFFT(
-        blackman(size, sym=False),
+        blackmanharris(size, sym=False),
         hop=max((records - size) // SLICES, 1),
         fs=1.0 / step,
         fft_mode="centered",
@@ -162,6 +167,17 @@ def shaft_spectrogram(
     )
 
 
+def around_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
+    """The frequencies that are drawn: so far that all lines are seen.
+
+    Args:
+        spectrum: from `shaft_spectrum` or `shaft_spectrogram`.
+        lines: from `modal_lines`, of the same frame.
+    """
+    edge = MARGIN * float(np.abs(lines).max())
+    return spectrum.sel(frequency=slice(-edge, edge))
+
+
 @styled
 def plot_spectrum(spectrum: xr.Dataset, lines: xr.DataArray) -> Figure:
     """Draw the shaft's amplitude over frequency in Hz with the lines of modes.
@@ -172,7 +188,7 @@ def plot_spectrum(spectrum: xr.Dataset, lines: xr.DataArray) -> Figure:
     """
     figure = new_figure(height=0.055)
     axes = figure.add_subplot()
-    shown = _within(spectrum, lines)
+    shown = around_lines(spectrum, lines)
     amplitude = MILLI * shown["amplitude"].values
     top = amplitude.max() or 1.0  # all at rest: 1 mm
     floor = top * 10**-DECADES
@@ -204,7 +220,7 @@ def plot_spectrogram(spectrogram: xr.Dataset, lines: xr.DataArray) -> Figure:
     """
     figure = new_figure(height=0.07)
     axes = figure.add_subplot()
-    shown = _within(spectrogram, lines)
+    shown = around_lines(spectrogram, lines)
     amplitude = MILLI * shown["amplitude"].values
     top = amplitude.max() or 1.0
     picture = axes.pcolormesh(
@@ -217,6 +233,7 @@ def plot_spectrogram(spectrogram: xr.Dataset, lines: xr.DataArray) -> Figure:
         rasterized=True,
     )
     axes.grid(False)
+    few_time_ticks(axes)
     _draw_lines(axes, lines, axes.axhline)
     axes.set(xlabel="time [s]", ylabel="frequency [Hz]\n← backward  forward →")
     frame, slice_length = spectrogram.attrs["frame"], 1e3 * spectrogram.attrs["slice"]
@@ -235,12 +252,6 @@ def _phasor(orbit: xr.Dataset, frame: Frame) -> Array:
 def _attributes(orbit: xr.Dataset, title: str, frame: Frame) -> dict[str, Any]:
     kept = {name: orbit.attrs[name] for name in ("speed", "reference_frequency")}
     return {"title": title, "frame": frame, **kept}
-
-
-def _within(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
-    """The frequencies that are drawn, so far that all lines are seen."""
-    edge = MARGIN * float(np.abs(lines).max())
-    return spectrum.sel(frequency=slice(-edge, edge))
 
 
 def _draw_lines(axes: Axes, lines: xr.DataArray, draw: Any) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 
 from bladewhirl.postprocess.fields import Array, IntArray, ViewError
 
@@ -82,16 +83,18 @@ def span_means(values: Array, starts: IntArray) -> Array:
     return np.asarray(sums / count.reshape(-1, *[1] * (values.ndim - 1)))
 
 
-def span_edges(time: Array, starts: IntArray) -> Array:
-    """Borders of the spans as they are drawn [s], (span + 1,): a record stands for the time since
-    the record before.
-    """
-    inner = time[starts[1:] - 1]
-    lead = time[1] - time[0] if len(time) > 1 and starts[-1] == len(time) - 1 else 0.0
-    return np.concatenate([[time[0] - lead], inner, [time[-1]]])
+def span_edges(time: Array, starts: IntArray, begin: float) -> Array:
+    """Borders of the spans [s], (span + 1,): from `begin`, each to its last record."""
+    ends = time[np.append(starts[1:], len(time)) - 1]
+    return np.concatenate([[begin], ends])
 
 
 def window_label(dataset: xr.Dataset) -> str:
     """The time covered, in words."""
     first, last = dataset["time"].values[[0, -1]]
     return f"{first:.3g} to {last:.3g} s"
+
+
+def few_time_ticks(axes: Axes) -> None:
+    """Keep the labels of a time axis apart: those of a short window have many digits."""
+    axes.locator_params(axis="x", nbins=5)

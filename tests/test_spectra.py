@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import synthetic_result as synthetic
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from bladewhirl.postprocess.fields import ViewError
 from bladewhirl.postprocess.orbits import Frame, shaft_orbit
@@ -25,8 +25,9 @@ def peak(spectrum: xr.Dataset) -> tuple[float, float]:
     return float(spectrum.frequency[at]), float(spectrum.amplitude[at])
 
 
-def along(place: NDArray[np.complex128]) -> xr.Dataset:
+def along(complex_place: ArrayLike) -> xr.Dataset:
     """An orbit whose place in rotating axes is x + i y."""
+    place = np.asarray(complex_place, dtype=np.complex128)
     orbit = shaft_orbit(synthetic.synthetic_result(records=len(place)))
     orbit["rotating"] = ("time", "axis"), np.column_stack([place.real, place.imag])
     return orbit

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from bladewhirl.postprocess.fields import Array, IntArray
 from bladewhirl.postprocess.orbits import CLEAR_SHARE, FRAMES, LEAST_TURN, MILLI, Frame
 from bladewhirl.postprocess.style import COLOURS, new_figure, speed_label, styled
-from bladewhirl.postprocess.windows import span_means, span_starts
+from bladewhirl.postprocess.windows import few_time_ticks, span_means, span_starts
 
 PERIODS = 2.0
 """Least length of a span, in periods of the reference frequency: ripple is averaged away."""
@@ -101,6 +101,7 @@ def plot_whirl_history(whirls: xr.Dataset) -> Figure:
     lower.plot(time, MILLI * whirls["radius"], color=COLOURS["rotor"])
     lower.set(xlabel="time [s]", ylabel="radius [mm]")
     lower.set_ylim(bottom=0.0)
+    few_time_ticks(lower)
     figure.legend(*upper.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     upper.set_title(f"{speed_label(whirls)}, means over {1e3 * whirls.attrs['span']:.3g} ms")
     return figure

@@ -7,7 +7,7 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields import ViewError
 from bladewhirl.postprocess.orbits import shaft_orbit
-from bladewhirl.postprocess.whirl_history import plot_whirl_history, whirl_history
+from bladewhirl.postprocess.whirling import plot_whirl_history, whirl_history
 from bladewhirl.postprocess.windows import (
     evenly_spaced,
     late_part,
@@ -59,8 +59,8 @@ class TestWindows:
         time = np.arange(1001.0)
         starts = span_starts(time, 10)
         np.testing.assert_array_equal(starts, 100 * np.arange(10))
-        edges = span_edges(time, starts)
-        np.testing.assert_array_equal(edges, [0, *(100 * np.arange(1, 10) - 1), 1000])
+        edges = span_edges(time, starts, -1.0)
+        np.testing.assert_array_equal(edges, [-1, *(100 * np.arange(1, 10) - 1), 1000])
         assert span_means(time, starts)[:2] == pytest.approx([49.5, 149.5])
 
 
