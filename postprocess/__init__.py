@@ -1,7 +1,10 @@
 """What a result says: fields, series for ParaView, pictures; results are read, never made."""
 
+from bladewhirl.postprocess.blade_contact import contact_classes, contact_maps
+from bladewhirl.postprocess.contact_side import contact_phase
 from bladewhirl.postprocess.drawing import Drawing
 from bladewhirl.postprocess.energies import plot_energy, strain_energies
+from bladewhirl.postprocess.family_energies import cyclic_energies, family_energies
 from bladewhirl.postprocess.fields import (
     ViewError,
     casing_field,
@@ -14,19 +17,26 @@ from bladewhirl.postprocess.fields import (
 )
 from bladewhirl.postprocess.off_screen import OffScreenError
 from bladewhirl.postprocess.orbits import Whirl, plot_orbit, shaft_orbit, whirl
+from bladewhirl.postprocess.poincare import poincare_map, state_space
 from bladewhirl.postprocess.regimes import Growth, Regime, classify
 from bladewhirl.postprocess.render import animation_records, render_animation, render_still
 from bladewhirl.postprocess.result import ResultError, open_result
+from bladewhirl.postprocess.run_figures import FIGURES, RunFigures
+from bladewhirl.postprocess.spectra import modal_lines, shaft_spectrogram, shaft_spectrum
 from bladewhirl.postprocess.style import save_figure
 from bladewhirl.postprocess.summary import Summary, summarise, summary_table, write_summary
 from bladewhirl.postprocess.vtk_series import SeriesWriter, undeformed_mesh, write_vtk
+from bladewhirl.postprocess.whirling import whirl_history
+from bladewhirl.postprocess.windows import late_part, select_window
 
 __all__ = [
+    "FIGURES",
     "Drawing",
     "Growth",
     "OffScreenError",
     "Regime",
     "ResultError",
+    "RunFigures",
     "SeriesWriter",
     "Summary",
     "ViewError",
@@ -35,23 +45,36 @@ __all__ = [
     "casing_field",
     "casing_points",
     "classify",
+    "contact_classes",
     "contact_forces",
+    "contact_maps",
+    "contact_phase",
+    "cyclic_energies",
+    "family_energies",
     "frame_records",
+    "late_part",
+    "modal_lines",
     "open_result",
     "plot_energy",
     "plot_orbit",
+    "poincare_map",
     "render_animation",
     "render_still",
     "rotor_field",
     "rotor_points",
     "sampling_hint",
     "save_figure",
+    "select_window",
     "shaft_orbit",
+    "shaft_spectrogram",
+    "shaft_spectrum",
+    "state_space",
     "strain_energies",
     "summarise",
     "summary_table",
     "undeformed_mesh",
     "whirl",
+    "whirl_history",
     "write_summary",
     "write_vtk",
 ]

@@ -18,6 +18,7 @@ from typer.core import TyperGroup
 from bladewhirl.studies.campbell import campbell
 from bladewhirl.studies.modes import modes
 from bladewhirl.studies.new import new
+from bladewhirl.studies.plot import plot
 from bladewhirl.studies.render import render
 from bladewhirl.studies.run import run
 from bladewhirl.studies.show import show
@@ -56,6 +57,7 @@ app = typer.Typer(
 app.command()(campbell)
 app.command()(modes)
 app.command()(new)
+app.command()(plot)
 app.command()(render)
 app.command()(run)
 app.command()(show)
