@@ -17,7 +17,7 @@ from PIL import Image
 DOCS = Path(__file__).parent
 EXAMPLES = DOCS.parent / "examples"
 BLADEWHIRL = Path(sys.executable).with_name("bladewhirl")
-COLOURS = 64  #: of a palette: flat areas and smoothed edges need no more
+COLOURS = 256  #: of a palette
 
 
 def bladewhirl(*arguments: str | Path) -> None:
