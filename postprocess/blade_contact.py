@@ -186,10 +186,11 @@ def plot_contact_classes(classes: xr.Dataset) -> Figure:
         axes.bar(blade[own], share[own], color=colour)
         label = f"{name}: {np.count_nonzero(own)}"
         axes.plot([], [], "s", color=colour, label=label)
-        if name == "free":  # a bar of no height would not be seen
+        if name == "free" and own.any():  # a bar of no height would not be seen
             axes.plot(blade[own], share[own], "o", color=colour, markersize=2.5, clip_on=False)
     axes.set(xlabel="blade", ylabel="time in contact [%]", ylim=(0, 100))
     axes.set_xlim(-0.7, len(blade) - 0.3)
+    axes.locator_params(axis="x", integer=True)
     axes.grid(axis="x", visible=False)
     axes.set_title(f"{speed_label(classes)}, {classes.attrs['window']}")
     figure.legend(loc="outside lower center", ncols=3)
