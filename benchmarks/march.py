@@ -1,7 +1,7 @@
 """Speed of the contact march as ratios that any machine can give: `python benchmarks/march.py`.
 
 Three things are timed in turn, in one process: the compiled kernel with everything on (contact,
-ledger, a record every 100 steps), the same algorithm in vectorised NumPy (`plain_march`), and as
+ledger, a record every 100 steps), the same algorithm in vectorised NumPy (`numpy_march`), and as
 a floor the two dense products that a step would need without symmetry, compiled: 44 x 156 for the
 tips, 80 x 160 for the casing's nodes. All run on the paper's stage in three states:
 
@@ -23,7 +23,7 @@ from pathlib import Path
 
 import numpy as np
 from numba import njit
-from plain_march import PlainMarch
+from numpy_march import NumpyMarch
 from rich.console import Console
 from rich.table import Table
 
@@ -37,7 +37,7 @@ EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 TIME_STEP = 1e-6  # s
 RECORD_EVERY = 100
 COMPARED_STEPS = 500
-KERNEL_STEPS, PLAIN_STEPS, FLOOR_STEPS = 4000, 200, 4000
+KERNEL_STEPS, NUMPY_STEPS, FLOOR_STEPS = 4000, 200, 4000
 OUT_OF_REACH = 10.0  # m
 
 
@@ -58,17 +58,17 @@ class Setting:
         whole = chunk.step[-1] - chunk.step[0]
         return float(chunk.contact_steps[1:].sum() / whole)
 
-    def plain(self) -> PlainMarch:
+    def numpy(self) -> NumpyMarch:
         """The same march in NumPy."""
         every = CentralDifference(self.problem, TIME_STEP, 1)
         _, chunk, _ = every.advance(self.state, 2)
         before, now = np.hstack([chunk.rotor_displacement, chunk.casing_displacement])
-        return PlainMarch(self.problem, TIME_STEP, before, now, int(chunk.step[1]))
+        return NumpyMarch(self.problem, TIME_STEP, before, now, int(chunk.step[1]))
 
     def difference(self) -> float:
         """Largest difference between kernel and NumPy over a stretch, by the largest value."""
         every = CentralDifference(self.problem, TIME_STEP, 1)
-        plain = self.plain()
+        plain = self.numpy()
         plain.advance(COMPARED_STEPS, 1)
         _, chunk, _ = every.advance(self.state, COMPARED_STEPS + 1)
         ours = np.hstack([chunk.rotor_displacement, chunk.casing_displacement])[1:]
@@ -145,12 +145,12 @@ def main() -> None:
     products(1)  # compiles
     rows = [(setting, setting.difference(), setting.kernel(KERNEL_STEPS)) for setting in settings()]
     for setting, difference, contacts in rows:
-        numpy_march = partial(setting.plain().advance, record_every=RECORD_EVERY)
+        numpy_march = partial(setting.numpy().advance, record_every=RECORD_EVERY)
         times = np.array(
             [
                 (
                     microseconds(setting.kernel, KERNEL_STEPS),
-                    microseconds(numpy_march, PLAIN_STEPS),
+                    microseconds(numpy_march, NUMPY_STEPS),
                     microseconds(products, FLOOR_STEPS),
                 )
                 for _ in range(repeat)

@@ -70,11 +70,13 @@ class CentralDifference:
             rotor,
             scheme_inverse(rotor.frequency, rotor.damping_ratio, time_step),
             len(casing.nodal),
+            problem.friction,
             cyclic=self.cyclic[0],
         )
         self._casing_layout, self._casing = pack_casing(
             casing,
             scheme_inverse(casing.frequency, casing.damping_ratio, time_step),
+            problem.friction,
             cyclic=self.cyclic[1],
         )
         rotor_loads = _stack([load.rotor for load in problem.loads], len(rotor.frequency))
@@ -126,6 +128,7 @@ class CentralDifference:
                 impulse=np.zeros(tips),
                 drag=np.zeros(tips),
                 touched=np.zeros(tips),
+                held=np.zeros(tips),
                 work=np.zeros(4),
                 residual=np.zeros(1),
                 counts=np.zeros(4),

@@ -35,6 +35,7 @@ from bladewhirl.solvers.lanes import (
     fma,
     load,
     load_half,
+    load_half_row,
     load_row,
     mul,
     splat,
@@ -48,6 +49,8 @@ from bladewhirl.solvers.lanes import (
 Array = NDArray[Any]
 FAST = {"reassoc", "contract", "nsz", "arcp"}  # NaN and infinity keep their meaning
 COMPILE = {"cache": True, "nogil": True, "fastmath": FAST, "error_model": "numpy"}
+# Passing an array takes seven words: parts of every step go into the caller.
+INLINE = {k: v for k, v in COMPILE.items() if k != "cache"} | {"forceinline": True}
 
 RUNNING, DIVERGED = 0, 1
 W_KIND, W_SLOPE, U_KIND, U_SLOPE = 0, 1, 2, 3
@@ -69,6 +72,7 @@ class Body(NamedTuple):
     stiffness: Array  #: omega^2 [rad2/s2]
     damping: Array  #: 2 xi omega [rad/s]
     load: Array  #: load patterns, (patterns, entries)
+    loaded: Array  #: registers of each pattern that are not zero, then -1, (patterns, most + 1)
 
 
 class Rotor(NamedTuple):
@@ -81,8 +85,7 @@ class Rotor(NamedTuple):
     cross_shape: Array  #: the same for the tangential direction
     spread: Array  #: shape by tip, (tips, columns)
     cross_spread: Array  #: cross_shape by tip, (tips, columns)
-    w_radial: Array  #: r c r^T, by column, (tips, tips)
-    w_tangential: Array  #: r c t^T, by column, (tips, tips)
+    w: Array  #: r c (r + mu s t)^T for s = -1, 0, 1, by column, (3, tips, tips)
     position: Array  #: angle of each tip in elements of the casing, (padded tips,)
 
 
@@ -96,8 +99,8 @@ class Casing(NamedTuple):
     spread_w_s: Array
     spread_u: Array
     spread_u_s: Array
-    compliance: Array  #: blocks of 8 x 4, see `_delassus`, (32 blocks,)
-    circulant: bool  #: whether blocks go by the distance of two elements
+    compliance: Array  #: blocks of 4 x 4 for s = -1, 0, 1, see `_delassus`, (3, 16 blocks)
+    spacing: int  #: blocks from one element to the next
     clearance: Array  #: nodal clearance and its slope, node 0 again, (2, padded nodes)
     nodes: int
     element_length: float  #: [m]
@@ -127,6 +130,7 @@ class State(NamedTuple):
     impulse: Array  #: normal impulse since the last record [N s], (tips,)
     drag: Array  #: friction impulse since the last record [N s], (tips,)
     touched: Array  #: steps with contact since the last record, (tips,)
+    held: Array  #: 1 for tips in contact at the last step, (tips,)
     work: Array  #: external, normal, friction work and damping loss [J], (4,)
     residual: Array  #: largest complementarity residual, (1,)
     counts: Array  #: contacts at the last step, LCP failures, LCP pivots, steps with contact, (4,)
@@ -150,8 +154,8 @@ class Records(NamedTuple):
 class Scratch(NamedTuple):
     """Working arrays of one march."""
 
-    columns: Array  #: (4, columns)
-    none: Array  #: zeros, (rotor rows, rotor columns)
+    columns: Array  #: sums by column, four for the rotor, two for the casing, (6, columns)
+    forces: Array  #: contact forces on the casing by column, for w, w', u, u', (4, columns)
     nodal: Array  #: values and slopes of a nodal field, (2, padded nodes)
     tip: Array  #: radial, tangential, scratch, place in elements, (4, padded tips)
     gap: Array  #: free gap, gap after the correction [m], (2, padded tips)
@@ -161,8 +165,7 @@ class Scratch(NamedTuple):
     load: Array  #: amplitude of each load pattern, (patterns,)
     rows: Array  #: rows that a product takes, (2 tips,)
     factor: Array  #: and with what factors, (4, 2 tips)
-    held: Array  #: 1 for tips in the active set, (tips,)
-    active: Array  #: their numbers, (tips,)
+    active: Array  #: tips of the active set, (tips,)
     ends: Array  #: Hermite weights by active tip, (4 tips,)
     solve: Array  #: W of the active tips with a right-hand side, (tips, padded tips + 1)
     diagonal: Array  #: W_jj of the active tips, (tips,)
@@ -174,7 +177,7 @@ class Scratch(NamedTuple):
     basis: Array  #: of Lemke's method, (tips,)
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _predict(a: Array, b: Array, slots: Array, old: int, now: int, new: int) -> None:
     for i in range(0, len(a), LANES):
         x = fma(load(a, i), load_row(slots, now, i), mul(load(b, i), load_row(slots, old, i)))
@@ -197,7 +200,7 @@ def _column_sums(weight: Array, slots: Array, slot: int, out: Array) -> None:
         store(out, h, add(even, odd))
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _combine(rows: Array, factor: Array, out: Array) -> None:
     """Linear combination of all rows of a matrix."""
     count, width = rows.shape
@@ -219,29 +222,7 @@ def _combine(rows: Array, factor: Array, out: Array) -> None:
         store(out, i, first)
 
 
-@njit(**COMPILE)
-def _combine_some(rows: Array, index: Array, factor: Array, count: int, out: Array) -> None:
-    """Linear combination of some rows of a matrix."""
-    width = rows.shape[1]
-    wide = width - width % (3 * LANES)
-    for i in range(0, wide, 3 * LANES):
-        first, second, third = splat(0.0), splat(0.0), splat(0.0)
-        for n in range(count):
-            f, row = splat(factor[n]), index[n]
-            first = fma(load_row(rows, row, i), f, first)
-            second = fma(load_row(rows, row, i + LANES), f, second)
-            third = fma(load_row(rows, row, i + 2 * LANES), f, third)
-        store(out, i, first)
-        store(out, i + LANES, second)
-        store(out, i + 2 * LANES, third)
-    for i in range(wide, width, LANES):
-        first = splat(0.0)
-        for n in range(count):
-            first = fma(load_row(rows, index[n], i), splat(factor[n]), first)
-        store(out, i, first)
-
-
-@njit(**COMPILE)
+@njit(**INLINE)
 def _nodal_values(even: Array, odd: Array, column: Array, nodes: int, out: Array) -> None:
     """Nodal values of a field on the casing, node 0 again at the end.
 
@@ -249,6 +230,7 @@ def _nodal_values(even: Array, odd: Array, column: Array, nodes: int, out: Array
     without, ``odd`` has no rows.
     """
     count, width = even.shape
+    second = len(column) // 2
     if len(odd) == 0:
         _combine(even, column, out)
         out[nodes] = out[0]
@@ -259,7 +241,7 @@ def _nodal_values(even: Array, odd: Array, column: Array, nodes: int, out: Array
         e0, e1, e2 = splat(0.0), splat(0.0), splat(0.0)
         o0, o1, o2 = splat(0.0), splat(0.0), splat(0.0)
         for h in range(count):
-            f, g = splat(column[h]), splat(column[count + h])
+            f, g = splat(column[h]), splat(column[second + h])
             e0 = fma(load_row(even, h, i), f, e0)
             e1 = fma(load_row(even, h, i + LANES), f, e1)
             e2 = fma(load_row(even, h, i + 2 * LANES), f, e2)
@@ -276,7 +258,7 @@ def _nodal_values(even: Array, odd: Array, column: Array, nodes: int, out: Array
         e0, o0 = splat(0.0), splat(0.0)
         for h in range(count):
             e0 = fma(load_row(even, h, i), splat(column[h]), e0)
-            o0 = fma(load_row(odd, h, i), splat(column[count + h]), o0)
+            o0 = fma(load_row(odd, h, i), splat(column[second + h]), o0)
         store(out, i, add(e0, o0))
         store(out, 2 * width + i, sub(e0, o0))
     for i in range(0, width, LANES):
@@ -300,30 +282,38 @@ def _load_factors(loads: Array, time: float, out: Array) -> bool:
 
 
 @njit(**COMPILE)
-def _add_load(pattern: Array, factors: Array, c: Array, slots: Array, new: int) -> None:
+def _add_load(
+    pattern: Array, loaded: Array, factors: Array, c: Array, slots: Array, new: int
+) -> None:
     for p in range(len(factors)):
-        if factors[p] != 0.0:
-            factor = splat(factors[p])
-            for i in range(0, len(c), LANES):
-                force = mul(factor, load_row(pattern, p, i))
-                store_row(slots, new, i, fma(force, load(c, i), load_row(slots, new, i)))
+        factor = splat(factors[p])
+        for k in range(loaded.shape[1]):
+            i = loaded[p, k]
+            if i < 0:
+                break
+            force = mul(factor, load_row(pattern, p, i))
+            store_row(slots, new, i, fma(force, load(c, i), load_row(slots, new, i)))
 
 
 @njit(**COMPILE)
-def _external_work(pattern: Array, factors: Array, slots: Array, old: int, new: int) -> float:
+def _external_work(
+    pattern: Array, loaded: Array, factors: Array, slots: Array, old: int, new: int
+) -> float:
     """d^T f with d = (x_{n+1} - x_{n-1}) / 2."""
     done = 0.0
     for p in range(len(factors)):
-        if factors[p] != 0.0:
-            part = splat(0.0)
-            for i in range(0, pattern.shape[1], LANES):
-                moved = sub(load_row(slots, new, i), load_row(slots, old, i))
-                part = fma(moved, load_row(pattern, p, i), part)
-            done += 0.5 * factors[p] * total(part)
+        part = splat(0.0)
+        for k in range(loaded.shape[1]):
+            i = loaded[p, k]
+            if i < 0:
+                break
+            moved = sub(load_row(slots, new, i), load_row(slots, old, i))
+            part = fma(moved, load_row(pattern, p, i), part)
+        done += 0.5 * factors[p] * total(part)
     return done
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _damping_loss(damping: Array, slots: Array, old: int, new: int) -> float:
     """d^T D d with d = (x_{n+1} - x_{n-1}) / 2."""
     loss = splat(0.0)
@@ -345,7 +335,7 @@ def _half_step_energy(
     return 0.5 * energy
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _place_tips(
     position: Array,
     shift: float,
@@ -370,7 +360,7 @@ def _place_tips(
         hermite[3, j] = -length * xi * xi * rest
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _on_tips(value: Array, slope: Array, hermite: Array, element: Array, out: Array) -> bool:
     """Value of a nodal Hermite field under each tip; False, and no further, at a NaN.
 
@@ -387,7 +377,7 @@ def _on_tips(value: Array, slope: Array, hermite: Array, element: Array, out: Ar
     return True
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _close_gaps(
     value: Array,
     slope: Array,
@@ -416,57 +406,45 @@ def _delassus(
     active: Array,
     size: int,
     compliance: Array,
-    circulant: bool,
-    w_radial: Array,
-    w_tangential: Array,
-    friction: float,
+    spacing: int,
+    on_rotor: Array,
     sign: Array,
     nodes: int,
     hermite: Array,
     element: Array,
     ends: Array,
+    under: Array,
     w: Array,
     diagonal: Array,
 ) -> None:
     """W of the active tips: [i, j] is the gap of the i-th per multiplier of the j-th.
 
-    The casing's part is n_i^T C (n_j + mu s t_j) with four nodal values at either end: eight
-    rows of four in ``compliance`` for each pair of elements, or, where only their distance
-    counts, for each distance.
+    The casing's part is n_i^T C (n_j + mu s t_j), four nodal values n at either end: four rows of
+    four in ``compliance`` for each sense of sliding s and each pair of elements or, where only
+    their distance counts (``spacing`` is one), for each distance.
     """
-    for n in range(size):
+    for m in range(size):
+        under[m] = spacing * element[active[m]]
         for k in range(HALF):
-            ends[HALF * n + k] = hermite[k, active[n]]
+            ends[HALF * m + k] = hermite[k, active[m]]
     for n in range(size):
         j = active[n]
-        mu, e = friction * sign[j], element[j]
-        n0, n1 = hermite[0, j], hermite[1, j]
-        n2, n3 = hermite[2, j], hermite[3, j]
-        p0, p1, p2, p3 = splat_half(n0), splat_half(n1), splat_half(n2), splat_half(n3)
-        q0, q1, q2, q3 = (
-            splat_half(mu * n0), splat_half(mu * n1), splat_half(mu * n2), splat_half(mu * n3),
-        )  # fmt: skip
+        sliding = 2 if sign[j] > 0.0 else 0 if sign[j] < 0.0 else 1
+        first = nodes - element[j] if spacing == 1 else element[j]
+        n0, n1 = splat_half(hermite[0, j]), splat_half(hermite[1, j])
+        n2, n3 = splat_half(hermite[2, j]), splat_half(hermite[3, j])
         for m in range(size):
-            i = active[m]
-            block = element[i] * nodes + e
-            if circulant:
-                block = element[i] - e
-                block = block if block >= 0 else block + nodes
-            r = 8 * HALF * block
-            pressed = mul(load_half(compliance, r), p0)
-            pressed = fma(load_half(compliance, r + 1 * HALF), p1, pressed)
-            pressed = fma(load_half(compliance, r + 2 * HALF), p2, pressed)
-            pressed = fma(load_half(compliance, r + 3 * HALF), p3, pressed)
-            dragged = mul(load_half(compliance, r + 4 * HALF), q0)
-            dragged = fma(load_half(compliance, r + 5 * HALF), q1, dragged)
-            dragged = fma(load_half(compliance, r + 6 * HALF), q2, dragged)
-            dragged = fma(load_half(compliance, r + 7 * HALF), q3, dragged)
-            moved = total(mul(add(pressed, dragged), load_half(ends, HALF * m)))
-            w[m, n] = moved + w_radial[j, i] + mu * w_tangential[j, i]
+            r = HALF * HALF * (under[m] + first)
+            moved = mul(load_half_row(compliance, sliding, r), n0)
+            moved = fma(load_half_row(compliance, sliding, r + HALF), n1, moved)
+            other = mul(load_half_row(compliance, sliding, r + 2 * HALF), n2)
+            other = fma(load_half_row(compliance, sliding, r + 3 * HALF), n3, other)
+            gap = total(mul(add(moved, other), load_half(ends, HALF * m)))
+            w[m, n] = gap + on_rotor[sliding, j, active[m]]
         diagonal[j] = w[n, n]
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _eliminate(size: int, lu: Array, solution: Array) -> bool:
     """Solve a system given as a matrix with its right-hand side behind it; destroys the matrix.
 
@@ -479,20 +457,20 @@ def _eliminate(size: int, lu: Array, solution: Array) -> bool:
     for k in range(size):
         if not abs(lu[k, k]) > SINGULAR * largest:
             return False
-        inverse, start = -1.0 / lu[k, k], k - k % LANES
+        inverse, start = 1.0 / lu[k, k], k - k % LANES
+        solution[k] = inverse
         for i in range(k + 1, size):
-            ratio = splat(lu[i, k] * inverse)
+            ratio = splat(-lu[i, k] * inverse)
             for j in range(start, width, LANES):
                 store_row(lu, i, j, fma(load_row(lu, k, j), ratio, load_row(lu, i, j)))
-    for i in range(size - 1, -1, -1):
-        right = lu[i, size]
-        for j in range(i + 1, size):
-            right -= lu[i, j] * solution[j]
-        solution[i] = right / lu[i, i]
+    for j in range(size - 1, -1, -1):  # by columns: rows would wait for their last product
+        solution[j] *= lu[j, size]
+        for i in range(j):
+            lu[i, size] -= lu[i, j] * solution[j]
     return True
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _active_multipliers(
     gap: Array,
     size: int,
@@ -520,7 +498,7 @@ def _active_multipliers(
     for i in range(size):
         if solution[i] < 0.0:
             if released == 0 or not one_by_one:
-                held[active[i]] = 0
+                held[active[i]] = 0.0
             released += 1
         else:
             multiplier[active[i]] = solution[i]
@@ -599,33 +577,33 @@ def _gauss_seidel(gap: Array, w: Array, multiplier: Array) -> None:
             return
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _rotor_columns(
     multiplier: Array,
     sign: Array,
     friction: float,
     spread: Array,
     cross_spread: Array,
-    index: Array,
-    factor: Array,
     pressed: Array,
     dragged: Array,
     crossed: Array,
 ) -> None:
     """Normal and friction force on the tips, by column."""
-    size = 0
-    for j in range(len(multiplier)):
-        if multiplier[j] > 0.0:
-            index[size], factor[size] = j, -multiplier[j]
-            size += 1
-    _combine_some(spread, index, factor, size, pressed)
-    for i in range(size):
-        factor[i] *= friction * sign[index[i]]
-    _combine_some(spread, index, factor, size, dragged)
-    _combine_some(cross_spread, index, factor, size, crossed)
+    for h in range(0, len(pressed), LANES):
+        on_normal, on_shear, on_cross = splat(0.0), splat(0.0), splat(0.0)
+        for j in range(len(multiplier)):
+            if multiplier[j] > 0.0:
+                push = splat(-multiplier[j])
+                drag = splat(-friction * sign[j] * multiplier[j])
+                on_normal = fma(load_row(spread, j, h), push, on_normal)
+                on_shear = fma(load_row(spread, j, h), drag, on_shear)
+                on_cross = fma(load_row(cross_spread, j, h), drag, on_cross)
+        store(pressed, h, on_normal)
+        store(dragged, h, on_shear)
+        store(crossed, h, on_cross)
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _casing_factors(
     multiplier: Array,
     sign: Array,
@@ -634,71 +612,142 @@ def _casing_factors(
     hermite: Array,
     element: Array,
     index: Array,
-    on_w: Array,
-    on_w_s: Array,
-    on_u: Array,
-    on_u_s: Array,
+    factor: Array,
 ) -> int:
-    """Factors of the rows of ``spread`` that normal and friction force take on w, w', u, u'.
+    """Nodes that contact loads, and the forces on their w, w', u, u'.
 
     Returns:
-        number of rows, two for each tip in contact.
+        number of nodal loads, two for each tip in contact.
     """
     size = 0
     for j in range(len(multiplier)):
-        load = multiplier[j]
-        if load > 0.0:
-            drag, e = friction * sign[j] * load, element[j]
-            index[size], index[size + 1] = e, e + 1 if e + 1 < nodes else 0
-            on_w[size], on_w[size + 1] = load * hermite[0, j], load * hermite[2, j]
-            on_w_s[size], on_w_s[size + 1] = load * hermite[1, j], load * hermite[3, j]
-            on_u[size], on_u[size + 1] = drag * hermite[0, j], drag * hermite[2, j]
-            on_u_s[size], on_u_s[size + 1] = drag * hermite[1, j], drag * hermite[3, j]
-            size += 2
+        push = multiplier[j]
+        if push > 0.0:
+            drag, e = friction * sign[j] * push, element[j]
+            for end in range(2):
+                index[size] = e + end if e + end < nodes else 0
+                value, slope = hermite[2 * end, j], hermite[2 * end + 1, j]
+                factor[W_KIND, size], factor[W_SLOPE, size] = push * value, push * slope
+                factor[U_KIND, size], factor[U_SLOPE, size] = drag * value, drag * slope
+                size += 1
     return size
 
 
-@njit(**COMPILE)
-def _correct(
+@njit(**INLINE)
+def _casing_columns(
+    spread_w: Array,
+    spread_w_s: Array,
+    spread_u: Array,
+    spread_u_s: Array,
+    index: Array,
+    factor: Array,
+    count: int,
+    columns: Array,
+) -> None:
+    """Forces on the casing's nodes by column, for w, w', u, u' in turn."""
+    for h in range(0, spread_w.shape[1], 2 * LANES):
+        g = h + LANES
+        w_0, w_1, w_s_0, w_s_1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+        u_0, u_1, u_s_0, u_s_1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+        for n in range(count):
+            row = index[n]
+            on_w, on_w_s = splat(factor[W_KIND, n]), splat(factor[W_SLOPE, n])
+            on_u, on_u_s = splat(factor[U_KIND, n]), splat(factor[U_SLOPE, n])
+            w_0 = fma(load_row(spread_w, row, h), on_w, w_0)
+            w_1 = fma(load_row(spread_w, row, g), on_w, w_1)
+            w_s_0 = fma(load_row(spread_w_s, row, h), on_w_s, w_s_0)
+            w_s_1 = fma(load_row(spread_w_s, row, g), on_w_s, w_s_1)
+            u_0 = fma(load_row(spread_u, row, h), on_u, u_0)
+            u_1 = fma(load_row(spread_u, row, g), on_u, u_1)
+            u_s_0 = fma(load_row(spread_u_s, row, h), on_u_s, u_s_0)
+            u_s_1 = fma(load_row(spread_u_s, row, g), on_u_s, u_s_1)
+        store_row(columns, W_KIND, h, w_0)
+        store_row(columns, W_KIND, g, w_1)
+        store_row(columns, W_SLOPE, h, w_s_0)
+        store_row(columns, W_SLOPE, g, w_s_1)
+        store_row(columns, U_KIND, h, u_0)
+        store_row(columns, U_KIND, g, u_1)
+        store_row(columns, U_SLOPE, h, u_s_0)
+        store_row(columns, U_SLOPE, g, u_s_1)
+
+
+@njit(**INLINE)
+def _correct_rotor(
     c: Array,
-    normal: Array,
-    normal_weight: Array,
-    normal_2: Array,
-    normal_weight_2: Array,
-    shear: Array,
-    shear_weight: Array,
-    shear_2: Array,
-    shear_weight_2: Array,
+    pressed: Array,
+    radial: Array,
+    dragged: Array,
+    tangential: Array,
+    across: Array,
+    crossed: Array,
     slots: Array,
     old: int,
     new: int,
     work: Array,
+    out: Array,
 ) -> None:
-    """Add contact forces, given by column, to x_{n+1}, and their work over the step to work.
-
-    Normal and friction force each come as two sets of columns with their weights.
-    """
-    rows, columns = normal_weight.shape
+    """Add contact forces, given by column, to x_{n+1}; their work, and the new radial columns."""
+    rows, columns = radial.shape
     on_normal, on_shear = splat(0.0), splat(0.0)
     for h in range(0, columns, LANES):
-        n0, n1 = load(normal, h), load(normal_2, h)
-        s0, s1 = load(shear, h), load(shear_2, h)
+        push, drag, cross = load(pressed, h), load(dragged, h), load(across, h)
+        column = splat(0.0)
         for m in range(rows):
             i = m * columns + h
-            pressed = mul(n0, load_row(normal_weight, m, h))
-            pressed = fma(n1, load_row(normal_weight_2, m, h), pressed)
-            dragged = mul(s0, load_row(shear_weight, m, h))
-            dragged = fma(s1, load_row(shear_weight_2, m, h), dragged)
-            x = fma(load(c, i), add(pressed, dragged), load_row(slots, new, i))
+            weight = load_row(radial, m, h)
+            normal = mul(push, weight)
+            shear = fma(drag, load_row(tangential, m, h), mul(cross, load_row(crossed, m, h)))
+            x = fma(load(c, i), add(normal, shear), load_row(slots, new, i))
             store_row(slots, new, i, x)
             moved = sub(x, load_row(slots, old, i))
-            on_normal = fma(moved, pressed, on_normal)
-            on_shear = fma(moved, dragged, on_shear)
+            on_normal = fma(moved, normal, on_normal)
+            on_shear = fma(moved, shear, on_shear)
+            column = fma(weight, x, column)
+        store(out, h, column)
+    work[0] = 0.5 * total(on_normal)
+    work[1] = 0.5 * total(on_shear)
+
+
+@njit(**INLINE)
+def _correct_casing(
+    c: Array,
+    force: Array,
+    w_weight: Array,
+    w_s_weight: Array,
+    u_weight: Array,
+    u_s_weight: Array,
+    slots: Array,
+    old: int,
+    new: int,
+    work: Array,
+    values: Array,
+    slopes: Array,
+) -> None:
+    """Add contact forces, given by column, to x_{n+1}; their work, and the columns of w and w'."""
+    rows, columns = w_weight.shape
+    on_normal, on_shear = splat(0.0), splat(0.0)
+    for h in range(0, columns, LANES):
+        on_w, on_w_s = load_row(force, W_KIND, h), load_row(force, W_SLOPE, h)
+        on_u, on_u_s = load_row(force, U_KIND, h), load_row(force, U_SLOPE, h)
+        value, slope = splat(0.0), splat(0.0)
+        for m in range(rows):
+            i = m * columns + h
+            w, w_s = load_row(w_weight, m, h), load_row(w_s_weight, m, h)
+            normal = fma(on_w, w, mul(on_w_s, w_s))
+            shear = fma(on_u, load_row(u_weight, m, h), mul(on_u_s, load_row(u_s_weight, m, h)))
+            x = fma(load(c, i), add(normal, shear), load_row(slots, new, i))
+            store_row(slots, new, i, x)
+            moved = sub(x, load_row(slots, old, i))
+            on_normal = fma(moved, normal, on_normal)
+            on_shear = fma(moved, shear, on_shear)
+            value, slope = fma(w, x, value), fma(w_s, x, slope)
+        store(values, h, value)
+        store(slopes, h, slope)
     work[0] += 0.5 * total(on_normal)
     work[1] += 0.5 * total(on_shear)
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _residual(
     scale: float, free_gap: Array, gap: Array, diagonal: Array, multiplier: Array
 ) -> float:
@@ -713,7 +762,7 @@ def _residual(
     return worst / scale if scale > 0.0 else worst
 
 
-@njit(**COMPILE)
+@njit(**INLINE)
 def _account_contact(
     multiplier: Array,
     sign: Array,
@@ -722,12 +771,15 @@ def _account_contact(
     impulse: Array,
     drag: Array,
     touched: Array,
+    held: Array,
     count: Array,
 ) -> None:
     """Book the impulses of an accepted step with contact."""
     contacts = 0
     for j in range(len(multiplier)):
+        held[j] = 0.0
         if multiplier[j] > 0.0:
+            held[j] = 1.0
             contacts += 1
             pressed = multiplier[j] * time_step
             impulse[j] += pressed
@@ -829,19 +881,20 @@ def advance(
     dt, friction, limit = march.time_step, march.friction, march.displacement_limit
     per_step, per_metre = march.elements_per_step, march.elements_per_metre
     signed, wheel_speed, gap_scale = march.signed, march.wheel_speed, march.gap_scale
-    circulant, nodes, length = casing.circulant, casing.nodes, casing.element_length
+    spacing, nodes, length = casing.spacing, casing.nodes, casing.element_length
     loads, factors = bare(march.loads), bare(s.load)
     xs, ys = bare(state.rotor), bare(state.casing)
     ra, rb, rc = bare(rotor_body.a), bare(rotor_body.b), bare(rotor_body.c)
     ca, cb, cc = bare(casing_body.a), bare(casing_body.b), bare(casing_body.c)
     r_load, c_load = bare(rotor_body.load), bare(casing_body.load)
+    r_loaded, c_loaded = bare(rotor_body.loaded), bare(casing_body.loaded)
     r_damping, c_damping = bare(rotor_body.damping), bare(casing_body.damping)
     r_stiffness, c_stiffness = bare(rotor_body.stiffness), bare(casing_body.stiffness)
     radial, tangential = bare(rotor.radial), bare(rotor.tangential)
     crossed, position = bare(rotor.crossed), bare(rotor.position)
     shape, cross_shape = bare(rotor.shape), bare(rotor.cross_shape)
     spread, cross_spread = bare(rotor.spread), bare(rotor.cross_spread)
-    w_radial, w_tangential = bare(rotor.w_radial), bare(rotor.w_tangential)
+    on_rotor = bare(rotor.w)
     w_weight, w_s_weight = bare(casing.weight[W_KIND]), bare(casing.weight[W_SLOPE])
     u_weight, u_s_weight = bare(casing.weight[U_KIND]), bare(casing.weight[U_SLOPE])
     even, odd = bare(casing.even[W_KIND]), bare(casing.odd[W_KIND])
@@ -854,19 +907,16 @@ def advance(
     r_columns, c_columns = radial.shape[1], w_weight.shape[1]
     column, pressed = bare(s.columns[0, :r_columns]), bare(s.columns[1, :r_columns])
     dragged, across = bare(s.columns[2, :r_columns]), bare(s.columns[3, :r_columns])
-    values, slopes = bare(s.columns[0, :c_columns]), bare(s.columns[1, :c_columns])
-    on_u, on_u_s = bare(s.columns[2, :c_columns]), bare(s.columns[3, :c_columns])
-    none, no_weight = bare(s.none[0]), bare(s.none)
+    values, slopes = bare(s.columns[4, :c_columns]), bare(s.columns[5, :c_columns])
+    forces, nodal_load = bare(s.forces), bare(s.factor)
     w, w_s = bare(s.nodal[0]), bare(s.nodal[1])
     free_gap, gap = bare(s.gap[0]), bare(s.gap[1])
     u_r, u_t, tip_scratch, at = bare(s.tip[0]), bare(s.tip[1]), bare(s.tip[2]), bare(s.tip[3])
     hermite, element, moved = bare(s.hermite), bare(s.element), bare(s.difference)
     sign, multiplier, diagonal = bare(s.sign), bare(s.multiplier), bare(s.diagonal)
-    held, active, ends = bare(s.held), bare(s.active), bare(s.ends)
+    held, active, ends = bare(state.held), bare(s.active), bare(s.ends)
     lu, solution, tableau = bare(s.solve), bare(s.solution), bare(s.tableau)
     basis, index, step_work = bare(s.basis), bare(s.rows), bare(s.work)
-    f_w, f_w_s = bare(s.factor[0]), bare(s.factor[1])
-    f_u, f_u_s = bare(s.factor[2]), bare(s.factor[3])
     work, count, residual = bare(state.work), bare(state.counts), bare(state.residual)
     smallest, impulse = bare(state.gap), bare(state.impulse)
     drag, touched = bare(state.drag), bare(state.touched)
@@ -877,23 +927,25 @@ def advance(
 
     for j in range(len(sign)):
         sign[j] = march.sliding
-    tips, written, status = len(element), 0, RUNNING
-    old, now, new = 0, 1, 2
+    # As plain literals these would have every function that takes them compiled twice.
+    zero, one, two = int(np.int64(0)), int(np.int64(1)), int(np.int64(2))
+    tips, written, status = len(element), zero, RUNNING
+    old, now, new = zero, one, two
     end = step + steps
     while step < end:
         recording = step % record_every == 0
         loaded = _load_factors(loads, step * dt, factors)
         contacts = count[STEP_CONTACTS]
         count[STEP_CONTACTS] = 0
-        trial, size, penetrating, within = 0, 0, 0, True
+        trial, size, penetrating, within = zero, zero, zero, True
         while True:
             if trial != 1:
                 # Predict without contact.
                 _predict(ra, rb, xs, old, now, new)
                 _predict(ca, cb, ys, old, now, new)
                 if loaded:
-                    _add_load(r_load, factors, rc, xs, new)
-                    _add_load(c_load, factors, cc, ys, new)
+                    _add_load(r_load, r_loaded, factors, rc, xs, new)
+                    _add_load(c_load, c_loaded, factors, cc, ys, new)
 
             if trial == 0:
                 # Where the tips stand at the end of the step.
@@ -906,18 +958,21 @@ def advance(
                     for j in range(tips):
                         at[j] += per_metre * u_t[j]
                 _place_tips(at, per_step * (step + 1), nodes, length, hermite, element)
+                _column_sums(radial, xs, new, column)
+                _column_sums(w_weight, ys, new, values)
+                _column_sums(w_s_weight, ys, new, slopes)
             else:
                 # Multipliers of the active set; tips they would hold back are let go.
                 released = 1
                 while released > 0:
-                    size = 0
+                    size = zero
                     for j in range(tips):
-                        if held[j] == 1:
+                        if held[j] > 0.0:
                             active[size] = j
                             size += 1
                     _delassus(
-                        active, size, compliance, circulant, w_radial, w_tangential, friction,
-                        sign, nodes, hermite, element, ends, lu, diagonal,
+                        active, size, compliance, spacing, on_rotor, sign, nodes, hermite,
+                        element, ends, index, lu, diagonal,
                     )  # fmt: skip
                     released = _active_multipliers(
                         free_gap, size, active, held, lu, solution, multiplier,
@@ -932,57 +987,64 @@ def advance(
                         active[j] = j
                     size = tips
                     _delassus(
-                        active, size, compliance, circulant, w_radial, w_tangential, friction,
-                        sign, nodes, hermite, element, ends, lu, diagonal,
+                        active, size, compliance, spacing, on_rotor, sign, nodes, hermite,
+                        element, ends, index, lu, diagonal,
                     )  # fmt: skip
                     if not _lemke(free_gap, lu, tableau, basis, multiplier):
                         count[LCP_FAILURES] += 1
                         _gauss_seidel(free_gap, lu, multiplier)
                 # Correct.
-                step_work[0], step_work[1] = 0.0, 0.0
                 _rotor_columns(
-                    multiplier, sign, friction, spread, cross_spread, index, f_w,
-                    pressed, dragged, across,
+                    multiplier, sign, friction, spread, cross_spread, pressed, dragged, across
+                )
+                _correct_rotor(
+                    rc, pressed, radial, dragged, tangential, across, crossed, xs, old, new,
+                    step_work, column,
                 )  # fmt: skip
-                _correct(
-                    rc, pressed, radial, none, no_weight, dragged, tangential, across, crossed,
-                    xs, old, new, step_work,
+                loads_on_nodes = _casing_factors(
+                    multiplier, sign, friction, nodes, hermite, element, index, nodal_load
+                )
+                _casing_columns(
+                    spread_w, spread_w_s, spread_u, spread_u_s, index, nodal_load,
+                    loads_on_nodes, forces,
                 )  # fmt: skip
-                nodal_loads = _casing_factors(
-                    multiplier, sign, friction, nodes, hermite, element, index,
-                    f_w, f_w_s, f_u, f_u_s,
-                )  # fmt: skip
-                _combine_some(spread_w, index, f_w, nodal_loads, values)
-                _combine_some(spread_w_s, index, f_w_s, nodal_loads, slopes)
-                _combine_some(spread_u, index, f_u, nodal_loads, on_u)
-                _combine_some(spread_u_s, index, f_u_s, nodal_loads, on_u_s)
-                _correct(
-                    cc, values, w_weight, slopes, w_s_weight, on_u, u_weight, on_u_s, u_s_weight,
-                    ys, old, new, step_work,
+                _correct_casing(
+                    cc, forces, w_weight, w_s_weight, u_weight, u_s_weight, ys, old, new,
+                    step_work, values, slopes,
                 )  # fmt: skip
 
-            _column_sums(radial, xs, new, column)
             _combine(shape, column, u_r)
-            _column_sums(w_weight, ys, new, values)
             _nodal_values(even, odd, values, nodes, w)
-            _column_sums(w_s_weight, ys, new, slopes)
             _nodal_values(even_s, odd_s, slopes, nodes, w_s)
             if trial == 0:
                 within = _close_gaps(w, w_s, clearance, hermite, element, u_r, limit, free_gap)
                 for j in range(tips):
-                    held[j] = 1 if free_gap[j] < 0.0 else 0
-                    penetrating += held[j]
+                    penetrating += free_gap[j] < 0.0
                 if penetrating == 0:
+                    for j in range(tips):
+                        held[j] = 0.0
                     break
+                # Tips in contact at the last step mostly stay, also where others keep them clear.
+                for j in range(tips):
+                    if free_gap[j] < 0.0:
+                        held[j] = 1.0
                 if signed:
-                    _difference(xs, now, old, moved, 0)
-                    _difference(ys, now, old, moved, 1)
+                    _difference(xs, now, old, moved, zero)
+                    _difference(ys, now, old, moved, one)
                     _tip_tangential(
-                        tangential, crossed, shape, cross_shape, moved, 0, column, u_t, tip_scratch
+                        tangential,
+                        crossed,
+                        shape,
+                        cross_shape,
+                        moved,
+                        zero,
+                        column,
+                        u_t,
+                        tip_scratch,
                     )
-                    _column_sums(u_weight, moved, 1, values)
+                    _column_sums(u_weight, moved, one, values)
                     _nodal_values(even_u, odd_u, values, nodes, w)
-                    _column_sums(u_s_weight, moved, 1, values)
+                    _column_sums(u_s_weight, moved, one, values)
                     _nodal_values(even_u_s, odd_u_s, values, nodes, w_s)
                     _on_tips(w, w_s, hermite, element, tip_scratch)
                     _sliding_signs(u_t, tip_scratch, wheel_speed, dt, sign)
@@ -993,9 +1055,9 @@ def advance(
                 # Tips that the correction pushed into the casing join the set.
                 joined = 0
                 for j in range(tips):
-                    if held[j] == 0 and gap[j] < 0.0:
+                    if held[j] == 0.0 and gap[j] < 0.0:
                         if joined == 0 or trial <= MENDED_TOGETHER:
-                            held[j] = 1
+                            held[j] = 1.0
                         joined += 1
                 if joined == 0:
                     break
@@ -1039,15 +1101,15 @@ def advance(
             residual[0] = max(residual[0], worst)
             work[NORMAL] += step_work[0]
             work[FRICTION] += step_work[1]
-            _account_contact(multiplier, sign, friction, dt, impulse, drag, touched, count)
+            _account_contact(multiplier, sign, friction, dt, impulse, drag, touched, held, count)
             for j in range(tips):
                 smallest[j] = min(smallest[j], gap[j])
         else:
             for j in range(tips):
                 smallest[j] = min(smallest[j], free_gap[j])
         if loaded:
-            work[EXTERNAL] += _external_work(r_load, factors, xs, old, new)
-            work[EXTERNAL] += _external_work(c_load, factors, ys, old, new)
+            work[EXTERNAL] += _external_work(r_load, r_loaded, factors, xs, old, new)
+            work[EXTERNAL] += _external_work(c_load, c_loaded, factors, ys, old, new)
         work[DAMPING] += (
             _damping_loss(r_damping, xs, old, new) + _damping_loss(c_damping, ys, old, new)
         ) / dt

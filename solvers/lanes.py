@@ -127,6 +127,12 @@ def load_half(typing_context, array, i):
 
 
 @intrinsic
+def load_half_row(typing_context, array, row, i):
+    """Doubles i .. i + HALF - 1 of a row of a matrix."""
+    return _HALF(array, types.intp, types.intp), _loader(HALF)
+
+
+@intrinsic
 def store(typing_context, array, i, value):
     """Write a register to a vector."""
     return types.void(array, types.intp, value), _storer

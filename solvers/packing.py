@@ -24,6 +24,7 @@ from bladewhirl.solvers.lanes import HALF, LANES
 
 BoolArray = NDArray[np.bool_]
 
+PAIR = 2 * LANES  # the kernel takes a casing's columns two registers at a time
 CACHE_LINE = 64  # bytes
 FIT = 1e-9  # largest relative misfit of a cyclic body's rows to its DFT columns
 
@@ -36,6 +37,7 @@ class Layout:
     columns: int
     entry: IntArray  #: place of each mode in the flat arrangement, (modes,)
     fold: int  #: 2 when columns are split by the parity of their nodal diameter
+    used: int  #: columns in use of each part; the rest is padding
 
     @property
     def entries(self) -> int:
@@ -53,13 +55,14 @@ class Layout:
         return np.ascontiguousarray(packed[..., self.entry])
 
 
-def _padded(size: int) -> int:
-    return -(-size // LANES) * LANES
+def _padded(size: int, unit: int = LANES) -> int:
+    return -(-size // unit) * unit
 
 
 def dense_layout(modes: int) -> Layout:
     """One row, a column a mode."""
-    return Layout(rows=1, columns=_padded(max(modes, 1)), entry=np.arange(modes), fold=1)
+    columns = _padded(max(modes, 1), PAIR)
+    return Layout(rows=1, columns=columns, entry=np.arange(modes), fold=1, used=max(modes, 1))
 
 
 def cyclic_layout(column: IntArray, points: int, *, fold: bool) -> tuple[Layout, IntArray]:
@@ -73,10 +76,10 @@ def cyclic_layout(column: IntArray, points: int, *, fold: bool) -> tuple[Layout,
     """
     parity = np.array([nodal_diameter_of(c) % 2 for c in range(points)])
     place = np.arange(points)
-    columns = _padded(points)
+    columns = _padded(points, PAIR if fold else LANES)
     parts = 2 if fold and points % 2 == 0 else 1
     if parts == 2:
-        half = _padded(int(max(np.count_nonzero(parity == 0), np.count_nonzero(parity == 1))))
+        half = _padded(points // 2)
         for odd in (0, 1):
             place[parity == odd] = odd * half + np.arange(np.count_nonzero(parity == odd))
         columns = 2 * half
@@ -85,8 +88,8 @@ def cyclic_layout(column: IntArray, points: int, *, fold: bool) -> tuple[Layout,
         own = column == c
         rank[own] = np.arange(np.count_nonzero(own))
     rows = int(rank.max(initial=0)) + 1
-    layout = Layout(rows=rows, columns=columns, entry=rank * columns + place[column], fold=parts)
-    return layout, place
+    entry = rank * columns + place[column]
+    return Layout(rows=rows, columns=columns, entry=entry, fold=parts, used=points // parts), place
 
 
 def _partner(column: int, points: int) -> int:
@@ -118,22 +121,28 @@ def _lengthened(values: FloatArray) -> FloatArray:
     return out
 
 
-def _by_column(shape: FloatArray) -> FloatArray:
-    """Shape (points, columns) as (columns, padded points)."""
-    out = aligned((shape.shape[1], _padded(len(shape))))
-    out[:, : len(shape)] = shape.T
+def _by_column(shape: FloatArray, used: int) -> FloatArray:
+    """Shape (points, columns) as (columns in use, padded points)."""
+    out = aligned((used, _padded(len(shape))))
+    out[:, : len(shape)] = shape[:, :used].T
     return out
 
 
-def _by_parity(shapes: FloatArray, fold: int, part: int) -> FloatArray:
-    """One parity of shapes (kinds, nodes, columns), as (kinds, columns / fold, padded nodes)."""
+def _by_parity(shapes: FloatArray, layout: Layout, part: int) -> FloatArray:
+    """One parity of shapes (kinds, nodes, columns), as (kinds, columns in use, padded nodes)."""
     kinds, nodes, columns = shapes.shape
-    if part >= fold:
+    if part >= layout.fold:
         return aligned((kinds, 0, LANES))
-    own = shapes[:, : nodes // fold, part * columns // fold : (part + 1) * columns // fold]
-    out = aligned((kinds, own.shape[2], _padded(own.shape[1])))
+    first = part * columns // layout.fold
+    own = shapes[:, : nodes // layout.fold, first : first + layout.used]
+    out = aligned((kinds, layout.used, _padded(own.shape[1])))
     out[:, :, : own.shape[1]] = own.transpose(0, 2, 1)
     return out
+
+
+def _by_sliding(pressed: FloatArray, dragged: FloatArray, friction: float) -> FloatArray:
+    """Response to a normal force with its friction, for sliding backward, none, and forward."""
+    return aligned_copy(np.array([pressed + s * friction * dragged for s in (-1.0, 0.0, 1.0)]))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,7 +198,12 @@ def evenly_spaced(angles: FloatArray) -> bool:
 
 
 def pack_rotor(
-    rotor: ReducedRotor, inverse: FloatArray, casing_nodes: int, *, cyclic: bool
+    rotor: ReducedRotor,
+    inverse: FloatArray,
+    casing_nodes: int,
+    friction: float,
+    *,
+    cyclic: bool,
 ) -> tuple[Layout, Rotor]:
     """Arrange the rotor.
 
@@ -197,6 +211,7 @@ def pack_rotor(
         rotor: reduced rotor.
         inverse: inverse of the scheme's diagonal for each mode [s2], (modes,).
         casing_nodes: number of casing elements, the unit of the tips' positions.
+        friction: Coulomb coefficient.
         cyclic: whether to use its DFT columns.
     """
     tips, modes = rotor.tip_radial.shape
@@ -217,23 +232,24 @@ def pack_rotor(
         cross_shape = np.zeros((tips, layout.columns))
         shape[:, :modes], cross_shape[:, :modes] = rotor.tip_radial, rotor.tip_tangential
     grid = (layout.rows, layout.columns)
-    weighted = rotor.tip_radial * inverse
+    weighted, weighted_tangential = rotor.tip_radial * inverse, rotor.tip_tangential * inverse
     return layout, Rotor(
         radial=layout.pack(radial).reshape(grid),
         tangential=layout.pack(tangential).reshape(grid),
         crossed=layout.pack(crossed).reshape(grid),
-        shape=_by_column(shape),
-        cross_shape=_by_column(cross_shape),
+        shape=_by_column(shape, layout.used),
+        cross_shape=_by_column(cross_shape, layout.used),
         spread=aligned_copy(shape),
         cross_spread=aligned_copy(cross_shape),
-        w_radial=weighted @ rotor.tip_radial.T,  # symmetric
-        w_tangential=(rotor.tip_tangential * inverse) @ rotor.tip_radial.T,
+        w=_by_sliding(
+            weighted @ rotor.tip_radial.T, weighted_tangential @ rotor.tip_radial.T, friction
+        ),
         position=_lengthened(rotor.tip_angle * casing_nodes / (2.0 * np.pi)),
     )
 
 
 def pack_casing(
-    casing: ReducedCasing, inverse: FloatArray, *, cyclic: bool
+    casing: ReducedCasing, inverse: FloatArray, friction: float, *, cyclic: bool
 ) -> tuple[Layout, Casing]:
     """Arrange the casing; see `pack_rotor`."""
     nodes, kinds, modes = casing.nodal.shape
@@ -260,18 +276,22 @@ def pack_casing(
     rows = casing.nodal[:, :2].reshape(2 * nodes, modes)
     response = (forces @ rows.T).reshape(nodes, kinds, nodes, 2)
     ends = np.column_stack([np.arange(nodes), np.roll(np.arange(nodes), -1)])
-    # Four nodal values (two ends) moved by four normal and four tangential nodal forces.
-    pushed = np.concatenate(
-        [response[ends][:, :, [0, 1]], response[ends][:, :, [2, 3]]], axis=1
-    ).reshape(nodes, 8, nodes, 2)
-    blocks = pushed[:, :, ends].reshape(nodes, 8, nodes, 4).transpose(2, 0, 1, 3)
-    if cyclic:
-        blocks = blocks[:, :1]
+    # Four nodal values (two ends) moved by four normal or four tangential nodal forces.
+    pressed, dragged = (
+        response[ends][:, :, force]
+        .reshape(nodes, 4, nodes, 2)[:, :, ends]
+        .reshape(nodes, 4, nodes, 4)
+        .transpose(2, 0, 1, 3)
+        for force in ([W_KIND, W_SLOPE], [U_KIND, U_SLOPE])
+    )
+    blocks = _by_sliding(pressed, dragged, friction)
+    if cyclic:  # by the distance of two elements, from -nodes to nodes - 1
+        blocks = np.tile(blocks[:, :, 0], (1, 2, 1, 1))
     whole = _padded(nodes + 1)
     clearance = aligned((2, whole))
     clearance[:, : nodes + 1] = casing.clearance[np.append(np.arange(nodes), 0)].T
-    even = _by_parity(shape, layout.fold, 0)
-    odd = _by_parity(shape, layout.fold, 1)
+    even = _by_parity(shape, layout, 0)
+    odd = _by_parity(shape, layout, 1)
     spreads = [aligned_copy(s) for s in shape]
     if cyclic:  # two kinds share each shape: half of the memory to go through
         spreads[U_KIND], spreads[U_SLOPE] = spreads[W_SLOPE], spreads[W_KIND]
@@ -283,8 +303,8 @@ def pack_casing(
         spread_w_s=spreads[W_SLOPE],
         spread_u=spreads[U_KIND],
         spread_u_s=spreads[U_SLOPE],
-        compliance=aligned_copy(blocks.ravel()),
-        circulant=cyclic,
+        compliance=aligned_copy(blocks.reshape(3, -1)),
+        spacing=1 if cyclic else nodes,
         clearance=clearance,
         nodes=nodes,
         element_length=casing.element_length,
@@ -312,7 +332,17 @@ def pack_body(
         stiffness=layout.pack(frequency**2),
         damping=layout.pack(2.0 * damping_ratio * frequency),
         load=layout.pack(loads),
+        loaded=_registers_in_use(layout.pack(loads)),
     )
+
+
+def _registers_in_use(patterns: FloatArray) -> IntArray:
+    """Where each pattern has a register of numbers that are not all zero, then -1."""
+    used = [LANES * np.flatnonzero(p.reshape(-1, LANES).any(axis=1)) for p in patterns]
+    places = np.full((len(patterns), max(map(len, used), default=0) + 1), -1)
+    for row, place in zip(places, used, strict=True):
+        row[: len(place)] = place
+    return places
 
 
 def scheme_inverse(frequency: FloatArray, damping_ratio: FloatArray, dt: float) -> FloatArray:
@@ -327,8 +357,8 @@ def make_scratch(
     columns = max(layouts[0].columns, layouts[1].columns)
     padded, nodal = len(rotor.position), _padded(casing.nodes + 1) + 3 * casing.even.shape[2]
     return Scratch(
-        columns=aligned((4, columns)),
-        none=aligned((layouts[0].rows, layouts[0].columns)),
+        columns=aligned((6, columns)),
+        forces=aligned((4, layouts[1].columns)),
         nodal=aligned((2, nodal)),
         tip=aligned((4, padded)),
         gap=aligned((2, padded)),
@@ -338,7 +368,6 @@ def make_scratch(
         load=np.zeros(loads),
         rows=np.zeros(2 * tips, dtype=np.int64),
         factor=aligned((4, _padded(2 * tips))),
-        held=np.zeros(tips, dtype=np.int64),
         active=np.zeros(tips, dtype=np.int64),
         ends=aligned(tips * HALF),
         diagonal=np.zeros(tips),

@@ -16,7 +16,7 @@ from bladewhirl.models.contact_problem import ContactProblem, Load
 BoolArray = NDArray[np.bool_]
 
 
-class PlainMarch:
+class NumpyMarch:
     """A march with permanent sliding and without tip rotation, as the paper's stage has it.
 
     Args:
