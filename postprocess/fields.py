@@ -224,11 +224,14 @@ def clearance_at(dataset: xr.Dataset, angle: Array) -> Array:
 def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = False) -> Array:
     """Force of the casing on each tip (record, blade, 2) [N], normal and friction together.
 
-    It is the impulse since the record before, divided by `record_step`: a mean over that time,
-    which exists in the limit of small steps where the peak force does not. The normal part
-    pushes inward, positive friction drags the blade towards -theta.
+    It is the impulse since the record before, divided by the time between the two (`record_step`,
+    less where a run ends between records): a mean over that time, which exists in the limit of
+    small steps where the peak force does not. The normal part pushes inward, positive friction
+    drags the blade towards -theta.
     """
-    step = dataset.attrs["record_step"]
+    first = dataset.attrs["record_step"]
+    between = np.diff(dataset["time"].values, prepend=dataset["time"].values[0] - first)
+    step = between[records, None]
     polar = np.stack(
         [
             -history(dataset, "contact_impulse", records) / step,

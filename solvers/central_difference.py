@@ -136,11 +136,15 @@ class CentralDifference:
         )
 
     def advance(
-        self, state: CentralDifferenceState, steps: int
+        self, state: CentralDifferenceState, steps: int, record_every: int | None = None
     ) -> tuple[CentralDifferenceState, Chunk, EndReason | None]:
-        """Do that many steps; the state given stays as it was."""
+        """Do that many steps, recording at multiples of ``record_every`` (its own if None).
+
+        The state given stays as it was.
+        """
+        every = self._record_every if record_every is None else record_every
         arrays = kernel.State(*(aligned_copy(array) for array in state.arrays))
-        records = self._make_records(steps // self._record_every + 2)
+        records = self._make_records(steps // every + 2)
         scratch = make_scratch(
             self._rotor,
             self._casing,
@@ -159,7 +163,7 @@ class CentralDifference:
             scratch,
             state.step,
             steps,
-            self._record_every,
+            every,
         )
         end = EndReason.DIVERGENT if status == kernel.DIVERGED else None
         after = CentralDifferenceState(step=reached, arrays=arrays)

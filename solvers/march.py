@@ -83,8 +83,13 @@ class Scheme(Protocol[StateT]):
     def init(self) -> StateT:
         """State at t = 0."""
 
-    def advance(self, state: StateT, steps: int) -> tuple[StateT, Chunk, EndReason | None]:
-        """Do that many steps; the state given stays as it was."""
+    def advance(
+        self, state: StateT, steps: int, record_every: int | None = None
+    ) -> tuple[StateT, Chunk, EndReason | None]:
+        """Do that many steps, recording at multiples of ``record_every`` (the scheme's own if None).
+
+        The state given stays as it was.
+        """
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,6 +138,8 @@ def march(
 ) -> Iterator[tuple[StateT, Chunk, EndReason | None]]:
     """Advance a scheme over a whole march, yielding state and records chunk by chunk.
 
+    The last step is recorded too, whether or not it is a whole number of records from the start.
+
     Args:
         scheme: factorised for the problem and ``timing.time_step``.
         timing: steps and records.
@@ -146,10 +153,15 @@ def march(
         state = scheme.init()
     per_chunk = max(1, CHUNK_STEPS // timing.record_every) * timing.record_every
     # A record at step n is complete with x_{n+1}: the last one asks for one step more.
-    last = timing.steps + 1
+    last, whole = timing.steps + 1, timing.steps - timing.steps % timing.record_every + 1
     while state.step < last:
-        steps = min(per_chunk - state.step % per_chunk, last - state.step)
-        state, chunk, end = scheme.advance(state, steps)
+        within_whole = state.step < whole
+        steps = (whole if within_whole else last) - state.step
+        state, chunk, end = scheme.advance(
+            state,
+            min(per_chunk - state.step % per_chunk, steps),
+            None if within_whole else timing.steps,
+        )
         if end is None and state.step >= last:
             end = EndReason.COMPLETED
         yield state, chunk, end

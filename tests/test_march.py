@@ -231,7 +231,8 @@ def test_resuming_is_exact_to_the_last_bit(cyclic: bool) -> None:
 
 def test_march_yields_the_same_in_chunks() -> None:
     given, dt = driven(), 1e-5
-    timing = Timing(time_step=dt, duration=0.5, record_step=7 * dt)
+    timing = Timing(time_step=dt, duration=0.49994, record_step=7 * dt)
+    assert timing.steps % timing.record_every == 0
     scheme = CentralDifference(given, dt, timing.record_every)
     results = list(march(scheme, timing))
     assert len(results) == 3
@@ -239,7 +240,7 @@ def test_march_yields_the_same_in_chunks() -> None:
     assert all(chunk.records <= CHUNK_STEPS // 7 + 1 for _, chunk, _ in results)
     records = joined([chunk for _, chunk, _ in results])
     _, whole, _ = scheme.advance(scheme.init(), timing.steps + 1)
-    np.testing.assert_array_equal(records["step"], np.arange(0, 50_001, 7))
+    np.testing.assert_array_equal(records["step"], np.arange(0, 49_995, 7))
     for name, values in records.items():
         np.testing.assert_array_equal(values, getattr(whole, name), err_msg=name)
 
@@ -247,6 +248,27 @@ def test_march_yields_the_same_in_chunks() -> None:
     rest = joined([chunk for _, chunk, _ in march(scheme, timing, results[0][0])])
     later = records["step"] > results[0][1].step[-1]
     np.testing.assert_array_equal(rest["rotor_displacement"], records["rotor_displacement"][later])
+
+
+@pytest.mark.parametrize(("steps", "every"), [(1050, 100), (99, 100), (1, 100), (25_001, 100)])
+def test_the_last_step_is_recorded_wherever_it_falls(steps: int, every: int) -> None:
+    """Steps after the last whole record are neither lost nor counted twice."""
+    given, dt = driven(), 1e-5
+    timing = Timing(time_step=dt, duration=steps * dt, record_step=every * dt)
+    scheme = CentralDifference(given, dt, every)
+    records = joined([chunk for _, chunk, _ in march(scheme, timing)])
+    expected = [*range(0, steps, every), steps]
+    np.testing.assert_array_equal(records["step"], expected)
+    fine = CentralDifference(given, dt, 1)
+    _, each, _ = fine.advance(fine.init(), steps + 1)
+    np.testing.assert_array_equal(records["rotor_velocity"], each.rotor_velocity[records["step"]])
+    np.testing.assert_allclose(
+        records["contact_impulse"].sum(axis=0), each.contact_impulse.sum(axis=0), rtol=1e-12
+    )
+    np.testing.assert_array_equal(
+        records["contact_steps"].sum(axis=0), each.contact_steps.sum(axis=0)
+    )
+    np.testing.assert_array_equal(records["gap"].min(axis=0), each.gap.min(axis=0))
 
 
 def pushed_out(limit: float) -> ContactProblem:
