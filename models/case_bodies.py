@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
 import numpy as np
@@ -15,8 +15,6 @@ from bladewhirl.models.case import BeamSection, Case
 from bladewhirl.models.casing import Casing, assemble_casing
 from bladewhirl.models.faults import CaseError, Fault
 from bladewhirl.models.sections import Section, line_properties
-
-LOST = "the lowest frequency of the bladed disk is lost in rounding"
 
 
 def case_bladed_disk(case: Case, *, clamped: bool) -> BladedDisk:
@@ -54,6 +52,18 @@ def tip_in_sector(disk: BladedDisk) -> tuple[int, int]:
     assert layout is not None  # a mesh made of sectors
     first = list(layout.sector_dofs[0])
     return first.index(disk.tip_radial[0]), first.index(disk.tip_tangential[0])
+
+
+def lowest_frequency(frequencies: Iterable[float]) -> float:
+    """Lowest of a bladed disk's frequencies [rad/s].
+
+    Raises:
+        FloatingPointError: it is lost in rounding.
+    """
+    lowest = float(min(frequencies))
+    if not lowest > 0.0:
+        raise FloatingPointError("the lowest frequency of the bladed disk is lost in rounding")
+    return lowest
 
 
 def _section(case: Case, section: BeamSection) -> Section:

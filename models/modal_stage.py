@@ -10,9 +10,9 @@ from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.bladed_disk import BladedDisk
 from bladewhirl.models.case import Case
 from bladewhirl.models.case_bodies import (
-    LOST,
     case_bladed_disk,
     case_casing,
+    lowest_frequency,
     numbers_within_reach,
     tip_in_sector,
 )
@@ -30,6 +30,7 @@ class ModalStage:
     free_disk: BladedDisk
     clamped_disk: BladedDisk
     casing: Casing
+    reference_frequency: float  #: lowest of the bladed disk with a free centre [rad/s]
     free_modes: LabelledModes
     clamped_modes: LabelledModes
     casing_modes: LabelledModes
@@ -43,11 +44,6 @@ class ModalStage:
     def disk_modes(self) -> LabelledModes:
         """Modes of the bladed disk as the case has it."""
         return self.clamped_modes if self.case.shaft.clamped else self.free_modes
-
-    @property
-    def reference_frequency(self) -> float:
-        """Lowest frequency of the bladed disk with a free centre [rad/s]."""
-        return float(self.free_modes.frequency[0])
 
     def arrays(self, disk_modes: IntArray, casing_modes: IntArray) -> StageArrays:
         """Describe the stage by some of its modes.
@@ -82,13 +78,12 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
         casing = case_casing(case)
         tip = tip_in_sector(free)
         free_modes = labelled_modes(free.structure, tip, "bladed-disk", count)
-        if not free_modes.frequency[0] > 0.0:
-            raise FloatingPointError(LOST)
         return ModalStage(
             case=case,
             free_disk=free,
             clamped_disk=clamped,
             casing=casing,
+            reference_frequency=lowest_frequency(free_modes.frequency),
             free_modes=free_modes,
             clamped_modes=labelled_modes(clamped.structure, tip, "bladed-disk", count),
             casing_modes=labelled_modes(casing.structure, (RADIAL, TANGENTIAL), "casing", count),

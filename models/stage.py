@@ -10,9 +10,9 @@ from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.bladed_disk import BladedDisk
 from bladewhirl.models.case import Case
 from bladewhirl.models.case_bodies import (
-    LOST,
     case_bladed_disk,
     case_casing,
+    lowest_frequency,
     numbers_within_reach,
     tip_in_sector,
 )
@@ -99,8 +99,7 @@ def build_stage(case: Case) -> Stage:
             case.reduction.fixed_interface_modes,
             tip_in_sector(disk),
         )
-        if not reduction.modes.frequency[0] > 0.0:
-            raise FloatingPointError(LOST)
+        lowest_frequency(reduction.modes.frequency)  # not lost in the reduction
         casing_modes = structure_modes(casing.structure, (RADIAL, TANGENTIAL))
     disk_family = families(reduction.modes, "bladed-disk")
     return Stage(
@@ -137,10 +136,7 @@ def _reference_frequency(case: Case, full: Frequencies) -> float:
     if case.shaft.clamped:
         free = case_bladed_disk(case, clamped=False)
         full = lowest_frequencies(free.structure, FULL_FREQUENCIES)
-    lowest = float(min(found[0] for found in full.values()))
-    if not lowest > 0.0:
-        raise FloatingPointError(LOST)
-    return lowest
+    return lowest_frequency(found[0] for found in full.values())
 
 
 def _reduced_rotor(case: Case, disk: BladedDisk, modes: Modes) -> ReducedRotor:

@@ -66,7 +66,7 @@ def stability(
     gives growth rate and eigenvalues and, with -o, the divergent mode in time. With --json and no
     -o nothing is written.
     """
-    from bladewhirl.models.case_file import read_case
+    from bladewhirl.models.case_file import faults_from, read_case
     from bladewhirl.models.faults import UserError
     from bladewhirl.studies.coupled_system import couple
     from bladewhirl.studies.ranges import not_negative, parse_range
@@ -82,13 +82,9 @@ def stability(
         folder = Path(f"{case.stem}-stability")
     if folder is not None and folder.exists() and not overwrite:
         raise UserError(f"{folder}: already exists; --overwrite writes into it")
-    system = couple(
-        read_case(case, overrides or []),
-        chosen=modes,
-        damped=damped,
-        with_pi=not no_pi,
-        physical=physical,
-    )
+    checked = read_case(case, overrides or [])
+    with faults_from(case, overrides or []):
+        system = couple(checked, chosen=modes, damped=damped, with_pi=not no_pi, physical=physical)
     if speed is not None and kappa is not None:
         from bladewhirl.studies.stability_point import look_at_point
 
