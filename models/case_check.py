@@ -20,6 +20,12 @@ from bladewhirl.models.toml_text import toml_key
 Path = tuple[str | int, ...]
 """Keys and row numbers from the root of the case on."""
 
+TAG_ERRORS = ("union_tag_not_found", "union_tag_invalid")
+"""pydantic's errors about the type of the excitation."""
+
+NEAR = 0.5
+"""Likeness, as difflib counts it, from which on a known key is offered for an unknown one."""
+
 
 def case_from(tables: Mapping[str, Any]) -> Case:
     """Check nested tables, as a case file holds them, and make the case.
@@ -64,11 +70,8 @@ def _check(tables: Mapping[str, Any]) -> ValidationError | None:
 
 def _fault(details: ErrorDetails, tables: Mapping[str, Any]) -> Fault:
     path = _path(details)
-    value = _value(tables, path, details["input"])
-    if details["type"] == "union_tag_not_found":
-        path, value = (*path, "type"), None
-    elif details["type"] == "union_tag_invalid":
-        path, value = (*path, "type"), value["type"]
+    default = None if details["type"] in TAG_ERRORS else details["input"]
+    value = _value(tables, path, default)
     return Fault(key=_dotted(path), value=value, expected=_expected(details, path))
 
 
@@ -79,7 +82,7 @@ def _expected(details: ErrorDetails, path: Path) -> str:
             return str(context["expected"])
         case "extra_forbidden":
             return _known_instead(details["loc"], path)
-        case "union_tag_not_found" | "union_tag_invalid":
+        case kind if kind in TAG_ERRORS:
             return " or ".join(f'"{name}"' for name in EXCITATIONS)
         case "literal_error":
             return str(context["expected"]).replace("'", '"')
@@ -93,8 +96,10 @@ def _expected(details: ErrorDetails, path: Path) -> str:
 
 
 def _path(details: ErrorDetails) -> Path:
-    """Where the error is; pydantic puts the type of the excitation into the location."""
+    """Where the error is; pydantic puts the type of the excitation into the location, if known."""
     location = details["loc"]
+    if details["type"] in TAG_ERRORS:
+        return (*location, "type")
     tagged = location[0] == "excitation" and len(location) > 1 and location[1] in EXCITATIONS
     return (location[0], *location[2:]) if tagged else location
 
@@ -104,6 +109,8 @@ def _involved(details: ErrorDetails) -> list[Path]:
     path = _path(details)
     if details["type"] == "extra_forbidden":
         return [path, *_nearest(details["loc"], path)]
+    if details["type"] in TAG_ERRORS:
+        return [path, path[:-1]]  # without its type the table can't be checked
     if details["type"] != INCONSISTENT:
         return [path]
     context = details["ctx"]
@@ -143,6 +150,9 @@ def _dotted(path: Path) -> str:
 
 def _known_instead(location: Path, path: Path) -> str:
     nearest = _nearest(location, path)
+    if not nearest:
+        table = f" of [{_dotted(path[:-1])}]" if path[:-1] else ""
+        return f"a known key{table}: {', '.join(_table_at(location[:-1]).model_fields)}"
     if path not in nearest:
         return f"a known key; the nearest is {' or '.join(map(_dotted, nearest))}"
     owners = [f'"{kind}"' for kind, table in EXCITATIONS.items() if path[-1] in table.model_fields]
@@ -152,7 +162,7 @@ def _known_instead(location: Path, path: Path) -> str:
 def _nearest(location: Path, path: Path) -> list[Path]:
     """Known keys most like an unknown one: in its table and of its name elsewhere, else any.
 
-    The key itself is among them where another type of excitation has it.
+    None where nothing is near; the key itself where another type of excitation has it.
     """
     name = str(path[-1])
     siblings = {key: (*path[:-1], key) for key in _table_at(location[:-1]).model_fields}
@@ -162,7 +172,7 @@ def _nearest(location: Path, path: Path) -> list[Path]:
     return (
         close + namesakes
         or [everywhere[key] for key in difflib.get_close_matches(name, everywhere, n=1)]
-        or [siblings[key] for key in difflib.get_close_matches(name, siblings, n=1, cutoff=0.0)]
+        or [siblings[key] for key in difflib.get_close_matches(name, siblings, n=1, cutoff=NEAR)]
     )
 
 

@@ -307,7 +307,9 @@ def test_all_faults_of_a_file_at_once(tmp_path: Path) -> None:
         ("title = 3", "title = 3: expected text"),
         ("title = 1979-05-27", "title = 1979-05-27: expected text"),
         ("casing.elemnts = 4", "the nearest is casing.elements"),
-        ("x = 1", "x = 1: expected a known key; the nearest is "),
+        ("x = 1", "x = 1: expected a known key: title, material, bladed_disk, "),
+        ("casing.foo = 1", "expected a known key of [casing]: elements, clearance, wall, "),
+        ("casing.wall.x = 1", "expected a known key of [casing.wall]: width, thickness"),
         ("march = 3", "march = 3: expected a table, [march]"),
         ("casing.wall = 1", "casing.wall = 1: expected a table, [casing.wall]"),
     ],
@@ -345,6 +347,28 @@ def test_invalid_toml_is_one_line(text: str, reason: str) -> None:
     assert line.startswith("a.toml: expected ")
     assert "TOML" in line or "integers" in line
     assert reason in line
+
+
+@pytest.mark.parametrize(
+    ("excitation", "line"),
+    [
+        (
+            '{ type = "imbalance", ramp = 0.1 }',
+            'excitation.type = "imbalance": expected a load that is not at the centre, or',
+        ),
+        (
+            '{ type = "harmonic", frequency = 9.0 }',
+            'excitation.type = "harmonic": expected a load that is not at the centre, or',
+        ),
+        ('{ type = "imbalanc", ramp = 0.1 }', 'excitation.type = "imbalanc": expected "casing-'),
+        ("{ ramp = 0.1 }", 'excitation.type: expected "casing-distortion" or '),
+    ],
+)
+def test_one_fault_of_an_excitation_is_one_line(excitation: str, line: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        loads(f"excitation = {excitation}\nshaft.clamped = true")
+    [found] = caught.value.lines
+    assert found.startswith(f"case: {line}")
 
 
 def test_long_values_are_cut() -> None:
