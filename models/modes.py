@@ -141,7 +141,7 @@ def collect_modes(
     """
     order = np.argsort(square, kind="stable")
     if count is not None and count < len(order):
-        while column[order[count - 1]] > 0 and is_first_of_pair(column[order], count - 1):
+        while is_first_of_pair(column[order], count - 1):
             count += 1
         order = order[:count]
     square, shapes, column = square[order], shapes[:, order], column[order]
@@ -170,7 +170,7 @@ def collect_modes(
 def is_first_of_pair(columns: IntArray, position: int) -> bool:
     """Whether the mode at a position, in sorted order, is a cosine whose sine comes next."""
     following = columns[position + 1 : position + 2]
-    cosine = columns[position] % 2 == 1
+    cosine = columns[position] > 0 and columns[position] % 2 == 1
     return bool(cosine and following.size and following[0] == columns[position] + 1)
 
 

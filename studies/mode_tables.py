@@ -11,6 +11,7 @@ from rich.table import Table
 
 from bladewhirl.models.labelled_modes import LabelledModes
 from bladewhirl.models.modal_stage import ModalStage
+from bladewhirl.models.modes import is_first_of_pair
 
 
 def mode_lists(stage: ModalStage, count: int) -> dict[str, list[dict[str, Any]]]:
@@ -65,7 +66,7 @@ def _table(stage: ModalStage, modes: LabelledModes, count: int, title: str) -> T
     shown = min(count, modes.count)
     mode = 0
     while mode < shown:
-        pair = _is_pair(modes, mode) and mode + 1 < shown
+        pair = is_first_of_pair(modes.column, mode) and mode + 1 < shown
         name = modes.family[mode]
         table.add_row(
             f"{mode + 1}–{mode + 2}" if pair else f"{mode + 1}",
@@ -79,13 +80,6 @@ def _table(stage: ModalStage, modes: LabelledModes, count: int, title: str) -> T
         )
         mode += 2 if pair else 1
     return table
-
-
-def _is_pair(modes: LabelledModes, mode: int) -> bool:
-    """Whether a mode is a cosine whose sine comes next."""
-    following = modes.column[mode + 1 : mode + 2]
-    cosine = modes.column[mode] % 2 == 1 and modes.column[mode] > 0
-    return bool(cosine and following.size and following[0] == modes.column[mode] + 1)
 
 
 def _percent(share: float) -> str:
