@@ -87,9 +87,14 @@ class ContactProblem:
 
     @property
     def critical_time_step(self) -> float:
-        """2 / omega_max, the stability limit of central differences [s]."""
-        highest = max(self.rotor.frequency.max(initial=0.0), self.casing.frequency.max(initial=0.0))
-        return float(2.0 / highest)
+        """Stability limit of central differences [s]."""
+        return critical_time_step(self.rotor, self.casing)
+
+
+def critical_time_step(rotor: ReducedRotor, casing: ReducedCasing) -> float:
+    """2 / omega_max of both bodies, the stability limit of central differences [s]."""
+    highest = max(rotor.frequency.max(initial=0.0), casing.frequency.max(initial=0.0))
+    return float(2.0 / highest)
 
 
 def at_rest(rotor: ReducedRotor, casing: ReducedCasing) -> Start:

@@ -9,7 +9,7 @@ import numpy as np
 
 from bladewhirl.models.case_bodies import numbers_within_reach
 from bladewhirl.models.case_file import case_fault
-from bladewhirl.models.contact_problem import ContactProblem
+from bladewhirl.models.contact_problem import ContactProblem, critical_time_step
 from bladewhirl.models.faults import CaseError, Fault
 from bladewhirl.models.loads import excitation_loads, initial_state
 from bladewhirl.models.stage import Stage
@@ -39,12 +39,6 @@ def contact_problem(stage: Stage) -> ContactProblem:
         )
 
 
-def critical_time_step(stage: Stage) -> float:
-    """2 / omega_max of bladed disk and casing, the stability limit of central differences [s]."""
-    highest = max(stage.rotor.frequency.max(), stage.reduced_casing.frequency.max())
-    return float(2.0 / highest)
-
-
 def march_faults(stage: Stage) -> Iterator[Fault]:
     """Faults of the case that stand in the way of a march."""
     yield from chain(time_step_faults(stage), _coupling_faults(stage), _start_faults(stage))
@@ -52,7 +46,7 @@ def march_faults(stage: Stage) -> Iterator[Fault]:
 
 def time_step_faults(stage: Stage) -> Iterator[Fault]:
     """A time step above the stability limit, or in which a tip skips casing elements."""
-    case, limit = stage.case, critical_time_step(stage)
+    case, limit = stage.case, critical_time_step(stage.rotor, stage.reduced_casing)
     step = case.march.time_step
     if not step < limit:
         expected = (

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from bladewhirl.models.case_bodies import numbers_within_reach
+from bladewhirl.models.contact_problem import critical_time_step
 from bladewhirl.models.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.loads import W, imbalance_force, radial_mode, unbalance
-from bladewhirl.models.march_problem import critical_time_step
 from bladewhirl.models.modes import suspension_pair
 from bladewhirl.models.stage import Stage
 from bladewhirl.solvers.recorder import result_bytes
@@ -98,7 +98,7 @@ def _derive(stage: Stage) -> Derived:
     case, disk, modes = stage.case, stage.disk, stage.reduction.modes
     casing, boundary = stage.casing, stage.boundary_sets
     pair = suspension_pair(modes)
-    critical = critical_time_step(stage)
+    critical = critical_time_step(stage.rotor, stage.reduced_casing)
     records = case.march.steps // case.march.steps_per_record + 1
     kept = {name: len(dofs) for name, dofs in boundary.items()}
     return Derived(
