@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
 from platform import platform
+from tempfile import TemporaryDirectory
 
 from bladewhirl.models.faults import UserError
 from bladewhirl.solvers.recorder import RESULT_NAME
@@ -29,10 +30,26 @@ def check_free(directory: Path, *, overwrite: bool) -> None:
 
     Raises:
         UserError: it exists; with ``overwrite``, it is no folder or holds something else than a
-            run.
+            run; or no files can be made there.
     """
-    if not directory.exists():
-        return
+    if directory.exists():
+        _check_replaceable(directory, overwrite=overwrite)
+    existing = nearest_existing(directory)
+    try:
+        with TemporaryDirectory(dir=existing):
+            pass
+    except OSError as error:
+        raise UserError(
+            f"{directory}: cannot be made or written: {existing} takes no files ({error.strerror})"
+        ) from None
+
+
+def nearest_existing(directory: Path) -> Path:
+    """The folder, or the first of its parents that exists."""
+    return next(path for path in (directory, *directory.absolute().parents) if path.exists())
+
+
+def _check_replaceable(directory: Path, *, overwrite: bool) -> None:
     if not overwrite:
         raise UserError(
             f"{directory}: already exists; --overwrite replaces the run in it, -o names another"

@@ -151,7 +151,7 @@ def march_to_file(
     prepared: Prepared, path: Path, progress: Progress | None = None
 ) -> dict[str, float]:
     """March and record; returns what the march alone knows of its quality."""
-    timing, residual = prepared.timing, 0.0
+    timing, residual, unsolved = prepared.timing, 0.0, 0
     reason, message = EndReason.COMPLETED.value, ""
     with Recorder(path, prepared.stage.arrays, _attributes(prepared)) as recorder:
         began = time.perf_counter()
@@ -161,6 +161,7 @@ def march_to_file(
                     _check_room(path.parent, 0)
                     recorder.write(chunk)
                     residual = state.statistics.complementarity_residual
+                    unsolved = state.statistics.lcp_failures
                     if progress is not None:
                         progress("marching", min(state.step, timing.steps), timing.steps)
                     if end is EndReason.DIVERGENT:
@@ -174,6 +175,7 @@ def march_to_file(
         wall_time = time.perf_counter() - began
         report = {
             "complementarity_residual": residual,
+            "unsolved_steps": unsolved,
             "dt_over_critical": timing.time_step / prepared.problem.critical_time_step,
             "steps": recorder.steps,
             "wall_time": wall_time,
@@ -201,8 +203,7 @@ def _check_room(directory: Path, needed: int) -> None:
     Raises:
         UserError: there is not.
     """
-    existing = next(path for path in (directory, *directory.absolute().parents) if path.exists())
-    free = shutil.disk_usage(existing).free
+    free = shutil.disk_usage(folder.nearest_existing(directory)).free
     if free < needed + SPARE_BYTES:
         raise UserError(
             f"{directory}: expected {(needed + SPARE_BYTES) / 1e6:.0f} MB of room on the disk, "

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+from contextlib import suppress
+from functools import partial
+
 
 def parse_time(option: str, text: str | None) -> float | None:
     """A time [s] from a number of seconds or text with a unit; None where none was given.
@@ -18,13 +22,9 @@ def parse_time(option: str, text: str | None) -> float | None:
 
     if text is None:
         return None
-    try:
-        return float(text)
-    except ValueError:
-        pass
-    try:
-        return to_si(text, "s")
-    except ValueError:
-        raise UserError(
-            f'{option} {text}: expected a time in seconds, or with a unit such as "0.8 ms"'
-        ) from None
+    for seconds in (float, partial(to_si, unit="s")):
+        with suppress(ValueError):
+            time = seconds(text)
+            if math.isfinite(time):
+                return time
+    raise UserError(f'{option} {text}: expected a time in seconds, or with a unit such as "0.8 ms"')

@@ -233,7 +233,7 @@ def test_a_series_that_begins_after_the_end_is_left_out(path: Path) -> None:
         (["--set", "coupling.stiffness=500"], "--set: coupling.stiffness = 500.0: expected 0: a"),
         (["--frames", "-1"], "--frames -1: expected 0 or more"),
         (["--from", "0.2", "--to", "0.1"], "--from 0.2 --to 0.1: expected a window in order"),
-        (["--from", "nan"], "--from nan --to inf: expected a window in order"),
+        (["--from", "nan"], "--from nan: expected a time in seconds"),
         (["--from", "-1"], "--from -1 --to inf: expected a window in order"),
         (["--to", "soon"], "--to soon: expected a time in seconds"),
         (["--from", "20 ms"], "--from 0.02: expected a time before the end of the run, 0.01 s"),
@@ -307,9 +307,18 @@ def test_a_bad_case_does_not_touch_the_run_it_was_to_overwrite(tmp_path: Path) -
 
 def test_where_nothing_can_be_written(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(UserError, match="cannot be written") as found:
-        run_case(quick(), tmp_path / "file" / "out")
-    assert len(found.value.lines) == 1
+    out = tmp_path / "file" / "deep" / "out"
+    with pytest.raises(UserError) as found:
+        run_case(quick(), out)
+    reason = f"cannot be made or written: {tmp_path / 'file'} takes no files (Not a directory)"
+    assert [*found.value.lines] == [f"{out}: {reason}"]
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="has no folder that takes no files")
+def test_a_folder_that_cannot_be_made_is_no_lack_of_room() -> None:
+    """A virtual file system has no room either; even root makes no folder in it."""
+    with pytest.raises(UserError, match=r"^/proc/foo: cannot be made or written: /proc takes no"):
+        run_case(quick(), Path("/proc/foo"))
 
 
 def test_a_disk_without_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
