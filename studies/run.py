@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 RUNS = Path("runs")
 """Folder that runs go to where none is named."""
 
-INTERRUPTED = 130
+EXIT_INTERRUPTED = 130
 """Exit code of an interrupted run, that of the shell for Ctrl-C."""
 
 
@@ -92,7 +92,7 @@ def run(
         if line:
             typer.echo(line, err=True)
     if done.end_reason == "interrupted":
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(EXIT_INTERRUPTED)
 
 
 def _print(done: Run) -> None:
