@@ -14,14 +14,19 @@ from bladewhirl.postprocess.energies import FIRST_FAMILY, strain_energies
 from bladewhirl.postprocess.fields import Array
 from bladewhirl.postprocess.orbits import shaft_orbit
 from bladewhirl.postprocess.regimes import RegimeName, classify
+from bladewhirl.postprocess.result import reduce_modes
 
 EnergyHolders = TypedDict(
     "EnergyHolders", {"suspension": float, "1F": dict[str, float], "rest": float}
 )
 """Strain energies [J]; the first family's by nodal diameter, named as in JSON ("0", "1", ...)."""
 
+LARGE_DISPLACEMENT = 0.3
+"""Share of the tip radius from which linear bending of a blade is off by a tenth."""
+
 MARCH_REPORT = (
     "complementarity_residual",
+    "unsolved_steps",
     "dt_over_critical",
     "steps",
     "wall_time",
@@ -39,12 +44,14 @@ class Summary:
     end_time: float  #: [s]
     shaft_radius_max: float  #: over the records [m]
     shaft_radius_final: float  #: [m]
+    tip_displacement_max: float  #: of any blade tip, in any direction, over the records [m]
     strain_energy_max: float  #: bladed disk with its shaft springs, over the records [J]
     strain_energy_final: EnergyHolders  #: [J]
     contact_share: list[float]  #: share of all steps with contact, of each blade
     gap_violation_max: float  #: deepest penetration at any step [m]
     energy_residual: float  #: of the ledger, over its largest term
     complementarity_residual: float  #: largest over the steps, over the gap's scale
+    unsolved_steps: int  #: steps whose complementarity problem no exact method solved
     dt_over_critical: float  #: time step over the critical one
     steps: int
     wall_time: float  #: [s]
@@ -60,8 +67,8 @@ def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary
 
     Args:
         dataset: a result.
-        march_report: `complementarity_residual`, `dt_over_critical`, `steps`, `wall_time` [s] and
-            `us_per_step` [µs], which the histories don't hold; other entries are ignored.
+        march_report: `complementarity_residual`, `unsolved_steps`, `dt_over_critical`, `steps`,
+            `wall_time` [s] and `us_per_step` [µs], which the histories don't hold; other entries are ignored.
 
     Raises:
         ValueError: an entry of the report is missing.
@@ -80,12 +87,14 @@ def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary
         end_time=float(dataset["time"][-1]),
         shaft_radius_max=float(radius.max()),
         shaft_radius_final=float(radius[-1]),
+        tip_displacement_max=_largest_tip_displacement(dataset),
         strain_energy_max=float(energies["total"].max()),
         strain_energy_final=_holders(energies.isel(time=-1)),
         contact_share=(contact_steps / max(steps, 1)).tolist(),
         gap_violation_max=max(0.0, -float(dataset["gap"].min())),
         energy_residual=energy_residual(dataset),
         complementarity_residual=float(march_report["complementarity_residual"]),
+        unsolved_steps=int(march_report["unsolved_steps"]),
         dt_over_critical=float(march_report["dt_over_critical"]),
         steps=steps,
         wall_time=float(march_report["wall_time"]),
@@ -139,6 +148,7 @@ def summary_table(summary: Summary) -> Table:
         "end time": f"{summary.end_time:.6g} s",
         "shaft radius, largest": f"{1e3 * summary.shaft_radius_max:.4g} mm",
         "shaft radius, final": f"{1e3 * summary.shaft_radius_final:.4g} mm",
+        "tip displacement, largest": f"{1e3 * summary.tip_displacement_max:.4g} mm",
         "strain energy, largest": f"{summary.strain_energy_max:.4g} J",
         "strain energy, final": f"{total:.4g} J",
         "  suspension": part(held["suspension"]),
@@ -159,6 +169,31 @@ def summary_table(summary: Summary) -> Table:
     for name, value in rows.items():
         table.add_row(name, value)
     return table
+
+
+def displacement_hints(summary: Summary, tip_radius: float) -> tuple[str, ...]:
+    """A line where blades bend further than a linear model holds, else none.
+
+    Args:
+        summary: of a run.
+        tip_radius: [m]
+    """
+    limit = LARGE_DISPLACEMENT * tip_radius
+    if summary.tip_displacement_max <= limit:
+        return ()
+    return (
+        f"tips moved up to {summary.tip_displacement_max:.3g} m, and from about {limit:.2g} m on "
+        "a linear model is off by a tenth or more: take the kind of motion from it, not its size",
+    )
+
+
+def _largest_tip_displacement(dataset: xr.Dataset) -> float:
+    """Of any tip at any record [m]."""
+    blades = dataset.sizes["blade"]
+    shapes = dataset["rotor_shape"].values[dataset["tip_node"].values, :2]
+    moved = reduce_modes(dataset, "rotor_displacement", shapes.reshape(2 * blades, -1))
+    square = (moved.reshape(-1, blades, 2) ** 2).sum(axis=2)
+    return float(np.sqrt(square.max()))
 
 
 def _holders(energies: xr.Dataset) -> EnergyHolders:

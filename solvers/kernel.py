@@ -1,6 +1,7 @@
 """The compiled contact step: central differences with forward-increment Lagrange multipliers.
 
-One module on purpose: numba does not notice a changed helper in another file when it caches.
+One module on purpose: numba does not notice a changed helper in another file when it caches (what
+`lanes` offers are single instructions, which do not change).
 The scheme is that of Carpenter, Taylor and Katona (1991) with damping and sliding friction:
 
     x_p = a x_n + b x_{n-1} + c f_n          a, b, c diagonal in modal coordinates
@@ -56,7 +57,7 @@ RUNNING, DIVERGED = 0, 1
 W_KIND, W_SLOPE, U_KIND, U_SLOPE = 0, 1, 2, 3
 EXTERNAL, NORMAL, FRICTION, DAMPING = 0, 1, 2, 3
 STEP_CONTACTS, LCP_FAILURES, LCP_PIVOTS, CONTACT_STEPS = 0, 1, 2, 3
-CHECK_EVERY = 100  # steps between looks at the tips' tangential displacement
+CHECK_EVERY = 100  # steps between looks at displacements other than the tips' radial ones
 LAST_TRIAL = 1_000_000  # marks a complementarity problem solved for all tips at once
 SINGULAR = 1e-11  # a pivot below this share of the diagonal calls a submatrix of W singular
 MENDED_TOGETHER = 6  # trials of the active set before faults are mended one at a time
@@ -116,7 +117,7 @@ class March(NamedTuple):
     sliding: float  #: sign of permanent sliding
     wheel_speed: float  #: R Omega [m/s], for the true sign
     elements_per_metre: float  #: tip rotation: casing elements a metre of u_t; 0 when neglected
-    displacement_limit: float  #: of a tip, radial or tangential [m]
+    displacement_limit: float  #: of a tip, or of the casing radially [m]
     gap_scale: float  #: smallest scale of the complementarity residual [m]
     loads: Array  #: end, ramp, frequency, phase of each pattern, (patterns, 4)
 
@@ -352,8 +353,9 @@ def _place_tips(
         start = np.floor(at)
         xi = at - start
         rest = 1.0 - xi
-        # Rounding may put a tip on node `nodes`, which is node 0 again.
-        element[j] = int(start) if start < nodes else 0
+        # Rounding may put a tip on node `nodes`, which is node 0 again; a displacement beyond all
+        # bounds, which ends the march, puts it anywhere.
+        element[j] = int(start) if 0.0 <= start < nodes else 0
         hermite[0, j] = rest * rest * (1.0 + 2.0 * xi)
         hermite[1, j] = length * xi * rest * rest
         hermite[2, j] = xi * xi * (3.0 - 2.0 * xi)
@@ -1070,6 +1072,8 @@ def advance(
             )
             for j in range(tips):
                 within = within and abs(u_t[j]) <= limit
+            for i in range(nodes):
+                within = within and abs(w[i] - clearance[0, i]) <= limit
 
         if recording or not within:
             # What is known at step n, before x_{n+1}; what counts between records starts anew.

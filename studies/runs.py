@@ -54,7 +54,7 @@ Progress = Callable[[Activity, int, int], None]
 """Called with what is being done, steps done and steps in all."""
 
 REMEDY = (
-    "small displacements no longer hold; if the stage is not meant to diverge, look at its speed, "
+    "there is nothing left for a linear model to say; if the stage is not meant to diverge, look at its speed, "
     "load, damping and friction, else raise march.displacement_limit to follow it further"
 )
 

@@ -83,7 +83,7 @@ def write_up(directory: Path, report: Mapping[str, float], window: Window) -> Ru
     from bladewhirl.postprocess.orbits import plot_orbit, shaft_orbit
     from bladewhirl.postprocess.result import open_result
     from bladewhirl.postprocess.style import save_figure
-    from bladewhirl.postprocess.summary import summarise, write_summary
+    from bladewhirl.postprocess.summary import displacement_hints, summarise, write_summary
 
     with open_result(directory) as result:
         summary = summarise(result, report)
@@ -96,7 +96,10 @@ def write_up(directory: Path, report: Mapping[str, float], window: Window) -> Ru
             end_reason=result.attrs["end_reason"],
             end_message=result.attrs["end_message"],
             summary=summary,
-            hints=tuple(_write_series(result, directory / folder.VTK_NAME, window)),
+            hints=(
+                *displacement_hints(summary, result.attrs["tip_radius"]),
+                *_write_series(result, directory / folder.VTK_NAME, window),
+            ),
         )
 
 

@@ -17,6 +17,7 @@ from bladewhirl.postprocess.result import open_result
 from bladewhirl.postprocess.summary import (
     Summary,
     energy_residual,
+    displacement_hints,
     summarise,
     summary_table,
     write_summary,
@@ -26,6 +27,7 @@ Array = NDArray[np.float64]
 
 REPORT = {
     "complementarity_residual": 3.25e-12,
+    "unsolved_steps": 0,
     "dt_over_critical": 0.2125,
     "steps": 400_000,
     "wall_time": 1.75,
@@ -43,6 +45,8 @@ KEYS = {
     "gap_violation_max",
     "energy_residual",
     "complementarity_residual",
+    "unsolved_steps",
+    "tip_displacement_max",
     "dt_over_critical",
     "steps",
     "wall_time",
@@ -69,6 +73,16 @@ class TestSummarise:
         rest = 0.5 * (400 * 1e-4) ** 2  # a quarter of a turn at 40 rad/s comes within the run
         peak = held["suspension"] + held["1F"]["1"] + rest
         assert summary.strain_energy_max == pytest.approx(peak, rel=1e-3)
+
+    def test_tips_that_bend_far_are_pointed_out(self, result: xr.Dataset) -> None:
+        shapes = result["rotor_shape"].values[result["tip_node"].values, :2]
+        moved = np.einsum("bcm,tm->tbc", shapes, result["rotor_displacement"].values)
+        largest = float(np.linalg.norm(moved, axis=2).max())
+        summary = summarise(result, REPORT)
+        assert summary.tip_displacement_max == pytest.approx(largest, rel=1e-12)
+        assert displacement_hints(summary, largest / 0.299) == ()
+        (hint,) = displacement_hints(summary, largest / 0.301)
+        assert f"{largest:.3g} m" in hint
 
     def test_the_final_radius_is_not_the_largest(self) -> None:
         decaying = summarise(synthetic.synthetic_result(growth=-3.0), REPORT)
