@@ -234,8 +234,9 @@ class March(Table):
     displacement_limit: Length = Field(
         default=0.5,
         description="Radial or tangential displacement of a blade tip at which a divergent march"
-        " ends [m]: more than a blade's length, where a linear model has nothing left to say. It is"
-        " off by a tenth from a third of that length on; transients pass that and decay (a choice).",
+        " ends [m]: more than a blade's length, where a linear model has nothing left to say. It"
+        " is off by a tenth from a third of that length on, but transients pass that and decay (a"
+        " choice).",
     )
     scheme: Literal["central-difference"] = Field(
         default="central-difference",

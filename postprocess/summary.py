@@ -68,7 +68,8 @@ def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary
     Args:
         dataset: a result.
         march_report: `complementarity_residual`, `unsolved_steps`, `dt_over_critical`, `steps`,
-            `wall_time` [s] and `us_per_step` [µs], which the histories don't hold; other entries are ignored.
+            `wall_time` [s] and `us_per_step` [µs], which the histories don't hold; other entries
+            are ignored.
 
     Raises:
         ValueError: an entry of the report is missing.

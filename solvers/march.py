@@ -86,7 +86,7 @@ class Scheme(Protocol[StateT]):
     def advance(
         self, state: StateT, steps: int, record_every: int | None = None
     ) -> tuple[StateT, Chunk, EndReason | None]:
-        """Do that many steps, recording at multiples of ``record_every`` (the scheme's own if None).
+        """Do that many steps, recording at multiples of ``record_every`` (its own if None).
 
         The state given stays as it was.
         """

@@ -304,7 +304,7 @@ def pack_casing(
         spread_u=spreads[U_KIND],
         spread_u_s=spreads[U_SLOPE],
         compliance=aligned_copy(blocks.reshape(3, -1)),
-        spacing=1 if cyclic else nodes,
+        spacing=1 if cyclic else nodes if nodes > 1 else 0,  # one node: there is one block
         clearance=clearance,
         nodes=nodes,
         element_length=casing.element_length,

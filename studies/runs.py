@@ -54,8 +54,9 @@ Progress = Callable[[Activity, int, int], None]
 """Called with what is being done, steps done and steps in all."""
 
 REMEDY = (
-    "there is nothing left for a linear model to say; if the stage is not meant to diverge, look at its speed, "
-    "load, damping and friction, else raise march.displacement_limit to follow it further"
+    "there is nothing left for a linear model to say; if the stage is not meant to diverge, look "
+    "at its speed, load, damping and friction, else raise march.displacement_limit to follow it "
+    "further"
 )
 
 

@@ -16,8 +16,8 @@ from bladewhirl.postprocess.regimes import Regime, classify, longest_half_period
 from bladewhirl.postprocess.result import open_result
 from bladewhirl.postprocess.summary import (
     Summary,
-    energy_residual,
     displacement_hints,
+    energy_residual,
     summarise,
     summary_table,
     write_summary,
