@@ -39,7 +39,8 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
     radius = orbit["radius"].values
     groups = _groups(energies, layout)
     steps = int(report["steps"])
-    first = int(np.searchsorted(time, time[0] + (1.0 - WINDOW_SHARE) * np.ptp(time)))
+    step = float(dataset.attrs["record_step"])
+    first = len(time) - max(1, round(min(layout.window, WINDOW_SHARE * np.ptp(time)) / step))
     sense = -1.0 if dataset.attrs["speed"] < 0.0 else 1.0
     motion = orbit["rotating"].values @ np.array([1.0, 1.0j])
     touched = dataset["contact_steps"].sum("time").values / max(steps, 1)
@@ -63,7 +64,7 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
         "window_start": time[first],
         "spectrum": complex_spectrum(
             motion.real[first:] + sense * 1j * motion.imag[first:],
-            float(dataset.attrs["record_step"]),
+            step,
             layout.frequency,
         ),
         "mode_frequency": _mode_frequencies(dataset),

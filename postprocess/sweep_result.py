@@ -32,7 +32,8 @@ FLAGS: Mapping[str, tuple[str, ...]] = {
 """Meanings of the numbers of variables that name something, from 0 on."""
 
 WINDOW_SHARE = 0.5
-"""Spectra and mean energies are taken over this last share of a march; the transient is before."""
+"""Share of the shortest march, at whose end spectra and mean energies are taken of each one; the
+transient is before. Of a march that ends early it is at most that share of what there is."""
 
 
 class PointVariable(NamedTuple):
@@ -114,10 +115,15 @@ MODE_LINES: Mapping[str, tuple[str, str | None]] = {
 class Layout:
     """Sizes of what is kept of each point, the same for all points of a sweep."""
 
-    frequency: Array  #: of the spectra [Hz], evenly spaced, (frequencies,)
+    frequency: Array  #: of the spectra [Hz], whole multiples of 1 / window, (frequencies,)
     samples: int  #: of the decimated histories
     nodal_diameters: int  #: of the first blade family, 0 to this less one
     blades: int
+
+    @property
+    def window(self) -> float:
+        """Time at the end of each march that spectra and mean energies are over [s]."""
+        return float(1.0 / (self.frequency[1] - self.frequency[0]))
 
     @property
     def groups(self) -> tuple[str, ...]:
@@ -181,7 +187,9 @@ def open_sweep(path: str | Path) -> xr.Dataset:
         name: (dataset[name].dims, np.array(meanings)[dataset[name].values])
         for name, meanings in FLAGS.items()
     }
-    return dataset.assign(named)
+    opened = dataset.assign(named)
+    opened.set_close(dataset.close)
+    return opened
 
 
 def swept(dataset: xr.Dataset) -> list[str]:

@@ -110,7 +110,7 @@ def _client(scheduler: str | None, workers: int | None, groups: int) -> Iterator
             n_workers=min(count, groups),
             threads_per_worker=1,
             processes=True,
-            dashboard_address=None,
+            dashboard_address=":0",
             silence_logs="CRITICAL",
         ) as cluster,
         Client(cluster, set_as_default=False) as client,

@@ -15,11 +15,8 @@ REACH = 10.0
 """Spectra reach to this multiple of the first point's reference frequency: past the second blade
 family of the default stage."""
 
-PER_RESOLVED = 2.0
-"""Frequencies for each that the shortest window tells apart, for smooth lines."""
-
-MOST_LINES = 2001
-"""Frequencies that a spectrum has at most."""
+MOST_LINES = 20_001
+"""Frequencies that a spectrum has at most: of a very long march it reaches less far."""
 
 MOST_SAMPLES = 1000
 """Samples that a thinned history has at most."""
@@ -28,8 +25,8 @@ MOST_SAMPLES = 1000
 def make_layout(cases: Sequence[Case], stage: Stage) -> tuple[Layout, int]:
     """Layout of a sweep, and the size of all its full histories [bytes].
 
-    Frequencies are half as far apart as the shortest march's window resolves, at most 2001 of
-    them; they end where the coarsest records still resolve them.
+    Frequencies are those of the shortest march's window, where a Hann window keeps the parts of a
+    motion that come round in it apart; they end where the coarsest records still resolve them.
 
     Args:
         cases: at every point.
@@ -37,12 +34,12 @@ def make_layout(cases: Sequence[Case], stage: Stage) -> tuple[Layout, int]:
     """
     nyquist = min(0.5 / case.march.record_step for case in cases)
     highest = min(REACH * stage.reference_frequency / (2.0 * np.pi), nyquist)
-    shortest = min(case.march.duration for case in cases) * WINDOW_SHARE
-    each_side = int(np.clip(PER_RESOLVED * highest * shortest, 1, MOST_LINES // 2))
+    window = WINDOW_SHARE * min(case.march.duration for case in cases)
+    each_side = int(np.clip(highest * window, 1, MOST_LINES // 2))
     records = [case.march.steps // case.march.steps_per_record + 1 for case in cases]
     blades = max(case.bladed_disk.blades for case in cases)
     layout = Layout(
-        frequency=np.linspace(-highest, highest, 2 * each_side + 1),
+        frequency=np.arange(-each_side, each_side + 1) / max(window, 1.0 / highest),
         samples=min(MOST_SAMPLES, max(records)),
         nodal_diameters=blades // 2 + 1,
         blades=blades,

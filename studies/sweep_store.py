@@ -84,7 +84,8 @@ def create(
         file.attrs["over"] = json.dumps({axis.key: axis.values for axis in grid.axes})
         file.attrs["criterion"] = CRITERION
         file.attrs["window"] = (
-            f"spectra and mean energies are over the last {WINDOW_SHARE:.0%} of each march"
+            f"spectra and mean energies are over the last {layout.window:.6g} s of each march,"
+            f" at most {WINDOW_SHARE:.0%} of it"
         )
         file.attrs.update(attributes)
     os.replace(unfinished, directory / SWEEP_NAME)

@@ -1,0 +1,105 @@
+"""Scaling of sweeps over cores: `python benchmarks/sweep.py [--workers 2]`.
+
+The points of a sweep of the imbalance case, between 0.95 and 1.15, are marched by the workers that
+`bladewhirl sweep` uses: one of them alone, then all at a time, in turn, in one session. Each turn
+gives every working process as many points. What is timed is all that a point costs (stage, march,
+analysis), per step of its march; starting workers and compiling is not. The best turn counts. The
+efficiency is the time that a worker takes alone over the time that it takes beside the others: 1
+where they don't slow each other down. On a machine with other work the same ratio of processor
+times tells how far it is the workers that are in each other's way.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+from dask.system import CPU_COUNT
+from distributed import Client, LocalCluster
+from rich.console import Console
+from rich.table import Table
+
+from bladewhirl.models.case_file import dumps_case, read_case
+from bladewhirl.studies.sweep_axes import make_grid
+from bladewhirl.studies.sweep_points import Failure, Group, Work, march_group
+from bladewhirl.studies.sweeps import Plan, plan_sweep
+
+EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
+
+
+def planned(duration: float, points: int) -> Plan:
+    """A sweep of that many points, each marched for so long [s]."""
+    case = read_case(EXAMPLES / "imbalance.toml", [f"march.duration={duration!r}"])
+    speeds = [0.95 + 0.2 * point / points for point in range(points)]
+    grid = make_grid(case, {"march.speed": speeds}, large=False)
+    return plan_sweep(case, grid, histories=False)
+
+
+class Cost(NamedTuple):
+    """What a worker's points cost."""
+
+    wall: float  #: [s]
+    processor: float  #: mean of the workers [s]
+
+
+def processor_time(work: Work, group: Group) -> float:
+    """Time of the processor that a group takes [s]."""
+    began = time.process_time()
+    for outcome in march_group(work, group).values():
+        if isinstance(outcome, Failure):
+            raise RuntimeError(outcome.reason)
+    return time.process_time() - began
+
+
+def cost(client: Client, plan: Plan, workers: list[str], points: int) -> Cost:
+    """What so many points for each of these workers take."""
+    work = Work(case=dumps_case(plan.case), layout=plan.layout, histories="")
+    began = time.perf_counter()
+    futures = []
+    for place, worker in enumerate(workers):
+        first = place * points
+        group = Group(
+            number=place,
+            points={point: plan.grid.values(point) for point in range(first, first + points)},
+            history_names={},
+        )
+        futures.append(client.submit(processor_time, work, group, workers=worker, pure=False))
+    used = client.gather(futures)
+    return Cost(wall=time.perf_counter() - began, processor=sum(used) / len(used))
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--workers", type=int, default=CPU_COUNT)
+    parser.add_argument("--points", type=int, default=2, help="of each worker in a turn")
+    parser.add_argument("--duration", type=float, default=0.5, help="of each march [s]")
+    parser.add_argument("--turns", type=int, default=3)
+    given = parser.parse_args()
+    plan = planned(given.duration, max(2, given.workers * given.points))
+    with (
+        LocalCluster(
+            n_workers=given.workers, threads_per_worker=1, dashboard_address=":0"
+        ) as cluster,
+        Client(cluster) as client,
+    ):
+        workers = list(client.scheduler_info(n_workers=-1)["workers"])
+        cost(client, plan, workers, 1)  # compiles
+        alone, together = [], []
+        for _ in range(given.turns):
+            alone.append(cost(client, plan, workers[:1], given.points))
+            together.append(cost(client, plan, workers, given.points))
+    scale = 1e6 / (given.points * plan.case.march.steps)
+    table = Table(
+        "per step of a worker [µs]", "alone", f"one of {given.workers}", "efficiency", box=None
+    )
+    for name in Cost._fields:
+        one, many = (min(getattr(turn, name) for turn in turns) for turns in (alone, together))
+        table.add_row(name, f"{scale * one:.3f}", f"{scale * many:.3f}", f"{one / many:.1%}")
+    Console().print(table)
+
+
+if __name__ == "__main__":
+    main()
