@@ -28,7 +28,7 @@ from bladewhirl.postprocess.sweep_result import DONE, Layout, SweepError, open_s
 from bladewhirl.studies import sweep_cluster, sweeps
 from bladewhirl.studies.cli import app
 from bladewhirl.studies.runs import run_case
-from bladewhirl.studies.sweep_points import Failure, Group, Work
+from bladewhirl.studies.sweep_points import Failure, Group, Outcome, Work
 from bladewhirl.studies.sweeps import PLAN_NAME, resume_sweep, run_sweep
 
 CASE = Case(
@@ -188,7 +188,7 @@ def test_a_point_that_kills_every_worker_fails_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sweep_cluster, "march_group", sweep_work.deadly)
-    found = {}
+    found: dict[int, Outcome] = {}
     for outcomes in sweep_cluster.march_groups(work(tmp_path), GROUPS, scheduler=None, workers=2):
         found.update(outcomes)
     assert sorted(found) == list(range(6))
@@ -200,7 +200,7 @@ def test_a_worker_that_dies_once_is_forgiven(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sweep_cluster, "march_group", sweep_work.deadly_once)
-    found = {}
+    found: dict[int, Outcome] = {}
     for outcomes in sweep_cluster.march_groups(work(tmp_path), GROUPS, scheduler=None, workers=2):
         found.update(outcomes)
     assert found == {i: Failure(reason=f"point {i}") for i in range(6)}
