@@ -25,6 +25,7 @@ from bladewhirl.postprocess.run_figures import FIGURES, RunFigures
 from bladewhirl.postprocess.spectra import modal_lines, shaft_spectrogram, shaft_spectrum
 from bladewhirl.postprocess.style import save_figure
 from bladewhirl.postprocess.summary import Summary, summarise, summary_table, write_summary
+from bladewhirl.postprocess.sweep_result import SweepError, open_sweep
 from bladewhirl.postprocess.vtk_series import SeriesWriter, undeformed_mesh, write_vtk
 from bladewhirl.postprocess.whirling import whirl_history
 from bladewhirl.postprocess.windows import late_part, select_window
@@ -39,6 +40,7 @@ __all__ = [
     "RunFigures",
     "SeriesWriter",
     "Summary",
+    "SweepError",
     "ViewError",
     "Whirl",
     "animation_records",
@@ -55,6 +57,7 @@ __all__ = [
     "late_part",
     "modal_lines",
     "open_result",
+    "open_sweep",
     "plot_energy",
     "plot_orbit",
     "poincare_map",

@@ -17,6 +17,7 @@ import psutil
 import pytest
 import sweep_work
 import xarray as xr
+from distributed import LocalCluster
 from typer.testing import CliRunner
 
 from bladewhirl.models.case import Case, March
@@ -101,6 +102,14 @@ def test_figures_are_left(swept: Path) -> None:
 def test_the_number_of_workers_does_not_matter(swept: Path, tmp_path: Path) -> None:
     run_sweep(CASE, OVER, tmp_path / "one", workers=1)
     assert same_bits(swept, tmp_path / "one")
+
+
+@pytest.mark.slow
+def test_an_existing_scheduler_gives_the_same_bits(swept: Path, tmp_path: Path) -> None:
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster:
+        run_sweep(CASE, OVER, tmp_path / "other", scheduler=cluster.scheduler_address)
+        assert len(cluster.scheduler_info["workers"]) == 2  # it lives on
+    assert same_bits(swept, tmp_path / "other")
 
 
 def start(folder: Path, tmp_path: Path) -> subprocess.Popen[bytes]:
