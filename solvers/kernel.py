@@ -819,6 +819,37 @@ def _difference(slots: Array, later: int, earlier: int, out: Array, row: int) ->
 
 
 @njit(**COMPILE)
+def _casing_tangential(
+    weight: Array,
+    slope_weight: Array,
+    even: Array,
+    odd: Array,
+    even_slope: Array,
+    odd_slope: Array,
+    slots: Array,
+    slot: int,
+    columns: Array,
+    nodes: int,
+    value: Array,
+    slope: Array,
+    hermite: Array,
+    element: Array,
+    out: Array,
+) -> None:
+    """Tangential displacement of the casing under each tip."""
+    for kind in range(2):
+        _column_sums(weight if kind == 0 else slope_weight, slots, slot, columns)
+        _nodal_values(
+            even if kind == 0 else even_slope,
+            odd if kind == 0 else odd_slope,
+            columns,
+            nodes,
+            value if kind == 0 else slope,
+        )
+    _on_tips(value, slope, hermite, element, out)
+
+
+@njit(**COMPILE)
 def _sliding_signs(
     blade: Array, casing: Array, wheel_speed: float, time_step: float, sign: Array
 ) -> None:
@@ -1018,8 +1049,9 @@ def advance(
             _combine(shape, column, u_r)
             _nodal_values(even, odd, values, nodes, w)
             _nodal_values(even_s, odd_s, slopes, nodes, w_s)
+            found = free_gap if trial == 0 else gap
+            within = _close_gaps(w, w_s, clearance, hermite, element, u_r, limit, found)
             if trial == 0:
-                within = _close_gaps(w, w_s, clearance, hermite, element, u_r, limit, free_gap)
                 for j in range(tips):
                     penetrating += free_gap[j] < 0.0
                 if penetrating == 0:
@@ -1034,24 +1066,15 @@ def advance(
                     _difference(xs, now, old, moved, zero)
                     _difference(ys, now, old, moved, one)
                     _tip_tangential(
-                        tangential,
-                        crossed,
-                        shape,
-                        cross_shape,
-                        moved,
-                        zero,
-                        column,
-                        u_t,
+                        tangential, crossed, shape, cross_shape, moved, zero, column, u_t,
                         tip_scratch,
-                    )
-                    _column_sums(u_weight, moved, one, values)
-                    _nodal_values(even_u, odd_u, values, nodes, w)
-                    _column_sums(u_s_weight, moved, one, values)
-                    _nodal_values(even_u_s, odd_u_s, values, nodes, w_s)
-                    _on_tips(w, w_s, hermite, element, tip_scratch)
+                    )  # fmt: skip
+                    _casing_tangential(
+                        u_weight, u_s_weight, even_u, odd_u, even_u_s, odd_u_s, moved, one,
+                        values, nodes, w, w_s, hermite, element, tip_scratch,
+                    )  # fmt: skip
                     _sliding_signs(u_t, tip_scratch, wheel_speed, dt, sign)
             else:
-                within = _close_gaps(w, w_s, clearance, hermite, element, u_r, limit, gap)
                 if trial >= LAST_TRIAL or not within:
                     break
                 # Tips that the correction pushed into the casing join the set.
