@@ -49,9 +49,14 @@ from bladewhirl.solvers.lanes import (
 
 Array = NDArray[Any]
 FAST = {"reassoc", "contract", "nsz", "arcp"}  # NaN and infinity keep their meaning
-COMPILE = {"cache": True, "nogil": True, "fastmath": FAST, "error_model": "numpy"}
+ENTRY = {
+    "cache": True, "nogil": True, "fastmath": FAST, "error_model": "numpy",
+    "no_cfunc_wrapper": True,
+}  # fmt: skip
+# Only the entry is called from Python, so only it needs, and compiles, what unpacks arguments.
+COMPILE = {k: v for k, v in ENTRY.items() if k != "cache"} | {"no_cpython_wrapper": True}
 # Passing an array takes seven words: parts of every step go into the caller.
-INLINE = {k: v for k, v in COMPILE.items() if k != "cache"} | {"forceinline": True}
+INLINE = COMPILE | {"forceinline": True}
 
 RUNNING, DIVERGED = 0, 1
 W_KIND, W_SLOPE, U_KIND, U_SLOPE = 0, 1, 2, 3
@@ -886,7 +891,7 @@ def _settle(slots: Array, old: int, now: int, new: int) -> None:
         slots[0, i], slots[1, i], slots[2, i] = before, current, scratch
 
 
-@njit(**COMPILE)
+@njit(**ENTRY)
 def advance(
     rotor: Rotor,
     casing: Casing,
