@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,11 +17,12 @@ from typing import Any
 import numpy as np
 
 from bladewhirl.models.case import Case
-from bladewhirl.models.case_file import dumps_case, loads
+from bladewhirl.models.case_file import dumps_case, loads, with_values
 from bladewhirl.models.faults import UserError
 from bladewhirl.models.march_problem import march_faults
 from bladewhirl.postprocess.sweep_result import DONE, SWEEP_NAME, Layout
 from bladewhirl.studies import run_directory as folder
+from bladewhirl.studies.runs import prepare_stage
 from bladewhirl.studies.sweep_axes import (
     OVER,
     Grid,
@@ -300,6 +302,8 @@ def _carry_out(
             if not all(state[point] == DONE for point in points)
         ]
         watch.progress(store.done, 0, plan.grid.size)
+        if left:
+            _compile(plan.case, next(iter(left[0].points.values())))
         for outcomes in march_groups(work, left, scheduler=scheduler, workers=workers):
             store.write(outcomes)
             watch.progress(store.done, len(store.failures), plan.grid.size)
@@ -315,6 +319,15 @@ def _carry_out(
     if swept.done:
         draw_sweep(directory)
     return swept
+
+
+def _compile(case: Case, values: Mapping[str, Value]) -> None:
+    """Leave compiled code where local workers find it.
+
+    Those that compile side by side may get code that differs in the last bits of a result.
+    """
+    with suppress(UserError):  # a point that can't be marched is told of by its worker
+        prepare_stage(stage_at(with_values(case, values)))
 
 
 def _group(plan: Plan, number: int, points: range) -> Group:
