@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import shutil
 import signal
 import threading
@@ -94,7 +95,8 @@ def prepare_stage(stage: Stage) -> Prepared:
     with numbers_within_reach():
         scheme = CentralDifference(problem, timing.time_step, timing.record_every)
         begin = scheme.init()
-    scheme.advance(begin, 0)  # compiles, so that the march's clock does not count it
+    with _no_collection():  # compiles, so that the march's clock does not count it
+        scheme.advance(begin, 0)
     return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
 
 
@@ -146,6 +148,18 @@ def run_case(
         return write_up(directory, report, window)
     except OSError as error:
         raise UserError(f"{directory}: cannot be written ({error})") from None
+
+
+@contextmanager
+def _no_collection() -> Iterator[None]:
+    """Keep the garbage collector away: it costs a compilation a tenth of its time."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
 def march_to_file(
