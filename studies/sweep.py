@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from bladewhirl.studies.run import EXIT_INTERRUPTED
+
 if TYPE_CHECKING:
     from rich.console import Console
 
     from bladewhirl.studies.sweeps import Plan, Sweep, Watch
-
-INTERRUPTED = 130
-"""Exit code of an interrupted sweep, that of the shell for Ctrl-C."""
 
 ALL_FAILED = 1
 """Exit code of a sweep without a single point done."""
@@ -134,7 +133,7 @@ def _interruptible(folder: Path | None) -> Iterator[None]:
         yield
     except KeyboardInterrupt:
         typer.echo(f"interrupted; bladewhirl sweep --resume {folder} finishes it", err=True)
-        raise typer.Exit(INTERRUPTED) from None
+        raise typer.Exit(EXIT_INTERRUPTED) from None
 
 
 def _report(done: Sweep, *, as_json: bool) -> None:

@@ -376,7 +376,9 @@ def test_what_does_not_fit_together(given: dict[str, Any], key: str, expected: s
     ],
 )
 def test_what_does_fit(given: dict[str, Any]) -> None:
-    case_from(given)
+    case = case_from(given)
+    for table, values in given.items():
+        assert getattr(case, table).model_fields_set >= set(values)
 
 
 def test_steps_are_whole_numbers() -> None:

@@ -106,4 +106,5 @@ def test_the_figure_has_a_line_for_each_family_and_a_row_for_each_nodal_diameter
 def test_a_disk_at_rest_can_be_drawn() -> None:
     result = synthetic.synthetic_result(records=3)
     result["rotor_displacement"] = 0.0 * result.rotor_displacement
-    plot_family_energies(family_energies(result))
+    upper = plot_family_energies(family_energies(result)).axes[0]
+    assert np.isfinite([*upper.get_xlim(), *upper.get_ylim()]).all()

@@ -128,5 +128,8 @@ class TestFigures:
     def test_a_shaft_at_rest_can_be_drawn(self) -> None:
         result = synthetic.synthetic_result(records=401, shaft_radius=0.0)
         orbit, lines = shaft_orbit(result), modal_lines(result, "static")
-        plot_spectrum(shaft_spectrum(orbit, "static"), lines)
-        plot_spectrogram(shaft_spectrogram(orbit, "static"), lines)
+        for figure in (
+            plot_spectrum(shaft_spectrum(orbit, "static"), lines),
+            plot_spectrogram(shaft_spectrogram(orbit, "static"), lines),
+        ):
+            assert np.isfinite([*figure.axes[0].get_xlim(), *figure.axes[0].get_ylim()]).all()
