@@ -31,6 +31,7 @@ class Casing:
 
     mesh: RingMesh
     section: Section
+    curvature: Literal["exact", "shallow"]  #: bending strain, see `elements`
     structure: Structure
 
     def nodal(self, shapes: FloatArray) -> FloatArray:
@@ -86,4 +87,4 @@ def assemble_casing(
         layout=SectorLayout(sector_dofs=node_dofs, centre_dofs=np.full(3, -1)),
         held=held,
     )
-    return Casing(mesh=mesh, section=section, structure=structure)
+    return Casing(mesh=mesh, section=section, curvature=curvature, structure=structure)

@@ -53,6 +53,8 @@ class LineProperties:
     bending_stiffness: FloatArray  #: E I [N m2], (lines,)
     line_mass: FloatArray  #: rho A [kg/m], (lines,)
     thickness: FloatArray  #: in the plane [m], (lines,)
+    width: FloatArray  #: out of the plane [m], (lines,)
+    young_modulus: FloatArray  #: [Pa], (lines,)
 
 
 def line_properties(mesh: LineMesh, sections: Mapping[str, Section]) -> LineProperties:
@@ -66,7 +68,7 @@ def line_properties(mesh: LineMesh, sections: Mapping[str, Section]) -> LineProp
         raise ValueError(
             f"section for unknown line set {unknown[0]!r}; mesh has {[*mesh.line_sets]}"
         )
-    table = np.full((4, len(mesh.lines)), np.nan)
+    table = np.full((6, len(mesh.lines)), np.nan)
     for name, section in sections.items():
         table[:, mesh.line_sets[name]] = np.array(
             [
@@ -74,6 +76,8 @@ def line_properties(mesh: LineMesh, sections: Mapping[str, Section]) -> LineProp
                 section.bending_stiffness,
                 section.line_mass,
                 section.thickness,
+                section.width,
+                section.young_modulus,
             ]
         )[:, None]
     bare = np.flatnonzero(np.isnan(table[0]))
@@ -84,4 +88,6 @@ def line_properties(mesh: LineMesh, sections: Mapping[str, Section]) -> LineProp
         bending_stiffness=table[1],
         line_mass=table[2],
         thickness=table[3],
+        width=table[4],
+        young_modulus=table[5],
     )

@@ -21,6 +21,8 @@ class StageArrays:
     rotor_point: FloatArray  #: undeformed nodes [m], (rotor nodes, 2)
     rotor_line: IntArray  #: end nodes of each line, (rotor lines, 2)
     rotor_thickness: FloatArray  #: in the plane [m], (rotor lines,)
+    rotor_width: FloatArray  #: out of the plane [m], (rotor lines,)
+    rotor_young_modulus: FloatArray  #: [Pa], (rotor lines,)
     rotor_part: tuple[str, ...]  #: set that each line belongs to, (rotor lines,)
     rotor_shape: FloatArray  #: x, y [kg^-1/2], rotation [kg^-1/2/m], (rotor nodes, 3, rotor modes)
     tip_node: IntArray  #: (blades,)
@@ -28,5 +30,8 @@ class StageArrays:
     centre_node: int
     casing_angle: FloatArray  #: of each node from +x [rad], (casing nodes,)
     casing_thickness: FloatArray  #: of element i, from node i to the next [m], (casing nodes,)
+    casing_width: FloatArray  #: of the same, out of the plane [m], (casing nodes,)
+    casing_young_modulus: FloatArray  #: of the same [Pa], (casing nodes,)
+    casing_curvature: str  #: bending strain of the wall, "exact" or "shallow" (see `elements`)
     casing_shape: FloatArray  #: w, dw/ds, u, du/ds, (casing nodes, 4, casing modes)
     clearance: FloatArray  #: at each casing node [m], (casing nodes,)

@@ -47,6 +47,8 @@ def stage_arrays(
         rotor_point=mesh.points,
         rotor_line=mesh.lines,
         rotor_thickness=disk.properties.thickness,
+        rotor_width=disk.properties.width,
+        rotor_young_modulus=disk.properties.young_modulus,
         rotor_part=tuple(mesh.line_parts),
         rotor_shape=disk.cartesian(disk_modes.shapes),
         tip_node=mesh.node_sets["tips"],
@@ -54,6 +56,9 @@ def stage_arrays(
         centre_node=int(mesh.node_sets["centre"][0]),
         casing_angle=casing.mesh.angles,
         casing_thickness=np.full(casing.mesh.elements, casing.section.thickness),
+        casing_width=np.full(casing.mesh.elements, casing.section.width),
+        casing_young_modulus=np.full(casing.mesh.elements, casing.section.young_modulus),
+        casing_curvature=casing.curvature,
         casing_shape=casing.nodal(casing_modes.shapes),
         clearance=clearance,
     )

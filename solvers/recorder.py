@@ -91,6 +91,8 @@ STATIC: Mapping[str, Variable] = {
     ),
     "rotor_line": Variable(("rotor_line", "end"), "1", "rotor nodes at the ends of each line"),
     "rotor_thickness": Variable(("rotor_line",), "m", "thickness of each line in the plane"),
+    "rotor_width": Variable(("rotor_line",), "m", "width of each line out of the plane"),
+    "rotor_young_modulus": Variable(("rotor_line",), "Pa", "Young's modulus of each line"),
     "rotor_part": Variable(("rotor_line",), "1", "part that each line belongs to"),
     "rotor_shape": Variable(
         ("rotor_node", "rotor_component", "rotor_mode"),
@@ -103,6 +105,11 @@ STATIC: Mapping[str, Variable] = {
     "casing_angle": Variable(("casing_node",), "rad", "angle of each casing node from +x"),
     "casing_thickness": Variable(
         ("casing_node",), "m", "thickness of the element from each casing node to the next"
+    ),
+    "casing_width": Variable(("casing_node",), "m", "width of the same element out of the plane"),
+    "casing_young_modulus": Variable(("casing_node",), "Pa", "Young's modulus of the same element"),
+    "casing_curvature": Variable(
+        (), "1", "bending strain of the casing: exact, w'' - u'/R, or shallow, w''"
     ),
     "casing_shape": Variable(
         ("casing_node", "casing_component", "casing_mode"),

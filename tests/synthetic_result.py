@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 TIP_RADIUS = 0.25
 DISK_RADIUS = 0.15
 CLEARANCE = 1e-3
+YOUNG_MODULUS = 2.1e11
 SPEED = 80.0  # rad/s
 RECORD_STEP = 1e-3
 ROTOR_FREQUENCY = np.array([190.0, 190.0, 400.0, 75.0, 75.0])  # rad/s
@@ -164,6 +165,8 @@ def synthetic_result(
                 "rotor_line",
                 np.where(np.array(parts) == "blades", 0.010, 0.030),
             ),
+            "rotor_width": ("rotor_line", np.full(len(lines), 0.1)),
+            "rotor_young_modulus": ("rotor_line", np.full(len(lines), YOUNG_MODULUS)),
             "rotor_part": ("rotor_line", np.array(parts, dtype=object)),
             "rotor_shape": (("rotor_node", "rotor_component", "rotor_mode"), rotor_shape),
             "tip_node": ("blade", tips),
@@ -171,6 +174,9 @@ def synthetic_result(
             "centre_node": ((), 0),
             "casing_angle": ("casing_node", ring),
             "casing_thickness": ("casing_node", np.full(casing_elements, 0.010)),
+            "casing_width": ("casing_node", np.full(casing_elements, 0.1)),
+            "casing_young_modulus": ("casing_node", np.full(casing_elements, YOUNG_MODULUS)),
+            "casing_curvature": ((), "exact"),
             "casing_shape": (
                 ("casing_node", "casing_component", "casing_mode"),
                 casing_shapes(ring, radius),
