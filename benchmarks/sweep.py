@@ -23,8 +23,8 @@ from rich.table import Table
 
 from bladewhirl.models.case_file import dumps_case, read_case
 from bladewhirl.studies.sweep_axes import make_grid
+from bladewhirl.studies.sweep_plan import Plan, plan_sweep
 from bladewhirl.studies.sweep_points import Failure, Group, Work, march_group
-from bladewhirl.studies.sweeps import Plan, plan_sweep
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 

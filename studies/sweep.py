@@ -14,7 +14,8 @@ from bladewhirl.studies.run import EXIT_INTERRUPTED
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from bladewhirl.studies.sweeps import Plan, Sweep, Watch
+    from bladewhirl.studies.sweep_plan import Plan
+    from bladewhirl.studies.sweeps import Sweep, Watch
 
 ALL_FAILED = 1
 """Exit code of a sweep without a single point done."""

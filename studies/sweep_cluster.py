@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import uuid
-from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from itertools import chain, islice
 
 import dask
 from dask.system import CPU_COUNT
@@ -30,7 +30,7 @@ READY = 1
 
 
 def march_groups(
-    work: Work, groups: Sequence[Group], *, scheduler: str | None, workers: int | None
+    work: Work, groups: Iterable[Group], *, scheduler: str | None, workers: int | None
 ) -> Iterator[Mapping[int, Outcome]]:
     """March groups, yielding the outcomes of each as they come.
 
@@ -47,11 +47,14 @@ def march_groups(
     Raises:
         UserError: the scheduler does not answer, or has no workers.
     """
-    if not groups:
+    waiting = iter(groups)
+    count = workers or CPU_COUNT
+    first = list(islice(waiting, count))
+    if not first:
         return
-    with _client(scheduler, workers, len(groups)) as client:
+    with _client(scheduler, min(count, len(first))) as client:
         suspects: list[Group] = []
-        yield from _in_flight(client, work, groups, suspects)
+        yield from _in_flight(client, work, chain(first, waiting), suspects)
         for group in suspects:
             dead: list[Group] = []
             yield from _in_flight(client, work, [group], dead)
@@ -61,23 +64,24 @@ def march_groups(
 
 
 def _in_flight(
-    client: Client, work: Work, groups: Sequence[Group], suspects: list[Group]
+    client: Client, work: Work, groups: Iterable[Group], suspects: list[Group]
 ) -> Iterator[Mapping[int, Outcome]]:
-    """March groups with a few of them submitted at a time: a sweep of any size takes no memory."""
-    waiting, marching = deque(groups), {}
+    """March groups with a few of them submitted at a time: none but these take memory."""
+    waiting, marching = iter(groups), dict[object, Group]()
     results = as_completed(loop=client.loop)
 
-    def submit() -> None:
-        group = waiting.popleft()
-        key = ("sweep-" + uuid.uuid4().hex, group.number)
-        future = client.submit(march_group, work, group, key=key, pure=False)
-        marching[future.key] = group
-        results.add(future)
+    def submit(most: int) -> None:
+        for group in islice(waiting, most):
+            key = ("sweep-" + uuid.uuid4().hex, group.number)
+            future = client.submit(march_group, work, group, key=key, pure=False)
+            marching[future.key] = group
+            results.add(future)
 
-    while waiting or marching:
+    while True:
         threads = max(1, sum(client.nthreads().values()))
-        while waiting and len(marching) < (1 + READY) * threads:
-            submit()
+        submit(max(0, (1 + READY) * threads - len(marching)))
+        if not marching:
+            return
         future = next(results)
         group = marching.pop(future.key)
         try:
@@ -91,7 +95,7 @@ def _in_flight(
 
 
 @contextmanager
-def _client(scheduler: str | None, workers: int | None, groups: int) -> Iterator[Client]:
+def _client(scheduler: str | None, workers: int) -> Iterator[Client]:
     """A client of the scheduler, or of a local cluster that ends with it."""
     if scheduler is not None:
         try:
@@ -103,11 +107,10 @@ def _client(scheduler: str | None, workers: int | None, groups: int) -> Iterator
         with client:
             yield client
         return
-    count = workers or CPU_COUNT
     with (
         dask.config.set(LOCAL),
         LocalCluster(
-            n_workers=min(count, groups),
+            n_workers=workers,
             threads_per_worker=1,
             processes=True,
             dashboard_address=":0",

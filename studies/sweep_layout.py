@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,35 +24,65 @@ MOST_SAMPLES = 1000
 """Samples that a thinned history has at most."""
 
 
-def make_layout(cases: Sequence[Case], stage: Stage) -> tuple[Layout, int]:
-    """Layout of a sweep, and the size of all its full histories [bytes].
+@dataclass(frozen=True, kw_only=True)
+class Extent:
+    """How long the marches of a sweep are, all points together."""
+
+    shortest: float  #: duration of the shortest march [s]
+    record_step: float  #: the longest time between records [s]
+    steps: int  #: of all marches
+    histories: Mapping[tuple[int, int], int]  #: points with so many (blades, records)
+
+    @property
+    def blades(self) -> int:
+        """Most blades of any point."""
+        return max(blades for blades, _ in self.histories)
+
+    @property
+    def records(self) -> int:
+        """Most records of any point."""
+        return max(records for _, records in self.histories)
+
+
+def march_extent(cases: Iterable[Case]) -> Extent:
+    """Go through the cases of a sweep once; none of them is kept."""
+    shortest, record_step, steps = np.inf, 0.0, 0
+    histories: Counter[tuple[int, int]] = Counter()
+    for case in cases:
+        march = case.march
+        shortest = min(shortest, march.duration)
+        record_step = max(record_step, march.record_step)
+        steps += march.steps
+        histories[case.bladed_disk.blades, march.steps // march.steps_per_record + 1] += 1
+    return Extent(shortest=shortest, record_step=record_step, steps=steps, histories=histories)
+
+
+def make_layout(extent: Extent, stage: Stage) -> Layout:
+    """Layout of a sweep.
 
     Frequencies are those of the shortest march's window, where a Hann window keeps the parts of a
     motion that come round in it apart; they end where the coarsest records still resolve them.
 
     Args:
-        cases: at every point.
+        extent: of all points.
         stage: of the first point.
     """
-    nyquist = min(0.5 / case.march.record_step for case in cases)
+    nyquist = 0.5 / extent.record_step
     highest = min(REACH * stage.reference_frequency / (2.0 * np.pi), nyquist)
-    window = WINDOW_SHARE * min(case.march.duration for case in cases)
+    window = WINDOW_SHARE * extent.shortest
     each_side = int(np.clip(highest * window, 1, MOST_LINES // 2))
-    records = [case.march.steps // case.march.steps_per_record + 1 for case in cases]
-    blades = max(case.bladed_disk.blades for case in cases)
-    layout = Layout(
+    return Layout(
         frequency=np.arange(-each_side, each_side + 1) / max(window, 1.0 / highest),
-        samples=min(MOST_SAMPLES, max(records)),
-        nodal_diameters=blades // 2 + 1,
-        blades=blades,
+        samples=min(MOST_SAMPLES, extent.records),
+        nodal_diameters=extent.blades // 2 + 1,
+        blades=extent.blades,
     )
-    histories = sum(
-        result_bytes(
-            stage.reduction.modes.count,
-            stage.casing_modes.count,
-            case.bladed_disk.blades,
-            count,
-        )
-        for case, count in zip(cases, records, strict=True)
+
+
+def history_bytes(extent: Extent, stage: Stage) -> int:
+    """Size of all full histories of a sweep [bytes], with the modes of the first point's stage."""
+    modes = stage.reduction.modes.count, stage.casing_modes.count
+    return sum(
+        points * result_bytes(*modes, blades, records)
+        for (blades, records), points in extent.histories.items()
     )
-    return layout, histories

@@ -18,8 +18,9 @@ from typing import Any, Self
 import h5netcdf
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.faults import UserError
 from bladewhirl.postprocess.regimes import CRITERION
 from bladewhirl.postprocess.sweep_result import (
@@ -107,6 +108,7 @@ class Store:
             raise UserError(f"{path}: is in use; is the sweep still running?") from None
         except OSError as error:
             raise UserError(f"{path}: expected the dataset of a sweep ({error})") from None
+        self._state = np.asarray(self._h5["state"][()], dtype=np.int8).ravel()
         self._failures = _read_failures(directory)
 
     def __enter__(self) -> Self:
@@ -128,14 +130,19 @@ class Store:
         return np.asarray(self._h5["frequency"][()], dtype=np.float64)
 
     @property
-    def state(self) -> IntArray:
-        """State of every point, (points,)."""
-        return np.asarray(self._h5["state"][()], dtype=np.int64).ravel()
+    def state(self) -> NDArray[np.int8]:
+        """State of every point when last written, (points,)."""
+        return self._state.copy()
 
     @property
     def done(self) -> int:
         """Number of points done."""
-        return int(np.count_nonzero(self.state == DONE))
+        return int(np.count_nonzero(self._state == DONE))
+
+    @property
+    def failed(self) -> int:
+        """Number of failed points."""
+        return len(self._failures)
 
     @property
     def failures(self) -> dict[int, str]:
@@ -156,7 +163,8 @@ class Store:
         self._write_failures()
         for point, outcome in outcomes.items():
             index = np.unravel_index(point, self._grid.shape)
-            self._h5["state"][index] = FAILED if isinstance(outcome, Failure) else DONE
+            self._state[point] = FAILED if isinstance(outcome, Failure) else DONE
+            self._h5["state"][index] = self._state[point]
         self._h5.flush()
 
     def _write_failures(self) -> None:

@@ -6,76 +6,26 @@ depends on the case and the points, not on the number of workers, their order, o
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from bladewhirl.models.case import Case
-from bladewhirl.models.case_file import dumps_case, loads, with_values
+from bladewhirl.models.case_file import dumps_case, with_values
 from bladewhirl.models.faults import UserError
-from bladewhirl.models.march_problem import march_faults
-from bladewhirl.postprocess.sweep_result import DONE, SWEEP_NAME, Layout
+from bladewhirl.postprocess.sweep_result import SWEEP_NAME
 from bladewhirl.studies import run_directory as folder
 from bladewhirl.studies.runs import prepare_stage
-from bladewhirl.studies.sweep_axes import (
-    OVER,
-    Grid,
-    Value,
-    coordinate,
-    make_grid,
-    refuse_faulty,
-    unit_of,
-    value_at,
-)
+from bladewhirl.studies.sweep_axes import Grid, Value, make_grid
 from bladewhirl.studies.sweep_cluster import march_groups
-from bladewhirl.studies.sweep_layout import make_layout
-from bladewhirl.studies.sweep_points import Group, Work, stage_at
-from bladewhirl.studies.sweep_store import Coordinates, Store, create, write_whole
-
-PLAN_NAME = "sweep.json"
-"""What a sweep is, so that it can be resumed."""
+from bladewhirl.studies.sweep_plan import PLAN_NAME, Plan, plan_sweep, read_plan, write_plan
+from bladewhirl.studies.sweep_points import Work, stage_at
+from bladewhirl.studies.sweep_store import Store, create
 
 HISTORIES_NAME = "histories"
 """Folder of full histories."""
-
-GROUP_SIZE = 1
-"""Points in a unit of work. Part of the plan: what is marched together must not change on
-resume."""
-
-CHECKED_STAGES = 32
-"""Stages built before a sweep to see whether they can be marched; faults of further ones show
-as failed points."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Plan:
-    """A sweep that has been checked: its points and what it will take."""
-
-    case: Case
-    grid: Grid
-    coordinates: Coordinates
-    layout: Layout
-    histories: bool
-    group_size: int
-    steps: int  #: of all marches together, if none ends early
-    history_bytes: int  #: of all full histories
-
-    @property
-    def dataset_bytes(self) -> int:
-        """Size of the dataset [bytes]."""
-        return self.grid.size * self.layout.bytes_per_point
-
-    @property
-    def groups(self) -> list[range]:
-        """Points of each unit of work."""
-        size, width = self.grid.size, self.group_size
-        return [range(first, min(first + width, size)) for first in range(0, size, width)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -151,7 +101,7 @@ def run_sweep(
     try:
         directory.mkdir(parents=True, exist_ok=True)
         folder.write_provenance(directory)
-        write_whole(directory / PLAN_NAME, _plan_text(plan))
+        write_plan(plan, directory)
     except OSError as error:
         raise UserError(f"{directory}: cannot be written ({error})") from None
     return _carry_out(plan, directory, scheduler, workers, watch)
@@ -177,100 +127,10 @@ def resume_sweep(
             scheduler that does not answer.
     """
     directory = Path(directory)
-    plan = _read_plan(directory)
+    plan = read_plan(directory)
     watch = watch or Watch()
     watch.planned(plan)
     return _carry_out(plan, directory, scheduler, workers, watch)
-
-
-def plan_sweep(case: Case, grid: Grid, *, histories: bool, group_size: int = GROUP_SIZE) -> Plan:
-    """Check every point of a sweep and find what it will take.
-
-    Raises:
-        UserError: faults of the case at points, each with its point.
-    """
-    cases = list(grid.cases(case))
-    coordinates = _coordinates(case, grid, cases)
-    _check_stages(grid, cases)
-    layout, history_bytes = make_layout(cases, stage_at(cases[0]))
-    return Plan(
-        case=case,
-        grid=grid,
-        coordinates=coordinates,
-        layout=layout,
-        histories=histories,
-        group_size=group_size,
-        steps=sum(each.march.steps for each in cases),
-        history_bytes=history_bytes if histories else 0,
-    )
-
-
-def _coordinates(case: Case, grid: Grid, cases: Sequence[Case]) -> Coordinates:
-    found = {}
-    numbers = np.arange(grid.size).reshape(grid.shape)
-    for position, axis in enumerate(grid.axes):
-        along = np.moveaxis(numbers, position, 0).reshape(len(axis.values), -1)[:, 0]
-        values, unit = coordinate([value_at(cases[point], axis.key) for point in along])
-        found[axis.key] = (values, unit or unit_of(case, axis.key))
-    return found
-
-
-def _check_stages(grid: Grid, cases: Sequence[Case]) -> None:
-    """Build the stages of points, the first and the last among them, and look for faults.
-
-    Raises:
-        UserError: faults, each with its point.
-    """
-    faults: list[str] = []
-    swept_body = [axis for axis in grid.axes if not axis.key.startswith(("march.", "contact."))]
-    chosen = range(grid.size)
-    if swept_body:
-        spread = np.linspace(0, grid.size - 1, min(CHECKED_STAGES, grid.size))
-        chosen = np.unique(spread.round().astype(int)).tolist()
-    for point in chosen:
-        try:
-            found = [str(fault) for fault in march_faults(stage_at(cases[point]))]
-        except UserError as error:
-            found = error.lines
-        faults += [f"{OVER}, point {grid.label(point)}: {line}" for line in found[:1]]
-    refuse_faulty(faults)
-
-
-def _plan_text(plan: Plan) -> str:
-    document = {
-        folder.PACKAGE: folder.version(),
-        "case": dumps_case(plan.case),
-        "over": {axis.key: axis.values for axis in plan.grid.axes},
-        "histories": plan.histories,
-        "group_size": plan.group_size,
-    }
-    return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
-
-
-def _read_plan(directory: Path) -> Plan:
-    """The plan of a sweep that was begun.
-
-    Raises:
-        UserError: there is none, or it is another version's.
-    """
-    path = directory / PLAN_NAME
-    try:
-        document: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        made_by, text, over = (document[key] for key in (folder.PACKAGE, "case", "over"))
-        histories, group_size = bool(document["histories"]), int(document["group_size"])
-    except OSError as error:
-        raise UserError(f"{path}: expected the plan of a sweep ({error.strerror})") from None
-    except (ValueError, KeyError, TypeError) as error:
-        raise UserError(f"{path}: expected the plan of a sweep ({error!r})") from None
-    if made_by != folder.version():
-        raise UserError(
-            f"{path}: expected a sweep of bladewhirl {folder.version()}, this one is of {made_by};"
-            " its points would not agree to the last bit"
-        )
-    case = loads(text, file=str(path))
-    return plan_sweep(
-        case, make_grid(case, over, large=True), histories=histories, group_size=group_size
-    )
 
 
 def _carry_out(
@@ -295,18 +155,15 @@ def _carry_out(
         # What is kept of a point has to fit the file, whatever this machine would have chosen.
         layout = replace(plan.layout, frequency=store.frequency)
         work = Work(case=dumps_case(plan.case), layout=layout, histories=str(histories))
-        state = store.state
-        left = [
-            _group(plan, number, points)
-            for number, points in enumerate(plan.groups)
-            if not all(state[point] == DONE for point in points)
-        ]
+        state, marched = store.state, 0
         watch.progress(store.done, 0, plan.grid.size)
-        if left:
-            _compile(plan.case, next(iter(left[0].points.values())))
-        for outcomes in march_groups(work, left, scheduler=scheduler, workers=workers):
+        first = next(plan.left(state), None)
+        if first is not None:
+            _compile(plan.case, next(iter(first.points.values())))
+        for outcomes in march_groups(work, plan.left(state), scheduler=scheduler, workers=workers):
             store.write(outcomes)
-            watch.progress(store.done, len(store.failures), plan.grid.size)
+            marched += len(outcomes)
+            watch.progress(store.done, store.failed, plan.grid.size)
         swept = Sweep(
             directory=directory,
             points=plan.grid.size,
@@ -314,7 +171,7 @@ def _carry_out(
             failures=store.failures,
             grid=plan.grid,
             wall_time=time.perf_counter() - began,
-            marched=sum(len(group.points) for group in left),
+            marched=marched,
         )
     if swept.done:
         draw_sweep(directory)
@@ -328,13 +185,3 @@ def _compile(case: Case, values: Mapping[str, Value]) -> None:
     """
     with suppress(UserError):  # a point that can't be marched is told of by its worker
         prepare_stage(stage_at(with_values(case, values)))
-
-
-def _group(plan: Plan, number: int, points: range) -> Group:
-    digits = len(str(plan.grid.size - 1))
-    names = {point: f"point_{point:0{digits}d}.nc" for point in points} if plan.histories else {}
-    return Group(
-        number=number,
-        points={point: plan.grid.values(point) for point in points},
-        history_names=names,
-    )

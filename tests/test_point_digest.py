@@ -8,7 +8,7 @@ import pytest
 from bladewhirl.models.case import Case, March
 from bladewhirl.models.stage import build_stage
 from bladewhirl.postprocess.point_digest import complex_spectrum
-from bladewhirl.studies.sweep_layout import make_layout
+from bladewhirl.studies.sweep_layout import make_layout, march_extent
 
 STEP = 1e-3
 FREQUENCY = np.arange(-100, 101) / 0.5  # of a window of half a second
@@ -48,7 +48,7 @@ def test_frequencies_are_those_of_the_shortest_window(
     durations: tuple[float, float], window: float
 ) -> None:
     cases = [Case(march=March(duration=duration)) for duration in durations]
-    layout, _ = make_layout(cases, build_stage(cases[0]))
+    layout = make_layout(march_extent(cases), build_stage(cases[0]))
     assert layout.window == pytest.approx(window, rel=1e-12)
     assert layout.frequency[len(layout.frequency) // 2] == 0.0
     assert 0.7 * 402.3 < layout.frequency[-1] < 402.4  # ten times the reference frequency
@@ -56,6 +56,6 @@ def test_frequencies_are_those_of_the_shortest_window(
 
 def test_a_march_without_duration_has_a_layout() -> None:
     case = Case(march=March(duration=0.0))
-    layout, _ = make_layout([case], build_stage(case))
+    layout = make_layout(march_extent([case]), build_stage(case))
     assert np.isfinite(layout.frequency).all()
     assert layout.samples == 1

@@ -26,11 +26,12 @@ from bladewhirl.models.excitation import Imbalance
 from bladewhirl.models.faults import UserError
 from bladewhirl.postprocess.result import open_result
 from bladewhirl.postprocess.sweep_result import DONE, Layout, SweepError, open_sweep
-from bladewhirl.studies import sweep_cluster, sweeps
+from bladewhirl.studies import sweep_cluster, sweep_plan
 from bladewhirl.studies.cli import app
 from bladewhirl.studies.runs import run_case
+from bladewhirl.studies.sweep_plan import PLAN_NAME
 from bladewhirl.studies.sweep_points import Failure, Group, Outcome, Work
-from bladewhirl.studies.sweeps import PLAN_NAME, resume_sweep, run_sweep
+from bladewhirl.studies.sweeps import resume_sweep, run_sweep
 
 CASE = Case(
     excitation=Imbalance(ramp=1e-3),
@@ -219,7 +220,7 @@ def test_failed_points_are_told_and_the_others_done(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The first and the last stage are looked at beforehand; the one between can't be reduced."""
-    monkeypatch.setattr(sweeps, "CHECKED_STAGES", 2)
+    monkeypatch.setattr(sweep_plan, "CHECKED_STAGES", 2)
     case = CASE.model_copy(update={"march": March(duration=1e-4, record_step=5e-5)})
     (tmp_path / "case.toml").write_text(dumps_case(case))
     key = "reduction.fixed_interface_modes"

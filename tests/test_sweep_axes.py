@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
 from bladewhirl.models.case import Case, March
 from bladewhirl.models.faults import UserError
 from bladewhirl.studies.sweep_axes import Axis, Grid, Value, coordinate, make_grid, parse_over
-from bladewhirl.studies.sweeps import plan_sweep
+from bladewhirl.studies.sweep_plan import plan_sweep
 
 
 def values(option: str) -> tuple[Value, ...]:
@@ -158,3 +160,20 @@ def test_speeds_of_two_kinds_share_no_axis() -> None:
     speeds = [March(speed=given).speed for given in (1.0, "60 rpm")]
     with pytest.raises(UserError, match="all speeds as numbers"):
         coordinate(speeds)
+
+
+def test_memory_of_a_plan_hardly_grows_with_its_points() -> None:
+    """Cases and groups of work come one at a time: what grows is a value of the axis a point."""
+
+    def peak(points: int) -> int:
+        over = {"march.speed": [1.0 + 1e-4 * point for point in range(points)]}
+        case = Case(march=March(duration=1e-4))
+        tracemalloc.start()
+        plan = plan_sweep(case, make_grid(case, over, large=False), histories=True)
+        assert sum(1 for _ in plan.left(np.zeros(points, dtype=np.int8))) == points
+        _, most = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        return most
+
+    peak(2)  # imports and what is kept from call to call
+    assert peak(2000) - peak(20) < 2000 * 500
