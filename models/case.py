@@ -12,15 +12,14 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StrictBool, StrictStr
 
+from bladewhirl.models.case_casing import Casing, Lobe, Shaft
 from bladewhirl.models.case_fields import (
     MOST,
     DisplacementPair,
     DisplacementRows,
     Length,
-    LengthOrZero,
     NumberOrZero,
     RotationSpeed,
-    Stiffness,
     StiffnessOrZero,
     Time,
     TimeOrZero,
@@ -29,6 +28,7 @@ from bladewhirl.models.case_fields import (
     count,
     quantity,
 )
+from bladewhirl.models.case_section import BeamSection
 from bladewhirl.models.case_table import Inconsistency, Table
 from bladewhirl.models.excitation import (
     CasingDistortion,
@@ -38,6 +38,23 @@ from bladewhirl.models.excitation import (
     NoExcitation,
 )
 from bladewhirl.models.quantity import Speed
+
+__all__ = [
+    "BeamSection",
+    "BladedDisk",
+    "Case",
+    "Casing",
+    "Contact",
+    "Coupling",
+    "Damping",
+    "DiskSection",
+    "Initial",
+    "Lobe",
+    "March",
+    "Material",
+    "Reduction",
+    "Shaft",
+]
 
 MOST_STEPS = 1e12
 """Longest march: days of computing, and far from where step numbers would overflow."""
@@ -55,13 +72,6 @@ class Material(Table):
     density: Annotated[float, quantity("kg/m3")] = Field(
         default=7800.0, description='Density [kg/m3] (the paper: "steel").'
     )
-
-
-class BeamSection(Table):
-    """A rectangular beam section."""
-
-    width: Length = Field(default=0.1, description="Size out of the plane of motion [m].")
-    thickness: Length = Field(default=0.01, description="Size in the plane of motion [m].")
 
 
 class DiskSection(BeamSection):
@@ -104,45 +114,6 @@ class BladedDisk(Table):
         if self.blades * self.elements_per_blade > MOST:
             expected = f"at most {MOST} elements on bladed_disk.blades = {self.blades} blades"
             yield Inconsistency("elements_per_blade", expected, ("blades",))
-
-
-class Shaft(Table):
-    """The two springs that carry the centre; it does not rotate in the plane."""
-
-    stiffness: Stiffness = Field(
-        default=3.4e7, description="Of each of the two springs, x and y [N/m] (paper, Section 2.1)."
-    )
-    clamped: StrictBool = Field(default=False, description="Hold the centre instead.")
-
-
-class Casing(Table):
-    """A ring of curved beams at tip_radius + clearance."""
-
-    elements: Annotated[int, count(3)] = Field(
-        default=40, description="Number of curved beam elements (paper, Section 2.1)."
-    )
-    clearance: LengthOrZero = Field(
-        default=1e-3, description="Gap between tips and casing at rest [m] (paper, Table 1)."
-    )
-    wall: BeamSection = Field(
-        default=BeamSection(), description="Section of the wall [m] (paper, Table 1)."
-    )
-    curvature: Literal["exact", "shallow"] = Field(
-        default="exact",
-        description='Bending strain, "exact" or "shallow" (not in the paper; a free exact ring has'
-        " its three rigid motions, a shallow one has not).",
-    )
-    support: Annotated[float, quantity("N/m2", "not negative")] = Field(
-        default=1508.0,
-        description="Uniform elastic support, radial and tangential [N/m per metre of"
-        " circumference] (not in the paper; puts the casing's lowest mode at 0.055, which is"
-        ' "very low" as the paper says, for modal work).',
-    )
-    rotation: Literal["free", "fixed"] = Field(
-        default="fixed",
-        description='Rigid rotation of the ring, "free" or "fixed" (not in the paper; free,'
-        " friction would spin the ring up).",
-    )
 
 
 class Reduction(Table):

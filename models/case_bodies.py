@@ -10,6 +10,7 @@ import numpy as np
 import scipy.linalg as la
 
 from bladewhirl.meshes import RingMesh, bladed_disk_mesh
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
 from bladewhirl.models.case import BeamSection, Case
 from bladewhirl.models.casing import Casing, assemble_casing
@@ -36,14 +37,20 @@ def case_bladed_disk(case: Case, *, clamped: bool) -> BladedDisk:
 def case_casing(case: Case) -> Casing:
     """Assemble the casing of a case."""
     given = case.casing
-    radius = case.bladed_disk.tip_radius + given.clearance
     return assemble_casing(
-        RingMesh(elements=given.elements, radius=radius),
+        _ring(case),
         _section(case, given.wall),
         curvature=given.curvature,
         support=given.support,
         rotation=given.rotation,
     )
+
+
+def case_clearance(case: Case) -> FloatArray:
+    """Clearance and its slope along s at each node of a case's casing [m, 1], (elements, 2)."""
+    profile, casing = case.casing.clearance_profile, _ring(case)
+    slope = profile.lobe_slope(casing.angles) / casing.radius
+    return np.column_stack([profile.value(casing.angles), slope])
 
 
 def tip_in_sector(disk: BladedDisk) -> tuple[int, int]:
@@ -64,6 +71,11 @@ def lowest_frequency(frequencies: Iterable[float]) -> float:
     if not lowest > 0.0:
         raise FloatingPointError("the lowest frequency of the bladed disk is lost in rounding")
     return lowest
+
+
+def _ring(case: Case) -> RingMesh:
+    radius = case.bladed_disk.tip_radius + case.casing.clearance
+    return RingMesh(elements=case.casing.elements, radius=radius)
 
 
 def _section(case: Case, section: BeamSection) -> Section:

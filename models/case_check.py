@@ -5,7 +5,8 @@ from __future__ import annotations
 import copy
 import difflib
 from collections.abc import Iterator, Mapping, MutableMapping
-from typing import Any
+from itertools import takewhile
+from typing import Any, get_args
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -135,7 +136,7 @@ def _value(tables: Mapping[str, Any], path: Path, default: object) -> Any:
 def _remove(tables: MutableMapping[str, Any], path: Path) -> bool:
     """Take out the key, or the whole array, that ``path`` leads to; False if there is none."""
     table: Any = tables
-    keys = [part for part in path if isinstance(part, str)]
+    keys = list(takewhile(lambda part: isinstance(part, str), path))
     for key in keys[:-1]:
         table = table.get(key, {})
     return table.pop(keys[-1], None) is not None
@@ -178,10 +179,10 @@ def _nearest(location: Path, path: Path) -> list[Path]:
 
 def _table_at(location: Path) -> type[Table]:
     table: type[Table] = Case
-    for part in map(str, location):
+    for part in location:
         if part in EXCITATIONS:
-            table = EXCITATIONS[part]
-        elif part != "excitation":
+            table = EXCITATIONS[str(part)]
+        elif isinstance(part, str) and part != "excitation":  # else a row of an array
             [table] = _tables_under(table, part)
     return table
 
@@ -197,4 +198,5 @@ def _tables_under(table: type[Table], name: str) -> list[type[Table]]:
     if name == "excitation":
         return list(EXCITATIONS.values())
     annotation = table.model_fields[name].annotation
-    return [annotation] if isinstance(annotation, type) and issubclass(annotation, Table) else []
+    kinds = [annotation, *get_args(annotation)]  # a table, or an array of tables
+    return [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Table)]

@@ -39,6 +39,7 @@ _EXAMPLES = {
     "N/m2": "1508 N/m2",
     "N/kg^0.5": "30 kN/kg^0.5",
     "kg m": "0.59 kg m",
+    "rad": "30 deg",
     "Hz": "50 Hz",
 }
 """Text with a unit, by SI unit."""
@@ -127,12 +128,18 @@ def _items(phrase: str, length: int | None = None) -> BeforeValidator:
     return BeforeValidator(validate)
 
 
+def rows(phrase: str) -> BeforeValidator:
+    """An array of tables, one a row; ``phrase`` completes "rows of"."""
+    return _items(f"rows of {phrase}")
+
+
 Length = Annotated[float, quantity("m")]
 LengthOrZero = Annotated[float, quantity("m", "not negative")]
 Time = Annotated[float, quantity("s")]
 TimeOrZero = Annotated[float, quantity("s", "not negative")]
 Stiffness = Annotated[float, quantity("N/m")]
 StiffnessOrZero = Annotated[float, quantity("N/m", "not negative")]
+Angle = Annotated[float, quantity("rad", "any")]
 NumberOrZero = Annotated[float, number("not negative")]
 
 _AS_GIVEN = PlainSerializer(lambda speed: speed.given)

@@ -67,9 +67,9 @@ def _value(value: object) -> str:
     if isinstance(value, Speed):
         return toml_value(value.given)
     if isinstance(value, Table):
-        return toml_value(value.model_dump())
-    if isinstance(value, tuple) and isinstance(value[0], tuple):
-        return "".join(["[\n", *(f"    {toml_value(row)},\n" for row in value), "]"])
+        return toml_value(value.model_dump(exclude_none=True))
+    if isinstance(value, tuple) and value and isinstance(value[0], tuple | Table):
+        return "".join(["[\n", *(f"    {_value(row)},\n" for row in value), "]"])
     return toml_value(value)
 
 

@@ -71,11 +71,12 @@ def _coupling_faults(stage: Stage) -> Iterator[Fault]:
 def _start_faults(stage: Stage) -> Iterator[Fault]:
     """Tips that start inside the casing, displacements that start beyond their limit."""
     case, rows = stage.case, stage.case.initial.tip_displacement or ()
+    clearance = case.casing.clearance_profile.value(stage.rotor.tip_angle)
     for blade, (radial, _) in enumerate(rows):
-        if radial > case.casing.clearance:
+        if radial > clearance[blade]:
             expected = (
                 f"tips inside the casing: blade {blade} starts {radial:.6g} m outward, with a"
-                f" casing.clearance of {case.casing.clearance:.6g} m"
+                f" casing.clearance of {clearance[blade]:.6g} m"
             )
             yield case_fault(case, "initial.tip_displacement", expected)
             break

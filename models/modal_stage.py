@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.bladed_disk import BladedDisk
 from bladewhirl.models.case import Case
 from bladewhirl.models.case_bodies import (
     case_bladed_disk,
     case_casing,
+    case_clearance,
     lowest_frequency,
     numbers_within_reach,
     tip_in_sector,
@@ -59,7 +58,7 @@ class ModalStage:
             self.casing,
             self.casing_modes.expand(casing_modes),
             tuple(self.casing_modes.family[i] for i in casing_modes),
-            clearance=np.full(self.casing.mesh.elements, self.case.casing.clearance),
+            clearance=case_clearance(self.case)[:, 0],
         )
 
 

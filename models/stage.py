@@ -12,6 +12,7 @@ from bladewhirl.models.case import Case
 from bladewhirl.models.case_bodies import (
     case_bladed_disk,
     case_casing,
+    case_clearance,
     lowest_frequency,
     numbers_within_reach,
     tip_in_sector,
@@ -155,12 +156,11 @@ def _reduced_rotor(case: Case, disk: BladedDisk, modes: Modes) -> ReducedRotor:
 
 
 def _reduced_casing(case: Case, casing: Casing, modes: Modes) -> ReducedCasing:
-    uniform = (case.casing.clearance, 0.0)
     return ReducedCasing(
         frequency=modes.frequency,
         damping_ratio=np.full(modes.count, case.damping.ratio),
         nodal=casing.nodal(modes.shapes),
-        clearance=np.tile(uniform, (casing.mesh.elements, 1)),
+        clearance=case_clearance(case),
         radius=casing.mesh.radius,
         column=modes.column,
     )

@@ -36,6 +36,7 @@ DEFAULTS: dict[str, object] = {
     "shaft.clamped": False,
     "casing.elements": 40,
     "casing.clearance": 1e-3,
+    "casing.clearance_lobes": (),
     "casing.wall": {"width": 0.1, "thickness": 0.01},
     "casing.curvature": "exact",
     "casing.support": 1508.0,

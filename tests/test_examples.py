@@ -27,9 +27,8 @@ def readme_row(name: str) -> list[str]:
     return [cell.strip() for cell in row.split("|")]
 
 
-def test_there_are_three() -> None:
-    names = [path.stem for path in EXAMPLES]
-    assert names == ["casing_distortion", "fan_stage", "imbalance"]
+def test_the_papers_are_there() -> None:
+    assert {"casing_distortion", "fan_stage", "imbalance"} <= {path.stem for path in EXAMPLES}
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)

@@ -1,0 +1,55 @@
+"""A quantity around a ring: a mean or stations, and lobes on top."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bladewhirl.meshes.line_mesh import FloatArray
+
+FINE = 7200
+"""Angles at which the smallest value is looked for: a twentieth of a degree apart."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lobes:
+    """Waves amplitude * cos(count * (angle - phase)): two make an ellipse."""
+
+    count: int  #: waves around the ring
+    amplitude: float  #: in the unit of the profile
+    phase: float  #: angle of a crest [rad]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RingProfile:
+    """A function of the angle: linear between stations, or constant, plus lobes."""
+
+    mean: float  #: where there are no stations
+    lobes: tuple[Lobes, ...] = ()
+    stations: tuple[tuple[float, float], ...] = ()  #: angle [rad] and value; replace the mean
+
+    def value(self, angle: ArrayLike) -> FloatArray:
+        """Values at angles [rad], of their shape."""
+        theta = np.asarray(angle, dtype=np.float64)
+        found = np.full(theta.shape, self.mean)
+        if self.stations:
+            places, values = np.array(self.stations).T
+            found = np.interp(theta, places, values, period=2.0 * np.pi)
+        for wave in self.lobes:
+            found = found + wave.amplitude * np.cos(wave.count * (theta - wave.phase))
+        return np.asarray(found)
+
+    def lobe_slope(self, angle: ArrayLike) -> FloatArray:
+        """Derivative of the lobes by the angle, at angles [rad]."""
+        theta = np.asarray(angle, dtype=np.float64)
+        found = np.zeros(theta.shape)
+        for wave in self.lobes:
+            found -= wave.amplitude * wave.count * np.sin(wave.count * (theta - wave.phase))
+        return found
+
+    @property
+    def smallest(self) -> float:
+        """Smallest value on the ring, to the second order of a twentieth of a degree."""
+        return float(self.value(np.linspace(0.0, 2.0 * np.pi, FINE, endpoint=False)).min())
