@@ -23,6 +23,7 @@ from bladewhirl.postprocess.render import animation_records, render_animation, r
 from bladewhirl.postprocess.result import ResultError, open_result
 from bladewhirl.postprocess.run_figures import FIGURES, RunFigures
 from bladewhirl.postprocess.spectra import modal_lines, shaft_spectrogram, shaft_spectrum
+from bladewhirl.postprocess.stresses import plot_stress, stress_history
 from bladewhirl.postprocess.style import save_figure
 from bladewhirl.postprocess.summary import Summary, summarise, summary_table, write_summary
 from bladewhirl.postprocess.sweep_result import SweepError, open_sweep
@@ -60,6 +61,7 @@ __all__ = [
     "open_sweep",
     "plot_energy",
     "plot_orbit",
+    "plot_stress",
     "poincare_map",
     "render_animation",
     "render_still",
@@ -73,6 +75,7 @@ __all__ = [
     "shaft_spectrum",
     "state_space",
     "strain_energies",
+    "stress_history",
     "summarise",
     "summary_table",
     "undeformed_mesh",

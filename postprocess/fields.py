@@ -123,21 +123,31 @@ def line_rows(dataset: xr.Dataset, per_line: int) -> tuple[Array, Array]:
     displacement for unit modal coordinates (rotor_line, per_line + 1, 2, rotor_mode), both in
     rotating axes: linear along the beam, cubic Hermite across it, as in the finite elements.
     """
+    start, span, axes, local, turn_rows = line_shapes(dataset)
+    length = np.linalg.norm(span, axis=1)
+    x = np.linspace(0.0, 1.0, per_line + 1)
+    cubic = cubic_weights(x)
+    axial = np.einsum("es,lem->lsm", np.stack([1 - x, x]), local[:, :, 0])
+    across = np.einsum("es,lem->lsm", cubic[::2], local[:, :, 1])
+    across += np.einsum("l,es,lem->lsm", length, cubic[1::2], turn_rows)
+    rows: Array = np.einsum("lad,lsam->lsdm", axes, np.stack([axial, across], axis=2))
+    points: Array = start[:, None] + x[:, None] * span[:, None]
+    return points, rows
+
+
+def line_shapes(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array, Array]:
+    """Every beam in its own axes: its start (rotor_line, 2) [m], the span to its end (the same),
+    its axes (rotor_line, axis, 2), along it and a quarter turn further, and for unit modal
+    coordinates its ends' displacement in them (rotor_line, end, axis, rotor_mode) and rotation
+    (rotor_line, end, rotor_mode).
+    """
     ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
     shape = dataset["rotor_shape"].values[dataset["rotor_line"].values]
     span = ends[:, 1] - ends[:, 0]
-    length = np.linalg.norm(span, axis=1)
-    along = span / length[:, None]
+    along = span / np.linalg.norm(span, axis=1)[:, None]
     axes = np.stack([along, rotate(along, np.pi / 2)], axis=1)
     local = np.einsum("lad,ledm->leam", axes, shape[:, :, :2])
-    x = np.linspace(0.0, 1.0, per_line + 1)
-    cubic = _cubic(x)
-    axial = np.einsum("es,lem->lsm", np.stack([1 - x, x]), local[:, :, 0])
-    across = np.einsum("es,lem->lsm", cubic[::2], local[:, :, 1])
-    across += np.einsum("l,es,lem->lsm", length, cubic[1::2], shape[:, :, 2])
-    rows: Array = np.einsum("lad,lsam->lsdm", axes, np.stack([axial, across], axis=2))
-    points: Array = ends[:, None, 0] + x[:, None] * span[:, None]
-    return points, rows
+    return ends[:, 0], span, axes, local, shape[:, :, 2]
 
 
 def ring_angles(dataset: xr.Dataset, per_element: int) -> Array:
@@ -161,7 +171,7 @@ def hermite_weights(dataset: xr.Dataset, angle: Array) -> tuple[IntArray, IntArr
     span = np.mod(first[right] - first[left], 2 * np.pi)
     length = span * dataset.attrs["casing_radius"]
     x = (inside - (first[left] - first[0])) / span
-    weights = _cubic(x).T
+    weights = cubic_weights(x).T
     weights[:, 1::2] *= length[:, None]
     return left, right, weights
 
@@ -253,6 +263,6 @@ def radial_part(vectors: Array, points: Array) -> Array:
     return part
 
 
-def _cubic(x: Array) -> Array:
+def cubic_weights(x: Array) -> Array:
     """Cubic Hermite weights (4, point) of value, slope at 0 and value, slope at 1 (unit length)."""
     return np.stack([1 - x**2 * (3 - 2 * x), x * (1 - x) ** 2, x**2 * (3 - 2 * x), x**2 * (x - 1)])

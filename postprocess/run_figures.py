@@ -32,6 +32,7 @@ from bladewhirl.postprocess.spectra import (
     shaft_spectrogram,
     shaft_spectrum,
 )
+from bladewhirl.postprocess.stresses import plot_stress, stress_history
 from bladewhirl.postprocess.whirling import plot_whirl_history, whirl_history
 from bladewhirl.postprocess.windows import late_part, select_window
 
@@ -116,6 +117,10 @@ class RunFigures:
         phases = contact_phase(self._result, self._orbit)
         return plot_contact_phase(phases), phases
 
+    def _draw_stress(self) -> Drawn:
+        history = stress_history(self._result)
+        return plot_stress(history), history
+
 
 FIGURES: Mapping[str, Callable[[RunFigures], Drawn]] = {
     "orbit": RunFigures._draw_orbit,
@@ -132,5 +137,6 @@ FIGURES: Mapping[str, Callable[[RunFigures], Drawn]] = {
     "forces": RunFigures._draw_forces,
     "contact-classes": RunFigures._draw_contact_classes,
     "contact-phase": RunFigures._draw_contact_phase,
+    "stress": RunFigures._draw_stress,
 }
 """The figures of a run."""

@@ -22,6 +22,7 @@ NAMES = {
     "forces": "on the blades over time",
     "contact-classes": "blades in permanent or intermittent contact, and free ones",
     "contact-phase": "of shaft and smallest clearance, and the contact scenario",
+    "stress": "of blades, disk and casing over time, and the extremes of every blade",
 }
 """The figures, and what they show."""
 

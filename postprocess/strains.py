@@ -1,0 +1,92 @@
+"""Axial and bending strain of beams and of the casing's wall, from the recovered field.
+
+A beam's strain at a distance y from its line is eps - y kappa: the axial strain eps and the
+change of curvature kappa of the finite elements themselves, so that stresses belong to the same
+energy as the motion (`models.elements`). y is positive a quarter turn counter-clockwise from the
+beam's direction, on the casing outward. What is called bending strain here is kappa t / 2, its
+value at the right (on the casing: the inner) surface; at the left (outer) it is the opposite.
+
+Rods make eps constant in an element and cubics make kappa linear, so the ends of an element hold
+a straight beam's extremes. Both jump from one element to the next: stations are an element's own.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields import Array, cubic_weights, line_shapes
+
+
+class StrainRows(NamedTuple):
+    """Strains for unit modal coordinates, both (element, station, mode) [kg^-1/2/m]."""
+
+    axial: Array
+    bending: Array
+
+
+class Strains(NamedTuple):
+    """Strains at some records, both (record, element, station) [1]."""
+
+    axial: Array
+    bending: Array
+
+    @classmethod
+    def of(cls, coordinates: Array, rows: StrainRows) -> "Strains":
+        """Strains for modal coordinates (record, mode)."""
+        return cls(
+            *(
+                (coordinates @ row.reshape(-1, row.shape[-1]).T).reshape(-1, *row.shape[:2])
+                for row in rows
+            )
+        )
+
+
+def rotor_strain_rows(dataset: xr.Dataset, per_line: int = 1) -> StrainRows:
+    """Strains at the ends of that many equal pieces of every beam: (rotor_line, per_line + 1,
+    rotor_mode), with eps = u' and kappa = w''.
+    """
+    _, span, _, local, rotation = line_shapes(dataset)
+    length = np.linalg.norm(span, axis=1)[:, None, None]
+    x = np.linspace(0.0, 1.0, per_line + 1)
+    axial = (local[:, 1, 0] - local[:, 0, 0])[:, None] / length
+    curvature = np.einsum("es,lem->lsm", _curvatures(x)[::2], local[:, :, 1]) / length**2
+    curvature += np.einsum("es,lem->lsm", _curvatures(x)[1::2], rotation) / length
+    half = dataset["rotor_thickness"].values[:, None, None] / 2
+    return StrainRows(np.repeat(axial, len(x), axis=1), half * curvature)
+
+
+def casing_strain_rows(dataset: xr.Dataset, per_element: int) -> StrainRows:
+    """Strains at the ends of that many equal pieces of every casing element: (casing_node,
+    per_element + 1, casing_mode), with eps = u' + w / R, and kappa = w'' - u' / R or, where the
+    case takes the shallow arch, w''. As in the elements, the wall is thin: y / R is neglected.
+    """
+    angle = dataset["casing_angle"].values
+    radius = float(dataset.attrs["casing_radius"])
+    length = radius * np.mod(np.roll(angle, -1) - angle, 2 * np.pi)[:, None, None]
+    shape = dataset["casing_shape"].values
+    nodal = np.stack([shape, np.roll(shape, -1, axis=0)], axis=1)  # element, end, component, mode
+    w, u = nodal[:, :, :2], nodal[:, :, 2:]
+    x = np.linspace(0.0, 1.0, per_element + 1)
+
+    def along(weights: Array, ends: Array) -> Array:
+        """Values (element, station, mode) of a cubic with the given values and slopes."""
+        value = np.einsum("es,lem->lsm", weights[::2], ends[:, :, 0])
+        return np.asarray(value + length * np.einsum("es,lem->lsm", weights[1::2], ends[:, :, 1]))
+
+    stretch = along(_slopes(x), u) / length
+    curvature = along(_curvatures(x), w) / length**2
+    if str(dataset["casing_curvature"].values) == "exact":
+        curvature -= stretch / radius
+    half = dataset["casing_thickness"].values[:, None, None] / 2
+    return StrainRows(stretch + along(cubic_weights(x), w) / radius, half * curvature)
+
+
+def _slopes(x: Array) -> Array:
+    """First derivatives of `cubic_weights`."""
+    return np.stack([6 * x * (x - 1), (1 - x) * (1 - 3 * x), 6 * x * (1 - x), x * (3 * x - 2)])
+
+
+def _curvatures(x: Array) -> Array:
+    """Second derivatives of `cubic_weights`."""
+    return np.stack([12 * x - 6, 6 * x - 4, 6 - 12 * x, 6 * x - 2])
