@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Literal
 
-from pydantic import Field, StrictBool, StrictStr
+from pydantic import BeforeValidator, Field, StrictBool, StrictStr
 
 from bladewhirl.models.case_casing import Casing, Lobe, Shaft
 from bladewhirl.models.case_fields import (
@@ -37,6 +37,7 @@ from bladewhirl.models.excitation import (
     Imbalance,
     NoExcitation,
 )
+from bladewhirl.models.mode_choice import mode_choice
 from bladewhirl.models.quantity import Speed
 
 __all__ = [
@@ -117,10 +118,17 @@ class BladedDisk(Table):
 
 
 class Reduction(Table):
-    """Craig-Bampton reduction of the bladed disk on its tips and centre."""
+    """Craig-Bampton reduction of the bladed disk on its tips and centre, and modes of both."""
 
     fixed_interface_modes: Annotated[int, count(1)] = Field(
         default=110, description="Number of fixed-interface modes (eta in the paper, Section 2.2)."
+    )
+    modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = Field(
+        default="all",
+        description='Modes that a march keeps: "all"; "six", the paper\'s truncated space of Eqs'
+        ' (4)-(10), "1F:1,suspension:1,casing:1"; or any others by name, FAMILY:k on the bladed'
+        ' disk and casing:FAMILY:k on the casing, without ":k" in all nodal diameters, "*" for'
+        ' every family; "casing:k" is the lowest radial mode. Loads and start are projected.',
     )
 
 

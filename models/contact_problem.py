@@ -7,7 +7,7 @@ come from any structure: with sectors the DFT columns of their modes let the mar
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -31,6 +31,28 @@ class ReducedRotor:
     tip_radius: float  #: [m]
     column: IntArray  #: DFT column of each mode over the tips, (modes,); -1 without symmetry
 
+    @property
+    def by_harmonics(self) -> bool:
+        """Whether a march goes harmonic by harmonic: not with so few modes that it doesn't pay."""
+        tips = len(self.tip_angle)
+        return (
+            3 <= tips < len(self.column)
+            and bool(np.all(self.column >= 0))
+            and evenly_spaced(self.tip_angle)
+        )
+
+    def take(self, modes: IntArray) -> ReducedRotor:
+        """Keep some of the modes."""
+        return replace(
+            self,
+            frequency=self.frequency[modes],
+            damping_ratio=self.damping_ratio[modes],
+            tip_radial=self.tip_radial[:, modes],
+            tip_tangential=self.tip_tangential[:, modes],
+            centre=self.centre[:, modes],
+            column=self.column[modes],
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedCasing:
@@ -48,6 +70,21 @@ class ReducedCasing:
         """Arc length of one element [m]."""
         return 2.0 * np.pi * self.radius / len(self.nodal)
 
+    @property
+    def by_harmonics(self) -> bool:
+        """Whether a march goes harmonic by harmonic: not with so few modes that it doesn't pay."""
+        return len(self.column) > len(self.nodal) and bool(np.all(self.column >= 0))
+
+    def take(self, modes: IntArray) -> ReducedCasing:
+        """Keep some of the modes."""
+        return replace(
+            self,
+            frequency=self.frequency[modes],
+            damping_ratio=self.damping_ratio[modes],
+            nodal=self.nodal[..., modes],
+            column=self.column[modes],
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class Load:
@@ -60,6 +97,10 @@ class Load:
     frequency: float = 0.0  #: [rad/s]
     phase: float = 0.0  #: [rad]
 
+    def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> Load:
+        """The load on some of the modes: its projection on them."""
+        return replace(self, rotor=self.rotor[rotor_modes], casing=self.casing[casing_modes])
+
 
 @dataclass(frozen=True, kw_only=True)
 class Start:
@@ -69,6 +110,15 @@ class Start:
     rotor_velocity: FloatArray  #: [kg^1/2 m/s]
     casing: FloatArray  #: (casing modes,)
     casing_velocity: FloatArray
+
+    def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> Start:
+        """The start in some of the modes: its mass-orthogonal projection on them."""
+        return Start(
+            rotor=self.rotor[rotor_modes],
+            rotor_velocity=self.rotor_velocity[rotor_modes],
+            casing=self.casing[casing_modes],
+            casing_velocity=self.casing_velocity[casing_modes],
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,3 +156,11 @@ def at_rest(rotor: ReducedRotor, casing: ReducedCasing) -> Start:
         casing=still_casing,
         casing_velocity=still_casing,
     )
+
+
+def evenly_spaced(angles: FloatArray) -> bool:
+    """Whether angles step by a full turn over their number, in order, from any start."""
+    steps = np.mod(
+        angles - angles[0] - 2.0 * np.pi * np.arange(len(angles)) / len(angles), 2 * np.pi
+    )
+    return bool(np.minimum(steps, 2.0 * np.pi - steps).max() < 1e-9)

@@ -9,7 +9,12 @@ import numpy as np
 
 from bladewhirl.models.case_bodies import numbers_within_reach
 from bladewhirl.models.case_file import case_fault
-from bladewhirl.models.contact_problem import ContactProblem, critical_time_step
+from bladewhirl.models.contact_problem import (
+    ContactProblem,
+    ReducedCasing,
+    ReducedRotor,
+    critical_time_step,
+)
 from bladewhirl.models.faults import CaseError, Fault
 from bladewhirl.models.loads import excitation_loads, initial_state
 from bladewhirl.models.stage import Stage
@@ -24,29 +29,40 @@ def contact_problem(stage: Stage) -> ContactProblem:
     faults = list(march_faults(stage))
     if faults:
         raise CaseError(faults)
-    case = stage.case
+    case, kept = stage.case, stage.kept
     with numbers_within_reach():
+        rotor, casing = marched_bodies(stage)
         return ContactProblem(
-            rotor=stage.rotor,
-            casing=stage.reduced_casing,
+            rotor=rotor,
+            casing=casing,
             speed=stage.speed,
             friction=case.contact.friction,
             sliding=case.contact.sliding,
             tip_rotation=case.contact.tip_rotation,
             displacement_limit=case.march.displacement_limit,
-            loads=excitation_loads(stage),
-            start=initial_state(stage),
+            loads=tuple(load.take(kept.rotor, kept.casing) for load in excitation_loads(stage)),
+            start=initial_state(stage).take(kept.rotor, kept.casing),
         )
+
+
+def marched_bodies(stage: Stage) -> tuple[ReducedRotor, ReducedCasing]:
+    """Bladed disk and casing in the modes that `reduction.modes` keeps."""
+    return stage.rotor.take(stage.kept.rotor), stage.reduced_casing.take(stage.kept.casing)
 
 
 def march_faults(stage: Stage) -> Iterator[Fault]:
     """Faults of the case that stand in the way of a march."""
-    yield from chain(time_step_faults(stage), _coupling_faults(stage), _start_faults(stage))
+    yield from chain(
+        time_step_faults(stage),
+        _coupling_faults(stage),
+        _load_faults(stage),
+        _start_faults(stage),
+    )
 
 
 def time_step_faults(stage: Stage) -> Iterator[Fault]:
     """A time step above the stability limit, or in which a tip skips casing elements."""
-    case, limit = stage.case, critical_time_step(stage.rotor, stage.reduced_casing)
+    case, limit = stage.case, critical_time_step(*marched_bodies(stage))
     step = case.march.time_step
     if not step < limit:
         expected = (
@@ -66,6 +82,16 @@ def _coupling_faults(stage: Stage) -> Iterator[Fault]:
     if stage.case.coupling.stiffness != 0.0:
         expected = "0: a coupling through frame and bearings is not marched yet"
         yield case_fault(stage.case, "coupling.stiffness", expected)
+
+
+def _load_faults(stage: Stage) -> Iterator[Fault]:
+    """A load that the modes kept can't feel."""
+    case, kept = stage.case, stage.kept
+    loads = excitation_loads(stage)
+    felt = [load.take(kept.rotor, kept.casing) for load in loads]
+    if loads and not any(load.rotor.any() or load.casing.any() for load in felt):
+        expected = f"a load on modes that reduction.modes = {case.reduction.modes!r} keeps"
+        yield case_fault(case, "excitation.type", expected)
 
 
 def _start_faults(stage: Stage) -> Iterator[Fault]:

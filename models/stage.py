@@ -22,6 +22,7 @@ from bladewhirl.models.casing import RADIAL, TANGENTIAL, Casing
 from bladewhirl.models.contact_problem import ReducedCasing, ReducedRotor
 from bladewhirl.models.faults import CaseError, Fault
 from bladewhirl.models.frequencies import Frequencies, family_errors, lowest_frequencies
+from bladewhirl.models.kept_modes import KeptModes, kept_modes
 from bladewhirl.models.modes import Modes, families, structure_modes
 from bladewhirl.models.reduction import Reduction, craig_bampton
 from bladewhirl.models.stage_arrays import StageArrays
@@ -49,8 +50,9 @@ class Stage:
     frequency_error: dict[str, float]  #: largest relative one of the reduction, by family
     casing_modes: Modes  #: all of them; the casing is not reduced
     casing_family: tuple[str, ...]
-    rotor: ReducedRotor
-    reduced_casing: ReducedCasing
+    rotor: ReducedRotor  #: in all modes
+    reduced_casing: ReducedCasing  #: in all modes
+    kept: KeptModes  #: which of them a march has
 
     @property
     def speed(self) -> float:
@@ -69,14 +71,14 @@ class Stage:
 
     @property
     def arrays(self) -> StageArrays:
-        """What a result needs to know of the stage."""
+        """What a result needs to know of the stage, by the modes that a march has."""
         return stage_arrays(
             self.disk,
-            self.reduction.modes,
-            self.disk_family,
+            self.reduction.modes.take(self.kept.rotor),
+            tuple(self.disk_family[mode] for mode in self.kept.rotor),
             self.casing,
-            self.casing_modes,
-            self.casing_family,
+            self.casing_modes.take(self.kept.casing),
+            tuple(self.casing_family[mode] for mode in self.kept.casing),
             clearance=self.reduced_casing.clearance[:, 0],
         )
 
@@ -86,7 +88,7 @@ def build_stage(case: Case) -> Stage:
 
     Raises:
         CaseError: more fixed-interface modes than internal degrees of freedom, a stage too large,
-            or numbers that finite elements can't be made of.
+            modes to keep that it does not have, or numbers that finite elements can't be made of.
     """
     with numbers_within_reach():
         disk = case_bladed_disk(case, clamped=case.shaft.clamped)
@@ -102,7 +104,10 @@ def build_stage(case: Case) -> Stage:
         )
         lowest_frequency(reduction.modes.frequency)  # not lost in the reduction
         casing_modes = structure_modes(casing.structure, (RADIAL, TANGENTIAL))
-    disk_family = families(reduction.modes, "bladed-disk")
+    disk_family = tuple(families(reduction.modes, "bladed-disk"))
+    casing_family = tuple(families(casing_modes, "casing"))
+    rotor = _reduced_rotor(case, disk, reduction.modes)
+    reduced_casing = _reduced_casing(case, casing, casing_modes)
     return Stage(
         case=case,
         disk=disk,
@@ -110,12 +115,17 @@ def build_stage(case: Case) -> Stage:
         disk_frequencies=full,
         reference_frequency=reference,
         reduction=reduction,
-        disk_family=tuple(disk_family),
-        frequency_error=family_errors(reduction.modes, disk_family, full),
+        disk_family=disk_family,
+        frequency_error=family_errors(reduction.modes, list(disk_family), full),
         casing_modes=casing_modes,
-        casing_family=tuple(families(casing_modes, "casing")),
-        rotor=_reduced_rotor(case, disk, reduction.modes),
-        reduced_casing=_reduced_casing(case, casing, casing_modes),
+        casing_family=casing_family,
+        rotor=rotor,
+        reduced_casing=reduced_casing,
+        kept=kept_modes(
+            case,
+            (rotor, reduction.modes.nodal_diameter, disk_family),
+            (reduced_casing, casing_modes.nodal_diameter, casing_family),
+        ),
     )
 
 

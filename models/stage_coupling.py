@@ -9,7 +9,6 @@ import numpy as np
 
 from bladewhirl.models.coupling import BoolArray, CouplingModes, FloatArray, IntArray
 from bladewhirl.models.cyclic import is_pair
-from bladewhirl.models.labelled_modes import LabelledModes
 from bladewhirl.models.modal_stage import ModalStage
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
@@ -70,12 +69,7 @@ class StageModes:
 
 
 def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
-    """Collect the modes that the springs couple: those with radial motion at the springs.
-
-    Of the bladed disk these are the suspension pair and `FAMILIES`; of the casing the lowest of
-    each nodal diameter that the bladed disk has too, below half the number of elements. On both
-    the springs see the part of the radial displacement that follows cos k theta, sampled at the
-    tips or nodes.
+    """Collect the modes of a full stage that the springs couple, see `coupled_entries`.
 
     Args:
         modal: finite element models with all their modes.
@@ -86,54 +80,109 @@ def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
     """
     disk, disk_modes = modal.disk, modal.disk_modes
     casing, casing_modes = modal.casing, modal.casing_modes
-    if disk_modes.column.min() < 0 or casing_modes.column.min() < 0:
+    found = coupled_entries(
+        RadialModes(
+            frequency=disk_modes.frequency,
+            nodal_diameter=disk_modes.nodal_diameter,
+            column=disk_modes.column,
+            family=disk_modes.family,
+            angles=disk.tip_angles,
+            radial=lambda numbers: disk_modes.fields(numbers)[disk.tip_radial],
+        ),
+        RadialModes(
+            frequency=casing_modes.frequency,
+            nodal_diameter=casing_modes.nodal_diameter,
+            column=casing_modes.column,
+            family=casing_modes.family,
+            angles=casing.mesh.angles,
+            radial=lambda numbers: casing.nodal(casing_modes.fields(numbers))[:, 0],
+        ),
+        damping_ratio=damping_ratio,
+    )
+    return StageModes(modes=found.modes, family=found.family, number=found.number, modal=modal)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RadialModes:
+    """The modes of one body as the springs see them."""
+
+    frequency: FloatArray  #: [rad/s], (modes,)
+    nodal_diameter: IntArray  #: (modes,)
+    column: IntArray  #: DFT column of each mode, (modes,); -1 without symmetry
+    family: tuple[str, ...]  #: of each mode
+    angles: FloatArray  #: of tips or nodes, equally spaced [rad], (points,)
+    radial: Callable[[IntArray], FloatArray]
+    """Radial displacement at these points of modes by number [kg^-1/2], (points, chosen)."""
+
+    def amplitudes(self, wanted: Sequence[bool] | BoolArray) -> dict[int, float]:
+        """Radial amplitude by number of the wanted modes that have one; sines are left out."""
+        one_a_pair = (self.column % 2 != 0) | (self.column == 0)
+        numbers = np.flatnonzero(one_a_pair & np.asarray(wanted, dtype=np.bool_))
+        found = wave_amplitudes(self.radial(numbers), self.angles, self.nodal_diameter[numbers])
+        moving = np.abs(found) > SMALLEST_AMPLITUDE * np.abs(found).max(initial=0.0)
+        return dict(zip(numbers[moving].tolist(), found[moving].tolist(), strict=True))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoupledEntries:
+    """Coupled modes of two bodies, in ascending nodal diameter, the casing's first."""
+
+    modes: CouplingModes  #: with physical amplitudes: of w, and at the tips, per unit coordinate
+    family: tuple[str, ...]  #: "casing", "suspension", "1F" to "5F", (entries,)
+    number: IntArray  #: of each entry's mode among those of its body; a sine follows, (entries,)
+
+
+def coupled_entries(
+    rotor: RadialModes, casing: RadialModes, *, damping_ratio: float
+) -> CoupledEntries:
+    """Find the modes that the springs couple: those with radial motion at the springs.
+
+    Of the bladed disk these are the suspension pair and `FAMILIES`; of the casing the lowest of
+    each nodal diameter that the bladed disk has too, below half the number of elements. On both
+    the springs see the part of the radial displacement that follows cos k theta, sampled at the
+    tips or nodes.
+
+    Args:
+        rotor: modes of the bladed disk, ascending.
+        casing: modes of the casing, ascending.
+        damping_ratio: of every mode.
+
+    Raises:
+        ValueError: modes without nodal diameter: the stage has no cyclic symmetry.
+    """
+    if rotor.column.min() < 0 or casing.column.min() < 0:
         raise ValueError("coupling by nodal diameter needs a stage with cyclic symmetry")
-    blades, elements = len(disk.tip_angles), casing.mesh.elements
-
-    def on_disk(fields: FloatArray, k: IntArray) -> FloatArray:
-        return wave_amplitudes(fields[disk.tip_radial], disk.tip_angles, k)
-
-    def on_wall(fields: FloatArray, k: IntArray) -> FloatArray:
-        return wave_amplitudes(casing.nodal(fields)[:, 0], casing.mesh.angles, k)
-
+    blades, elements = len(rotor.angles), len(casing.angles)
     coupled = {"suspension", *FAMILIES}
-    rotor = _moving(disk_modes, on_disk, [name in coupled for name in disk_modes.family])
-    wall = _moving(casing_modes, on_wall, 2 * casing_modes.nodal_diameter < elements)
+    tips = rotor.amplitudes([name in coupled for name in rotor.family])
+    wall = casing.amplitudes(2 * casing.nodal_diameter < elements)
     found: list[tuple[int, bool, int, float]] = []  # nodal diameter, on rotor, number, amplitude
-    for k in sorted({int(disk_modes.nodal_diameter[number]) for number in rotor}):
-        lowest = [number for number in wall if casing_modes.nodal_diameter[number] == k][:1]
+    for k in sorted({int(rotor.nodal_diameter[number]) for number in tips}):
+        lowest = [number for number in wall if casing.nodal_diameter[number] == k][:1]
         found += [(k, False, number, wall[number]) for number in lowest]
         found += [
-            (k, True, number, rotor[number])
-            for number in rotor
-            if disk_modes.nodal_diameter[number] == k
+            (k, True, number, tips[number]) for number in tips if rotor.nodal_diameter[number] == k
         ]
-    family = tuple(disk_modes.family[n] if on_rotor else "casing" for _, on_rotor, n, _ in found)
-    return StageModes(
-        modes=CouplingModes(
-            name=tuple(
-                name if name == "suspension" else f"{name} k={k}"
-                for name, (k, _, _, _) in zip(family, found, strict=True)
-            ),
-            on_casing=np.array([not on_rotor for _, on_rotor, _, _ in found], dtype=np.bool_),
-            nodal_diameter=np.array([k for k, _, _, _ in found], dtype=np.int64),
-            frequency=np.array(
-                [
-                    (disk_modes if on_rotor else casing_modes).frequency[number]
-                    for _, on_rotor, number, _ in found
-                ]
-            ),
-            amplitude=np.array([amplitude for _, _, _, amplitude in found]),
-            damping_ratio=np.full(len(found), damping_ratio),
-            paired=np.array(
-                [is_pair(k, blades if on_rotor else elements) for k, on_rotor, _, _ in found],
-                dtype=np.bool_,
-            ),
+    family = tuple(rotor.family[n] if on_rotor else "casing" for _, on_rotor, n, _ in found)
+    modes = CouplingModes(
+        name=tuple(
+            name if name == "suspension" else f"{name} k={k}"
+            for name, (k, _, _, _) in zip(family, found, strict=True)
         ),
-        family=family,
-        number=np.array([number for _, _, number, _ in found], dtype=np.int64),
-        modal=modal,
+        on_casing=np.array([not on_rotor for _, on_rotor, _, _ in found], dtype=np.bool_),
+        nodal_diameter=np.array([k for k, _, _, _ in found], dtype=np.int64),
+        frequency=np.array(
+            [(rotor if on_rotor else casing).frequency[number] for _, on_rotor, number, _ in found]
+        ),
+        amplitude=np.array([amplitude for _, _, _, amplitude in found]),
+        damping_ratio=np.full(len(found), damping_ratio),
+        paired=np.array(
+            [is_pair(k, blades if on_rotor else elements) for k, on_rotor, _, _ in found],
+            dtype=np.bool_,
+        ),
     )
+    numbers = np.array([number for _, _, number, _ in found], dtype=np.int64)
+    return CoupledEntries(modes=modes, family=family, number=numbers)
 
 
 def wave_amplitudes(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatArray:
@@ -148,16 +197,3 @@ def wave_amplitudes(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatA
     waves = np.cos(np.multiply.outer(angle, k))
     share = np.where((k == 0) | (2 * k == count), 1.0, 2.0) / count
     return np.asarray(share * np.sum(field * waves, axis=0))
-
-
-def _moving(
-    modes: LabelledModes,
-    amplitudes: Callable[[FloatArray, IntArray], FloatArray],
-    wanted: Sequence[bool] | BoolArray,
-) -> dict[int, float]:
-    """Numbers of the wanted modes with a radial amplitude, ascending, sines left out."""
-    numbers = modes.one_a_pair()
-    numbers = numbers[np.asarray(wanted, dtype=np.bool_)[numbers]]
-    found = amplitudes(modes.fields(numbers), modes.nodal_diameter[numbers])
-    moving = np.abs(found) > SMALLEST_AMPLITUDE * np.abs(found).max()
-    return dict(zip(numbers[moving].tolist(), found[moving].tolist(), strict=True))

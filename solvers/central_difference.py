@@ -17,7 +17,6 @@ from bladewhirl.solvers.packing import (
     pack_casing,
     pack_rotor,
     scheme_inverse,
-    uses_cyclic_path,
 )
 
 
@@ -65,7 +64,7 @@ class CentralDifference:
         check_time_step(problem, time_step)
         self._problem, self._time_step, self._record_every = problem, time_step, record_every
         rotor, casing = problem.rotor, problem.casing
-        self.cyclic = uses_cyclic_path(problem) if cyclic else (False, False)
+        self.cyclic = (cyclic and rotor.by_harmonics, cyclic and casing.by_harmonics)
         self._rotor_layout, self._rotor = pack_rotor(
             rotor,
             scheme_inverse(rotor.frequency, rotor.damping_ratio, time_step),

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.contact_problem import ContactProblem, ReducedCasing, ReducedRotor
+from bladewhirl.models.contact_problem import ReducedCasing, ReducedRotor
 from bladewhirl.models.cyclic import is_pair, nodal_diameter_of, real_dft
 from bladewhirl.solvers.kernel import (
     U_KIND,
@@ -187,14 +187,6 @@ def _harmonics(column: IntArray, points: int, *, fold: bool) -> _Harmonics:
         single=partner == np.arange(points),
         place=place,
     )
-
-
-def evenly_spaced(angles: FloatArray) -> bool:
-    """Whether angles step by a full turn over their number, in order, from any start."""
-    steps = np.mod(
-        angles - angles[0] - 2.0 * np.pi * np.arange(len(angles)) / len(angles), 2 * np.pi
-    )
-    return bool(np.minimum(steps, 2.0 * np.pi - steps).max() < 1e-9)
 
 
 def pack_rotor(
@@ -378,14 +370,4 @@ def make_scratch(
         work=np.zeros(2),
         tableau=np.zeros((tips, 2 * tips + 2)),
         basis=np.zeros(tips, dtype=np.int64),
-    )
-
-
-def uses_cyclic_path(problem: ContactProblem) -> tuple[bool, bool]:
-    """Whether rotor and casing march harmonic by harmonic."""
-    rotor, casing = problem.rotor, problem.casing
-    tips_even = len(rotor.tip_angle) >= 3 and evenly_spaced(rotor.tip_angle)
-    return (
-        tips_even and bool(np.all(rotor.column >= 0)),
-        len(casing.column) > 0 and bool(np.all(casing.column >= 0)),
     )

@@ -10,6 +10,7 @@ from bladewhirl.models.case_bodies import numbers_within_reach
 from bladewhirl.models.contact_problem import critical_time_step
 from bladewhirl.models.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.loads import W, imbalance_force, radial_mode, unbalance
+from bladewhirl.models.march_problem import marched_bodies
 from bladewhirl.models.modes import suspension_pair
 from bladewhirl.models.stage import Stage
 from bladewhirl.solvers.recorder import result_bytes
@@ -43,6 +44,7 @@ class ReductionFigures:
     fixed_interface_modes: int  #: kept; whole pairs, so perhaps one more than asked for
     internal: int  #: degrees of freedom of the full model beside the boundary
     modes: int  #: of the reduced model
+    marched: dict[str, int]  #: modes that a march has, of each body
     frequency_error: dict[str, float]  #: largest relative one against the full model, by family
 
 
@@ -98,7 +100,8 @@ def _derive(stage: Stage) -> Derived:
     case, disk, modes = stage.case, stage.disk, stage.reduction.modes
     casing, boundary = stage.casing, stage.boundary_sets
     pair = suspension_pair(modes)
-    critical = critical_time_step(stage.rotor, stage.reduced_casing)
+    rotor, wall = marched_bodies(stage)
+    critical = critical_time_step(rotor, wall)
     records = case.march.steps // case.march.steps_per_record + 1
     kept = {name: len(dofs) for name, dofs in boundary.items()}
     return Derived(
@@ -117,15 +120,16 @@ def _derive(stage: Stage) -> Derived:
             fixed_interface_modes=stage.reduction.kept,
             internal=disk.structure.size - sum(kept.values()),
             modes=modes.count,
+            marched={"bladed_disk": len(stage.kept.rotor), "casing": len(stage.kept.casing)},
             frequency_error=stage.frequency_error,
         ),
-        cyclic={"bladed_disk": modes.is_cyclic, "casing": stage.casing_modes.is_cyclic},
+        cyclic={"bladed_disk": rotor.by_harmonics, "casing": wall.by_harmonics},
         critical_time_step=critical,
         dt_over_critical=case.march.time_step / critical,
         steps=case.march.steps,
         records=records,
         result_bytes=result_bytes(
-            modes.count, stage.casing_modes.count, case.bladed_disk.blades, records
+            len(stage.kept.rotor), len(stage.kept.casing), case.bladed_disk.blades, records
         ),
         imbalance=_imbalance(stage),
         distortion=_distortion(stage),

@@ -95,7 +95,7 @@ def _rows(derived: Derived) -> Iterator[tuple[str, str]]:
     )
     for body, cyclic in derived.cyclic.items():
         how = "harmonic by harmonic (cyclic)" if cyclic else "by dense products"
-        yield f"march, {body.replace('_', ' ')}", how
+        yield f"march, {body.replace('_', ' ')}", f"{reduction.marched[body]} modes, {how}"
     yield (
         "critical time step",
         f"{derived.critical_time_step:.4g} s, time step / critical {derived.dt_over_critical:.3g}",

@@ -81,7 +81,7 @@ def make_layout(extent: Extent, stage: Stage) -> Layout:
 
 def history_bytes(extent: Extent, stage: Stage) -> int:
     """Size of all full histories of a sweep [bytes], with the modes of the first point's stage."""
-    modes = stage.reduction.modes.count, stage.casing_modes.count
+    modes = len(stage.kept.rotor), len(stage.kept.casing)
     return sum(
         points * result_bytes(*modes, blades, records)
         for (blades, records), points in extent.histories.items()

@@ -246,14 +246,10 @@ def test_the_six_modes_of_the_paper() -> None:
             casing_velocity=np.zeros(2),
         ),
     )
-    chunks: list[Chunk] = []
-    for cyclic in (True, False):
-        state, chunk, _ = run(small, 1e-5, 4000, every=10, cyclic=cyclic)
-        assert state.statistics.contact_steps > 500
-        assert state.statistics.complementarity_residual < 1e-10
-        assert ledger_residual(chunk) < 1e-8
-        chunks.append(chunk)
-    assert_alike(chunks[0].rotor_displacement, chunks[1].rotor_displacement, 1e-9)
+    state, chunk, _ = run(small, 1e-5, 4000, every=10)
+    assert state.statistics.contact_steps > 500
+    assert state.statistics.complementarity_residual < 1e-10
+    assert ledger_residual(chunk) < 1e-8
 
 
 def rubbing(speed: float, sliding: Sliding, *, every: int = 1) -> Chunk:
