@@ -42,6 +42,7 @@ DEFAULTS: dict[str, object] = {
     "casing.support": 1508.0,
     "casing.rotation": "fixed",
     "reduction.fixed_interface_modes": 110,
+    "reduction.modes": "all",
     "damping.ratio": 0.005,
     "contact.friction": 0.1,
     "contact.sliding": "permanent",
