@@ -25,15 +25,27 @@ class LineAssembler:
     basis: Any  #: scikit-fem basis over the flat mesh
     node_dofs: IntArray  #: degrees of freedom of each node, (nodes, DoF a node)
 
+    @property
+    def points(self) -> FloatArray:
+        """Places of the quadrature points in an element, 0 to 1, (points,)."""
+        return np.asarray(self.basis.X[0])
+
+    @property
+    def weights(self) -> FloatArray:
+        """Weights of the quadrature points, with sum one, (points,)."""
+        return np.asarray(self.basis.W)
+
     def matrix(
         self, form: Any, transform: FloatArray | None = None, **coefficients: FloatArray
     ) -> sp.csr_array:
-        """Assemble ``form``; coefficients hold one value an element, (elements,).
+        """Assemble ``form``; coefficients hold a value an element or a quadrature point.
+
+        The former are (elements,), the latter (elements, points), see `points`.
 
         ``transform`` (elements, DoF an element, DoF an element) takes nodal axes to element axes.
         """
         fields = {
-            name: np.broadcast_to(values[:, None], self.basis.dx.shape).copy()
+            name: np.broadcast_to(values.reshape(len(values), -1), self.basis.dx.shape).copy()
             for name, values in coefficients.items()
         }
         data = form.elemental(self.basis, **fields)

@@ -14,6 +14,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
 from bladewhirl.models.case import BeamSection, Case
 from bladewhirl.models.casing import Casing, assemble_casing
+from bladewhirl.models.casing_wall import Wall
 from bladewhirl.models.faults import CaseError, Fault
 from bladewhirl.models.sections import Section, line_properties
 
@@ -39,7 +40,11 @@ def case_casing(case: Case) -> Casing:
     given = case.casing
     return assemble_casing(
         _ring(case),
-        _section(case, given.wall),
+        Wall(
+            section=_section(case, given.wall),
+            thickness=given.thickness_profile,
+            arcs=given.wall_arcs,
+        ),
         curvature=given.curvature,
         support=given.support,
         rotation=given.rotation,

@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from bladewhirl.meshes import RingMesh
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.assembly import curved_beams
+from bladewhirl.models.casing_wall import Wall, WallProperties
 from bladewhirl.models.cyclic import SectorLayout
 from bladewhirl.models.elements import (
     curved_exact_stiffness,
@@ -18,7 +19,6 @@ from bladewhirl.models.elements import (
     mass,
     support_stiffness,
 )
-from bladewhirl.models.sections import Section
 from bladewhirl.models.structure import Structure
 
 TANGENTIAL, TANGENTIAL_SLOPE, RADIAL, RADIAL_SLOPE = range(4)
@@ -30,7 +30,7 @@ class Casing:
     """A casing in the static frame: Hermite in both fields, 4 DoF a node."""
 
     mesh: RingMesh
-    section: Section
+    properties: WallProperties  #: means of each element, (elements,)
     curvature: Literal["exact", "shallow"]  #: bending strain, see `elements`
     structure: Structure
 
@@ -46,17 +46,17 @@ class Casing:
 
 def assemble_casing(
     mesh: RingMesh,
-    section: Section,
+    wall: Wall,
     *,
     curvature: Literal["exact", "shallow"],
     support: float,
     rotation: Literal["free", "fixed"],
 ) -> Casing:
-    """Assemble a casing of uniform section.
+    """Assemble a casing.
 
     Args:
         mesh: the ring.
-        section: of the wall.
+        wall: its section.
         curvature: exact strains, or the shallow-arch bending strain w'' (see `elements`).
         support: uniform elastic support, radial and tangential [N/m per metre of circumference].
         rotation: whether the ring may turn as a whole.
@@ -66,15 +66,16 @@ def assemble_casing(
     assembler = curved_beams(
         np.full(count, mesh.element_length), np.column_stack([nodes, np.roll(nodes, -1)]), count
     )
+    properties = wall.properties(mesh, assembler.points, assembler.weights)
     ones = np.ones(count)
     elastic = assembler.matrix(
         curved_exact_stiffness if curvature == "exact" else curved_shallow_stiffness,
-        EA=section.axial_stiffness * ones,
-        EI=section.bending_stiffness * ones,
+        EA=properties.axial_stiffness,
+        EI=properties.bending_stiffness,
         curvature=ones / mesh.radius,
     )
     springs = assembler.matrix(support_stiffness, support=support * ones)
-    total_mass = assembler.matrix(mass, rho_A=section.line_mass * ones)
+    total_mass = assembler.matrix(mass, rho_A=properties.line_mass)
     node_dofs = assembler.node_dofs
     held = np.zeros((node_dofs.size, 1 if rotation == "fixed" else 0))
     if rotation == "fixed":
@@ -87,4 +88,9 @@ def assemble_casing(
         layout=SectorLayout(sector_dofs=node_dofs, centre_dofs=np.full(3, -1)),
         held=held,
     )
-    return Casing(mesh=mesh, section=section, curvature=curvature, structure=structure)
+    return Casing(
+        mesh=mesh,
+        properties=properties.mean(assembler.weights),
+        curvature=curvature,
+        structure=structure,
+    )

@@ -5,8 +5,6 @@ Apart from `stage_arrays`, which solvers import too: they see no finite elements
 
 from __future__ import annotations
 
-import numpy as np
-
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.bladed_disk import BladedDisk
 from bladewhirl.models.casing import Casing
@@ -55,9 +53,9 @@ def stage_arrays(
         tip_angle=disk.tip_angles,
         centre_node=int(mesh.node_sets["centre"][0]),
         casing_angle=casing.mesh.angles,
-        casing_thickness=np.full(casing.mesh.elements, casing.section.thickness),
-        casing_width=np.full(casing.mesh.elements, casing.section.width),
-        casing_young_modulus=np.full(casing.mesh.elements, casing.section.young_modulus),
+        casing_thickness=casing.properties.thickness,
+        casing_width=casing.properties.width,
+        casing_young_modulus=casing.properties.young_modulus,
         casing_curvature=casing.curvature,
         casing_shape=casing.nodal(casing_modes.shapes),
         clearance=clearance,

@@ -106,7 +106,7 @@ def _derive(stage: Stage) -> Derived:
     kept = {name: len(dofs) for name, dofs in boundary.items()}
     return Derived(
         bladed_disk_mass=float(disk.properties.line_mass @ disk.mesh.lengths),
-        casing_mass=casing.section.line_mass * TURN * casing.mesh.radius,
+        casing_mass=float(casing.properties.line_mass.sum() * casing.mesh.element_length),
         reference_frequency=_rate(stage, stage.reference_frequency),
         speed=_rate(stage, stage.speed),
         bladed_disk=tuple(

@@ -13,6 +13,7 @@ from bladewhirl.meshes import LineMesh, RingMesh, bladed_disk_mesh
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
 from bladewhirl.models.casing import Casing, assemble_casing
+from bladewhirl.models.casing_wall import Wall
 from bladewhirl.models.modes import Modes, structure_modes
 from bladewhirl.models.sections import Section, line_properties
 
@@ -74,7 +75,7 @@ def casing(
     """Ring of the reference results: 0.501 m, 100 x 10 mm."""
     ring = RingMesh(elements=elements, radius=0.501)
     return assemble_casing(
-        ring, steel(0.01), curvature=curvature, support=support, rotation=rotation
+        ring, Wall(section=steel(0.01)), curvature=curvature, support=support, rotation=rotation
     )
 
 

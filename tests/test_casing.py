@@ -22,6 +22,7 @@ from stages import (
 from bladewhirl.meshes import RingMesh
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.casing import TANGENTIAL, assemble_casing
+from bladewhirl.models.casing_wall import Wall
 from bladewhirl.models.modes import Modes, families, structure_modes
 from bladewhirl.models.sections import Section
 
@@ -188,7 +189,7 @@ def test_nafems_ring() -> None:
     )
     ring = assemble_casing(
         RingMesh(elements=80, radius=1.0),
-        section,
+        Wall(section=section),
         curvature="exact",
         support=0.0,
         rotation="free",
