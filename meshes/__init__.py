@@ -1,7 +1,7 @@
 """Geometry: line meshes of bladed disks and casings."""
 
-from bladewhirl.meshes.bladed_disk import bladed_disk_mesh
 from bladewhirl.meshes.casing import RingMesh
+from bladewhirl.meshes.curve import points_along
 from bladewhirl.meshes.line_mesh import LineMesh
 
-__all__ = ["LineMesh", "RingMesh", "bladed_disk_mesh"]
+__all__ = ["LineMesh", "RingMesh", "points_along"]

@@ -4,11 +4,15 @@ from bladewhirl.models.case import Case
 from bladewhirl.models.case_file import dumps_case, read_case, with_values
 from bladewhirl.models.faults import CaseError, Fault, UserError
 from bladewhirl.models.quantity import Speed
+from bladewhirl.models.sections import Section
+from bladewhirl.models.sketch import Sketch
 
 __all__ = [
     "Case",
     "CaseError",
     "Fault",
+    "Section",
+    "Sketch",
     "Speed",
     "UserError",
     "dumps_case",

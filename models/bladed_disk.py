@@ -10,12 +10,19 @@ import scipy.sparse as sp
 from bladewhirl.meshes import LineMesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.assembly import straight_beams
+from bladewhirl.models.attachments import (
+    COMPONENTS,
+    node_expansion,
+    node_springs,
+    point_masses,
+)
+from bladewhirl.models.beam_model import BeamModel
 from bladewhirl.models.cyclic import SectorLayout
 from bladewhirl.models.elements import mass, straight_stiffness
 from bladewhirl.models.sections import LineProperties
 from bladewhirl.models.structure import Structure, keep_free
 
-FIRST, SECOND, ROTATION = range(3)
+FIRST, SECOND, ROTATION = range(COMPONENTS)
 """Components of a node: along its first and second axis (radial, tangential; x, y), rotation."""
 
 
@@ -26,30 +33,40 @@ class BladedDisk:
     The centre node stands on a spring in x and one in y and does not rotate; clamped, it is held.
     """
 
-    mesh: LineMesh
-    properties: LineProperties
+    model: BeamModel
     structure: Structure
+    expansion: sp.csr_array  #: first, second, rotation of each node, (3 nodes, size)
+
+    @property
+    def mesh(self) -> LineMesh:
+        """Its mesh."""
+        return self.model.mesh
+
+    @property
+    def properties(self) -> LineProperties:
+        """What each line is made of."""
+        return self.model.properties
 
     @property
     def tip_radial(self) -> IntArray:
         """Radial DoF of each blade tip, (blades,)."""
-        return np.asarray(self.structure.node_dofs[self.mesh.node_sets["tips"], FIRST])
+        return np.asarray(self.structure.node_dofs[self.model.tips, FIRST])
 
     @property
     def tip_tangential(self) -> IntArray:
         """Tangential DoF of each blade tip, (blades,)."""
-        return np.asarray(self.structure.node_dofs[self.mesh.node_sets["tips"], SECOND])
+        return np.asarray(self.structure.node_dofs[self.model.tips, SECOND])
 
     @property
     def centre(self) -> IntArray:
         """Free translations of the centre node: x and y, or none when clamped."""
-        dofs = self.structure.node_dofs[self.mesh.node_sets["centre"][0], :ROTATION]
+        dofs = self.structure.node_dofs[self.model.centre, :ROTATION]
         return np.asarray(dofs[dofs >= 0])
 
     @property
     def tip_angles(self) -> FloatArray:
         """Angle of each tip from +x in the rotating frame [rad], (blades,)."""
-        points = self.mesh.points[self.mesh.node_sets["tips"]]
+        points = self.mesh.points[self.model.tips]
         return np.asarray(np.mod(np.arctan2(points[:, 1], points[:, 0]), 2.0 * np.pi))
 
     def cartesian(self, shapes: FloatArray) -> FloatArray:
@@ -58,8 +75,7 @@ class BladedDisk:
         Args:
             shapes: fields on the free DoF, (size, fields).
         """
-        padded = np.vstack([shapes, np.zeros((1, shapes.shape[1]))])  # row -1: held DoF
-        local = padded[self.structure.node_dofs]
+        local = (self.expansion @ shapes).reshape(len(self.mesh.points), COMPONENTS, -1)
         cos, sin = np.cos(self.mesh.node_axes), np.sin(self.mesh.node_axes)
         first, second = local[:, FIRST], local[:, SECOND]
         x = cos[:, None] * first - sin[:, None] * second
@@ -67,42 +83,48 @@ class BladedDisk:
         return np.stack([x, y, local[:, ROTATION]], axis=1)
 
 
-def assemble_bladed_disk(
-    mesh: LineMesh, properties: LineProperties, *, shaft_stiffness: float, clamped: bool
-) -> BladedDisk:
+def assemble_bladed_disk(model: BeamModel, *, shaft_stiffness: float, clamped: bool) -> BladedDisk:
     """Assemble a bladed disk.
 
     Args:
-        mesh: lines, with node sets ``tips`` and ``centre`` (one node).
-        properties: what each line is made of.
+        model: beams, masses, springs and links.
         shaft_stiffness: of each of the two springs at the centre [N/m].
         clamped: hold the centre instead.
     """
+    mesh, properties = model.mesh, model.properties
     assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
     transform = _nodal_to_line_axes(mesh)
-    total_stiffness = assembler.matrix(
+    elastic = assembler.matrix(
         straight_stiffness,
         transform,
         EA=properties.axial_stiffness,
         EI=properties.bending_stiffness,
     )
-    total_mass = assembler.matrix(mass, transform, rho_A=properties.line_mass)
-    centre = assembler.node_dofs[mesh.node_sets["centre"][0]]
+    inertial = assembler.matrix(mass, transform, rho_A=properties.line_mass)
+    centre = assembler.node_dofs[model.centre]
     held = centre if clamped else centre[ROTATION:]
-    spring = np.zeros(total_mass.shape[0])
+    spring = np.zeros(inertial.shape[0])
     spring[centre[:ROTATION]] = shaft_stiffness
-    springs = sp.csr_array(sp.diags_array(spring))
+    shaft = sp.csr_array(sp.diags_array(spring))
 
-    free, node_dofs = keep_free(assembler.node_dofs, held)
+    led = assembler.node_dofs[model.links.led].ravel()
+    _, node_dofs = keep_free(assembler.node_dofs, np.union1d(held, led))
+    expansion = node_expansion(model, node_dofs)
+    unknowns = expansion[np.argsort(assembler.node_dofs.ravel())]
+
+    def reduced(matrix: sp.csr_array) -> sp.csr_array:
+        small = sp.csr_array(unknowns.T @ matrix @ unknowns)
+        return sp.csr_array((small + small.T) / 2.0)
+
     structure = Structure(
-        mass=total_mass[free][:, free],
-        stiffness=(total_stiffness + springs)[free][:, free],
-        springs=springs[free][:, free],
+        mass=reduced(inertial + point_masses(model, assembler.node_dofs)),
+        stiffness=reduced(elastic + node_springs(model, assembler.node_dofs) + shaft),
+        springs=reduced(shaft),
         node_dofs=node_dofs,
         layout=_sector_layout(mesh, node_dofs),
-        held=np.zeros((len(free), 0)),
+        held=np.zeros((unknowns.shape[1], 0)),
     )
-    return BladedDisk(mesh=mesh, properties=properties, structure=structure)
+    return BladedDisk(model=model, structure=structure, expansion=expansion)
 
 
 def _nodal_to_line_axes(mesh: LineMesh) -> FloatArray:
@@ -119,9 +141,14 @@ def _nodal_to_line_axes(mesh: LineMesh) -> FloatArray:
 
 
 def _sector_layout(mesh: LineMesh, node_dofs: IntArray) -> SectorLayout | None:
+    """Sectors of the free DoF; None where nodes are led or held in some sectors only."""
     if mesh.sectors is None:
         return None
+    dofs = node_dofs[mesh.sectors].reshape(len(mesh.sectors), -1)
+    gone = dofs < 0
+    if np.any(gone.any(axis=0) != gone.all(axis=0)):
+        return None
     return SectorLayout(
-        sector_dofs=node_dofs[mesh.sectors].reshape(len(mesh.sectors), -1),
+        sector_dofs=dofs[:, ~gone[0]],
         centre_dofs=node_dofs[mesh.node_sets["centre"][0]],
     )

@@ -39,6 +39,7 @@ from bladewhirl.models.excitation import (
 )
 from bladewhirl.models.mode_choice import mode_choice
 from bladewhirl.models.quantity import Speed
+from bladewhirl.models.sketch_parts import SketchTable
 
 __all__ = [
     "BeamSection",
@@ -264,6 +265,11 @@ class Case(Table):
     contact: Contact = Contact()
     excitation: ExcitationTable = NoExcitation()
     initial: Initial = Initial()
+    sketch: SketchTable | None = Field(
+        default=None,
+        description="A bladed disk of its own, drawn in Python, instead of [bladed_disk].",
+        examples=["{ sectors = 22, nodes = [...], members = [...], sets = [...] }"],
+    )
     coupling: Coupling = Coupling()
     march: March = March()
 
@@ -288,9 +294,21 @@ class Case(Table):
                 yield Inconsistency(f"initial.{key}", expected, ("shaft.clamped",))
 
     def _tips_without_blade(self) -> Iterator[Inconsistency]:
-        blades = self.bladed_disk.blades
+        blades = self.blades
         for key in ("tip_velocity", "tip_displacement"):
             rows = getattr(self.initial, key)
             if rows is not None and len(rows) != blades:
                 expected = f"{blades} rows, one a blade, not {len(rows)}"
                 yield Inconsistency(f"initial.{key}", expected, ("bladed_disk.blades",))
+
+    @property
+    def blades(self) -> int:
+        """Number of blades."""
+        if self.sketch is None:
+            return self.bladed_disk.blades
+        return self.sketch.tips
+
+    @property
+    def tip_radius(self) -> float:
+        """Radius of the tips that the clearance counts from [m]."""
+        return self.bladed_disk.tip_radius if self.sketch is None else self.sketch.radius

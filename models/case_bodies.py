@@ -9,30 +9,43 @@ from contextlib import contextmanager
 import numpy as np
 import scipy.linalg as la
 
-from bladewhirl.meshes import RingMesh, bladed_disk_mesh
+from bladewhirl.meshes import RingMesh
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.beam_model import BeamModel
 from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.bladed_disk_sketch import bladed_disk_sketch
 from bladewhirl.models.case import BeamSection, Case
 from bladewhirl.models.casing import Casing, assemble_casing
 from bladewhirl.models.casing_wall import Wall
 from bladewhirl.models.faults import CaseError, Fault
-from bladewhirl.models.sections import Section, line_properties
+from bladewhirl.models.sections import Section
+from bladewhirl.models.sketch_build import build_sketch
 
 
 def case_bladed_disk(case: Case, *, clamped: bool) -> BladedDisk:
     """Assemble the bladed disk of a case, with a free or a clamped centre."""
+    return assemble_bladed_disk(
+        case_beam_model(case), shaft_stiffness=case.shaft.stiffness, clamped=clamped
+    )
+
+
+def case_beam_model(case: Case) -> BeamModel:
+    """Beams, masses, springs and links of a case's bladed disk.
+
+    Raises:
+        CaseError: parts that do not fit together.
+    """
+    if case.sketch is not None:
+        return build_sketch(case.sketch)
     given = case.bladed_disk
-    mesh = bladed_disk_mesh(
+    return bladed_disk_sketch(
         blades=given.blades,
         tip_radius=given.tip_radius,
         disk_radius=given.disk_radius,
         elements_per_blade=given.elements_per_blade,
-    )
-    blade, disk = _section(case, given.blade), _section(case, given.disk)
-    properties = line_properties(mesh, {"blades": blade, "spokes": disk, "rim": disk})
-    return assemble_bladed_disk(
-        mesh, properties, shaft_stiffness=case.shaft.stiffness, clamped=clamped
-    )
+        blade=_section(case, given.blade),
+        disk=_section(case, given.disk),
+    ).build()
 
 
 def case_casing(case: Case) -> Casing:
@@ -59,9 +72,13 @@ def case_clearance(case: Case) -> FloatArray:
 
 
 def tip_in_sector(disk: BladedDisk) -> tuple[int, int]:
-    """Positions of the tip's radial and tangential DoF among those of a sector."""
+    """Positions of the tip's radial and tangential DoF among those of a sector.
+
+    Without sectors there are no pairs whose phase they would fix, and these are any positions.
+    """
     layout = disk.structure.layout
-    assert layout is not None  # a mesh made of sectors
+    if layout is None:
+        return 0, 1
     first = list(layout.sector_dofs[0])
     return first.index(disk.tip_radial[0]), first.index(disk.tip_tangential[0])
 
@@ -79,7 +96,7 @@ def lowest_frequency(frequencies: Iterable[float]) -> float:
 
 
 def _ring(case: Case) -> RingMesh:
-    radius = case.bladed_disk.tip_radius + case.casing.clearance
+    radius = case.tip_radius + case.casing.clearance
     return RingMesh(elements=case.casing.elements, radius=radius)
 
 

@@ -183,7 +183,7 @@ def _table_at(location: Path) -> type[Table]:
         if part in EXCITATIONS:
             table = EXCITATIONS[str(part)]
         elif isinstance(part, str) and part != "excitation":  # else a row of an array
-            [table] = _tables_under(table, part)
+            [table] = _tables_under(table, part) or [table]  # a section has no tables
     return table
 
 
@@ -197,6 +197,13 @@ def _known_keys(table: type[Table]) -> Iterator[Path]:
 def _tables_under(table: type[Table], name: str) -> list[type[Table]]:
     if name == "excitation":
         return list(EXCITATIONS.values())
-    annotation = table.model_fields[name].annotation
-    kinds = [annotation, *get_args(annotation)]  # a table, or an array of tables
-    return [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, Table)]
+    field = table.model_fields.get(name)
+    return list(_tables_in(field.annotation)) if field is not None else []
+
+
+def _tables_in(annotation: Any) -> Iterator[type[Table]]:
+    """Tables that a field of a type may hold: itself, or inside "or none" and arrays."""
+    if isinstance(annotation, type) and issubclass(annotation, Table):
+        yield annotation
+    for inner in get_args(annotation):
+        yield from _tables_in(inner)

@@ -38,7 +38,10 @@ _EXAMPLES = {
     "N/m": "34 MN/m",
     "N/m2": "1508 N/m2",
     "N/kg^0.5": "30 kN/kg^0.5",
+    "kg": "50 g",
     "kg m": "0.59 kg m",
+    "kg m2": "2 kg cm2",
+    "N m": "1 kN m",
     "rad": "30 deg",
     "Hz": "50 Hz",
 }
@@ -146,6 +149,8 @@ _AS_GIVEN = PlainSerializer(lambda speed: speed.given)
 RotationSpeed = Annotated[Speed, PlainValidator(_speed), _AS_GIVEN]
 PositiveSpeed = Annotated[Speed, PlainValidator(_positive_speed), _AS_GIVEN]
 
+_Coordinate = Annotated[float, quantity("m", "any")]
+Position = Annotated[tuple[_Coordinate, _Coordinate], _items("two coordinates in m", 2)]
 _Displacement = Annotated[float, quantity("m", "any")]
 _Velocity = Annotated[float, quantity("m/s", "any")]
 DisplacementPair = Annotated[

@@ -69,7 +69,13 @@ def _value(value: object) -> str:
     if isinstance(value, Table):
         return toml_value(value.model_dump(exclude_none=True))
     if isinstance(value, tuple) and value and isinstance(value[0], tuple | Table):
-        return "".join(["[\n", *(f"    {_value(row)},\n" for row in value), "]"])
+        rows = (
+            row.model_dump(exclude_none=True, exclude_defaults=True)
+            if isinstance(row, Table)
+            else row
+            for row in value
+        )
+        return "".join(["[\n", *(f"    {toml_value(row)},\n" for row in rows), "]"])
     return toml_value(value)
 
 

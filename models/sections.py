@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Annotated, ClassVar
 
 import numpy as np
+from pydantic import ConfigDict
 
 from bladewhirl.meshes import LineMesh
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case_fields import quantity
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,10 +22,12 @@ class Section:
         ValueError: a size or a material constant is not positive.
     """
 
-    width: float  #: size out of the plane [m]
-    thickness: float  #: size in the plane of motion [m]
-    young_modulus: float  #: [Pa]
-    density: float  #: [kg/m3]
+    __pydantic_config__: ClassVar = ConfigDict(extra="forbid")  # where a case holds one
+
+    width: Annotated[float, quantity("m")]  #: size out of the plane [m]
+    thickness: Annotated[float, quantity("m")]  #: size in the plane of motion [m]
+    young_modulus: Annotated[float, quantity("Pa")]  #: [Pa]
+    density: Annotated[float, quantity("kg/m3")]  #: [kg/m3]
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -45,16 +50,48 @@ class Section:
         return self.density * self.width * self.thickness
 
 
+Taper = Sequence[Section]
+"""Sections at equal distances along a member, from end to end, linear in between."""
+
+QUANTITIES = tuple(field.name for field in fields(Section))
+
+
+def along(sections: Section | Taper, share: FloatArray) -> FloatArray:
+    """Width, thickness, Young's modulus and density along a member, (4, shares).
+
+    Args:
+        sections: one for the whole member, or a taper.
+        share: where, from 0 at the first end to 1 at the second.
+    """
+    stations = [sections] if isinstance(sections, Section) else list(sections)
+    table = np.array([[getattr(station, name) for station in stations] for name in QUANTITIES])
+    at = np.linspace(0.0, 1.0, len(stations))
+    return np.stack([np.interp(share, at, row) for row in table])
+
+
 @dataclass(frozen=True, kw_only=True)
 class LineProperties:
-    """What each line of a mesh is made of."""
+    """What each line of a mesh is made of: a rectangular section, constant along the line."""
 
-    axial_stiffness: FloatArray  #: E A [N], (lines,)
-    bending_stiffness: FloatArray  #: E I [N m2], (lines,)
-    line_mass: FloatArray  #: rho A [kg/m], (lines,)
-    thickness: FloatArray  #: in the plane [m], (lines,)
     width: FloatArray  #: out of the plane [m], (lines,)
+    thickness: FloatArray  #: in the plane [m], (lines,)
     young_modulus: FloatArray  #: [Pa], (lines,)
+    density: FloatArray  #: [kg/m3], (lines,)
+
+    @property
+    def axial_stiffness(self) -> FloatArray:
+        """E A [N], (lines,)."""
+        return self.young_modulus * self.width * self.thickness
+
+    @property
+    def bending_stiffness(self) -> FloatArray:
+        """E I [N m2], (lines,)."""
+        return self.young_modulus * self.width * self.thickness**3 / 12.0
+
+    @property
+    def line_mass(self) -> FloatArray:
+        """Mass per unit length, rho A [kg/m], (lines,)."""
+        return self.density * self.width * self.thickness
 
 
 def line_properties(mesh: LineMesh, sections: Mapping[str, Section]) -> LineProperties:
@@ -68,26 +105,10 @@ def line_properties(mesh: LineMesh, sections: Mapping[str, Section]) -> LineProp
         raise ValueError(
             f"section for unknown line set {unknown[0]!r}; mesh has {[*mesh.line_sets]}"
         )
-    table = np.full((6, len(mesh.lines)), np.nan)
+    table = np.full((len(QUANTITIES), len(mesh.lines)), np.nan)
     for name, section in sections.items():
-        table[:, mesh.line_sets[name]] = np.array(
-            [
-                section.axial_stiffness,
-                section.bending_stiffness,
-                section.line_mass,
-                section.thickness,
-                section.width,
-                section.young_modulus,
-            ]
-        )[:, None]
+        table[:, mesh.line_sets[name]] = along(section, np.zeros(1))
     bare = np.flatnonzero(np.isnan(table[0]))
     if bare.size:
         raise ValueError(f"line {bare[0]} (of set {mesh.line_parts[bare[0]]!r}) has no section")
-    return LineProperties(
-        axial_stiffness=table[0],
-        bending_stiffness=table[1],
-        line_mass=table[2],
-        thickness=table[3],
-        width=table[4],
-        young_modulus=table[5],
-    )
+    return LineProperties(**dict(zip(QUANTITIES, table, strict=True)))

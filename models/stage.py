@@ -160,7 +160,7 @@ def _reduced_rotor(case: Case, disk: BladedDisk, modes: Modes) -> ReducedRotor:
         tip_tangential=modes.shapes[disk.tip_tangential],
         centre=centre,
         tip_angle=disk.tip_angles,
-        tip_radius=case.bladed_disk.tip_radius,
+        tip_radius=disk.model.tip_radius,
         column=modes.column,
     )
 

@@ -93,7 +93,7 @@ def coupled_mode_result(
             "speed": motion.speed,
             "reference_frequency": reference,
             "casing_radius": stage.modal.casing.mesh.radius,
-            "tip_radius": given.bladed_disk.tip_radius,
+            "tip_radius": given.tip_radius,
             "friction": 0.0,
             "time_step": step,
             "record_step": step,

@@ -111,7 +111,7 @@ def _coordinates(phase: FloatArray, modes: int, wave: Wave) -> tuple[FloatArray,
 def shown_clearance(stage: ModalStage) -> float:
     """Clearance [m], or a thousandth of the tip radius where there is none."""
     given = stage.case
-    return given.casing.clearance or SHARE_OF_RADIUS * given.bladed_disk.tip_radius
+    return given.casing.clearance or SHARE_OF_RADIUS * given.tip_radius
 
 
 def _largest(geometry: xr.Dataset, body: Body, coordinates: FloatArray) -> float:
@@ -144,7 +144,7 @@ def _attributes(stage: ModalStage, title: str) -> dict[str, str | int | float]:
         "speed": 0.0,
         "reference_frequency": stage.reference_frequency,
         "casing_radius": stage.casing.mesh.radius,
-        "tip_radius": given.bladed_disk.tip_radius,
+        "tip_radius": given.tip_radius,
         "friction": 0.0,
         "clamped": int(given.shaft.clamped),
         "end_reason": "completed",

@@ -72,7 +72,7 @@ def draw_coupled_mode(
         mode,
         time=whirl_records(mode),
         shapes=radial_shapes(stage),
-        clearance=given.casing.clearance or SHARE_OF_RADIUS * given.bladed_disk.tip_radius,
+        clearance=given.casing.clearance or SHARE_OF_RADIUS * given.tip_radius,
     )
     result = coupled_mode_result(stage, motion, reference=reference, case=case)
     result.to_netcdf(folder / RESULT_NAME, engine="h5netcdf")

@@ -105,7 +105,7 @@ def _derive(stage: Stage) -> Derived:
     records = case.march.steps // case.march.steps_per_record + 1
     kept = {name: len(dofs) for name, dofs in boundary.items()}
     return Derived(
-        bladed_disk_mass=float(disk.properties.line_mass @ disk.mesh.lengths),
+        bladed_disk_mass=disk.model.mass,
         casing_mass=float(casing.properties.line_mass.sum() * casing.mesh.element_length),
         reference_frequency=_rate(stage, stage.reference_frequency),
         speed=_rate(stage, stage.speed),
@@ -129,7 +129,7 @@ def _derive(stage: Stage) -> Derived:
         steps=case.march.steps,
         records=records,
         result_bytes=result_bytes(
-            len(stage.kept.rotor), len(stage.kept.casing), case.bladed_disk.blades, records
+            len(stage.kept.rotor), len(stage.kept.casing), case.blades, records
         ),
         imbalance=_imbalance(stage),
         distortion=_distortion(stage),

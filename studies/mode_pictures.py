@@ -128,7 +128,7 @@ def _draw_shapes(stage: ModalStage, body: Body, modes: list[ChosenMode], folder:
     data = stage_dataset(stage.arrays(*((numbers, other) if on_disk else (other, numbers))))
     data = data.assign_attrs(
         title=f"mode shapes, {body}",
-        tip_radius=stage.case.bladed_disk.tip_radius,
+        tip_radius=stage.case.tip_radius,
         casing_radius=stage.casing.mesh.radius,
         reference_frequency=stage.reference_frequency,
     )

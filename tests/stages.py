@@ -9,9 +9,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from bladewhirl.meshes import LineMesh, RingMesh, bladed_disk_mesh
+from bladewhirl.meshes import LineMesh, RingMesh
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.beam_model import BeamModel
 from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.bladed_disk_sketch import bladed_disk_sketch
 from bladewhirl.models.casing import Casing, assemble_casing
 from bladewhirl.models.casing_wall import Wall
 from bladewhirl.models.modes import Modes, structure_modes
@@ -38,7 +40,8 @@ def with_sections(mesh: LineMesh, disk_thickness: float, *, clamped: bool) -> Bl
     """Bladed disk of a mesh with 10 mm blades, on the shaft of the reference results."""
     disk = steel(disk_thickness)
     properties = line_properties(mesh, {"blades": steel(0.01), "spokes": disk, "rim": disk})
-    return assemble_bladed_disk(mesh, properties, shaft_stiffness=3.4e7, clamped=clamped)
+    model = BeamModel(mesh=mesh, properties=properties, tip_radius=0.5)
+    return assemble_bladed_disk(model, shaft_stiffness=3.4e7, clamped=clamped)
 
 
 @cache
@@ -46,10 +49,15 @@ def bladed_disk(
     blades: int = 22, elements: int = 10, disk_thickness: float = 0.01, clamped: bool = False
 ) -> BladedDisk:
     """The stage of the paper's Table 1: literally, or with thicker beams for the disk."""
-    mesh = bladed_disk_mesh(
-        blades=blades, tip_radius=0.5, disk_radius=0.05, elements_per_blade=elements
+    sketch = bladed_disk_sketch(
+        blades=blades,
+        tip_radius=0.5,
+        disk_radius=0.05,
+        elements_per_blade=elements,
+        blade=steel(0.01),
+        disk=steel(disk_thickness),
     )
-    return with_sections(mesh, disk_thickness, clamped=clamped)
+    return assemble_bladed_disk(sketch.build(), shaft_stiffness=3.4e7, clamped=clamped)
 
 
 def tip_reference(disk: BladedDisk) -> tuple[int, int]:

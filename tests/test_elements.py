@@ -9,11 +9,12 @@ import pytest
 import scipy.linalg as la
 from numpy.polynomial import Polynomial
 from plain_frame import beam_mass, beam_stiffness
-from stages import observed_order, oracle, steel
+from stages import bladed_disk, observed_order, oracle, steel
 
-from bladewhirl.meshes import LineMesh, bladed_disk_mesh
+from bladewhirl.meshes import LineMesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.assembly import curved_beams, straight_beams
+from bladewhirl.models.beam_model import BeamModel
 from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
 from bladewhirl.models.elements import (
     curved_exact_stiffness,
@@ -153,7 +154,8 @@ def cantilever(elements: int, angle: float = 0.0) -> BladedDisk:
         line_sets={"blades": np.arange(elements)},
     )
     properties = line_properties(mesh, {"blades": steel(0.01)})
-    return assemble_bladed_disk(mesh, properties, shaft_stiffness=0.0, clamped=True)
+    model = BeamModel(mesh=mesh, properties=properties, tip_radius=float(radii[-1]))
+    return assemble_bladed_disk(model, shaft_stiffness=0.0, clamped=True)
 
 
 def cantilever_frequencies(elements: int) -> tuple[FloatArray, FloatArray]:
@@ -215,7 +217,7 @@ def test_sections_that_cannot_be(name: str, value: float) -> None:
 
 
 def test_every_line_needs_a_section_and_every_section_lines() -> None:
-    mesh = bladed_disk_mesh(blades=3, tip_radius=0.5, disk_radius=0.05, elements_per_blade=2)
+    mesh = bladed_disk(blades=3, elements=2).mesh
     sections: dict[str, Any] = {"blades": steel(0.01), "spokes": steel(0.02)}
     with pytest.raises(ValueError, match=r"line 9 \(of set 'rim'\) has no section"):
         line_properties(mesh, sections)

@@ -1,0 +1,106 @@
+"""Faults of a beam model, wherever it comes from: parts that hang on nothing, unusable sets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from bladewhirl.models.beam_model import GROUND, BeamModel
+from bladewhirl.models.faults import CaseError, Fault
+
+AT_ORIGIN = 1e-9
+"""Largest distance of the centre from the origin, in tip radii."""
+
+
+def check_model(model: BeamModel, key: str) -> None:
+    """See that a beam model can be a bladed disk.
+
+    Args:
+        model: to check.
+        key: of the case that it comes from, for the messages.
+
+    Raises:
+        CaseError: with all faults, each naming the part.
+    """
+    faults = [*_sets(model, key), *_links(model, key)] or [*_loose_parts(model, key)]
+    if faults:
+        raise CaseError(faults)
+
+
+def _sets(model: BeamModel, key: str) -> Iterator[Fault]:
+    sets = model.mesh.node_sets
+    for name in ("tips", "centre"):
+        if not len(sets.get(name, ())):
+            yield Fault(key=key, expected=f'nodes in the set "{name}"')
+    if not len(sets.get("tips", ())) or not len(sets.get("centre", ())):
+        return
+    if len(sets["centre"]) != 1:
+        yield Fault(key=key, expected=f'one node in the set "centre", not {len(sets["centre"])}')
+        return
+    if np.linalg.norm(model.mesh.points[model.centre]) > AT_ORIGIN * model.tip_radius:
+        x, y = model.mesh.points[model.centre]
+        yield Fault(key=key, expected=f"the centre at the origin, not at ({x:.6g}, {y:.6g}) m")
+    tips = model.mesh.points[model.tips]
+    angles = np.arctan2(tips[:, 1], tips[:, 0])
+    steps = np.mod(np.diff(angles, append=angles[0]), 2.0 * np.pi)
+    if model.centre in model.tips:
+        yield Fault(key=key, expected='a centre that is not in the set "tips"')
+    elif len(tips) > 1 and not (np.all(steps > 0.0) and abs(steps.sum() - 2.0 * np.pi) < 1e-6):
+        expected = 'the set "tips" counter-clockwise, each tip at an angle of its own'
+        yield Fault(key=key, expected=expected)
+
+
+def _links(model: BeamModel, key: str) -> Iterator[Fault]:
+    led = model.links.led
+    for node in np.flatnonzero(np.bincount(led, minlength=1) > 1):
+        yield Fault(key=key, expected=f"one leader for {_node(model, int(node))}, not several")
+    for node in np.intersect1d(led, model.links.leader):
+        expected = f"a leader that is led by none; {_node(model, int(node))} is"
+        yield Fault(key=key, expected=expected)
+    for name in ("tips", "centre"):
+        for node in np.intersect1d(led, model.mesh.node_sets.get(name, np.zeros(0, np.int64)))[:1]:
+            expected = f'{_node(model, int(node))}, of the set "{name}", to be led by none'
+            yield Fault(key=key, expected=expected)
+
+
+def _loose_parts(model: BeamModel, key: str) -> Iterator[Fault]:
+    """Parts that neither beams, springs nor links join to the centre."""
+    mesh, count = model.mesh, len(model.mesh.points)
+    between = model.springs.other != GROUND
+    joints = np.vstack(
+        [
+            mesh.lines,
+            np.column_stack([model.links.led, model.links.leader]),
+            np.column_stack([model.springs.node, model.springs.other])[between],
+        ]
+    )
+    graph = sp.csr_array((np.ones(len(joints)), (joints[:, 0], joints[:, 1])), shape=(count, count))
+    groups, group = connected_components(graph, directed=False)
+    if groups == 1:
+        return
+    parts = np.array(mesh.line_parts)
+    told: set[str] = set()
+    for number in range(groups):
+        if number == group[model.centre]:
+            continue
+        names = sorted(set(parts[group[mesh.lines[:, 0]] == number].tolist()))
+        first = int(np.flatnonzero(group == number)[0])
+        what = f"part {names[0]!r}" if names and names[0] else _node(model, first)
+        if what not in told:
+            told.add(what)
+            expected = f"all parts joined to the centre; {what} at {_at(model, first)} is not"
+            yield Fault(key=key, expected=expected)
+
+
+def _node(model: BeamModel, node: int) -> str:
+    names = [name for name, nodes in model.mesh.node_sets.items() if node in nodes]
+    called = f" of {names[0]!r}" if names else ""
+    return f"node {node}{called} at {_at(model, node)}"
+
+
+def _at(model: BeamModel, node: int) -> str:
+    x, y = model.mesh.points[node]
+    return f"({x:.4g}, {y:.4g}) m"
