@@ -88,10 +88,11 @@ def _loose_parts(model: BeamModel, key: str) -> Iterator[Fault]:
             continue
         names = sorted(set(parts[group[mesh.lines[:, 0]] == number].tolist()))
         first = int(np.flatnonzero(group == number)[0])
-        what = f"part {names[0]!r}" if names and names[0] else _node(model, first)
+        what = f"part {names[0]!r}" if names and names[0] else "node"
         if what not in told:
             told.add(what)
-            expected = f"all parts joined to the centre; {what} at {_at(model, first)} is not"
+            where = _node(model, first) if what == "node" else f"{what} at {_at(model, first)}"
+            expected = f"all parts joined to the centre; {where} is not"
             yield Fault(key=key, expected=expected)
 
 

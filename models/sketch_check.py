@@ -50,6 +50,7 @@ def _names(sketch: SketchTable) -> Iterator[Fault]:
                 found = ", ".join(sorted(known)) or "none"
                 expected = f"a node of the sketch ({found}), not {reference!r}"
                 yield Fault(key=f"sketch: {part}", expected=expected)
+    yield from _bare_nodes(sketch)
     members = {member.name for member in sketch.members}
     for edit in sketch.edits:
         place = f"sketch: edit of sector {edit.sector}"
@@ -61,6 +62,20 @@ def _names(sketch: SketchTable) -> Iterator[Fault]:
             yield Fault(key=place, expected=f"a member of the sketch, not {edit.member!r}")
         elif edit.node is not None and edit.at is None:
             yield Fault(key=place, expected=f"where node {edit.node!r} is to be")
+
+
+def _bare_nodes(sketch: SketchTable) -> Iterator[Fault]:
+    """Nodes that nothing holds."""
+    met = {
+        split_reference(reference)[0]
+        for part, references in _references(sketch)
+        if part.partition(" ")[0] in ("member", "spring", "link")
+        for reference in references
+    }
+    for node in sketch.nodes:
+        if node.name not in met:
+            place = f"sketch: node {node.name!r}"
+            yield Fault(key=place, expected="a member, a link or a spring at it")
 
 
 def _references(sketch: SketchTable) -> Iterator[tuple[str, tuple[str, ...]]]:
@@ -119,7 +134,7 @@ def _lengths(sketch: SketchTable) -> Iterator[Fault]:
 
 def _position(
     sketch: SketchTable,
-    moved: Mapping[tuple[int, str | None], tuple[float, float]],
+    moved: Mapping[tuple[int, str], tuple[float, float]],
     sector: int,
     reference: tuple[str, int],
 ) -> FloatArray:
