@@ -1,0 +1,82 @@
+"""What a mesh file holds: points, lines, named groups and data of both, as yet without meaning."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+
+FLAT = 1e-6
+"""Largest distance from one plane, over the size of a mesh, that still counts as in it."""
+
+
+class MeshFileError(ValueError):
+    """A mesh file that can't be read, or whose mesh is none of lines; completes "expected ..."."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GroupedLines:
+    """A mesh of straight two-node lines as a file holds it, in the file's own unit of length.
+
+    Groups may overlap and may be empty; their members stand in the order of the file. Data hold
+    one number a node or a line.
+    """
+
+    points: FloatArray  #: (nodes, 2)
+    lines: IntArray  #: end nodes of each line, (lines, 2)
+    node_groups: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> nodes
+    line_groups: Mapping[str, IntArray] = field(default_factory=dict)  #: name -> lines
+    node_data: Mapping[str, FloatArray] = field(default_factory=dict)  #: name -> (nodes,)
+    line_data: Mapping[str, FloatArray] = field(default_factory=dict)  #: name -> (lines,)
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            real = item.name == "points" or item.name.endswith("data")
+            kind = np.float64 if real else np.int64
+            if isinstance(value, Mapping):
+                frozen = {str(name): _frozen(array, kind) for name, array in value.items()}
+                object.__setattr__(self, item.name, MappingProxyType(frozen))
+            else:
+                object.__setattr__(self, item.name, _frozen(value, kind))
+
+
+def in_plane(points: FloatArray) -> FloatArray:
+    """The x and y of points, (nodes, 2).
+
+    Args:
+        points: (nodes, 2) or, all at one z, (nodes, 3).
+
+    Raises:
+        MeshFileError: coordinates that are not finite, or points out of one plane z = const.
+    """
+    points = np.asarray(points, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] not in (2, 3) or not len(points):
+        raise MeshFileError("a mesh of nodes with two or three coordinates")
+    if not np.isfinite(points).all():
+        raise MeshFileError(f"finite coordinates; node {_first_bad(points)} has others")
+    if points.shape[1] == 3:
+        size = np.ptp(points[:, :2], axis=0).max()
+        away = np.abs(points[:, 2] - points[0, 2])
+        if away.max() > FLAT * size:
+            x, y, z = points[int(away.argmax())]
+            raise MeshFileError(
+                f"a mesh in one plane z = {points[0, 2]:g}; it has a node at ({x:g}, {y:g}, {z:g})"
+            )
+    return np.ascontiguousarray(points[:, :2])
+
+
+def _first_bad(points: FloatArray) -> int:
+    return int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0]) + 1
+
+
+def _frozen(values: Any, kind: type) -> NDArray[Any]:
+    array: NDArray[Any] = np.array(values, dtype=kind)
+    array.setflags(write=False)
+    return array
