@@ -135,6 +135,17 @@ def line_rows(dataset: xr.Dataset, per_line: int) -> tuple[Array, Array]:
     return points, rows
 
 
+def line_slope_rows(dataset: xr.Dataset, per_line: int) -> Array:
+    """Rotation of a beam's cross-section (rotor_line, per_line + 1, rotor_mode) at the stations
+    of `line_rows`, for unit modal coordinates: the slope of the cubic across it.
+    """
+    _, span, _, local, turn_rows = line_shapes(dataset)
+    slopes = slope_weights(np.linspace(0.0, 1.0, per_line + 1))
+    across = np.einsum("es,lem->lsm", slopes[::2], local[:, :, 1])
+    across /= np.linalg.norm(span, axis=1)[:, None, None]
+    return np.asarray(across + np.einsum("es,lem->lsm", slopes[1::2], turn_rows))
+
+
 def line_shapes(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array, Array]:
     """Every beam in its own axes: its start (rotor_line, 2) [m], the span to its end (the same),
     its axes (rotor_line, axis, 2), along it and a quarter turn further, and for unit modal
@@ -157,6 +168,35 @@ def ring_angles(dataset: xr.Dataset, per_element: int) -> Array:
     cuts = np.arange(per_element) / per_element
     angle: Array = (first[:, None] + span[:, None] * cuts).ravel()
     return angle
+
+
+def station_angles(dataset: xr.Dataset, per_element: int) -> Array:
+    """Angles (casing_node, per_element + 1) [rad]: those cuts, with both ends of elements."""
+    first = dataset["casing_angle"].values
+    span = np.mod(np.roll(first, -1) - first, 2 * np.pi)
+    angle: Array = first[:, None] + span[:, None] * np.linspace(0.0, 1.0, per_element + 1)
+    return angle
+
+
+def wall_rows(dataset: xr.Dataset, weights: Array) -> Array:
+    """Radial and tangential displacement of every casing element for unit modal coordinates
+    (casing_node, station, 2, casing_mode), where `weights` (4, station) are `cubic_weights`; with
+    `slope_weights` or `curvature_weights` derivatives by the share of the element's length.
+    """
+    shape = dataset["casing_shape"].values
+    nodal = shape.reshape(len(shape), 2, 2, -1)  # node, (w, u), (value, slope), mode
+    ends = np.stack([nodal, np.roll(nodal, -1, axis=0)], axis=1)
+    length = element_lengths(dataset)[:, None, None, None]
+    rows = np.einsum("es,lecm->lscm", weights[::2], ends[:, :, :, 0])
+    rows += length * np.einsum("es,lecm->lscm", weights[1::2], ends[:, :, :, 1])
+    return np.asarray(rows)
+
+
+def element_lengths(dataset: xr.Dataset) -> Array:
+    """Arc length of every casing element (casing_node,) [m]."""
+    first = dataset["casing_angle"].values
+    length: Array = dataset.attrs["casing_radius"] * np.mod(np.roll(first, -1) - first, 2 * np.pi)
+    return length
 
 
 def hermite_weights(dataset: xr.Dataset, angle: Array) -> tuple[IntArray, IntArray, Array]:
@@ -266,3 +306,13 @@ def radial_part(vectors: Array, points: Array) -> Array:
 def cubic_weights(x: Array) -> Array:
     """Cubic Hermite weights (4, point) of value, slope at 0 and value, slope at 1 (unit length)."""
     return np.stack([1 - x**2 * (3 - 2 * x), x * (1 - x) ** 2, x**2 * (3 - 2 * x), x**2 * (x - 1)])
+
+
+def slope_weights(x: Array) -> Array:
+    """First derivatives of `cubic_weights`."""
+    return np.stack([6 * x * (x - 1), (1 - x) * (1 - 3 * x), 6 * x * (1 - x), x * (3 * x - 2)])
+
+
+def curvature_weights(x: Array) -> Array:
+    """Second derivatives of `cubic_weights`."""
+    return np.stack([12 * x - 6, 6 * x - 4, 6 - 12 * x, 6 * x - 2])

@@ -15,7 +15,15 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields import Array, cubic_weights, line_shapes
+from bladewhirl.postprocess.fields import (
+    Array,
+    cubic_weights,
+    curvature_weights,
+    element_lengths,
+    line_shapes,
+    slope_weights,
+    wall_rows,
+)
 
 
 class StrainRows(NamedTuple):
@@ -50,8 +58,8 @@ def rotor_strain_rows(dataset: xr.Dataset, per_line: int = 1) -> StrainRows:
     length = np.linalg.norm(span, axis=1)[:, None, None]
     x = np.linspace(0.0, 1.0, per_line + 1)
     axial = (local[:, 1, 0] - local[:, 0, 0])[:, None] / length
-    curvature = np.einsum("es,lem->lsm", _curvatures(x)[::2], local[:, :, 1]) / length**2
-    curvature += np.einsum("es,lem->lsm", _curvatures(x)[1::2], rotation) / length
+    curvature = np.einsum("es,lem->lsm", curvature_weights(x)[::2], local[:, :, 1]) / length**2
+    curvature += np.einsum("es,lem->lsm", curvature_weights(x)[1::2], rotation) / length
     half = dataset["rotor_thickness"].values[:, None, None] / 2
     return StrainRows(np.repeat(axial, len(x), axis=1), half * curvature)
 
@@ -61,32 +69,13 @@ def casing_strain_rows(dataset: xr.Dataset, per_element: int) -> StrainRows:
     per_element + 1, casing_mode), with eps = u' + w / R, and kappa = w'' - u' / R or, where the
     case takes the shallow arch, w''. As in the elements, the wall is thin: y / R is neglected.
     """
-    angle = dataset["casing_angle"].values
     radius = float(dataset.attrs["casing_radius"])
-    length = radius * np.mod(np.roll(angle, -1) - angle, 2 * np.pi)[:, None, None]
-    shape = dataset["casing_shape"].values
-    nodal = np.stack([shape, np.roll(shape, -1, axis=0)], axis=1)  # element, end, component, mode
-    w, u = nodal[:, :, :2], nodal[:, :, 2:]
+    length = element_lengths(dataset)[:, None, None]
     x = np.linspace(0.0, 1.0, per_element + 1)
-
-    def along(weights: Array, ends: Array) -> Array:
-        """Values (element, station, mode) of a cubic with the given values and slopes."""
-        value = np.einsum("es,lem->lsm", weights[::2], ends[:, :, 0])
-        return np.asarray(value + length * np.einsum("es,lem->lsm", weights[1::2], ends[:, :, 1]))
-
-    stretch = along(_slopes(x), u) / length
-    curvature = along(_curvatures(x), w) / length**2
+    radial = wall_rows(dataset, cubic_weights(x))[:, :, 0]
+    stretch = wall_rows(dataset, slope_weights(x))[:, :, 1] / length
+    curvature = wall_rows(dataset, curvature_weights(x))[:, :, 0] / length**2
     if str(dataset["casing_curvature"].values) == "exact":
         curvature -= stretch / radius
     half = dataset["casing_thickness"].values[:, None, None] / 2
-    return StrainRows(stretch + along(cubic_weights(x), w) / radius, half * curvature)
-
-
-def _slopes(x: Array) -> Array:
-    """First derivatives of `cubic_weights`."""
-    return np.stack([6 * x * (x - 1), (1 - x) * (1 - 3 * x), 6 * x * (1 - x), x * (3 * x - 2)])
-
-
-def _curvatures(x: Array) -> Array:
-    """Second derivatives of `cubic_weights`."""
-    return np.stack([12 * x - 6, 6 * x - 4, 6 - 12 * x, 6 * x - 2])
+    return StrainRows(stretch + radial / radius, half * curvature)

@@ -14,7 +14,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.fields import Array, IntArray
+from bladewhirl.postprocess.fields import Array, IntArray, station_angles
 from bladewhirl.postprocess.members import member_names
 from bladewhirl.postprocess.result import ResultError, portions
 from bladewhirl.postprocess.strains import (
@@ -136,9 +136,7 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
     rotor = rotor_strain_rows(dataset)
     ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
     nodes = dataset.sizes["casing_node"]
-    angle = dataset["casing_angle"].values
-    span = np.mod(np.roll(angle, -1) - angle, 2 * np.pi)
-    angles = angle[:, None] + span[:, None] * np.linspace(0.0, 1.0, CASING_PIECES + 1)
+    angles = station_angles(dataset, CASING_PIECES)
     ring = dataset.attrs["casing_radius"] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     bodies = [
         _Body(

@@ -7,6 +7,7 @@ it is replaced atomically after every frame, so that a killed export leaves a re
 
 import logging
 import os
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
@@ -30,11 +31,17 @@ from bladewhirl.postprocess.fields import (
     rotor_points,
     sampling_hint,
 )
+from bladewhirl.postprocess.strains import Strains, casing_strain_rows, rotor_strain_rows
+from bladewhirl.postprocess.stresses import require_sections
+from bladewhirl.postprocess.surfaces import SurfaceSeries, casing_boxes, rotor_boxes
 
 logger = logging.getLogger(__name__)
 
 ARC_POINTS = 360  #: the casing is cut into at least this many chords, so that it looks round
-PORTION = 300  #: records whose fields are computed together
+PORTION = 300  #: records whose fields are computed together, at most
+PORTION_POINTS = 1_000_000  #: and points at all of them together, of large stages
+
+Progress = Callable[[int, int], None]
 
 
 def write_vtk(
@@ -45,6 +52,8 @@ def write_vtk(
     start: float | None = None,
     end: float | None = None,
     rotating: bool = False,
+    surface: bool = False,
+    progress: Progress | None = None,
 ) -> Path:
     """Write a time series of the run between `start` and `end` [s]; returns series.pvd's path.
 
@@ -59,26 +68,65 @@ def write_vtk(
       ("All Scalars" off) selects the ends of the blades that touch.
     * `contact_force` [N], rotor only: at a tip the impulse since the record before divided by
       `record_step`, as a vector (normal inward, positive friction towards -theta); zero elsewhere.
+    * on cells `axial_strain`, `bending_strain` [1], `axial_stress`, `bending_stress` [Pa]: of a
+      cell's two ends the one larger in magnitude, bending at the right or inner surface
+      (`strains`).
 
+    With `surface`, beams and wall are boxes of their true thickness and width, made of quads,
+    strains and stresses are on points, with `surface_stress` [Pa] the sum of axial and bending
+    at each corner, and a third part, `contact`, holds the tips with `gap` and `contact_force`.
     With `rotating`, everything is seen from the rotor: its points stay, the casing's turn back,
     and all vectors are in rotating axes. Frames of an earlier export to the same folder go first.
-    ViewError for an empty window or number of frames.
+    `progress` is told frames done and frames in all.
+
+    Raises:
+        ViewError: an empty window or number of frames.
+        ResultError: an old result that knows no sections.
     """
     records = frame_records(dataset, frames, start, end)
+    require_sections(dataset)
     hint = sampling_hint(dataset, records)
     if hint:
         logger.info(hint)
     folder = Path(directory)
     series = SeriesWriter(folder=folder)
     meshio.write(folder / "mesh.vtu", undeformed_mesh(dataset))
+    parts, points = _surfaces(dataset, rotating) if surface else _lines(dataset, rotating)
     # In portions, so that memory does not grow with the number of frames.
-    for portion in np.array_split(records, -(-len(records) // PORTION)):
+    together = max(1, min(PORTION, PORTION_POINTS // points))
+    for portion in np.array_split(records, -(-len(records) // together)):
         time = dataset["time"].values[portion]
-        rotor = _rotor_meshes(dataset, portion, rotating)
-        casing = _casing_meshes(dataset, portion, rotating)
-        for instant, at_rotor, at_casing in zip(time, rotor, casing, strict=True):
-            series.add(float(instant), {"rotor": at_rotor, "casing": at_casing})
+        meshes = [meshes_of(portion) for meshes_of in parts.values()]
+        for instant, *at_instant in zip(time, *meshes, strict=True):
+            series.add(float(instant), dict(zip(parts, at_instant, strict=True)))
+            if progress is not None:
+                progress(series.frames, len(records))
     return series.index
+
+
+Parts = Mapping[str, Callable[[IntArray], list[meshio.Mesh]]]
+"""What makes the meshes of each part at some records."""
+
+
+def _lines(dataset: xr.Dataset, rotating: bool) -> tuple[Parts, int]:
+    """Parts as line cells, and their number of points."""
+    parts: Parts = {
+        "rotor": lambda records: _rotor_meshes(dataset, records, rotating),
+        "casing": lambda records: _casing_meshes(dataset, records, rotating),
+    }
+    return parts, dataset.sizes["rotor_node"] + ARC_POINTS
+
+
+def _surfaces(dataset: xr.Dataset, rotating: bool) -> tuple[Parts, int]:
+    """Parts as boxes, and their number of points."""
+    rotor = SurfaceSeries(dataset, rotor_boxes(dataset), rotating=rotating)
+    casing = SurfaceSeries(dataset, casing_boxes(dataset), rotating=rotating)
+    parts: Parts = {
+        "rotor": rotor.meshes,
+        "casing": casing.meshes,
+        "contact": lambda records: _contact_meshes(dataset, records, rotating),
+    }
+    return parts, rotor.points + casing.points
 
 
 @dataclass(kw_only=True)
@@ -95,6 +143,11 @@ class SeriesWriter:
         self._write_index()
         for stale in (self.folder / "frames").glob("*.vtu"):
             stale.unlink()
+
+    @property
+    def frames(self) -> int:
+        """Number of instants written."""
+        return self._frames
 
     @property
     def index(self) -> Path:
@@ -176,9 +229,13 @@ def _rotor_meshes(dataset: xr.Dataset, records: IntArray, rotating: bool) -> lis
     gap[:, tips] = history(dataset, "gap", records)
     force = np.zeros_like(points)
     force[:, tips] = contact_forces(dataset, records, rotating=rotating)
+    strains = Strains.of(
+        history(dataset, "rotor_displacement", records), rotor_strain_rows(dataset)
+    )
     return _meshes(
         points,
-        dataset["rotor_line"].values,
+        ("line", dataset["rotor_line"].values),
+        _cell_strains(strains, dataset["rotor_young_modulus"].values),
         displacement=_in_space(displacement),
         velocity=_in_space(rotor_field(dataset, "velocity", records, rotating=rotating)),
         radial_displacement=radial_part(displacement, points),
@@ -188,24 +245,65 @@ def _rotor_meshes(dataset: xr.Dataset, records: IntArray, rotating: bool) -> lis
 
 
 def _casing_meshes(dataset: xr.Dataset, records: IntArray, rotating: bool) -> list[meshio.Mesh]:
-    nodes = dataset.sizes["casing_node"]
-    angle = ring_angles(dataset, -(-ARC_POINTS // nodes))
+    per_element = -(-ARC_POINTS // dataset.sizes["casing_node"])
+    angle = ring_angles(dataset, per_element)
     displacement = casing_field(dataset, "displacement", records, angle, rotating=rotating)
     velocity = casing_field(dataset, "velocity", records, angle, rotating=rotating)
+    rows = casing_strain_rows(dataset, per_element)
+    strains = Strains.of(history(dataset, "casing_displacement", records), rows)
     return _meshes(
         casing_points(dataset, records, angle, rotating=rotating),
-        _closed_lines(len(angle)),
+        ("line", _closed_lines(len(angle))),
+        _cell_strains(strains, dataset["casing_young_modulus"].values),
         displacement=_in_space(displacement),
         velocity=_in_space(velocity),
         radial_displacement=casing_polar_field(dataset, "displacement", records, angle)[..., 0],
     )
 
 
-def _meshes(points: Array, lines: IntArray, **fields: Array) -> list[meshio.Mesh]:
+def _contact_meshes(dataset: xr.Dataset, records: IntArray, rotating: bool) -> list[meshio.Mesh]:
+    """The tips, with what the casing does to them, at the front of the blades: arrows that start
+    inside a blade would not be seen.
+    """
+    tips = dataset["tip_node"].values
+    front = float(dataset["rotor_width"].max()) / 2
+    displacement = rotor_field(dataset, "displacement", records, rotating=rotating)[:, tips]
+    force = contact_forces(dataset, records, rotating=rotating)
+    meshes = _meshes(
+        rotor_points(dataset, records, rotating=rotating)[:, tips],
+        ("vertex", np.arange(len(tips))[:, None]),
+        {},
+        displacement=_in_space(displacement),
+        gap=history(dataset, "gap", records),
+        contact_force=_in_space(force),
+    )
+    for mesh in meshes:
+        mesh.points[:, 2] = front
+    return meshes
+
+
+def _cell_strains(strains: Strains, modulus: Array) -> dict[str, Array]:
+    """Strains and stresses of the pieces of every element (record, cell): the larger end's."""
+    fields = {}
+    for name, values in (("axial", strains.axial), ("bending", strains.bending)):
+        begin, end = values[..., :-1], values[..., 1:]
+        strain = np.where(np.abs(begin) >= np.abs(end), begin, end)
+        fields[f"{name}_strain"] = strain.reshape(len(strain), -1)
+        fields[f"{name}_stress"] = (modulus[:, None] * strain).reshape(len(strain), -1)
+    return fields
+
+
+def _meshes(
+    points: Array, cells: tuple[str, IntArray], on_cells: Mapping[str, Array], **fields: Array
+) -> list[meshio.Mesh]:
     """One mesh per record from points (record, point, 2) and fields (record, point, ...)."""
-    cells = [("line", lines)]
     return [
-        meshio.Mesh(space, cells, point_data={name: values[i] for name, values in fields.items()})
+        meshio.Mesh(
+            space,
+            [cells],
+            point_data={name: values[i] for name, values in fields.items()},
+            cell_data={name: [values[i]] for name, values in on_cells.items()},
+        )
         for i, space in enumerate(_in_space(points))
     ]
 

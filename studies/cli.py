@@ -16,11 +16,11 @@ import typer
 from typer.core import TyperGroup
 
 from bladewhirl.studies.campbell import campbell
+from bladewhirl.studies.export import export
 from bladewhirl.studies.modes import modes
 from bladewhirl.studies.new import new
 from bladewhirl.studies.plot import plot
 from bladewhirl.studies.render import render
-from bladewhirl.studies.reproduce import reproduce
 from bladewhirl.studies.run import run
 from bladewhirl.studies.show import show
 from bladewhirl.studies.stability import stability
@@ -56,11 +56,11 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command()(campbell)
+app.command()(export)
 app.command()(modes)
 app.command()(new)
 app.command()(plot)
 app.command()(render)
-app.command()(reproduce)
 app.command()(run)
 app.command()(show)
 app.command()(stability)
