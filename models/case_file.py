@@ -24,6 +24,7 @@ __all__ = [
     "faults_from",
     "faults_in",
     "loads",
+    "override_values",
     "read_case",
     "template",
     "with_values",
@@ -93,6 +94,16 @@ def with_values(case: Case, values: Mapping[str, Any]) -> Case:
     return case_from(tables)
 
 
+def override_values(overrides: Iterable[str]) -> dict[str, Any]:
+    """Values by dotted key, for `with_values`, of "KEY=VALUE" texts as `loads` takes them.
+
+    Raises:
+        CaseError: a text that is none.
+    """
+    with faults_in(SET):
+        return dict(_key_and_value(override) for override in overrides)
+
+
 @contextmanager
 def faults_from(file: str | PathLike[str], overrides: Iterable[str]) -> Iterator[None]:
     """Say in faults raised inside where their key was set: by an override, or in the file.
@@ -156,13 +167,18 @@ def _placed(fault: Fault, file: str, overridden: list[str]) -> Fault:
 
 def _override(tables: dict[str, Any], override: str) -> str:
     """Set one "KEY=VALUE" in ``tables``; returns the key."""
+    key, value = _key_and_value(override)
+    _set(tables, key, value)
+    return key
+
+
+def _key_and_value(override: str) -> tuple[str, Any]:
     key, equals, text = override.partition("=")
     key, text = key.strip(), text.strip()
     if not equals or not re.fullmatch(r"[\w-]+(\.[\w-]+)*", key, re.ASCII):
         expected = "KEY=VALUE with a dotted key, march.speed=1.2"
         raise CaseError([Fault(file=f"{SET} {override}", expected=expected)])
-    _set(tables, key, _toml_or_bare(key, text))
-    return key
+    return key, _toml_or_bare(key, text)
 
 
 def _toml_or_bare(key: str, text: str) -> Any:

@@ -28,7 +28,8 @@ class ReducedRotor:
     tip_tangential: FloatArray  #: the same towards +theta
     centre: FloatArray  #: x and y of the centre node [kg^-1/2], (2, modes); zero when clamped
     tip_angle: FloatArray  #: of each tip from +x [rad], (tips,)
-    tip_radius: float  #: [m]
+    tip_radius: float  #: that the clearance counts from [m]
+    tip_recess: FloatArray  #: how much nearer to the centre each tip ends at rest [m], (tips,)
     column: IntArray  #: DFT column of each mode over the tips, (modes,); -1 without symmetry
 
     @property

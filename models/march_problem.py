@@ -97,7 +97,8 @@ def _load_faults(stage: Stage) -> Iterator[Fault]:
 def _start_faults(stage: Stage) -> Iterator[Fault]:
     """Tips that start inside the casing, displacements that start beyond their limit."""
     case, rows = stage.case, stage.case.initial.tip_displacement or ()
-    clearance = case.casing.clearance_profile.value(stage.rotor.tip_angle)
+    rotor = stage.rotor
+    clearance = case.casing.clearance_profile.value(rotor.tip_angle) + rotor.tip_recess
     for blade, (radial, _) in enumerate(rows):
         if radial > clearance[blade]:
             expected = (

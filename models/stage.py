@@ -161,6 +161,7 @@ def _reduced_rotor(case: Case, disk: BladedDisk, modes: Modes) -> ReducedRotor:
         centre=centre,
         tip_angle=disk.tip_angles,
         tip_radius=disk.model.tip_radius,
+        tip_recess=disk.model.tip_recess,
         column=modes.column,
     )
 

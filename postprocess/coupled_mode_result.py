@@ -111,7 +111,8 @@ def _gaps(stage: StageModes, motion: CoupledMotion) -> FloatArray:
     angle = stage.modal.disk.tip_angles + motion.speed * motion.time[:, None]
     wall = (motion.casing_wave[:, None] * np.exp(-1j * motion.nodal_diameter * angle)).real
     tips = motion.displacement @ radial_shapes(stage).tips.T
-    return np.asarray(stage.modal.case.casing.clearance + wall - tips)
+    at_rest = stage.modal.case.casing.clearance + stage.modal.disk.model.tip_recess
+    return np.asarray(at_rest + wall - tips)
 
 
 def _energy(stage: StageModes, motion: CoupledMotion) -> FloatArray:

@@ -78,7 +78,7 @@ def mode_motion(
         "rotor_velocity": velocity if on_disk else rest,
         "casing_displacement": casing,
         "casing_velocity": rest if on_disk else velocity,
-        "gap": _gaps(fixed, rotor, casing),
+        "gap": stage.disk.model.tip_recess + _gaps(fixed, rotor, casing),
         "energy": 0.5 * np.sum(velocity**2 + (frequency * displacement) ** 2, axis=1),
     }
     sizes = {**fixed.sizes, "time": PICTURES}
@@ -124,7 +124,7 @@ def _largest(geometry: xr.Dataset, body: Body, coordinates: FloatArray) -> float
 
 
 def _gaps(geometry: xr.Dataset, rotor: FloatArray, casing: FloatArray) -> FloatArray:
-    """Gap at each tip, (pictures, blades)."""
+    """Gap at each tip of full length, (pictures, blades)."""
     angle = geometry["tip_angle"].values
     outward = np.column_stack([np.cos(angle), np.sin(angle)])
     shapes = geometry["rotor_shape"].values[geometry["tip_node"].values, :2]

@@ -226,7 +226,7 @@ def initial_gap(problem: ContactProblem) -> FloatArray:
         + xi**2 * (3.0 - 2.0 * xi) * second[:, 0]
         - length * xi**2 * (1.0 - xi) * second[:, 1]
     )
-    return np.asarray(surface - rotor.tip_radial @ start.rotor)
+    return np.asarray(surface + rotor.tip_recess - rotor.tip_radial @ start.rotor)
 
 
 def _stack(loads: list[FloatArray], modes: int) -> FloatArray:

@@ -93,6 +93,7 @@ class Rotor(NamedTuple):
     cross_spread: Array  #: cross_shape by tip, (tips, columns)
     w: Array  #: r c (r + mu s t)^T for s = -1, 0, 1, by column, (3, tips, tips)
     position: Array  #: angle of each tip in elements of the casing, (padded tips,)
+    recess: Array  #: of each tip at rest, on top of the clearance, (padded tips,)
 
 
 class Casing(NamedTuple):
@@ -392,6 +393,7 @@ def _close_gaps(
     hermite: Array,
     element: Array,
     radial: Array,
+    recess: Array,
     limit: float,
     gap: Array,
 ) -> bool:
@@ -403,7 +405,7 @@ def _close_gaps(
         return False
     within, tips = 0, len(element)
     for j in range(tips):
-        gap[j] -= radial[j]
+        gap[j] += recess[j] - radial[j]
         within += abs(radial[j]) <= limit  # False for NaN
     return within == tips
 
@@ -929,7 +931,7 @@ def advance(
     r_damping, c_damping = bare(rotor_body.damping), bare(casing_body.damping)
     r_stiffness, c_stiffness = bare(rotor_body.stiffness), bare(casing_body.stiffness)
     radial, tangential = bare(rotor.radial), bare(rotor.tangential)
-    crossed, position = bare(rotor.crossed), bare(rotor.position)
+    crossed, position, recess = bare(rotor.crossed), bare(rotor.position), bare(rotor.recess)
     shape, cross_shape = bare(rotor.shape), bare(rotor.cross_shape)
     spread, cross_spread = bare(rotor.spread), bare(rotor.cross_spread)
     on_rotor = bare(rotor.w)
@@ -1055,7 +1057,9 @@ def advance(
             _nodal_values(even, odd, values, nodes, w)
             _nodal_values(even_s, odd_s, slopes, nodes, w_s)
             found = free_gap if trial == 0 else gap
-            within = _close_gaps(w, w_s, clearance, hermite, element, u_r, limit, found)
+            within = _close_gaps(
+                w, w_s, clearance, hermite, element, u_r, recess, limit, found
+            )  # fmt: skip
             if trial == 0:
                 for j in range(tips):
                     penetrating += free_gap[j] < 0.0

@@ -237,6 +237,7 @@ def pack_rotor(
             weighted @ rotor.tip_radial.T, weighted_tangential @ rotor.tip_radial.T, friction
         ),
         position=_lengthened(rotor.tip_angle * casing_nodes / (2.0 * np.pi)),
+        recess=_lengthened(rotor.tip_recess),
     )
 
 

@@ -21,6 +21,7 @@ from bladewhirl.studies.modes import modes
 from bladewhirl.studies.new import new
 from bladewhirl.studies.plot import plot
 from bladewhirl.studies.render import render
+from bladewhirl.studies.reproduce import reproduce
 from bladewhirl.studies.run import run
 from bladewhirl.studies.show import show
 from bladewhirl.studies.stability import stability
@@ -61,6 +62,7 @@ app.command()(modes)
 app.command()(new)
 app.command()(plot)
 app.command()(render)
+app.command()(reproduce)
 app.command()(run)
 app.command()(show)
 app.command()(stability)

@@ -37,6 +37,7 @@ def loose_modes(modes: int) -> dict[str, Any]:
         "centre": np.zeros((2, modes)),
         "tip_angle": np.zeros(1),
         "tip_radius": 1.0,
+        "tip_recess": np.zeros(1),
         "column": np.full(modes, -1),
     }
 
@@ -196,6 +197,7 @@ def random_problem(
         centre=random.normal(size=(2, rotor_modes)),
         tip_angle=np.sort(random.uniform(0.0, 2.0 * np.pi, tips)),
         tip_radius=0.5,
+        tip_recess=np.random.default_rng([seed, 1]).uniform(-2e-4, 4e-4, tips),
         column=np.full(rotor_modes, -1),
     )
     clearance = np.column_stack(

@@ -116,6 +116,7 @@ def plain_march(problem: ContactProblem, dt: float, steps: int) -> PlainRun:
                 sliding = rotor.tip_radius * problem.speed + moved
             sign[j] = np.sign(sliding)
         direction = normal + problem.friction * sign[:, None] * tangential
+        clearance += rotor.tip_recess
         gap = clearance + normal @ free
         multiplier = complementary(gap, (normal / A) @ direction.T)
         after = free + (direction.T @ multiplier) / A

@@ -30,6 +30,7 @@ from bladewhirl.models.contact_problem import (
     ReducedRotor,
     Start,
 )
+from bladewhirl.solvers.central_difference import initial_gap
 from bladewhirl.solvers.march import Chunk
 
 Sliding = Literal["permanent", "signed"]
@@ -172,6 +173,7 @@ def test_singular_delassus_matrices(modes: int, tips: int, friction: float) -> N
         centre=np.zeros((2, modes)),
         tip_angle=2.0 * np.pi * np.arange(tips) / tips,
         tip_radius=0.5,
+        tip_recess=np.zeros(tips),
         column=np.full(modes, -1),
     )
     casing = wall(1e-3)
@@ -201,6 +203,7 @@ def test_tips_that_move_as_one_share_their_load() -> None:
         centre=np.zeros((2, 1)),
         tip_angle=np.arange(6.0),
         tip_radius=0.5,
+        tip_recess=np.zeros(6),
         column=np.array([-1]),
     )
     load = Load(rotor=np.array([50.0]), casing=np.zeros(1))
@@ -363,6 +366,7 @@ def test_a_tip_passes_from_element_to_element(nodes: int, speed: float) -> None:
         centre=np.zeros((2, 1)),
         tip_angle=angle,
         tip_radius=1.0,
+        tip_recess=np.zeros(tips),
         column=np.full(1, -1),
     )
     _, chunk, _ = run(problem(rotor, casing, speed=speed), 1e-3, 250)
@@ -425,3 +429,22 @@ def test_a_rigid_casing_needs_no_mode() -> None:
     assert chunks[0].contact_impulse.sum() > 0.0
     assert chunks[1].casing_displacement.shape == (501, 0)
     np.testing.assert_array_equal(chunks[0].contact_impulse, chunks[1].contact_impulse)
+
+
+@pytest.mark.parametrize("recess", [3e-4, -2e-4])
+def test_a_short_blade_touches_later_and_a_long_one_sooner(recess: float) -> None:
+    """A tip at constant speed meets a rigid wall after clearance + recess."""
+    clearance, velocity, dt = 1e-3, 2.0, 1e-6
+    rotor = one_tip(np.zeros(1), tip_radial=np.ones((1, 1)), tip_recess=np.array([recess]))
+    start = Start(
+        rotor=np.zeros(1),
+        rotor_velocity=np.full(1, velocity),
+        casing=np.zeros(1),
+        casing_velocity=np.zeros(1),
+    )
+    touching = problem(rotor, wall(clearance), start=start)
+    assert initial_gap(touching) == pytest.approx(clearance + recess)
+    _, chunk, _ = run(touching, dt, 800)
+    first = chunk.time[np.flatnonzero(chunk.contact_impulse[:, 0])[0]]
+    assert first == pytest.approx((clearance + recess) / velocity, abs=2.0 * dt)
+    assert chunk.rotor_displacement.max() == pytest.approx(clearance + recess, abs=1e-9)

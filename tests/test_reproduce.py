@@ -1,0 +1,308 @@
+"""Claims of the paper: how they are judged, what they are judged by, and the command."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from synthetic_result import CLEARANCE, ROTOR_FREQUENCY, synthetic_result
+from typer.testing import CliRunner
+
+from bladewhirl.models.case_file import read_case, with_values
+from bladewhirl.models.faults import UserError
+from bladewhirl.postprocess.result import open_result
+from bladewhirl.studies.claim import CLAIMS, Check, Claim, Finding, NotTestableError, near
+from bladewhirl.studies.claims_imbalance import done_points
+from bladewhirl.studies.claims_truncated import main_frequency, middle_of_divergence
+from bladewhirl.studies.cli import app
+from bladewhirl.studies.laboratory import KAPPAS, SURVEYS, TRIALS, Laboratory, perturbed
+from bladewhirl.studies.motion import HOLDERS, Motion
+from bladewhirl.studies.paper_cases import CASES, changed
+from bladewhirl.studies.reproduction import Plan, chosen_claims, reproduce_claims
+from bladewhirl.studies.run_store import RunStore, run_key
+from bladewhirl.studies.scorecard import Score, Scorecard
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+RUNNER = CliRunner()
+
+SHORT = {"march.duration": 2e-3}
+
+
+def checks(*met: bool, essential: bool = False) -> tuple[Check, ...]:
+    return tuple(Check(text=str(value), met=value, essential=essential) for value in met)
+
+
+@pytest.mark.parametrize(
+    ("finding", "verdict"),
+    [
+        (Finding(ours="", checks=checks(True, True)), "holds"),
+        (Finding(ours="", checks=checks(True, False)), "partly"),
+        (Finding(ours="", checks=checks(False, False)), "does not hold"),
+        (
+            Finding(ours="", checks=checks(True) + checks(False, essential=True)),
+            "does not hold",
+        ),
+        (Finding(ours="", checks=checks(True), obstacle="no march"), "not testable"),
+    ],
+)
+def test_the_verdict_follows_from_the_checks(finding: Finding, verdict: str) -> None:
+    assert finding.verdict == verdict
+
+
+def test_a_number_is_near_or_not() -> None:
+    assert near("speed", 1.0699, 1.05, 0.02).met
+    assert not near("speed", 1.0701, 1.05, 0.02).met
+
+
+def test_repeats_that_differ_make_it_partly() -> None:
+    yes, no = (Finding(ours="", checks=checks(met)) for met in (True, False))
+    claim = CLAIMS[20]
+    assert Score(claim=claim, findings=(yes, yes)).verdict == "holds"
+    assert Score(claim=claim, findings=(no, no)).verdict == "does not hold"
+    split = Score(claim=claim, findings=(yes, yes, no))
+    assert split.verdict == "partly"
+    assert split.why.startswith("holds in 2, does not hold in 1 of 3 repeats")
+
+
+def test_every_claim_knows_what_it_needs() -> None:
+    assert set(CLAIMS) == set(range(1, 47))
+    for number, claim in CLAIMS.items():
+        assert claim.number == number
+        assert claim.text.endswith(".")
+        assert claim.paper
+        assert set(claim.trials) <= set(TRIALS)
+        assert set(claim.sweeps) <= set(SURVEYS)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "file"),
+    [
+        ("modal", "fan_stage"),
+        ("distortion", "casing_distortion"),
+        ("imbalance", "imbalance"),
+    ],
+)
+def test_the_cases_are_those_of_the_examples(scenario: Any, file: str) -> None:
+    assert CASES[scenario] == read_case(EXAMPLES / f"{file}.toml")
+
+
+def test_keys_of_the_other_load_are_left_out() -> None:
+    changes = {"excitation.ramp": 0.1, "excitation.modal_force": 1e4, "damping.ratio": 0.01}
+    assert changed("imbalance", changes).excitation.model_dump()["ramp"] == 0.1
+    assert changed("distortion", changes).excitation.model_dump()["modal_force"] == 1e4
+    assert changed("modal", changes).damping.ratio == 0.01
+    with pytest.raises(UserError, match="ratio"):
+        changed("modal", {"damping.ratio": -1.0})
+
+
+@pytest.mark.parametrize(
+    ("case", "key"),
+    [
+        (CASES["distortion"], "modal_force"),
+        (CASES["imbalance"], "clearance_speed"),
+        (
+            with_values(
+                CASES["imbalance"], {"excitation": {"type": "imbalance", "unbalance": 0.6}}
+            ),
+            "unbalance",
+        ),
+    ],
+)
+def test_a_repeat_changes_the_force_a_little(case: Any, key: str) -> None:
+    again = perturbed(case, 2)
+    before, after = (
+        getattr(getattr(each.excitation, key), "value", getattr(each.excitation, key))
+        for each in (case, again)
+    )
+    force = (before / after) ** 2 if key == "clearance_speed" else after / before
+    assert force - 1.0 == pytest.approx(2e-7, rel=1e-4)
+    assert perturbed(case, 0) is case
+
+
+def test_runs_are_found_again(tmp_path: Path) -> None:
+    store = RunStore(directory=tmp_path / "runs", workers=1)
+    cases = [
+        with_values(CASES["distortion"], {**SHORT, "march.speed": speed}) for speed in (1.0, 1.05)
+    ]
+    refused = with_values(cases[0], {"march.time_step": 1e-4})  # beyond the critical step
+    told: list[tuple[int, int]] = []
+    store.make([*cases, cases[0], refused], lambda done, total: told.append((done, total)))
+    assert told[0] == (0, 3)
+    assert told[-1] == (3, 3)
+    assert list(store.failures) == [run_key(refused)]
+    assert "time_step" in store.failures[run_key(refused)]
+    for case in cases:
+        with open_result(store.path(case)) as result:
+            assert result.attrs["speed"] == pytest.approx(
+                case.march.speed.value * result.attrs["reference_frequency"]
+            )
+    assert store.missing(cases) == []
+    assert len(list((tmp_path / "runs").iterdir())) == 2
+
+
+def test_the_name_of_a_run_tells_cases_apart() -> None:
+    case = CASES["imbalance"]
+    assert run_key(case) == run_key(with_values(case, {}))
+    assert run_key(case) != run_key(with_values(case, {"damping.ratio": 0.006}))
+
+
+def test_motion_of_a_known_result() -> None:
+    """The closed form whirls backward at 70 rad/s while the rotor turns at 80."""
+    motion = Motion(synthetic_result(growth=2.0))
+    assert motion.late_whirl("rotating").direction == "backward"
+    assert motion.late_whirl("rotating").rate == pytest.approx(-70.0, rel=1e-3)
+    assert motion.late_whirl("static").rate == pytest.approx(10.0, rel=1e-2)
+    energy = motion.energy(0.0, motion.end)
+    assert energy["total"] == pytest.approx(sum(energy[name] for name in HOLDERS))
+    assert sum(motion.share(*motion.late).values()) == pytest.approx(1.0)
+    # Only the bending modes make up 1F, both with k = 1: e = 1/2 omega^2 a^2 exp(2 g t).
+    first = motion.energies["k = 1"].values[0]
+    assert first == pytest.approx(0.5 * ROTOR_FREQUENCY[3] ** 2 * (0.3e-3) ** 2)
+    # A tenth of the last energy is reached ln(10) / (2 growth) before the end, within a period.
+    # Rigid rotation (2F) does not grow and adds little.
+    period = 2 * np.pi / motion.reference
+    last_mean = motion.end - period / 2
+    expected = last_mean - np.log(10.0) / 4.0
+    steady = Motion(synthetic_result(growth=8.0, shaft_radius=0.1e-3, bending=0.1e-3))
+    expected = steady.end - period / 2 - np.log(10.0) / 16.0
+    assert steady.onset(0.1) == pytest.approx(expected, abs=1.5 * period)
+
+
+def test_orbit_of_known_radius_and_casing_motion() -> None:
+    motion = Motion(synthetic_result())
+    mean, ripple = motion.radius_between(0.1, 0.3)
+    assert mean == pytest.approx(motion.radius.mean(), rel=1e-3)
+    assert ripple < 0.3 * CLEARANCE
+    assert motion.casing_motion < 0.4e-3
+    assert motion.touched
+    assert sum(motion.blades.values()) == 22
+
+
+def swept(divergent: list[list[bool]]) -> xr.Dataset:
+    """A sweep over two speeds and the coupling stiffnesses of the truncated space."""
+    regime = np.where(divergent, "divergent", "damped")
+    dimensions = ("march_speed", "coupling_stiffness")
+    state = np.full(regime.shape, "done")
+    state[0, 0] = "failed"
+    return xr.Dataset(
+        {"regime": (dimensions, regime), "state": (dimensions, state)},
+        coords={
+            "march_speed": np.linspace(1.0, 1.6, len(divergent)),
+            "coupling_stiffness": list(KAPPAS),
+        },
+    )
+
+
+def test_critical_speeds_of_a_sweep() -> None:
+    sweep = swept([[False] * 3, [True, False, False], [True, True, False], [False, True, False]])
+    assert middle_of_divergence(sweep, 0.0) == pytest.approx(1.3)
+    assert middle_of_divergence(sweep, 500.0) == pytest.approx(1.5)
+    assert np.isnan(middle_of_divergence(sweep, 1000.0))
+    assert done_points(sweep)["march_speed"].values.tolist() == pytest.approx([1.2, 1.4, 1.6])
+
+
+def test_a_quick_sweep_is_coarser_in_speed_alone() -> None:
+    survey = SURVEYS["six modes, imbalance"]
+    full, quick = (survey.axes(quick=quick) for quick in (False, True))
+    assert full["march.speed"][:2] == [0.95, 1.0]
+    assert full["march.speed"][-1] == quick["march.speed"][-1] == 2.0
+    assert len(quick["march.speed"]) == 8
+    assert quick["coupling.stiffness"] == full["coupling.stiffness"] == list(KAPPAS)
+
+
+def test_main_frequency_of_a_known_motion() -> None:
+    """The closed form whirls at -70 rad/s in rotating axes."""
+    motion = Motion(synthetic_result())
+    assert main_frequency(motion) == pytest.approx(-70.0, abs=0.5 * 2 * np.pi / motion.end)
+    assert motion.record_at(0.0) == 1
+    assert motion.record_at(motion.end) == motion.result.sizes["time"]
+
+
+def nothing(lab: Laboratory) -> Finding:
+    raise NotTestableError("no reason")
+
+
+def test_an_obstacle_becomes_a_finding() -> None:
+    claim = replace(CLAIMS[20], evaluate=nothing)
+    finding = claim.judge(None)  # type: ignore[arg-type]
+    assert finding.verdict == "not testable"
+    assert finding.why == "no reason."
+
+
+def short_plan(claims: tuple[Claim, ...], repeats: int) -> Plan:
+    return Plan(claims=claims, changes=SHORT, modal_changes={}, quick=False, repeats=repeats)
+
+
+def test_a_claim_on_a_march_is_judged_over_repeats(tmp_path: Path) -> None:
+    """Two milliseconds of the imbalance's ramp: no contact, so no limit cycle."""
+    plan = short_plan(chosen_claims([33]), 2)
+    card, lab = reproduce_claims(plan, tmp_path, workers=1)
+    with lab:
+        (score,) = card.scores
+        assert len(score.findings) == 2
+        assert score.verdict == "does not hold"
+        assert len(list((tmp_path / "runs").glob("*.nc"))) == 2
+    again, lab = reproduce_claims(plan, tmp_path, workers=1)
+    with lab:
+        assert again.to_json() == card.to_json()
+
+
+def test_the_command_writes_the_scorecard(tmp_path: Path) -> None:
+    done = RUNNER.invoke(app, ["reproduce", "4", "6", "1", "-o", str(tmp_path / "out"), "--json"])
+    assert done.exit_code == 0, done.output
+    card = json.loads(done.stdout)
+    assert [entry["claim"] for entry in card["claims"]] == [1, 4, 6]
+    assert card["counts"] == {"holds": 3, "partly": 0, "does not hold": 0, "not testable": 0}
+    assert card == json.loads((tmp_path / "out" / "scorecard.json").read_text())
+
+
+def test_a_changed_case_changes_the_verdict(tmp_path: Path) -> None:
+    arguments = ["reproduce", "6", "--set", "casing.support=7.975e6", "-o", str(tmp_path)]
+    done = RUNNER.invoke(app, arguments)
+    assert done.exit_code == 0, done.output
+    assert "does not hold" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["47"], "claim 47: expected numbers from 1 to"),
+        (["1", "--set", "speed"], "--set speed: expected KEY=VALUE"),
+        (["1", "--set", "damping.ratio=-1"], "damping.ratio = -1: expected"),
+        (["1", "--workers", "1", "--scheduler", "tcp://x:1"], "--scheduler, --workers"),
+    ],
+)
+def test_faults_end_in_one_line(arguments: list[str], message: str, tmp_path: Path) -> None:
+    done = RUNNER.invoke(app, ["reproduce", *arguments, "-o", str(tmp_path / "out")])
+    assert done.exit_code == 2
+    assert message in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def card_of(make: Callable[[], Finding]) -> Scorecard:
+    return Scorecard(scores=(Score(claim=CLAIMS[1], findings=(make(),)),), conditions={})
+
+
+def test_counts_are_of_the_verdicts() -> None:
+    card = card_of(lambda: Finding(ours="", checks=checks(True)))
+    assert card.counts["holds"] == 1
+    assert card.summary.startswith("1 claims: 1 holds")
+
+
+@pytest.mark.slow
+def test_modal_claims_hold(tmp_path: Path) -> None:
+    """As the README says: claim 5 misses its bound in 5F only, claim 15 its phase only."""
+    plan = Plan(
+        claims=chosen_claims(range(1, 16)), changes={}, modal_changes={}, quick=False, repeats=1
+    )
+    card, lab = reproduce_claims(plan, tmp_path, workers=1)
+    with lab:
+        verdicts = {score.claim.number: score.verdict for score in card.scores}
+    assert {number for number, verdict in verdicts.items() if verdict != "holds"} == {5, 15}
+    assert verdicts[5] == verdicts[15] == "partly"
