@@ -39,12 +39,15 @@ from bladewhirl.solvers.lanes import (
     load_half_row,
     load_row,
     mul,
+    reverse,
     splat,
     splat_half,
     store,
+    store_half_row,
     store_row,
     sub,
     total,
+    totals,
 )
 
 Array = NDArray[Any]
@@ -60,6 +63,7 @@ INLINE = COMPILE | {"forceinline": True}
 
 RUNNING, DIVERGED = 0, 1
 W_KIND, W_SLOPE, U_KIND, U_SLOPE = 0, 1, 2, 3
+PUSH, DRAG = 4, 5  # of the tips, behind the nodal forces
 EXTERNAL, NORMAL, FRICTION, DAMPING = 0, 1, 2, 3
 STEP_CONTACTS, LCP_FAILURES, LCP_PIVOTS, CONTACT_STEPS = 0, 1, 2, 3
 CHECK_EVERY = 100  # steps between looks at displacements other than the tips' radial ones
@@ -81,6 +85,15 @@ class Body(NamedTuple):
     loaded: Array  #: registers of each pattern that are not zero, then -1, (patterns, most + 1)
 
 
+class KindArrays(NamedTuple):
+    """One array for each kind of nodal value: w, w', u, u'."""
+
+    w: Array
+    w_slope: Array
+    u: Array
+    u_slope: Array
+
+
 class Rotor(NamedTuple):
     """Evaluation of the blade tips, and the constant parts of W that the rotor gives."""
 
@@ -90,7 +103,9 @@ class Rotor(NamedTuple):
     shape: Array  #: (columns, padded tips)
     cross_shape: Array  #: the same for the tangential direction
     spread: Array  #: shape by tip, (tips, columns)
-    cross_spread: Array  #: cross_shape by tip, (tips, columns)
+    drag_spread: Array  #: what friction is spread with: the same, or cross_shape by tip
+    half: int  #: columns from one to its partner, see `Layout`
+    shared: bool  #: whether friction is spread as the normal force is
     w: Array  #: r c (r + mu s t)^T for s = -1, 0, 1, by column, (3, tips, tips)
     position: Array  #: angle of each tip in elements of the casing, (padded tips,)
     recess: Array  #: of each tip at rest, on top of the clearance, (padded tips,)
@@ -100,15 +115,15 @@ class Casing(NamedTuple):
     """Evaluation of the casing's nodal values w, w', u, u'."""
 
     weight: Array  #: (4, rows, columns)
-    even: Array  #: shape; of even harmonics where these are apart, (4, columns, padded nodes)
-    odd: Array  #: shape of odd harmonics; no rows where they are not apart
-    spread_w: Array  #: whole shape of w by node, (nodes, columns)
-    spread_w_s: Array
-    spread_u: Array
-    spread_u_s: Array
-    compliance: Array  #: blocks of 4 x 4 for s = -1, 0, 1, see `_delassus`, (3, 16 blocks)
+    shape: KindArrays  #: (columns, padded nodes) each
+    fold: Array  #: shape on a quarter of the circle, see `_folded_fields`; without rows if unused
+    spread: KindArrays  #: shape by node, (nodes, columns) each
+    half: int  #: columns from one to its partner, see `Layout`
+    shared: bool  #: whether all kinds have one shape
+    compliance: Array  #: blocks of 4 x 4 for s = -1, 0, 1, see `_delassus`, flat
     spacing: int  #: blocks from one element to the next
     clearance: Array  #: nodal clearance and its slope, node 0 again, (2, padded nodes)
+    no_clearance: Array  #: zeros of the same shape
     nodes: int
     element_length: float  #: [m]
 
@@ -161,8 +176,8 @@ class Records(NamedTuple):
 class Scratch(NamedTuple):
     """Working arrays of one march."""
 
-    columns: Array  #: sums by column, four for the rotor, two for the casing, (6, columns)
-    forces: Array  #: contact forces on the casing by column, for w, w', u, u', (4, columns)
+    columns: Array  #: sums by column, see `advance`, (4, columns)
+    forces: Array  #: contact forces by column: rotor normal, friction, casing w, w', u, u'
     nodal: Array  #: values and slopes of a nodal field, (2, padded nodes)
     tip: Array  #: radial, tangential, scratch, place in elements, (4, padded tips)
     gap: Array  #: free gap, gap after the correction [m], (2, padded tips)
@@ -171,10 +186,13 @@ class Scratch(NamedTuple):
     difference: Array  #: displacement over a step, rotor and casing, (2, entries)
     load: Array  #: amplitude of each load pattern, (patterns,)
     rows: Array  #: rows that a product takes, (2 tips,)
-    factor: Array  #: and with what factors, (4, 2 tips)
+    factor: Array  #: and with what factors, (6, 2 tips)
     active: Array  #: tips of the active set, (tips,)
-    ends: Array  #: Hermite weights by active tip, (4 tips,)
-    solve: Array  #: W of the active tips with a right-hand side, (tips, padded tips + 1)
+    known: Array  #: tips and senses that ``on_rotor`` stands for, (2, tips)
+    on_rotor: Array  #: the rotor's part of W of the active tips, by column, (tips, padded tips)
+    ends: Array  #: Hermite weights by active tip, (4 padded tips,)
+    solve: Array  #: W by column, then a right-hand side, (tips + 1, padded tips)
+    others: Array  #: 1 off the diagonal, 0 on it, (tips, padded tips)
     diagonal: Array  #: W_jj of the active tips, (tips,)
     solution: Array  #: (tips,)
     multiplier: Array  #: [N], (tips,)
@@ -191,9 +209,18 @@ def _predict(a: Array, b: Array, slots: Array, old: int, now: int, new: int) -> 
         store_row(slots, new, i, x)
 
 
+@njit(**INLINE)
+def _turned(h: int, half: int) -> int:
+    """Place of a register's partner columns."""
+    return h + half if h < half else h - half
+
+
 @njit(**COMPILE)
-def _column_sums(weight: Array, slots: Array, slot: int, out: Array) -> None:
-    """Sum modal coordinates over rows with weights."""
+def _column_sums(weight: Array, slots: Array, slot: int, half: int, out: Array) -> None:
+    """Sum modal coordinates over rows with weights; each sum goes to its column's partner.
+
+    With ``half`` zero it stays in its column.
+    """
     rows, columns = weight.shape
     for h in range(0, columns, LANES):
         even, odd = splat(0.0), splat(0.0)  # two chains of additions run side by side
@@ -204,7 +231,7 @@ def _column_sums(weight: Array, slots: Array, slot: int, out: Array) -> None:
         if rows % 2 == 1:
             x = (rows - 1) * columns + h
             even = fma(load_row(weight, rows - 1, h), load_row(slots, slot, x), even)
-        store(out, h, add(even, odd))
+        store(out, _turned(h, half), add(even, odd))
 
 
 @njit(**INLINE)
@@ -230,47 +257,86 @@ def _combine(rows: Array, factor: Array, out: Array) -> None:
 
 
 @njit(**INLINE)
-def _nodal_values(even: Array, odd: Array, column: Array, nodes: int, out: Array) -> None:
-    """Nodal values of a field on the casing, node 0 again at the end.
+def _folded_fields(
+    fold: Array,
+    values: Array,
+    slopes: Array,
+    half: int,
+    nodes: int,
+    start: Array,
+    value: Array,
+    slope: Array,
+) -> None:
+    """`_nodal_fields` of an even number of nodes, four nodes at a time.
 
-    With harmonics of even and odd nodal diameter apart, opposite nodes share their products;
-    without, ``odd`` has no rows.
+    The nodes n, N/2 - n, N/2 + n and N - n share their cosines and sines but for signs, which
+    the parity of the harmonic decides. Rows of ``fold``: cosines of even harmonics, of odd ones,
+    sines of even, of odd, and the cosine of N/2, which stands in the place of a sine.
     """
-    count, width = even.shape
-    second = len(column) // 2
-    if len(odd) == 0:
-        _combine(even, column, out)
-        out[nodes] = out[0]
+    used, middle = len(fold) // 4, nodes // 2
+    for i in range(0, fold.shape[1], LANES):
+        ce, co, se, so = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+        de, do, te, to = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+        for h in range(used):
+            even, odd = load_row(fold, h, i), load_row(fold, used + h, i)
+            ce, de = fma(even, splat(values[h]), ce), fma(even, splat(slopes[h]), de)
+            co, do = fma(odd, splat(values[used + h]), co), fma(odd, splat(slopes[used + h]), do)
+            even, odd = load_row(fold, 2 * used + h, i), load_row(fold, 3 * used + h, i)
+            x, y = half + h, half + used + h
+            se, te = fma(even, splat(values[x]), se), fma(even, splat(slopes[x]), te)
+            so, to = fma(odd, splat(values[y]), so), fma(odd, splat(slopes[y]), to)
+        last, x = load_row(fold, 4 * used, i), half + used - 1
+        ce, de = fma(last, splat(values[x]), ce), fma(last, splat(slopes[x]), de)
+        _unfold(ce, co, se, so, i, middle, start, 0, value)
+        _unfold(de, do, te, to, i, middle, start, 1, slope)
+
+
+@njit(**INLINE)
+def _unfold(
+    cos_even: Any,
+    cos_odd: Any,
+    sin_even: Any,
+    sin_odd: Any,
+    i: int,
+    middle: int,
+    start: Array,
+    row: int,
+    out: Array,
+) -> None:
+    """Write what the sums of `_folded_fields` give at the nodes n, N/2 - n, N/2 + n, N - n."""
+    near, far = add(cos_even, cos_odd), sub(cos_even, cos_odd)
+    turned, back = add(sin_even, sin_odd), sub(sin_even, sin_odd)
+    x = middle - i - LANES + 1
+    store(out, i, add(add(near, turned), load_row(start, row, i)))
+    store(out, middle + i, add(add(far, back), load_row(start, row, middle + i)))
+    store(out, x, add(reverse(sub(far, back)), load_row(start, row, x)))
+    x += middle
+    store(out, x, add(reverse(sub(near, turned)), load_row(start, row, x)))
+
+
+@njit(**INLINE)
+def _nodal_fields(
+    fold: Array,
+    value_shape: Array,
+    slope_shape: Array,
+    values: Array,
+    slopes: Array,
+    half: int,
+    nodes: int,
+    start: Array,
+    value: Array,
+    slope: Array,
+) -> None:
+    """Values and slopes of a field at the casing's nodes, plus ``start``; node 0 comes again."""
+    if len(fold) > 0:
+        _folded_fields(fold, values, slopes, half, nodes, start, value, slope)
         return
-    half = nodes // 2
-    wide = width - width % (3 * LANES)
-    for i in range(0, wide, 3 * LANES):
-        e0, e1, e2 = splat(0.0), splat(0.0), splat(0.0)
-        o0, o1, o2 = splat(0.0), splat(0.0), splat(0.0)
-        for h in range(count):
-            f, g = splat(column[h]), splat(column[second + h])
-            e0 = fma(load_row(even, h, i), f, e0)
-            e1 = fma(load_row(even, h, i + LANES), f, e1)
-            e2 = fma(load_row(even, h, i + 2 * LANES), f, e2)
-            o0 = fma(load_row(odd, h, i), g, o0)
-            o1 = fma(load_row(odd, h, i + LANES), g, o1)
-            o2 = fma(load_row(odd, h, i + 2 * LANES), g, o2)
-        store(out, i, add(e0, o0))
-        store(out, i + LANES, add(e1, o1))
-        store(out, i + 2 * LANES, add(e2, o2))
-        store(out, 2 * width + i, sub(e0, o0))
-        store(out, 2 * width + i + LANES, sub(e1, o1))
-        store(out, 2 * width + i + 2 * LANES, sub(e2, o2))
-    for i in range(wide, width, LANES):
-        e0, o0 = splat(0.0), splat(0.0)
-        for h in range(count):
-            e0 = fma(load_row(even, h, i), splat(column[h]), e0)
-            o0 = fma(load_row(odd, h, i), splat(column[second + h]), o0)
-        store(out, i, add(e0, o0))
-        store(out, 2 * width + i, sub(e0, o0))
-    for i in range(0, width, LANES):
-        store(out, half + i, load(out, 2 * width + i))
-    out[nodes] = out[0]
+    _combine(value_shape, values, value)
+    _combine(slope_shape, slopes, slope)
+    value[nodes], slope[nodes] = value[0], slope[0]
+    for i in range(0, start.shape[1], LANES):
+        store(value, i, add(load(value, i), load_row(start, 0, i)))
+        store(slope, i, add(load(slope, i), load_row(start, 1, i)))
 
 
 @njit(**COMPILE)
@@ -389,7 +455,6 @@ def _on_tips(value: Array, slope: Array, hermite: Array, element: Array, out: Ar
 def _close_gaps(
     value: Array,
     slope: Array,
-    clearance: Array,
     hermite: Array,
     element: Array,
     radial: Array,
@@ -397,10 +462,7 @@ def _close_gaps(
     limit: float,
     gap: Array,
 ) -> bool:
-    """Gap of each tip from nodal w and tip u_r; whether all |u_r| keep the displacement limit."""
-    for i in range(0, clearance.shape[1], LANES):
-        store(value, i, add(load(value, i), load_row(clearance, 0, i)))
-        store(slope, i, add(load(slope, i), load_row(clearance, 1, i)))
+    """Gap of each tip from nodal gaps and its u_r; whether all |u_r| keep the limit."""
     if not _on_tips(value, slope, hermite, element, gap):
         return False
     within, tips = 0, len(element)
@@ -408,6 +470,43 @@ def _close_gaps(
         gap[j] += recess[j] - radial[j]
         within += abs(radial[j]) <= limit  # False for NaN
     return within == tips
+
+
+@njit(**INLINE)
+def _sense(sign: float) -> int:
+    """Row of what depends on the sense of sliding: backward, none, forward."""
+    return 2 if sign > 0.0 else 0 if sign < 0.0 else 1
+
+
+@njit(**COMPILE)
+def _take_rotor(
+    active: Array, size: int, rotor_w: Array, sign: Array, known: Array, on_rotor: Array
+) -> None:
+    """The rotor's part of W of the active tips; mostly it is there already from the last step."""
+    same = known[0, size] < 0 if size < known.shape[1] else True
+    for n in range(size):
+        j = active[n]
+        same = same and known[0, n] == j and known[1, n] == _sense(sign[j])
+    if same:
+        return
+    for n in range(known.shape[1]):
+        known[0, n] = -1
+    for n in range(size):
+        j = active[n]
+        sense = _sense(sign[j])
+        known[0, n], known[1, n] = j, sense
+        for m in range(on_rotor.shape[1]):
+            on_rotor[n, m] = rotor_w[sense, j, active[m]] if m < size else 0.0
+
+
+@njit(**INLINE)
+def _moved(compliance: Array, r: int, n0: Any, n1: Any, n2: Any, n3: Any, end: Any) -> Any:
+    """Four products that sum up to the gap under one tip per multiplier of another."""
+    one = mul(load_half(compliance, r), n0)
+    one = fma(load_half(compliance, r + HALF), n1, one)
+    two = mul(load_half(compliance, r + 2 * HALF), n2)
+    two = fma(load_half(compliance, r + 3 * HALF), n3, two)
+    return mul(add(one, two), end)
 
 
 @njit(**COMPILE)
@@ -426,56 +525,64 @@ def _delassus(
     w: Array,
     diagonal: Array,
 ) -> None:
-    """W of the active tips: [i, j] is the gap of the i-th per multiplier of the j-th.
+    """W of the active tips by column: w[n, m] is the gap of the m-th per multiplier of the n-th.
 
     The casing's part is n_i^T C (n_j + mu s t_j), four nodal values n at either end: four rows of
     four in ``compliance`` for each sense of sliding s and each pair of elements or, where only
     their distance counts (``spacing`` is one), for each distance.
     """
-    for m in range(size):
-        under[m] = spacing * element[active[m]]
+    block = HALF * HALF
+    padded = -(-size // HALF) * HALF
+    for m in range(padded):
+        j = active[m] if m < size else 0
+        under[m] = block * spacing * element[j]
         for k in range(HALF):
-            ends[HALF * m + k] = hermite[k, active[m]]
+            ends[HALF * m + k] = hermite[k, j] if m < size else 0.0
+    senses = len(compliance) // 3
     for n in range(size):
         j = active[n]
-        sliding = 2 if sign[j] > 0.0 else 0 if sign[j] < 0.0 else 1
-        first = nodes - element[j] if spacing == 1 else element[j]
+        first = block * (nodes - element[j] if spacing == 1 else element[j])
+        first += senses * _sense(sign[j])
         n0, n1 = splat_half(hermite[0, j]), splat_half(hermite[1, j])
         n2, n3 = splat_half(hermite[2, j]), splat_half(hermite[3, j])
-        for m in range(size):
-            r = HALF * HALF * (under[m] + first)
-            moved = mul(load_half_row(compliance, sliding, r), n0)
-            moved = fma(load_half_row(compliance, sliding, r + HALF), n1, moved)
-            other = mul(load_half_row(compliance, sliding, r + 2 * HALF), n2)
-            other = fma(load_half_row(compliance, sliding, r + 3 * HALF), n3, other)
-            gap = total(mul(add(moved, other), load_half(ends, HALF * m)))
-            w[m, n] = gap + on_rotor[sliding, j, active[m]]
+        for m in range(0, padded, HALF):
+            e = HALF * m
+            a = _moved(compliance, first + under[m], n0, n1, n2, n3, load_half(ends, e))
+            e += HALF
+            b = _moved(compliance, first + under[m + 1], n0, n1, n2, n3, load_half(ends, e))
+            e += HALF
+            c = _moved(compliance, first + under[m + 2], n0, n1, n2, n3, load_half(ends, e))
+            e += HALF
+            d = _moved(compliance, first + under[m + 3], n0, n1, n2, n3, load_half(ends, e))
+            store_half_row(w, n, m, add(totals(a, b, c, d), load_half_row(on_rotor, n, m)))
+        if padded % LANES != 0:
+            store_half_row(w, n, padded, splat_half(0.0))
         diagonal[j] = w[n, n]
 
 
 @njit(**INLINE)
-def _eliminate(size: int, lu: Array, solution: Array) -> bool:
-    """Solve a system given as a matrix with its right-hand side behind it; destroys the matrix.
+def _eliminate(size: int, w: Array, others: Array, solution: Array) -> bool:
+    """Solve a system given by columns, the right-hand side last; destroys them.
 
-    W is positive definite but for friction, so pivots stay on the diagonal; where one nearly
-    vanishes the answer is False and the caller has another method.
+    By Gauss and Jordan: a column's registers are taken whole, so that the rows above the pivot
+    come free and nothing is left to substitute. W is positive definite but for friction, so
+    pivots stay on the diagonal; where one nearly vanishes the answer is False and the caller has
+    another method.
     """
-    width, largest = size + 1, 0.0
+    largest = 0.0
     for k in range(size):
-        largest = max(largest, abs(lu[k, k]))
+        largest = max(largest, abs(w[k, k]))
     for k in range(size):
-        if not abs(lu[k, k]) > SINGULAR * largest:
+        if not abs(w[k, k]) > SINGULAR * largest:
             return False
-        inverse, start = 1.0 / lu[k, k], k - k % LANES
-        solution[k] = inverse
-        for i in range(k + 1, size):
-            ratio = splat(-lu[i, k] * inverse)
-            for j in range(start, width, LANES):
-                store_row(lu, i, j, fma(load_row(lu, k, j), ratio, load_row(lu, i, j)))
-    for j in range(size - 1, -1, -1):  # by columns: rows would wait for their last product
-        solution[j] *= lu[j, size]
-        for i in range(j):
-            lu[i, size] -= lu[i, j] * solution[j]
+        solution[k] = 1.0 / w[k, k]
+        inverse = splat(-solution[k])
+        for i in range(0, size, LANES):
+            ratio = mul(mul(load_row(w, k, i), load_row(others, k, i)), inverse)
+            for j in range(k + 1, size + 1):
+                store_row(w, j, i, fma(ratio, splat(w[j, k]), load_row(w, j, i)))
+    for k in range(size):
+        solution[k] *= w[size, k]
     return True
 
 
@@ -485,21 +592,24 @@ def _active_multipliers(
     size: int,
     active: Array,
     held: Array,
-    lu: Array,
+    w: Array,
+    others: Array,
     solution: Array,
     multiplier: Array,
     one_by_one: bool,
 ) -> int:
     """Multipliers that close the gaps of the active tips, negative ones let go.
 
-    ``lu`` holds W of the active tips and is destroyed.
+    ``w`` holds W of the active tips by column and is destroyed.
 
     Returns:
         number of tips let go (they leave ``held``; none means done), or -1 for a singular W.
     """
+    for i in range(0, size, LANES):
+        store_row(w, size, i, splat(0.0))
     for i in range(size):
-        lu[i, size] = -gap[active[i]]
-    if not _eliminate(size, lu, solution):
+        w[size, i] = -gap[active[i]]
+    if not _eliminate(size, w, others, solution):
         return -1
     for j in range(len(multiplier)):
         multiplier[j] = 0.0
@@ -532,7 +642,7 @@ def _lemke(gap: Array, w: Array, t: Array, basis: Array, multiplier: Array) -> b
     for i in range(tips):
         for j in range(tips):
             t[i, j] = 1.0 if i == j else 0.0
-            t[i, tips + j] = -w[i, j] / w_scale
+            t[i, tips + j] = -w[j, i] / w_scale
         t[i, cover], t[i, cover + 1] = -1.0, gap[i] / gap_scale
         basis[i] = i
         if gap[i] < gap[row]:
@@ -577,7 +687,7 @@ def _gauss_seidel(gap: Array, w: Array, multiplier: Array) -> None:
         for i in range(tips):
             closing = gap[i]
             for j in range(tips):
-                closing += w[i, j] * multiplier[j]
+                closing += w[j, i] * multiplier[j]
             value = max(0.0, multiplier[i] - closing / w[i, i])
             change = max(change, abs(value - multiplier[i]))
             largest = max(largest, value)
@@ -587,33 +697,9 @@ def _gauss_seidel(gap: Array, w: Array, multiplier: Array) -> None:
 
 
 @njit(**INLINE)
-def _rotor_columns(
-    multiplier: Array,
-    sign: Array,
-    friction: float,
-    spread: Array,
-    cross_spread: Array,
-    pressed: Array,
-    dragged: Array,
-    crossed: Array,
-) -> None:
-    """Normal and friction force on the tips, by column."""
-    for h in range(0, len(pressed), LANES):
-        on_normal, on_shear, on_cross = splat(0.0), splat(0.0), splat(0.0)
-        for j in range(len(multiplier)):
-            if multiplier[j] > 0.0:
-                push = splat(-multiplier[j])
-                drag = splat(-friction * sign[j] * multiplier[j])
-                on_normal = fma(load_row(spread, j, h), push, on_normal)
-                on_shear = fma(load_row(spread, j, h), drag, on_shear)
-                on_cross = fma(load_row(cross_spread, j, h), drag, on_cross)
-        store(pressed, h, on_normal)
-        store(dragged, h, on_shear)
-        store(crossed, h, on_cross)
-
-
-@njit(**INLINE)
-def _casing_factors(
+def _tip_forces(
+    active: Array,
+    size: int,
     multiplier: Array,
     sign: Array,
     friction: float,
@@ -622,72 +708,78 @@ def _casing_factors(
     element: Array,
     index: Array,
     factor: Array,
-) -> int:
-    """Nodes that contact loads, and the forces on their w, w', u, u'.
+) -> tuple[bool, float]:
+    """Forces of the active tips and on the casing's nodes next to them, two for each tip.
+
+    ``factor`` gets push and drag of each tip, then what loads w, w', u, u' of each node.
 
     Returns:
-        number of nodal loads, two for each tip in contact.
+        whether tips slide in different senses, and the ratio of drag to push where they don't.
     """
-    size = 0
-    for j in range(len(multiplier)):
-        push = multiplier[j]
-        if push > 0.0:
-            drag, e = friction * sign[j] * push, element[j]
-            for end in range(2):
-                index[size] = e + end if e + end < nodes else 0
-                value, slope = hermite[2 * end, j], hermite[2 * end + 1, j]
-                factor[W_KIND, size], factor[W_SLOPE, size] = push * value, push * slope
-                factor[U_KIND, size], factor[U_SLOPE, size] = drag * value, drag * slope
-                size += 1
-    return size
+    mixed, ratio = False, 0.0
+    for m in range(size):
+        j = active[m]
+        push, slides, e = multiplier[j], friction * sign[j], element[j]
+        mixed = mixed or (m > 0 and slides != ratio)
+        ratio = slides
+        factor[PUSH, m], factor[DRAG, m] = -push, -push * slides
+        for end in range(2):
+            n = 2 * m + end
+            index[n] = e + end if e + end < nodes else 0
+            value, slope = push * hermite[2 * end, j], push * hermite[2 * end + 1, j]
+            factor[W_KIND, n], factor[W_SLOPE, n] = value, slope
+            factor[U_KIND, n], factor[U_SLOPE, n] = slides * value, slides * slope
+    return mixed, ratio
 
 
 @njit(**INLINE)
-def _casing_columns(
-    spread_w: Array,
-    spread_w_s: Array,
-    spread_u: Array,
-    spread_u_s: Array,
-    index: Array,
-    factor: Array,
-    count: int,
-    columns: Array,
+def _spread(
+    rows: Array, index: Array, factor: Array, which: int, count: int, half: int, columns: Array
 ) -> None:
-    """Forces on the casing's nodes by column, for w, w', u, u' in turn."""
-    for h in range(0, spread_w.shape[1], 2 * LANES):
-        g = h + LANES
-        w_0, w_1, w_s_0, w_s_1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
-        u_0, u_1, u_s_0, u_s_1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    """Forces at points by column, and the first half of the columns once more behind."""
+    for h in range(0, rows.shape[1], LANES):
+        x = splat(0.0)
         for n in range(count):
-            row = index[n]
-            on_w, on_w_s = splat(factor[W_KIND, n]), splat(factor[W_SLOPE, n])
-            on_u, on_u_s = splat(factor[U_KIND, n]), splat(factor[U_SLOPE, n])
-            w_0 = fma(load_row(spread_w, row, h), on_w, w_0)
-            w_1 = fma(load_row(spread_w, row, g), on_w, w_1)
-            w_s_0 = fma(load_row(spread_w_s, row, h), on_w_s, w_s_0)
-            w_s_1 = fma(load_row(spread_w_s, row, g), on_w_s, w_s_1)
-            u_0 = fma(load_row(spread_u, row, h), on_u, u_0)
-            u_1 = fma(load_row(spread_u, row, g), on_u, u_1)
-            u_s_0 = fma(load_row(spread_u_s, row, h), on_u_s, u_s_0)
-            u_s_1 = fma(load_row(spread_u_s, row, g), on_u_s, u_s_1)
-        store_row(columns, W_KIND, h, w_0)
-        store_row(columns, W_KIND, g, w_1)
-        store_row(columns, W_SLOPE, h, w_s_0)
-        store_row(columns, W_SLOPE, g, w_s_1)
-        store_row(columns, U_KIND, h, u_0)
-        store_row(columns, U_KIND, g, u_1)
-        store_row(columns, U_SLOPE, h, u_s_0)
-        store_row(columns, U_SLOPE, g, u_s_1)
+            x = fma(load_row(rows, index[n], h), splat(factor[which, n]), x)
+        store_row(columns, which, h, x)
+        if h < half:
+            store_row(columns, which, rows.shape[1] + h, x)
+
+
+@njit(**INLINE)
+def _spread_two(
+    rows: Array, index: Array, factor: Array, which: int, count: int, half: int, columns: Array
+) -> None:
+    """`_spread` of two kinds of forces that have one shape, two registers at a time."""
+    for h in range(0, rows.shape[1], 2 * LANES):
+        g = h + LANES
+        a0, a1, b0, b1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+        for n in range(count):
+            at, a, b = index[n], splat(factor[which, n]), splat(factor[which + 1, n])
+            x0, x1 = load_row(rows, at, h), load_row(rows, at, g)
+            a0, a1 = fma(x0, a, a0), fma(x1, a, a1)
+            b0, b1 = fma(x0, b, b0), fma(x1, b, b1)
+        store_row(columns, which, h, a0)
+        store_row(columns, which, g, a1)
+        store_row(columns, which + 1, h, b0)
+        store_row(columns, which + 1, g, b1)
+        if h < half:
+            store_row(columns, which, rows.shape[1] + h, a0)
+            store_row(columns, which + 1, rows.shape[1] + h, b0)
+        if g < half:
+            store_row(columns, which, rows.shape[1] + g, a1)
+            store_row(columns, which + 1, rows.shape[1] + g, b1)
 
 
 @njit(**INLINE)
 def _correct_rotor(
     c: Array,
-    pressed: Array,
+    force: Array,
+    dragging: int,
+    ratio: float,
+    half: int,
     radial: Array,
-    dragged: Array,
     tangential: Array,
-    across: Array,
     crossed: Array,
     slots: Array,
     old: int,
@@ -695,11 +787,15 @@ def _correct_rotor(
     work: Array,
     out: Array,
 ) -> None:
-    """Add contact forces, given by column, to x_{n+1}; their work, and the new radial columns."""
+    """Add contact forces, given by column, to x_{n+1}; their work, and the new radial columns.
+
+    Friction is ``ratio`` times row ``dragging`` of ``force``.
+    """
     rows, columns = radial.shape
-    on_normal, on_shear = splat(0.0), splat(0.0)
+    on_normal, on_shear, slides = splat(0.0), splat(0.0), splat(ratio)
     for h in range(0, columns, LANES):
-        push, drag, cross = load(pressed, h), load(dragged, h), load(across, h)
+        push, drag = load_row(force, PUSH, h), mul(slides, load_row(force, dragging, h))
+        cross = mul(slides, load_row(force, dragging, half + h))
         column = splat(0.0)
         for m in range(rows):
             i = m * columns + h
@@ -721,6 +817,9 @@ def _correct_rotor(
 def _correct_casing(
     c: Array,
     force: Array,
+    dragging: int,
+    ratio: float,
+    half: int,
     w_weight: Array,
     w_s_weight: Array,
     u_weight: Array,
@@ -732,12 +831,16 @@ def _correct_casing(
     values: Array,
     slopes: Array,
 ) -> None:
-    """Add contact forces, given by column, to x_{n+1}; their work, and the columns of w and w'."""
+    """Add contact forces, given by column, to x_{n+1}; their work, and the columns of w and w'.
+
+    Friction is ``ratio`` times rows ``dragging`` and the next of ``force``.
+    """
     rows, columns = w_weight.shape
-    on_normal, on_shear = splat(0.0), splat(0.0)
+    on_normal, on_shear, slides = splat(0.0), splat(0.0), splat(ratio)
     for h in range(0, columns, LANES):
-        on_w, on_w_s = load_row(force, W_KIND, h), load_row(force, W_SLOPE, h)
-        on_u, on_u_s = load_row(force, U_KIND, h), load_row(force, U_SLOPE, h)
+        on_w, on_w_s = load_row(force, W_KIND, h), load_row(force, W_SLOPE, half + h)
+        on_u = mul(slides, load_row(force, dragging, half + h))
+        on_u_s = mul(slides, load_row(force, dragging + 1, h))
         value, slope = splat(0.0), splat(0.0)
         for m in range(rows):
             i = m * columns + h
@@ -751,7 +854,7 @@ def _correct_casing(
             on_shear = fma(moved, shear, on_shear)
             value, slope = fma(w, x, value), fma(w_s, x, slope)
         store(values, h, value)
-        store(slopes, h, slope)
+        store(slopes, _turned(h, half), slope)
     work[0] += 0.5 * total(on_normal)
     work[1] += 0.5 * total(on_shear)
 
@@ -811,9 +914,9 @@ def _tip_tangential(
     scratch: Array,
 ) -> None:
     """Tangential displacement of each tip."""
-    _column_sums(tangential, slots, slot, columns)
+    _column_sums(tangential, slots, slot, 0, columns)
     _combine(shape, columns, out)
-    _column_sums(crossed, slots, slot, columns)
+    _column_sums(crossed, slots, slot, 0, columns)
     _combine(cross_shape, columns, scratch)
     for j in range(0, len(out), LANES):
         store(out, j, add(load(out, j), load(scratch, j)))
@@ -829,14 +932,16 @@ def _difference(slots: Array, later: int, earlier: int, out: Array, row: int) ->
 def _casing_tangential(
     weight: Array,
     slope_weight: Array,
-    even: Array,
-    odd: Array,
-    even_slope: Array,
-    odd_slope: Array,
+    fold: Array,
+    shape: Array,
+    slope_shape: Array,
+    half: int,
     slots: Array,
     slot: int,
-    columns: Array,
+    values: Array,
+    slopes: Array,
     nodes: int,
+    start: Array,
     value: Array,
     slope: Array,
     hermite: Array,
@@ -844,15 +949,9 @@ def _casing_tangential(
     out: Array,
 ) -> None:
     """Tangential displacement of the casing under each tip."""
-    for kind in range(2):
-        _column_sums(weight if kind == 0 else slope_weight, slots, slot, columns)
-        _nodal_values(
-            even if kind == 0 else even_slope,
-            odd if kind == 0 else odd_slope,
-            columns,
-            nodes,
-            value if kind == 0 else slope,
-        )
+    _column_sums(weight, slots, slot, half, values)
+    _column_sums(slope_weight, slots, slot, 0, slopes)
+    _nodal_fields(fold, shape, slope_shape, values, slopes, half, nodes, start, value, slope)
     _on_tips(value, slope, hermite, element, out)
 
 
@@ -933,29 +1032,27 @@ def advance(
     radial, tangential = bare(rotor.radial), bare(rotor.tangential)
     crossed, position, recess = bare(rotor.crossed), bare(rotor.position), bare(rotor.recess)
     shape, cross_shape = bare(rotor.shape), bare(rotor.cross_shape)
-    spread, cross_spread = bare(rotor.spread), bare(rotor.cross_spread)
-    on_rotor = bare(rotor.w)
+    spread, drag_spread = bare(rotor.spread), bare(rotor.drag_spread)
+    rotor_w, r_half, r_shared = bare(rotor.w), rotor.half, rotor.shared
     w_weight, w_s_weight = bare(casing.weight[W_KIND]), bare(casing.weight[W_SLOPE])
     u_weight, u_s_weight = bare(casing.weight[U_KIND]), bare(casing.weight[U_SLOPE])
-    even, odd = bare(casing.even[W_KIND]), bare(casing.odd[W_KIND])
-    even_s, odd_s = bare(casing.even[W_SLOPE]), bare(casing.odd[W_SLOPE])
-    even_u, odd_u = bare(casing.even[U_KIND]), bare(casing.odd[U_KIND])
-    even_u_s, odd_u_s = bare(casing.even[U_SLOPE]), bare(casing.odd[U_SLOPE])
-    spread_w, spread_w_s = bare(casing.spread_w), bare(casing.spread_w_s)
-    spread_u, spread_u_s = bare(casing.spread_u), bare(casing.spread_u_s)
+    w_shape, w_s_shape = bare(casing.shape.w), bare(casing.shape.w_slope)
+    u_shape, u_s_shape = bare(casing.shape.u), bare(casing.shape.u_slope)
+    w_spread, w_s_spread = bare(casing.spread.w), bare(casing.spread.w_slope)
+    u_spread, u_s_spread = bare(casing.spread.u), bare(casing.spread.u_slope)
+    fold, c_half, shared = bare(casing.fold), casing.half, casing.shared
     compliance, clearance = bare(casing.compliance), bare(casing.clearance)
-    r_columns, c_columns = radial.shape[1], w_weight.shape[1]
-    column, pressed = bare(s.columns[0, :r_columns]), bare(s.columns[1, :r_columns])
-    dragged, across = bare(s.columns[2, :r_columns]), bare(s.columns[3, :r_columns])
-    values, slopes = bare(s.columns[4, :c_columns]), bare(s.columns[5, :c_columns])
-    forces, nodal_load = bare(s.forces), bare(s.factor)
+    no_clearance = bare(casing.no_clearance)
+    column, values, slopes = bare(s.columns[0]), bare(s.columns[1]), bare(s.columns[2])
+    forces, factor = bare(s.forces), bare(s.factor)
     w, w_s = bare(s.nodal[0]), bare(s.nodal[1])
     free_gap, gap = bare(s.gap[0]), bare(s.gap[1])
     u_r, u_t, tip_scratch, at = bare(s.tip[0]), bare(s.tip[1]), bare(s.tip[2]), bare(s.tip[3])
     hermite, element, moved = bare(s.hermite), bare(s.element), bare(s.difference)
     sign, multiplier, diagonal = bare(s.sign), bare(s.multiplier), bare(s.diagonal)
     held, active, ends = bare(state.held), bare(s.active), bare(s.ends)
-    lu, solution, tableau = bare(s.solve), bare(s.solution), bare(s.tableau)
+    known, on_rotor, others = bare(s.known), bare(s.on_rotor), bare(s.others)
+    solve, solution, tableau = bare(s.solve), bare(s.solution), bare(s.tableau)
     basis, index, step_work = bare(s.basis), bare(s.rows), bare(s.work)
     work, count, residual = bare(state.work), bare(state.counts), bare(state.residual)
     smallest, impulse = bare(state.gap), bare(state.impulse)
@@ -966,7 +1063,7 @@ def advance(
     rec_rotor, rec_casing = records.rotor, records.casing
 
     for j in range(len(sign)):
-        sign[j] = march.sliding
+        sign[j], known[0, j] = march.sliding, -1
     # As plain literals these would have every function that takes them compiled twice.
     zero, one, two = int(np.int64(0)), int(np.int64(1)), int(np.int64(2))
     tips, written, status = len(element), zero, RUNNING
@@ -998,9 +1095,9 @@ def advance(
                     for j in range(tips):
                         at[j] += per_metre * u_t[j]
                 _place_tips(at, per_step * (step + 1), nodes, length, hermite, element)
-                _column_sums(radial, xs, new, column)
-                _column_sums(w_weight, ys, new, values)
-                _column_sums(w_s_weight, ys, new, slopes)
+                _column_sums(radial, xs, new, zero, column)
+                _column_sums(w_weight, ys, new, zero, values)
+                _column_sums(w_s_weight, ys, new, c_half, slopes)
             else:
                 # Multipliers of the active set; tips they would hold back are let go.
                 released = 1
@@ -1010,12 +1107,13 @@ def advance(
                         if held[j] > 0.0:
                             active[size] = j
                             size += 1
+                    _take_rotor(active, size, rotor_w, sign, known, on_rotor)
                     _delassus(
                         active, size, compliance, spacing, on_rotor, sign, nodes, hermite,
-                        element, ends, index, lu, diagonal,
+                        element, ends, index, solve, diagonal,
                     )  # fmt: skip
                     released = _active_multipliers(
-                        free_gap, size, active, held, lu, solution, multiplier,
+                        free_gap, size, active, held, solve, others, solution, multiplier,
                         trial > MENDED_TOGETHER,
                     )  # fmt: skip
                     trial += released > 0
@@ -1026,40 +1124,50 @@ def advance(
                     for j in range(tips):
                         active[j] = j
                     size = tips
+                    _take_rotor(active, size, rotor_w, sign, known, on_rotor)
                     _delassus(
                         active, size, compliance, spacing, on_rotor, sign, nodes, hermite,
-                        element, ends, index, lu, diagonal,
+                        element, ends, index, solve, diagonal,
                     )  # fmt: skip
-                    if not _lemke(free_gap, lu, tableau, basis, multiplier):
+                    if not _lemke(free_gap, solve, tableau, basis, multiplier):
                         count[LCP_FAILURES] += 1
-                        _gauss_seidel(free_gap, lu, multiplier)
+                        _gauss_seidel(free_gap, solve, multiplier)
                 # Correct.
-                _rotor_columns(
-                    multiplier, sign, friction, spread, cross_spread, pressed, dragged, across
+                mixed, ratio = _tip_forces(
+                    active, size, multiplier, sign, friction, nodes, hermite, element, index, factor
                 )
+                _spread(spread, active, factor, PUSH, size, r_half, forces)
+                dragging, slides = PUSH, ratio
+                if mixed or not r_shared:
+                    dragging, slides = DRAG, 1.0
+                    _spread(drag_spread, active, factor, DRAG, size, r_half, forces)
                 _correct_rotor(
-                    rc, pressed, radial, dragged, tangential, across, crossed, xs, old, new,
-                    step_work, column,
+                    rc, forces, dragging, slides, r_half, radial, tangential, crossed, xs, old,
+                    new, step_work, column,
                 )  # fmt: skip
-                loads_on_nodes = _casing_factors(
-                    multiplier, sign, friction, nodes, hermite, element, index, nodal_load
-                )
-                _casing_columns(
-                    spread_w, spread_w_s, spread_u, spread_u_s, index, nodal_load,
-                    loads_on_nodes, forces,
-                )  # fmt: skip
+                dragging, slides = W_KIND, ratio
+                if shared:
+                    _spread_two(w_spread, index, factor, W_KIND, 2 * size, c_half, forces)
+                    if mixed:
+                        dragging, slides = U_KIND, 1.0
+                        _spread_two(u_spread, index, factor, U_KIND, 2 * size, c_half, forces)
+                else:
+                    dragging, slides = U_KIND, 1.0
+                    _spread(w_spread, index, factor, W_KIND, 2 * size, c_half, forces)
+                    _spread(w_s_spread, index, factor, W_SLOPE, 2 * size, c_half, forces)
+                    _spread(u_spread, index, factor, U_KIND, 2 * size, c_half, forces)
+                    _spread(u_s_spread, index, factor, U_SLOPE, 2 * size, c_half, forces)
                 _correct_casing(
-                    cc, forces, w_weight, w_s_weight, u_weight, u_s_weight, ys, old, new,
-                    step_work, values, slopes,
+                    cc, forces, dragging, slides, c_half, w_weight, w_s_weight, u_weight,
+                    u_s_weight, ys, old, new, step_work, values, slopes,
                 )  # fmt: skip
 
             _combine(shape, column, u_r)
-            _nodal_values(even, odd, values, nodes, w)
-            _nodal_values(even_s, odd_s, slopes, nodes, w_s)
+            _nodal_fields(
+                fold, w_shape, w_s_shape, values, slopes, c_half, nodes, clearance, w, w_s
+            )
             found = free_gap if trial == 0 else gap
-            within = _close_gaps(
-                w, w_s, clearance, hermite, element, u_r, recess, limit, found
-            )  # fmt: skip
+            within = _close_gaps(w, w_s, hermite, element, u_r, recess, limit, found)
             if trial == 0:
                 for j in range(tips):
                     penetrating += free_gap[j] < 0.0
@@ -1079,8 +1187,8 @@ def advance(
                         tip_scratch,
                     )  # fmt: skip
                     _casing_tangential(
-                        u_weight, u_s_weight, even_u, odd_u, even_u_s, odd_u_s, moved, one,
-                        values, nodes, w, w_s, hermite, element, tip_scratch,
+                        u_weight, u_s_weight, fold, u_shape, u_s_shape, c_half, moved, one,
+                        values, slopes, nodes, no_clearance, w, w_s, hermite, element, tip_scratch,
                     )  # fmt: skip
                     _sliding_signs(u_t, tip_scratch, wheel_speed, dt, sign)
             else:

@@ -145,6 +145,12 @@ def store_row(typing_context, array, row, i, value):
 
 
 @intrinsic
+def store_half_row(typing_context, array, row, i, value):
+    """Write a half register to a row of a matrix."""
+    return types.void(array, types.intp, types.intp, value), _storer
+
+
+@intrinsic
 def splat(typing_context, value):
     """The same double in all LANES lanes."""
     return _FULL(types.float64), _splatter(LANES)
@@ -212,3 +218,38 @@ def total(typing_context, a):
         return builder.extract_element(value, ir.IntType(32)(0))
 
     return types.float64(a), generate
+
+
+def _shuffled(builder, a, b, order):
+    return builder.shuffle_vector(
+        a, b, ir.Constant(ir.VectorType(ir.IntType(32), len(order)), order)
+    )
+
+
+@intrinsic
+def totals(typing_context, a, b, c, d):
+    """Sums of the lanes of four half registers, one a lane."""
+
+    def generate(context, builder, signature, arguments):
+        first, second, third, fourth = arguments
+        pairs = [
+            builder.fadd(
+                _shuffled(builder, x, y, [0, 4, 2, 6]), _shuffled(builder, x, y, [1, 5, 3, 7])
+            )
+            for x, y in ((first, second), (third, fourth))
+        ]
+        low = _shuffled(builder, pairs[0], pairs[1], [0, 1, 4, 5])
+        return builder.fadd(low, _shuffled(builder, pairs[0], pairs[1], [2, 3, 6, 7]))
+
+    return _HALF(_HALF, _HALF, _HALF, _HALF), generate
+
+
+@intrinsic
+def reverse(typing_context, a):
+    """The lanes in reverse order."""
+
+    def generate(context, builder, signature, arguments):
+        order = [*range(signature.args[0].width)][::-1]
+        return _shuffled(builder, arguments[0], arguments[0], order)
+
+    return a(a), generate

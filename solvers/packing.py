@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ from bladewhirl.solvers.kernel import (
     W_SLOPE,
     Body,
     Casing,
+    KindArrays,
     Rotor,
     Scratch,
 )
@@ -31,18 +33,29 @@ FIT = 1e-9  # largest relative misfit of a cyclic body's rows to its DFT columns
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
-    """Where each mode stands in a (rows, columns) arrangement."""
+    """Where each mode stands in a (rows, columns) arrangement.
+
+    On a cyclic body each column has a partner ``half`` columns on, or back: the sine of a cosine
+    and the reverse. Columns that differ by the parity of their nodal diameter stand apart when
+    ``parts`` is 2: the first ``used`` of each half are even, the next odd.
+    """
 
     rows: int
     columns: int
     entry: IntArray  #: place of each mode in the flat arrangement, (modes,)
-    fold: int  #: 2 when columns are split by the parity of their nodal diameter
-    used: int  #: columns in use of each part; the rest is padding
+    half: int = 0  #: columns from one to its partner; 0 without partners
+    parts: int = 1
+    used: int  #: columns in use of each part of each half
 
     @property
     def entries(self) -> int:
         """Length of the flat arrangement."""
         return self.rows * self.columns
+
+    def columns_of(self, part: int) -> IntArray:
+        """Columns in use of a part, cosines first."""
+        first = part * self.used + np.arange(self.used)
+        return np.concatenate([first, self.half + first]) if self.half else first
 
     def pack(self, values: FloatArray) -> FloatArray:
         """Spread values of modes (..., modes) over the arrangement (..., entries)."""
@@ -61,42 +74,17 @@ def _padded(size: int, unit: int = LANES) -> int:
 
 def dense_layout(modes: int) -> Layout:
     """One row, a column a mode."""
-    columns = _padded(max(modes, 1), PAIR)
-    return Layout(rows=1, columns=columns, entry=np.arange(modes), fold=1, used=max(modes, 1))
+    used = max(modes, 1)
+    return Layout(rows=1, columns=_padded(used, PAIR), entry=np.arange(modes), used=used)
 
 
-def cyclic_layout(column: IntArray, points: int, *, fold: bool) -> tuple[Layout, IntArray]:
-    """Rows by rank, columns by harmonic.
-
-    Opposite points are equal in harmonics of even k and opposite in those of odd k; ``fold``
-    keeps the two apart so that the kernel can use that (even numbers of points only).
-
-    Returns:
-        the layout and the place of each DFT column among the arrangement's columns, (points,).
-    """
-    parity = np.array([nodal_diameter_of(c) % 2 for c in range(points)])
-    place = np.arange(points)
-    columns = _padded(points, PAIR if fold else LANES)
-    parts = 2 if fold and points % 2 == 0 else 1
-    if parts == 2:
-        half = _padded(points // 2)
-        for odd in (0, 1):
-            place[parity == odd] = odd * half + np.arange(np.count_nonzero(parity == odd))
-        columns = 2 * half
-    rank = np.zeros(len(column), dtype=np.int64)
-    for c in range(points):
-        own = column == c
-        rank[own] = np.arange(np.count_nonzero(own))
-    rows = int(rank.max(initial=0)) + 1
-    entry = rank * columns + place[column]
-    return Layout(rows=rows, columns=columns, entry=entry, fold=parts, used=points // parts), place
-
-
-def _partner(column: int, points: int) -> int:
-    """The sine of a cosine and the reverse; a single harmonic is its own partner."""
-    if not is_pair(nodal_diameter_of(column), points):
-        return column
-    return column + 1 if column % 2 else column - 1
+def _couples(points: int, parity: int | None) -> list[tuple[int, ...]]:
+    """DFT columns of one parity (or all) two by two: cosine and sine, singles with each other."""
+    wanted = [c for c in range(points) if parity in (None, nodal_diameter_of(c) % 2)]
+    paired = [c for c in wanted if is_pair(nodal_diameter_of(c), points)]
+    single = [c for c in wanted if not is_pair(nodal_diameter_of(c), points)]
+    both = [*zip(paired[::2], paired[1::2], strict=True)]
+    return [*both, tuple(single)] if single else list(both)
 
 
 def aligned(shape: int | tuple[int, ...]) -> FloatArray:
@@ -121,53 +109,72 @@ def _lengthened(values: FloatArray) -> FloatArray:
     return out
 
 
-def _by_column(shape: FloatArray, used: int) -> FloatArray:
-    """Shape (points, columns) as (columns in use, padded points)."""
+def _by_column(shape: FloatArray, layout: Layout) -> FloatArray:
+    """Shape (points, columns) as (columns to the last in use, padded points)."""
+    used = layout.half + layout.parts * layout.used
     out = aligned((used, _padded(len(shape))))
     out[:, : len(shape)] = shape[:, :used].T
     return out
 
 
-def _by_parity(shapes: FloatArray, layout: Layout, part: int) -> FloatArray:
-    """One parity of shapes (kinds, nodes, columns), as (kinds, columns in use, padded nodes)."""
-    kinds, nodes, columns = shapes.shape
-    if part >= layout.fold:
-        return aligned((kinds, 0, LANES))
-    first = part * columns // layout.fold
-    own = shapes[:, : nodes // layout.fold, first : first + layout.used]
-    out = aligned((kinds, layout.used, _padded(own.shape[1])))
-    out[:, :, : own.shape[1]] = own.transpose(0, 2, 1)
-    return out
+def _folded(shape: FloatArray, layout: Layout) -> FloatArray:
+    """Shape (nodes, columns) on a quarter of the circle, as the kernel's `_folded_fields` has it.
+
+    No rows where the kernel cannot fold: without parity, or on so few nodes that whole registers
+    of a quarter reach over half of the circle.
+    """
+    nodes = len(shape)
+    width = _padded(nodes // 4 + 1)
+    if layout.parts == 1 or width - 1 > nodes // 2:
+        return aligned((0, LANES))
+    own = shape[:width]
+    last = own[:, layout.half + layout.used - 1]
+    rows = own[:, np.concatenate([layout.columns_of(part) for part in range(2)])].T
+    rows = rows.reshape(2, 2, layout.used, width).transpose(1, 0, 2, 3).reshape(-1, width)
+    rows[3 * layout.used - 1] = 0.0
+    return aligned_copy(np.vstack([rows, last]))
 
 
 def _by_sliding(pressed: FloatArray, dragged: FloatArray, friction: float) -> FloatArray:
     """Response to a normal force with its friction, for sliding backward, none, and forward."""
-    return aligned_copy(np.array([pressed + s * friction * dragged for s in (-1.0, 0.0, 1.0)]))
+    return np.array([pressed + s * friction * dragged for s in (-1.0, 0.0, 1.0)])
 
 
-@dataclass(frozen=True, kw_only=True)
 class _Harmonics:
-    """DFT columns of a cyclic body and the layout that holds them."""
+    """DFT columns of a cyclic body and where they stand among its arrangement's.
 
-    layout: Layout
-    basis: FloatArray  #: (points, points)
-    crossed: FloatArray  #: partner of each column, a single harmonic being its own
-    single: BoolArray  #: whether a column has no partner, (points,)
-    place: IntArray
+    Args:
+        points: of the body's circumference.
+        fold: keep columns of even and odd nodal diameter apart, so that the kernel can use that
+            opposite points are equal in the former and opposite in the latter (even numbers of
+            points only).
+        unit: each half is padded to a multiple of it.
+    """
 
-    def shape(self, crossed: bool) -> FloatArray:
-        """Shape matrix in the arrangement's columns, (points, columns)."""
-        basis = self.crossed if crossed else self.basis
-        shape = np.zeros((len(basis), self.layout.columns))
-        shape[:, self.place] = basis
-        return shape
+    def __init__(self, points: int, *, fold: bool, unit: int) -> None:
+        self.parts = 2 if fold and points % 2 == 0 else 1
+        couples = [
+            _couples(points, part if self.parts == 2 else None) for part in range(self.parts)
+        ]
+        self.used = max(map(len, couples))
+        self.half = _padded(self.parts * self.used, unit)
+        self.place = np.zeros(points, dtype=np.int64)  # of each DFT column
+        for part, own in enumerate(couples):
+            for slot, couple in enumerate(own):
+                for block, column in enumerate(couple):
+                    self.place[column] = block * self.half + part * self.used + slot
+        self.single = np.array([not is_pair(nodal_diameter_of(c), points) for c in range(points)])
+        self.basis = real_dft(points)
+        self.shape = np.zeros((points, 2 * self.half))  # in the arrangement's columns
+        self.shape[:, self.place] = self.basis
+        self.crossed = np.roll(self.shape, self.half, axis=1)  # each column's partner
 
     def amplitudes(self, rows: FloatArray, column: IntArray) -> tuple[FloatArray, FloatArray]:
         """Amplitude of each mode on its own column and on the partner, (modes,) each."""
         own = np.einsum("pm,pm->m", self.basis[:, column], rows)
-        other = np.einsum("pm,pm->m", self.crossed[:, column], rows)
-        other[self.single[column]] = 0.0
-        fitted = self.basis[:, column] * own + self.crossed[:, column] * other
+        partner = self.crossed[:, self.place[column]]
+        other = np.where(self.single[column], 0.0, np.einsum("pm,pm->m", partner, rows))
+        fitted = self.basis[:, column] * own + partner * other
         if not np.abs(fitted - rows).max(initial=0.0) <= FIT * np.abs(rows).max(initial=0.0):
             raise ValueError(
                 "modes carry DFT columns that their displacements do not follow; give column -1 "
@@ -175,18 +182,21 @@ class _Harmonics:
             )
         return own, other
 
-
-def _harmonics(column: IntArray, points: int, *, fold: bool) -> _Harmonics:
-    layout, place = cyclic_layout(column, points, fold=fold)
-    basis = real_dft(points)
-    partner = np.array([_partner(c, points) for c in range(points)])
-    return _Harmonics(
-        layout=layout,
-        basis=basis,
-        crossed=basis[:, partner],
-        single=partner == np.arange(points),
-        place=place,
-    )
+    def layout(self, place: IntArray) -> Layout:
+        """Arrangement with each mode in the column given, (modes,), rows by rank."""
+        columns = 2 * self.half
+        rank = np.zeros(len(place), dtype=np.int64)
+        for c in range(columns):
+            own = place == c
+            rank[own] = np.arange(np.count_nonzero(own))
+        return Layout(
+            rows=int(rank.max(initial=0)) + 1,
+            columns=columns,
+            entry=rank * columns + place,
+            half=self.half,
+            parts=self.parts,
+            used=self.used,
+        )
 
 
 def pack_rotor(
@@ -208,31 +218,36 @@ def pack_rotor(
     """
     tips, modes = rotor.tip_radial.shape
     if cyclic:
-        harmonics = _harmonics(rotor.column, tips, fold=False)
-        layout = harmonics.layout
+        harmonics = _Harmonics(tips, fold=False, unit=HALF)
+        layout = harmonics.layout(harmonics.place[rotor.column])
         radial, across = harmonics.amplitudes(rotor.tip_radial, rotor.column)
         if not np.abs(across).max(initial=0.0) <= FIT * np.abs(radial).max(initial=0.0):
             raise ValueError(
                 "a cyclic rotor's mode pairs must be aligned to the tips' radial motion"
             )
         tangential, crossed = harmonics.amplitudes(rotor.tip_tangential, rotor.column)
-        shape, cross_shape = harmonics.shape(False), harmonics.shape(True)
+        shape, cross_shape = harmonics.shape, harmonics.crossed
+        dragged = shape
     else:
         layout = dense_layout(modes)
         radial, tangential, crossed = np.ones(modes), np.zeros(modes), np.ones(modes)
         shape = np.zeros((tips, layout.columns))
         cross_shape = np.zeros((tips, layout.columns))
         shape[:, :modes], cross_shape[:, :modes] = rotor.tip_radial, rotor.tip_tangential
+        dragged = cross_shape
     grid = (layout.rows, layout.columns)
+    on_tips = aligned_copy(shape)
     weighted, weighted_tangential = rotor.tip_radial * inverse, rotor.tip_tangential * inverse
     return layout, Rotor(
         radial=layout.pack(radial).reshape(grid),
         tangential=layout.pack(tangential).reshape(grid),
         crossed=layout.pack(crossed).reshape(grid),
-        shape=_by_column(shape, layout.used),
-        cross_shape=_by_column(cross_shape, layout.used),
-        spread=aligned_copy(shape),
-        cross_spread=aligned_copy(cross_shape),
+        shape=_by_column(shape, layout),
+        cross_shape=_by_column(cross_shape, layout),
+        spread=on_tips,
+        drag_spread=on_tips if dragged is shape else aligned_copy(dragged),
+        half=layout.half,
+        shared=cyclic,
         w=_by_sliding(
             weighted @ rotor.tip_radial.T, weighted_tangential @ rotor.tip_radial.T, friction
         ),
@@ -241,30 +256,49 @@ def pack_rotor(
     )
 
 
+def _cyclic_casing(casing: ReducedCasing) -> tuple[Layout, FloatArray, list[FloatArray]]:
+    """Layout, weights (4, modes) and shapes of a cyclic casing, by kind of nodal value.
+
+    w and u' of a mode follow its column, w' and u the partner; so a single harmonic's mode of w'
+    and u stands in the partner's place.
+    """
+    column, nodal = casing.column, casing.nodal
+    harmonics = _Harmonics(len(nodal), fold=True, unit=LANES)
+    single = harmonics.single[column]
+    kinds = range(nodal.shape[1])
+    pairs = [harmonics.amplitudes(nodal[:, kind], column) for kind in kinds]
+    scales = [max(np.abs(nodal[:, kind]).max(), np.finfo(float).tiny) for kind in kinds]
+    direct, turned = (W_KIND, U_SLOPE), (W_SLOPE, U_KIND)  # even and odd under reflection
+    size = [np.abs(own) / scale for (own, _), scale in zip(pairs, scales, strict=True)]
+    odd = single & (
+        np.maximum(*(size[kind] for kind in turned)) > np.maximum(*(size[kind] for kind in direct))
+    )
+    weights = []
+    for kind, (own, across) in zip(kinds, pairs, strict=True):
+        out_of_place = odd if kind in direct else single & ~odd
+        right, wrong = (own, across) if kind in direct else (across, own)
+        wrong = np.where(single, np.where(out_of_place, own, 0.0), wrong)
+        if np.abs(wrong).max() > FIT * scales[kind]:
+            raise ValueError("a cyclic casing must be symmetric under reflection")
+        weights.append(np.where(single, np.where(out_of_place, 0.0, own), right))
+    place = harmonics.place[column]
+    place = np.where(odd, (place + harmonics.half) % (2 * harmonics.half), place)
+    return harmonics.layout(place), np.array(weights), [harmonics.shape] * len(weights)
+
+
 def pack_casing(
     casing: ReducedCasing, inverse: FloatArray, friction: float, *, cyclic: bool
 ) -> tuple[Layout, Casing]:
     """Arrange the casing; see `pack_rotor`."""
     nodes, kinds, modes = casing.nodal.shape
     if cyclic:
-        harmonics = _harmonics(casing.column, nodes, fold=True)
-        layout = harmonics.layout
-        weights, shapes = [], []
-        for kind in range(kinds):
-            own, across = harmonics.amplitudes(casing.nodal[:, kind], casing.column)
-            single = harmonics.single[casing.column]
-            crossed = kind in (W_SLOPE, U_KIND)  # odd under reflection
-            wrong = np.where(single, 0.0, own if crossed else across)
-            if np.abs(wrong).max() > FIT * np.abs(casing.nodal[:, kind]).max():
-                raise ValueError("a cyclic casing must be symmetric under reflection")
-            weights.append(np.where(single, own, across) if crossed else own)
-            shapes.append(harmonics.shape(crossed))
-        weight, shape = np.array(weights), np.array(shapes)
+        layout, weight, shapes = _cyclic_casing(casing)
     else:
         layout = dense_layout(modes)
         weight = np.ones((kinds, modes))
-        shape = np.zeros((kinds, nodes, layout.columns))
-        shape[..., :modes] = casing.nodal.transpose(1, 0, 2)
+        shapes = [np.zeros((nodes, layout.columns)) for _ in range(kinds)]
+        for kind, shape in enumerate(shapes):
+            shape[:, :modes] = casing.nodal[:, kind]
     forces = casing.nodal.reshape(nodes * kinds, modes) * inverse
     rows = casing.nodal[:, :2].reshape(2 * nodes, modes)
     response = (forces @ rows.T).reshape(nodes, kinds, nodes, 2)
@@ -280,25 +314,24 @@ def pack_casing(
     blocks = _by_sliding(pressed, dragged, friction)
     if cyclic:  # by the distance of two elements, from -nodes to nodes - 1
         blocks = np.tile(blocks[:, :, 0], (1, 2, 1, 1))
-    whole = _padded(nodes + 1)
-    clearance = aligned((2, whole))
+    clearance = aligned((2, _padded(nodes + 1)))
     clearance[:, : nodes + 1] = casing.clearance[np.append(np.arange(nodes), 0)].T
-    even = _by_parity(shape, layout, 0)
-    odd = _by_parity(shape, layout, 1)
-    spreads = [aligned_copy(s) for s in shape]
-    if cyclic:  # two kinds share each shape: half of the memory to go through
-        spreads[U_KIND], spreads[U_SLOPE] = spreads[W_SLOPE], spreads[W_KIND]
+
+    def by_kind(make: Callable[[FloatArray], FloatArray]) -> list[FloatArray]:
+        """One array for all kinds where they share their shape: less memory to go through."""
+        return [make(shapes[0])] * kinds if cyclic else [make(shape) for shape in shapes]
+
     return layout, Casing(
         weight=layout.pack(weight).reshape(kinds, layout.rows, layout.columns),
-        even=even,
-        odd=odd,
-        spread_w=spreads[W_KIND],
-        spread_w_s=spreads[W_SLOPE],
-        spread_u=spreads[U_KIND],
-        spread_u_s=spreads[U_SLOPE],
-        compliance=aligned_copy(blocks.reshape(3, -1)),
+        shape=KindArrays(*by_kind(lambda shape: _by_column(shape, layout))),
+        fold=_folded(shapes[0], layout),
+        spread=KindArrays(*by_kind(aligned_copy)),
+        half=layout.half,
+        shared=cyclic,
+        compliance=aligned_copy(blocks.reshape(-1)),
         spacing=1 if cyclic else nodes if nodes > 1 else 0,  # one node: there is one block
         clearance=clearance,
+        no_clearance=aligned(clearance.shape),
         nodes=nodes,
         element_length=casing.element_length,
     )
@@ -347,24 +380,28 @@ def make_scratch(
     rotor: Rotor, casing: Casing, tips: int, loads: int, layouts: tuple[Layout, Layout]
 ) -> Scratch:
     """Working arrays for one march."""
-    columns = max(layouts[0].columns, layouts[1].columns)
-    padded, nodal = len(rotor.position), _padded(casing.nodes + 1) + 3 * casing.even.shape[2]
+    # Columns, the first half of them once more, and what the last register runs over.
+    columns = _padded(max(layout.columns + layout.half + LANES for layout in layouts))
+    padded = len(rotor.position)
     return Scratch(
-        columns=aligned((6, columns)),
-        forces=aligned((4, layouts[1].columns)),
-        nodal=aligned((2, nodal)),
+        columns=aligned((3, columns)),
+        forces=aligned((6, columns)),
+        nodal=aligned((2, casing.clearance.shape[1])),
         tip=aligned((4, padded)),
         gap=aligned((2, padded)),
         hermite=aligned((4, padded)),
         element=np.zeros(tips, dtype=np.int64),
         difference=aligned((2, max(layouts[0].entries, layouts[1].entries))),
         load=np.zeros(loads),
-        rows=np.zeros(2 * tips, dtype=np.int64),
-        factor=aligned((4, _padded(2 * tips))),
+        rows=np.zeros(2 * padded, dtype=np.int64),
+        factor=aligned((6, 2 * padded)),
         active=np.zeros(tips, dtype=np.int64),
-        ends=aligned(tips * HALF),
+        known=np.zeros((2, tips), dtype=np.int64),
+        on_rotor=aligned((tips, padded)),
+        ends=aligned(HALF * padded),
+        solve=aligned((tips + 1, padded)),
+        others=aligned_copy(1.0 - np.eye(tips, padded)),
         diagonal=np.zeros(tips),
-        solve=aligned((tips, _padded(tips + 1))),
         solution=np.zeros(tips),
         multiplier=np.zeros(tips),
         sign=np.zeros(tips),
