@@ -16,6 +16,7 @@ from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
 from bladewhirl.models.bladed_disk_sketch import bladed_disk_sketch
 from bladewhirl.models.case import BeamSection, Case
 from bladewhirl.models.casing import Casing, assemble_casing
+from bladewhirl.models.casing_supports import Support, spring, strut
 from bladewhirl.models.casing_wall import Wall
 from bladewhirl.models.faults import CaseError, Fault
 from bladewhirl.models.sections import Section
@@ -61,6 +62,7 @@ def case_casing(case: Case) -> Casing:
         curvature=given.curvature,
         support=given.support,
         rotation=given.rotation,
+        supports=_supports(case),
     )
 
 
@@ -98,6 +100,25 @@ def lowest_frequency(frequencies: Iterable[float]) -> float:
 def _ring(case: Case) -> RingMesh:
     radius = case.tip_radius + case.casing.clearance
     return RingMesh(elements=case.casing.elements, radius=radius)
+
+
+def _supports(case: Case) -> tuple[Support, ...]:
+    """Springs and struts of a case's casing."""
+    springs = [
+        spring(row.angle, radial=row.radial, tangential=row.tangential)
+        for row in case.casing.springs
+    ]
+    struts = [
+        strut(
+            row.angle,
+            _section(case, row),
+            length=row.length,
+            inclination=row.inclination,
+            ends=row.ends,
+        )
+        for row in case.casing.struts
+    ]
+    return (*springs, *struts)
 
 
 def _section(case: Case, section: BeamSection) -> Section:

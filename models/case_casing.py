@@ -18,6 +18,7 @@ from bladewhirl.models.case_fields import (
     rows,
 )
 from bladewhirl.models.case_section import BeamSection
+from bladewhirl.models.case_supports import SpringSupport, Strut
 from bladewhirl.models.case_table import Inconsistency, Table
 from bladewhirl.models.casing_wall import TURN, Arc
 from bladewhirl.models.ring_profile import Lobes, RingProfile
@@ -131,6 +132,23 @@ class Casing(Table):
         description="Uniform elastic support, radial and tangential [N/m per metre of"
         " circumference] (not in the paper; puts the casing's lowest mode at 0.055, which is"
         ' "very low" as the paper says, for modal work).',
+    )
+    springs: Annotated[
+        tuple[SpringSupport, ...], rows('{ angle = "90 deg", radial = "1 MN/m" }')
+    ] = Field(
+        default=(),
+        description='Springs from the wall to the ground, rows of { angle = "90 deg", radial = "1'
+        ' MN/m", tangential = 0 }, on top of support; where they or struts hold the rotation,'
+        ' rotation = "free" lets them.',
+    )
+    struts: Annotated[
+        tuple[Strut, ...], rows('{ angle = "90 deg", length = "300 mm", thickness = "8 mm" }')
+    ] = Field(
+        default=(),
+        description='Straight struts from the wall to the ground, rows of { angle = "90 deg",'
+        ' inclination = 0, length = "300 mm", width = "100 mm", thickness = "10 mm", ends ='
+        ' "pinned" } of the case\'s material; with ends = "built-in" they bend too, and'
+        " converge best with feet at nodes. Their mass counts, modes of their own they have none.",
     )
     rotation: Literal["free", "fixed"] = Field(
         default="fixed",

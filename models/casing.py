@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from bladewhirl.meshes import RingMesh
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.assembly import curved_beams
+from bladewhirl.models.casing_supports import Support, at_feet, foot_rows
 from bladewhirl.models.casing_wall import Wall, WallProperties
 from bladewhirl.models.cyclic import SectorLayout
 from bladewhirl.models.elements import (
@@ -32,7 +33,15 @@ class Casing:
     mesh: RingMesh
     properties: WallProperties  #: means of each element, (elements,)
     curvature: Literal["exact", "shallow"]  #: bending strain, see `elements`
+    foundation: float  #: uniform elastic support [N/m per metre of circumference]
+    supports: tuple[Support, ...]  #: springs and struts at angles
     structure: Structure
+
+    @property
+    def mass(self) -> float:
+        """Mass of wall and struts [kg]."""
+        wall = self.properties.line_mass.sum() * self.mesh.element_length
+        return float(wall + sum(support.weight for support in self.supports))
 
     def nodal(self, shapes: FloatArray) -> FloatArray:
         """Nodal values (w, dw/ds, u, du/ds) of fields, (nodes, 4, fields).
@@ -51,6 +60,7 @@ def assemble_casing(
     curvature: Literal["exact", "shallow"],
     support: float,
     rotation: Literal["free", "fixed"],
+    supports: tuple[Support, ...] = (),
 ) -> Casing:
     """Assemble a casing.
 
@@ -60,6 +70,7 @@ def assemble_casing(
         curvature: exact strains, or the shallow-arch bending strain w'' (see `elements`).
         support: uniform elastic support, radial and tangential [N/m per metre of circumference].
         rotation: whether the ring may turn as a whole.
+        supports: springs and struts at angles.
     """
     count = mesh.elements
     nodes = np.arange(count)
@@ -74,9 +85,12 @@ def assemble_casing(
         EI=properties.bending_stiffness,
         curvature=ones / mesh.radius,
     )
-    springs = assembler.matrix(support_stiffness, support=support * ones)
-    total_mass = assembler.matrix(mass, rho_A=properties.line_mass)
     node_dofs = assembler.node_dofs
+    feet = foot_rows(mesh, node_dofs, [each.angle for each in supports])
+    springs = assembler.matrix(support_stiffness, support=support * ones)
+    springs = springs + feet.T @ at_feet(each.stiffness for each in supports) @ feet
+    total_mass = assembler.matrix(mass, rho_A=properties.line_mass)
+    total_mass = total_mass + feet.T @ at_feet(each.mass for each in supports) @ feet
     held = np.zeros((node_dofs.size, 1 if rotation == "fixed" else 0))
     if rotation == "fixed":
         held[node_dofs[:, TANGENTIAL], 0] = 1.0
@@ -92,5 +106,7 @@ def assemble_casing(
         mesh=mesh,
         properties=properties.mean(assembler.weights),
         curvature=curvature,
+        foundation=support,
+        supports=supports,
         structure=structure,
     )

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
 
@@ -34,4 +37,10 @@ class StageArrays:
     casing_young_modulus: FloatArray  #: of the same [Pa], (casing nodes,)
     casing_curvature: str  #: bending strain of the wall, "exact" or "shallow" (see `elements`)
     casing_shape: FloatArray  #: w, dw/ds, u, du/ds, (casing nodes, 4, casing modes)
+    casing_foundation: float  #: uniform elastic support [N/m2]
+    support_kind: NDArray[np.str_]  #: "spring" or "strut", (supports,)
+    support_angle: FloatArray  #: of its foot on the wall from +x [rad], (supports,)
+    support_reach: FloatArray  #: from foot to ground, 0 of springs, static axes [m], (supports, 2)
+    support_radial_stiffness: FloatArray  #: at the foot [N/m], (supports,)
+    support_tangential_stiffness: FloatArray  #: the same along the wall
     clearance: FloatArray  #: at each casing node [m], (casing nodes,)

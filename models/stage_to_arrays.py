@@ -5,9 +5,12 @@ Apart from `stage_arrays`, which solvers import too: they see no finite elements
 
 from __future__ import annotations
 
+import numpy as np
+
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.bladed_disk import BladedDisk
 from bladewhirl.models.casing import Casing
+from bladewhirl.models.casing_supports import U, W
 from bladewhirl.models.modes import Modes
 from bladewhirl.models.stage_arrays import StageArrays
 
@@ -33,7 +36,7 @@ def stage_arrays(
         casing_family: of each of them, (casing modes,).
         clearance: at each casing node [m], (casing nodes,).
     """
-    mesh = disk.mesh
+    mesh, supports = disk.mesh, casing.supports
     return StageArrays(
         rotor_frequency=disk_modes.frequency,
         rotor_nodal_diameter=disk_modes.nodal_diameter,
@@ -58,5 +61,11 @@ def stage_arrays(
         casing_young_modulus=casing.properties.young_modulus,
         casing_curvature=casing.curvature,
         casing_shape=casing.nodal(casing_modes.shapes),
+        casing_foundation=casing.foundation,
+        support_kind=np.array([each.kind for each in supports], dtype=np.str_),
+        support_angle=np.array([each.angle for each in supports], dtype=np.float64),
+        support_reach=np.array([each.reach for each in supports], dtype=np.float64).reshape(-1, 2),
+        support_radial_stiffness=np.array([each.stiffness[W, W] for each in supports]),
+        support_tangential_stiffness=np.array([each.stiffness[U, U] for each in supports]),
         clearance=clearance,
     )

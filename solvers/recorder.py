@@ -116,9 +116,26 @@ STATIC: Mapping[str, Variable] = {
         _SHAPE_UNITS,
         "values of each casing node for a unit modal coordinate, cubic Hermite between nodes",
     ),
+    "casing_foundation": Variable(
+        (), "N/m2", "uniform elastic support of the casing, radial and tangential"
+    ),
+    "support_kind": Variable(("support",), "1", "spring or strut from the casing to the ground"),
+    "support_angle": Variable(
+        ("support",), "rad", "angle of each support's foot on the casing from +x"
+    ),
+    "support_reach": Variable(
+        ("support", "axis"), "m", "from the foot of each strut to the ground, static axes"
+    ),
+    "support_radial_stiffness": Variable(
+        ("support",), "N/m", "stiffness of each support at its foot, radial"
+    ),
+    "support_tangential_stiffness": Variable(
+        ("support",), "N/m", "stiffness of each support at its foot, tangential"
+    ),
     "clearance": Variable(("casing_node",), "m", "clearance at rest at each casing node"),
 }
-"""Known before the march; the names are those of `StageArrays`."""
+"""Known before the march; the names are those of `StageArrays`. What a stage has none of, such as
+supports, is left out: netCDF takes a dimension of length zero for one that grows."""
 
 LABELS: Mapping[str, tuple[str, ...]] = {
     "axis": ("x", "y"),
@@ -154,11 +171,13 @@ class Recorder:
         self._h5 = h5py.File(path, "w")
         self._file = h5netcdf.File(self._h5, "w")
         sizes = _sizes(stage)
-        self._file.dimensions = {TIME: None, **sizes}
+        self._file.dimensions = {TIME: None} | {name: size for name, size in sizes.items() if size}
         for name, labels in LABELS.items():
             self._create(name, Variable((name,), "1", f"names along {name}"), np.array(labels))
         for field in fields(stage):
-            self._create(field.name, STATIC[field.name], np.asarray(getattr(stage, field.name)))
+            values = np.asarray(getattr(stage, field.name))
+            if values.size:
+                self._create(field.name, STATIC[field.name], values)
         for name, variable in HISTORY.items():
             self._create_history(name, variable, sizes)
         for name, value in attributes.items():

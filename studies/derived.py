@@ -69,7 +69,7 @@ class Derived:
     """All of them."""
 
     bladed_disk_mass: float  #: [kg]
-    casing_mass: float  #: [kg]
+    casing_mass: float  #: struts included [kg]
     reference_frequency: Rate  #: lowest of the full bladed disk with a free centre
     speed: Rate
     bladed_disk: tuple[Mode, ...]  #: lowest of each nodal diameter, full model
@@ -106,7 +106,7 @@ def _derive(stage: Stage) -> Derived:
     kept = {name: len(dofs) for name, dofs in boundary.items()}
     return Derived(
         bladed_disk_mass=disk.model.mass,
-        casing_mass=float(casing.properties.line_mass.sum() * casing.mesh.element_length),
+        casing_mass=casing.mass,
         reference_frequency=_rate(stage, stage.reference_frequency),
         speed=_rate(stage, stage.speed),
         bladed_disk=tuple(

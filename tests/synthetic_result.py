@@ -181,6 +181,7 @@ def synthetic_result(
                 ("casing_node", "casing_component", "casing_mode"),
                 casing_shapes(ring, radius),
             ),
+            "casing_foundation": ((), 0.0),
             "clearance": ("casing_node", np.full(casing_elements, CLEARANCE)),
         },
         coords={"time": time},

@@ -40,6 +40,8 @@ DEFAULTS: dict[str, object] = {
     "casing.thickness_lobes": (),
     "casing.thickness_stations": (),
     "casing.stiffened_arcs": (),
+    "casing.springs": (),
+    "casing.struts": (),
     "casing.wall": {"width": 0.1, "thickness": 0.01},
     "casing.curvature": "exact",
     "casing.support": 1508.0,

@@ -38,6 +38,10 @@ SMALL = {
     "casing.elements": 8,
     "reduction.fixed_interface_modes": 10,
 }
+SUPPORTS = {
+    "casing.springs": [{"angle": 0.0, "radial": 1e6}, {"angle": 2.0, "tangential": 1e5}],
+    "casing.struts": [{"angle": 3.0, "length": 0.2}],
+}
 ATTRIBUTES: dict[str, Attribute] = {
     "title": "made up",
     "speed": 100.0,
@@ -47,8 +51,9 @@ ATTRIBUTES: dict[str, Attribute] = {
 
 
 @cache
-def small_stage() -> StageArrays:
-    return build_stage(with_values(Case(), SMALL)).arrays
+def small_stage(*, supported: bool = False) -> StageArrays:
+    values = SMALL | SUPPORTS if supported else SMALL
+    return build_stage(with_values(Case(), values)).arrays
 
 
 def made_up(stage: StageArrays, first: int, count: int) -> Chunk:
@@ -76,8 +81,17 @@ def test_the_layout_covers_everything_there_is() -> None:
     assert {*HISTORY} == {field.name for field in fields(Chunk)} - {"step"}
 
 
+def test_what_a_stage_has_none_of_is_left_out(tmp_path: Path) -> None:
+    with Recorder(tmp_path / "result.nc", small_stage(), ATTRIBUTES) as recorder:
+        recorder.write(made_up(small_stage(), 0, 1))
+    with xr.open_dataset(tmp_path / "result.nc") as found:
+        missing = {*STATIC} - {*found.variables}
+        assert missing == {name for name in STATIC if name.startswith("support_")}
+        assert "support" not in found.sizes
+
+
 def test_a_result_grows_and_reads_back_to_the_last_bit(tmp_path: Path) -> None:
-    stage = small_stage()
+    stage = small_stage(supported=True)
     with Recorder(tmp_path / "result.nc", stage, ATTRIBUTES) as recorder:
         for first, count in ((0, 7), (7, 0), (7, 200), (207, 1)):
             recorder.write(made_up(stage, first, count))
