@@ -65,12 +65,15 @@ SURVEYS: Mapping[str, Survey] = {
     "imbalance": Survey(load="imbalance", speeds=WHOLE_RANGE),
     "six modes, distortion": Survey(
         load="distortion",
-        speeds=(0.9, 1.5, 0.025),
+        speeds=(0.9, 1.5, 0.05),
         changes=SIX,
         over={"coupling.stiffness": KAPPAS},
     ),
     "six modes, imbalance": Survey(
-        load="imbalance", speeds=WHOLE_RANGE, changes=SIX, over={"coupling.stiffness": KAPPAS}
+        load="imbalance",
+        speeds=(0.95, 2.0, 0.15),
+        changes=SIX,
+        over={"coupling.stiffness": KAPPAS},
     ),
 }
 """Sweeps by name."""
