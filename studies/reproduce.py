@@ -85,12 +85,12 @@ def reproduce(
     with _progress(Console(stderr=True)) as told, _interruptible(output):
         card, lab = reproduce_claims(plan, output, workers=workers, scheduler=scheduler, told=told)
     with lab:
-        path = write_scorecard(card, output)
+        written = write_scorecard(card, lab, output)
     if json:
         typer.echo(card.to_json(), nl=False)
     else:
         Console().print(scorecard_table(card))
-        typer.echo(f"Wrote {path}.")
+        typer.echo(f"Wrote {' and '.join(map(str, written))}.")
 
 
 @contextmanager

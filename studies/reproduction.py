@@ -19,12 +19,14 @@ from bladewhirl.studies import (  # noqa: F401 -- each registers its claims
 )
 from bladewhirl.studies.claim import CLAIMS, Claim, Finding, NotTestableError
 from bladewhirl.studies.laboratory import PERTURBATION, TRIALS, Laboratory
+from bladewhirl.studies.paper_figures import draw_figures
 from bladewhirl.studies.run_store import RunStore
 from bladewhirl.studies.scorecard import Scorecard, joined
+from bladewhirl.studies.scorecard_page import scorecard_page
 from bladewhirl.studies.sweeps import Watch
 
-RUNS_NAME = "runs"
-"""Folder of the results of single marches."""
+RUNS_NAME, FIGURES_NAME = "runs", "figures"
+"""Folders of the results of single marches, and of pictures."""
 
 REPEATS = 3
 """How often a claim on a march is judged, each time with a slightly different force."""
@@ -136,16 +138,21 @@ def _judged(lab: Laboratory, claims: Iterable[Claim]) -> dict[int, Finding]:
     return {claim.number: claim.judge(lab) for claim in claims}
 
 
-def write_scorecard(card: Scorecard, directory: Path) -> Path:
-    """Write scorecard.json.
+def write_scorecard(card: Scorecard, lab: Laboratory, directory: Path) -> list[Path]:
+    """Write scorecard.json and scorecard.html, with the figures of the claims in figures/.
 
     Raises:
         UserError: it can't be written.
     """
-    path = directory / "scorecard.json"
+    cited = {number for score in card.scores for number in score.claim.figures}
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        path.write_text(card.to_json(), encoding="utf-8")
+        drawn = draw_figures(lab, sorted(cited, key=int), directory / FIGURES_NAME)
+        document, page = directory / "scorecard.json", directory / "scorecard.html"
+        document.write_text(card.to_json(), encoding="utf-8")
+        page.write_text(scorecard_page(card, drawn), encoding="utf-8")
     except OSError as error:
-        raise UserError(f"{path}: cannot be written ({error.strerror})") from None
-    return path
+        raise UserError(
+            f"{error.filename or directory}: cannot be written ({error.strerror})"
+        ) from None
+    return [document, page]

@@ -104,20 +104,18 @@ def _entry(score: Score) -> dict[str, Any]:
 def scorecard_table(card: Scorecard) -> Table:
     """The scorecard as a table to read."""
     quick = ", quick: short marches, coarse sweeps" if card.conditions.get("quick") else ""
-    table = Table(
-        title=f"{card.summary}{quick}", box=box.SIMPLE_HEAD, title_justify="left", show_lines=True
-    )
+    table = Table(title=f"{card.summary}{quick}", box=box.SIMPLE_HEAD, title_justify="left")
     table.add_column("", justify="right")
-    table.add_column("claim, and why the verdict", ratio=4, overflow="fold")
-    table.add_column("paper", ratio=1, overflow="fold")
-    table.add_column("ours", ratio=2, overflow="fold")
+    table.add_column("claim", ratio=5, overflow="fold")
+    table.add_column("ours", ratio=4, overflow="fold")
     table.add_column("verdict", no_wrap=True)
     for score in card.scores:
+        # What was met is in the JSON and on the page.
+        why = "" if score.verdict == "holds" else f"\n[dim]{escape(score.why)}[/]"
         table.add_row(
             str(score.claim.number),
-            f"{score.claim.text}\n[dim]{escape(score.why)}[/]",
-            score.claim.paper,
-            escape(score.ours),
+            f"{escape(score.claim.text)}{why}",
+            f"{escape(score.ours)}\n[dim]paper: {escape(score.claim.paper)}[/]",
             f"[{STYLES[score.verdict]}]{score.verdict}[/]",
         )
     return table

@@ -61,7 +61,7 @@ def make_chart(
         as_json: print one JSON document instead of a line on each zone.
     """
     omegas = speeds * system.reference
-    zones = _zones(system, system.modes, omegas, kappas)
+    zones = zones_of(system, system.modes, omegas, kappas)
     with _bar(quiet=as_json) as bar:
         task = bar.add_task("growth rates", total=omegas.size * kappas.size)
         grid = stability_chart(
@@ -75,9 +75,9 @@ def make_chart(
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
         save_figure(plot_chart(chart), folder / "stability", chart)
-        _spectrum(system, omegas, line, folder)
+        draw_spectrum(system, omegas, line, folder)
         if not system.is_six:
-            truncation = truncation_dataset(zones, _zones(system, system.six, omegas, kappas))
+            truncation = truncation_dataset(zones, zones_of(system, system.six, omegas, kappas))
             save_figure(plot_truncation(truncation), folder / "truncation", truncation)
     report = zone_report(chart)
     if as_json:
@@ -125,9 +125,17 @@ def zone_report(chart: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def _zones(
+def zones_of(
     system: System, modes: CouplingModes, omegas: FloatArray, kappas: FloatArray
 ) -> xr.Dataset:
+    """Borders of the unstable zones of some modes, and coincidence speeds.
+
+    Args:
+        system: the coupled modes that the options belong to.
+        modes: whose zones are looked for.
+        omegas: speeds [rad/s], ascending.
+        kappas: spring stiffnesses [N/m], ascending.
+    """
     borders = np.linspace(kappas[0], kappas[-1], BORDER_STIFFNESSES)
     zones = unstable_zones(
         modes, kappas=borders, low=omegas[0], high=omegas[-1], with_pi=system.with_pi
@@ -135,7 +143,7 @@ def _zones(
     return zones_dataset(zones, modes, speed=omegas, kappa=kappas, reference=system.reference)
 
 
-def _spectrum(system: System, omegas: FloatArray, line: float, folder: Path) -> None:
+def draw_spectrum(system: System, omegas: FloatArray, line: float, folder: Path) -> None:
     """Draw the eigenvalues along a line of constant stiffness, tracked."""
     zones = unstable_zones(
         system.modes,

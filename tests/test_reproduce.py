@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -24,9 +25,11 @@ from bladewhirl.studies.cli import app
 from bladewhirl.studies.laboratory import KAPPAS, SURVEYS, TRIALS, Laboratory, perturbed
 from bladewhirl.studies.motion import HOLDERS, Motion
 from bladewhirl.studies.paper_cases import CASES, changed
+from bladewhirl.studies.paper_figures import PAPER_FIGURES, draw_figures
 from bladewhirl.studies.reproduction import Plan, chosen_claims, reproduce_claims
 from bladewhirl.studies.run_store import RunStore, run_key
 from bladewhirl.studies.scorecard import Score, Scorecard
+from bladewhirl.studies.scorecard_page import scorecard_page
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 RUNNER = CliRunner()
@@ -259,6 +262,33 @@ def test_the_command_writes_the_scorecard(tmp_path: Path) -> None:
     assert [entry["claim"] for entry in card["claims"]] == [1, 4, 6]
     assert card["counts"] == {"holds": 3, "partly": 0, "does not hold": 0, "not testable": 0}
     assert card == json.loads((tmp_path / "out" / "scorecard.json").read_text())
+    page = (tmp_path / "out" / "scorecard.html").read_text()
+    assert [int(n) for n in re.findall(r'<tr id="claim-(\d+)">', page)] == [4, 1, 6]  # by section
+    assert re.findall(r"Like Fig\. (\d+):", page) == ["6", "8"]
+    assert page.count('src="data:image/png;base64,') == 3
+    assert not re.search(r"(src|href)=\"(?!data:)", page)  # needs nothing beside it
+
+
+def test_every_cited_figure_has_its_panels() -> None:
+    cited = {number for claim in CLAIMS.values() for number in claim.figures}
+    assert cited == set(PAPER_FIGURES)
+    for figure in PAPER_FIGURES.values():
+        assert figure.panels
+
+
+def test_a_figure_that_cannot_be_had_says_why(tmp_path: Path) -> None:
+    """A stage that is stable at the paper's example point has no divergent mode."""
+    with Laboratory(
+        directory=tmp_path,
+        store=RunStore(directory=tmp_path),
+        modal_changes={"casing.support": 8e6},
+    ) as lab:
+        (panel,) = draw_figures(lab, ["13"], tmp_path / "figures")["13"]
+    assert panel.picture is None
+    assert "no mode grows" in panel.obstacle
+    page = scorecard_page(card_of(lambda: Finding(ours="<b>", checks=checks(True))), {"6": [panel]})
+    assert "not drawn: no mode grows" in page
+    assert "&lt;b&gt;" in page
 
 
 def test_a_changed_case_changes_the_verdict(tmp_path: Path) -> None:
