@@ -53,6 +53,7 @@ class LineAssembler:
             local = data.tolocal()
             data = data.fromlocal(np.einsum("eji,ejk,ekl->eil", transform, local, transform))
         matrix = sp.csr_array(data.tocsr())
+        matrix.resize((self.node_dofs.size, self.node_dofs.size))  # last nodes may have no line
         return sp.csr_array((matrix + matrix.T) / 2.0)  # symmetric to the last bit
 
 
@@ -74,4 +75,6 @@ def _assembler(element: Element, lengths: FloatArray, lines: IntArray, nodes: in
     topology = MeshLine1(np.zeros((1, nodes)), np.ascontiguousarray(lines.T), validate=False)
     dofs = Dofs(topology, element)
     basis = Basis(flat, element, dofs=dofs, intorder=6, disable_doflocs=True)
-    return LineAssembler(basis=basis, node_dofs=np.asarray(dofs.nodal_dofs.T, dtype=np.int64))
+    per_node = len(dofs.nodal_dofs)  # numbered node by node; nodes behind the last line's count too
+    node_dofs = np.arange(per_node * nodes, dtype=np.int64).reshape(nodes, per_node)
+    return LineAssembler(basis=basis, node_dofs=node_dofs)

@@ -25,7 +25,8 @@ def check_model(model: BeamModel, key: str) -> None:
     Raises:
         CaseError: with all faults, each naming the part.
     """
-    faults = [*_sets(model, key), *_links(model, key)] or [*_loose_parts(model, key)]
+    faults = [*_sets(model, key), *_links(model, key), *_massless(model, key)]
+    faults = faults or [*_loose_parts(model, key)]
     if faults:
         raise CaseError(faults)
 
@@ -64,6 +65,21 @@ def _links(model: BeamModel, key: str) -> Iterator[Fault]:
         for node in np.intersect1d(led, model.mesh.node_sets.get(name, np.zeros(0, np.int64)))[:1]:
             expected = f'{_node(model, int(node))}, of the set "{name}", to be led by none'
             yield Fault(key=key, expected=expected)
+
+
+def _massless(model: BeamModel, key: str) -> Iterator[Fault]:
+    """Nodes without a beam that springs alone hold: they need inertia of their own."""
+    count = len(model.mesh.points)
+    bare = np.ones(count, dtype=np.bool_)
+    bare[model.mesh.lines] = bare[model.links.led] = False
+    bare[model.links.leader] = False
+    mass, inertia = np.zeros(count), np.zeros(count)
+    np.add.at(mass, model.masses.node, model.masses.mass)
+    np.add.at(inertia, model.masses.node, model.masses.inertia)
+    inertia[model.mesh.node_sets.get("centre", ())] = np.inf  # it does not rotate
+    for node in np.flatnonzero(bare & ((mass <= 0.0) | (inertia <= 0.0))):
+        expected = f"a beam, or a mass with rotary inertia, at {_node(model, int(node))}"
+        yield Fault(key=key, expected=expected)
 
 
 def _loose_parts(model: BeamModel, key: str) -> Iterator[Fault]:

@@ -223,6 +223,7 @@ class Case(Table):
         """What does not fit together from table to table."""
         yield from self._loads_out_of_reach()
         yield from self._tips_without_blade()
+        yield from self._unknown_materials()
 
     def _loads_out_of_reach(self) -> Iterator[Inconsistency]:
         load, elements = self.excitation, self.casing.elements
@@ -246,6 +247,25 @@ class Case(Table):
             if rows is not None and len(rows) != blades:
                 expected = f"{blades} rows, one a blade, not {len(rows)}"
                 yield Inconsistency(f"initial.{key}", expected, ("bladed_disk.blades",))
+
+    def _unknown_materials(self) -> Iterator[Inconsistency]:
+        disk = self.bladed_disk
+        known = ", ".join(f'"{one.name}"' for one in self.material.named) or "none"
+        for key, sections in (
+            ("bladed_disk.blade", [disk.blade]),
+            ("bladed_disk.disk", [disk.disk]),
+            ("bladed_disk.taper", disk.taper),
+            ("bladed_disk.shrouds", disk.shrouds),
+            ("bladed_disk.disk_rings", disk.disk_rings),
+            ("casing.wall", [self.casing.wall]),
+        ):
+            for section in sections:
+                try:
+                    self.material.find(section.material)
+                except KeyError:
+                    expected = f'materials of material.named ({known}), not "{section.material}"'
+                    yield Inconsistency(key, expected, ("material.named",))
+                    break
 
     @property
     def blades(self) -> int:

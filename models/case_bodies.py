@@ -15,11 +15,13 @@ from bladewhirl.models.beam_model import BeamModel
 from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
 from bladewhirl.models.bladed_disk_sketch import bladed_disk_sketch
 from bladewhirl.models.case import BeamSection, Case
+from bladewhirl.models.case_file import case_fault
 from bladewhirl.models.casing import Casing, assemble_casing
 from bladewhirl.models.casing_supports import Support, spring, strut
 from bladewhirl.models.casing_wall import Wall
 from bladewhirl.models.faults import CaseError, Fault
 from bladewhirl.models.sections import Section
+from bladewhirl.models.sketch import Sketch
 from bladewhirl.models.sketch_build import build_sketch
 
 
@@ -34,19 +36,27 @@ def case_beam_model(case: Case) -> BeamModel:
     """Beams, masses, springs and links of a case's bladed disk.
 
     Raises:
-        CaseError: parts that do not fit together.
+        CaseError: parts that do not fit together, tips that reach into the casing.
     """
-    if case.sketch is not None:
-        return build_sketch(case.sketch)
-    given = case.bladed_disk
-    return bladed_disk_sketch(
-        blades=given.blades,
-        tip_radius=given.tip_radius,
-        disk_radius=given.disk_radius,
-        elements_per_blade=given.elements_per_blade,
-        blade=_section(case, given.blade),
-        disk=_section(case, given.disk),
-    ).build()
+    given = case_sketch(case).table if case.sketch is None else case.sketch
+    model = build_sketch(given)
+    room = case.casing.clearance_profile.smallest + model.tip_recess
+    tight = int(room.argmin())
+    if room[tight] < 0.0:
+        reach = float(model.tip_radius - model.tip_recess[tight])
+        outside = reach > model.tip_radius + case.casing.clearance
+        expected = (
+            f"tips inside the casing: that of blade {tight}, at radius {reach:.6g} m, "
+            + ("is outside" if outside else "reaches into its lobes")
+            + f" by {-room[tight]:.3g} m where the casing is narrowest"
+        )
+        raise CaseError([case_fault(case, "casing.clearance", expected)])
+    return model
+
+
+def case_sketch(case: Case) -> Sketch:
+    """The sketch that the `[bladed_disk]` table of a case stands for."""
+    return bladed_disk_sketch(case.bladed_disk, lambda section: _section(case, section))
 
 
 def case_casing(case: Case) -> Casing:
@@ -122,7 +132,7 @@ def _supports(case: Case) -> tuple[Support, ...]:
 
 
 def _section(case: Case, section: BeamSection) -> Section:
-    material = case.material
+    material = case.material.find(section.material)
     return Section(
         width=section.width,
         thickness=section.thickness,

@@ -89,6 +89,8 @@ def _expected(details: ErrorDetails, path: Path) -> str:
             return str(context["expected"]).replace("'", '"')
         case "bool_type":
             return "true or false"
+        case "missing":
+            return f"a value of {path[-1]}"
         case "string_type":
             return "text"
         case "model_type" | "model_attributes_type":

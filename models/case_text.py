@@ -67,7 +67,8 @@ def _value(value: object) -> str:
     if isinstance(value, Speed):
         return toml_value(value.given)
     if isinstance(value, Table):
-        return toml_value(value.model_dump(exclude_none=True))
+        inner = value.model_dump(exclude_none=True)
+        return toml_value({key: item for key, item in inner.items() if item != ()})
     if isinstance(value, tuple) and value and isinstance(value[0], tuple | Table):
         rows = (
             row.model_dump(exclude_none=True, exclude_defaults=True)

@@ -13,7 +13,8 @@ from bladewhirl.meshes import LineMesh, RingMesh
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.beam_model import BeamModel
 from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
-from bladewhirl.models.bladed_disk_sketch import bladed_disk_sketch
+from bladewhirl.models.case_bodies import case_bladed_disk
+from bladewhirl.models.case_file import case_from
 from bladewhirl.models.casing import Casing, assemble_casing
 from bladewhirl.models.casing_wall import Wall
 from bladewhirl.models.modes import Modes, structure_modes
@@ -49,15 +50,17 @@ def bladed_disk(
     blades: int = 22, elements: int = 10, disk_thickness: float = 0.01, clamped: bool = False
 ) -> BladedDisk:
     """The stage of the paper's Table 1: literally, or with thicker beams for the disk."""
-    sketch = bladed_disk_sketch(
-        blades=blades,
-        tip_radius=0.5,
-        disk_radius=0.05,
-        elements_per_blade=elements,
-        blade=steel(0.01),
-        disk=steel(disk_thickness),
+    case = case_from(
+        {
+            "bladed_disk": {
+                "blades": blades,
+                "elements_per_blade": elements,
+                "disk": {"thickness": disk_thickness},
+            },
+            "shaft": {"stiffness": 3.4e7},
+        }
     )
-    return assemble_bladed_disk(sketch.build(), shaft_stiffness=3.4e7, clamped=clamped)
+    return case_bladed_disk(case, clamped=clamped)
 
 
 def tip_reference(disk: BladedDisk) -> tuple[int, int]:
