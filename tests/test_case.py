@@ -127,7 +127,6 @@ COUNTS = [
 ]
 RATIOS = ["damping.ratio", "contact.friction"]
 CHOICES = {
-    "bladed_disk.disk_kind": ("spokes-and-rim", "spokes", "rim", "rigid"),
     "casing.curvature": ("exact", "shallow"),
     "casing.rotation": ("free", "fixed"),
     "contact.sliding": ("permanent", "signed"),
