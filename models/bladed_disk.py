@@ -83,12 +83,14 @@ class BladedDisk:
         return np.stack([x, y, local[:, ROTATION]], axis=1)
 
 
-def assemble_bladed_disk(model: BeamModel, *, shaft_stiffness: float, clamped: bool) -> BladedDisk:
+def assemble_bladed_disk(
+    model: BeamModel, *, shaft_stiffness: float | tuple[float, float], clamped: bool
+) -> BladedDisk:
     """Assemble a bladed disk.
 
     Args:
         model: beams, masses, springs and links.
-        shaft_stiffness: of each of the two springs at the centre [N/m].
+        shaft_stiffness: of each of the two springs at the centre, or of those in x and y [N/m].
         clamped: hold the centre instead.
     """
     mesh, properties = model.mesh, model.properties

@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, StrictBool, StrictStr
 
 from bladewhirl.models.case_bladed_disk import BladedDisk, DiskSection
-from bladewhirl.models.case_casing import Casing, Lobe, Shaft
+from bladewhirl.models.case_casing import Casing, Lobe
 from bladewhirl.models.case_fields import (
     DisplacementPair,
     DisplacementRows,
@@ -28,6 +28,7 @@ from bladewhirl.models.case_fields import (
     count,
 )
 from bladewhirl.models.case_section import BeamSection, Material
+from bladewhirl.models.case_shaft import Shaft
 from bladewhirl.models.case_table import Inconsistency, Table
 from bladewhirl.models.excitation import (
     CasingDistortion,

@@ -28,7 +28,7 @@ from bladewhirl.models.sketch_build import build_sketch
 def case_bladed_disk(case: Case, *, clamped: bool) -> BladedDisk:
     """Assemble the bladed disk of a case, with a free or a clamped centre."""
     return assemble_bladed_disk(
-        case_beam_model(case), shaft_stiffness=case.shaft.stiffness, clamped=clamped
+        case_beam_model(case), shaft_stiffness=case.shaft.stiffnesses, clamped=clamped
     )
 
 

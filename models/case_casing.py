@@ -1,4 +1,4 @@
-"""The `[casing]` and `[shaft]` tables of a case: what the bladed disk turns in and stands on."""
+"""The `[casing]` table of a case: what the bladed disk turns in."""
 
 from __future__ import annotations
 
@@ -6,13 +6,12 @@ from collections.abc import Iterator
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, StrictBool
+from pydantic import Field
 
 from bladewhirl.models.case_fields import (
     Angle,
     Length,
     LengthOrZero,
-    Stiffness,
     count,
     quantity,
     rows,
@@ -29,15 +28,6 @@ SAME_ANGLE = 1e-9
 ELEMENTS_PER_LOBE = 4
 """Fewer elements on a wave can't follow it: the clearance, a cubic between nodes, is then off by
 more than 2 % of the amplitude."""
-
-
-class Shaft(Table):
-    """The two springs that carry the centre; it does not rotate in the plane."""
-
-    stiffness: Stiffness = Field(
-        default=3.4e7, description="Of each of the two springs, x and y [N/m] (paper, Section 2.1)."
-    )
-    clamped: StrictBool = Field(default=False, description="Hold the centre instead.")
 
 
 class Lobe(Table):

@@ -67,8 +67,8 @@ def unbalance(stage: Stage) -> float:
     """Unbalance m e of an imbalance [kg m].
 
     Where ``clearance_speed`` is given, the static answer to m e Omega^2 at that speed moves the
-    tip that moves most just as far outward as the smallest clearance. The centre stands on two
-    equal springs, so that force is stiffness times clearance.
+    tip that moves most just as far outward as the smallest clearance. Where the centre stands on
+    two equal springs, that force is stiffness times clearance.
 
     Raises:
         ValueError: the case's excitation is no imbalance.
