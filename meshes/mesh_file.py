@@ -49,7 +49,13 @@ def write_line_mesh(path: str | PathLike[str], mesh: GroupedLines) -> None:
         OSError: the file can't be written.
     """
     file = Path(path)
-    WRITERS[_known_suffix(file)](file, mesh)
+    write = WRITERS[_known_suffix(file)]
+    part = file.with_name(f".{file.stem}.part{file.suffix}")
+    try:
+        write(part, mesh)
+        part.replace(file)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def _known_suffix(path: Path) -> str:

@@ -8,6 +8,7 @@ are SI; text carries its own unit, "1 mm". Other geometries join as further opti
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import hypot
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, StrictBool, StrictStr
@@ -37,6 +38,7 @@ from bladewhirl.models.excitation import (
     Imbalance,
     NoExcitation,
 )
+from bladewhirl.models.mesh_model import mesh_tips
 from bladewhirl.models.mode_choice import mode_choice
 from bladewhirl.models.quantity import Speed
 from bladewhirl.models.sketch_parts import SketchTable
@@ -225,6 +227,8 @@ class Case(Table):
         yield from self._loads_out_of_reach()
         yield from self._tips_without_blade()
         yield from self._unknown_materials()
+        if self.sketch is not None and self.bladed_disk.mesh is not None:
+            yield Inconsistency("bladed_disk.mesh", "to be left out beside [sketch]", ("sketch",))
 
     def _loads_out_of_reach(self) -> Iterator[Inconsistency]:
         load, elements = self.excitation, self.casing.elements
@@ -242,11 +246,10 @@ class Case(Table):
                 yield Inconsistency(f"initial.{key}", expected, ("shaft.clamped",))
 
     def _tips_without_blade(self) -> Iterator[Inconsistency]:
-        blades = self.blades
         for key in ("tip_velocity", "tip_displacement"):
             rows = getattr(self.initial, key)
-            if rows is not None and len(rows) != blades:
-                expected = f"{blades} rows, one a blade, not {len(rows)}"
+            if rows is not None and len(rows) != self.blades:
+                expected = f"{self.blades} rows, one a blade, not {len(rows)}"
                 yield Inconsistency(f"initial.{key}", expected, ("bladed_disk.blades",))
 
     def _unknown_materials(self) -> Iterator[Inconsistency]:
@@ -258,6 +261,7 @@ class Case(Table):
             ("bladed_disk.taper", disk.taper),
             ("bladed_disk.shrouds", disk.shrouds),
             ("bladed_disk.disk_rings", disk.disk_rings),
+            ("bladed_disk.mesh.sections", disk.mesh.sections.values() if disk.mesh else ()),
             ("casing.wall", [self.casing.wall]),
         ):
             for section in sections:
@@ -271,11 +275,17 @@ class Case(Table):
     @property
     def blades(self) -> int:
         """Number of blades."""
-        if self.sketch is None:
-            return self.bladed_disk.blades
-        return self.sketch.tips
+        if self.sketch is not None:
+            return self.sketch.tips
+        mesh = self.bladed_disk.mesh
+        return self.bladed_disk.blades if mesh is None else len(mesh_tips(mesh))
 
     @property
     def tip_radius(self) -> float:
         """Radius of the tips that the clearance counts from [m]."""
-        return self.bladed_disk.tip_radius if self.sketch is None else self.sketch.radius
+        if self.sketch is not None:
+            return self.sketch.radius
+        mesh = self.bladed_disk.mesh
+        if mesh is None:
+            return self.bladed_disk.tip_radius
+        return max(hypot(*tip) for tip in mesh_tips(mesh).tolist())

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from bladewhirl.models.case_disk_parts import (
     CentreRows,
@@ -17,6 +17,7 @@ from bladewhirl.models.case_disk_parts import (
     TaperRows,
 )
 from bladewhirl.models.case_fields import MOST, Length, Stiffness, count, quantity
+from bladewhirl.models.case_mesh import MeshTable
 from bladewhirl.models.case_section import BeamSection
 from bladewhirl.models.case_table import Inconsistency, Table
 
@@ -101,6 +102,17 @@ class BladedDisk(Table):
         " blade takes from its own clearance.",
     )
 
+    mesh: MeshTable | None = Field(
+        default=None,
+        description="A mesh file instead, left out here: its unit of length, its groups of nodes"
+        " that are the tips and the centre, sections of its groups of lines; all other keys of"
+        " [bladed_disk] are then left out.",
+        examples=[
+            '{ file = "stage.msh", unit = "mm", tips = "tips", centre = "centre", sections = '
+            '{ blades = { width = "100 mm", thickness = "10 mm" } } }'
+        ],
+    )
+
     @property
     def cut_radii(self) -> list[float]:
         """Radii between root and tip at which a blade needs a node, ascending [m]."""
@@ -108,8 +120,21 @@ class BladedDisk(Table):
         radii |= {mass.radius for mass in self.point_masses}
         return sorted(r for r in radii if self.disk_radius < r < self.tip_radius)
 
+    @model_serializer(mode="wrap")
+    def _without_keys_of_no_meaning(
+        self, serialize: SerializerFunctionWrapHandler
+    ) -> dict[str, Any]:
+        """Beside a mesh the other keys say nothing, and are not written."""
+        tables: dict[str, Any] = serialize(self)
+        return tables if self.mesh is None else {"mesh": tables["mesh"]}
+
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Blades without length, parts where there is nothing, more nodes than can be meant."""
+        if self.mesh is not None:
+            for name, field in type(self).model_fields.items():
+                if name != "mesh" and getattr(self, name) != field.default:
+                    yield Inconsistency(name, "to be left out beside bladed_disk.mesh", ("mesh",))
+            return
         if self.disk_radius >= self.tip_radius:
             expected = f"less than bladed_disk.tip_radius = {self.tip_radius!r}"
             yield Inconsistency("disk_radius", expected, ("tip_radius",))

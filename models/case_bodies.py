@@ -20,6 +20,7 @@ from bladewhirl.models.casing import Casing, assemble_casing
 from bladewhirl.models.casing_supports import Support, spring, strut
 from bladewhirl.models.casing_wall import Wall
 from bladewhirl.models.faults import CaseError, Fault
+from bladewhirl.models.mesh_model import mesh_beam_model
 from bladewhirl.models.sections import Section
 from bladewhirl.models.sketch import Sketch
 from bladewhirl.models.sketch_build import build_sketch
@@ -38,8 +39,11 @@ def case_beam_model(case: Case) -> BeamModel:
     Raises:
         CaseError: parts that do not fit together, tips that reach into the casing.
     """
-    given = case_sketch(case).table if case.sketch is None else case.sketch
-    model = build_sketch(given)
+    mesh = case.bladed_disk.mesh
+    if mesh is not None:
+        model = mesh_beam_model(mesh, case.material)
+    else:
+        model = build_sketch(case_sketch(case).table if case.sketch is None else case.sketch)
     room = case.casing.clearance_profile.smallest + model.tip_recess
     tight = int(room.argmin())
     if room[tight] < 0.0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
@@ -68,7 +69,7 @@ def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Ca
 
     Args:
         text: TOML.
-        file: what faults call it.
+        file: what faults call it; a mesh file that it names is looked for beside it.
         overrides: "KEY=VALUE" with a dotted key, which reaches inline tables too, and a TOML
             value; what is not TOML and opens no quote, array or table is a string. A table
             replaces the whole table: ``excitation={type="none"}``.
@@ -77,7 +78,9 @@ def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Ca
         CaseError: not TOML, or faults: all of them.
     """
     try:
-        return _checked(_parsed(text, file), file, overrides)
+        tables = _parsed(text, file)
+        _find_beside(tables, os.path.dirname(file))
+        return _checked(tables, file, overrides)
     except RecursionError:
         raise CaseError([Fault(file=file, expected="TOML of less nesting")]) from None
 
@@ -137,6 +140,15 @@ def _parsed(text: str, file: str) -> dict[str, Any]:
         raise CaseError([Fault(file=file, expected=f"valid TOML ({error})")]) from None
     except ValueError:
         raise CaseError([Fault(file=file, expected="integers that fit on a page")]) from None
+
+
+def _find_beside(tables: dict[str, Any], folder: str) -> None:
+    """Make the path of a mesh file, relative to the case file, one that leads there from here."""
+    table: Any = tables
+    for key in ("bladed_disk", "mesh"):
+        table = table.get(key) if isinstance(table, dict) else None
+    if isinstance(table, dict) and isinstance(table.get("file"), str):
+        table["file"] = os.path.join(folder, table["file"])
 
 
 def _checked(tables: dict[str, Any], file: str, overrides: Iterable[str]) -> Case:

@@ -42,8 +42,11 @@ def _document(case: Case, *, commented: bool) -> str:
 
 
 def _keys(table: Table, *, commented: bool) -> Iterator[str]:
+    written = table.model_dump()
     for name, field in type(table).model_fields.items():
         value = getattr(table, name)
+        if name not in written:
+            continue
         if isinstance(table, Case) and isinstance(value, Table):
             continue  # has a heading of its own; tables further down are written inline
         if commented:

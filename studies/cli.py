@@ -17,6 +17,7 @@ from typer.core import TyperGroup
 
 from bladewhirl.studies.campbell import campbell
 from bladewhirl.studies.export import export
+from bladewhirl.studies.mesh import mesh
 from bladewhirl.studies.modes import modes
 from bladewhirl.studies.new import new
 from bladewhirl.studies.plot import plot
@@ -58,6 +59,7 @@ app = typer.Typer(
 )
 app.command()(campbell)
 app.command()(export)
+app.command()(mesh)
 app.command()(modes)
 app.command()(new)
 app.command()(plot)

@@ -12,6 +12,9 @@ from pathlib import Path
 from platform import platform
 from tempfile import TemporaryDirectory
 
+from bladewhirl.meshes.mesh_file import READERS as MESH_SUFFIXES
+from bladewhirl.models.case import Case
+from bladewhirl.models.case_file import dumps_case
 from bladewhirl.models.faults import UserError
 from bladewhirl.solvers.recorder import RESULT_NAME
 from bladewhirl.studies.render import FILES as PICTURES
@@ -19,6 +22,7 @@ from bladewhirl.studies.render import FILES as PICTURES
 CASE_NAME = "case.toml"
 PROVENANCE_NAME = "provenance.json"
 SUMMARY_NAME = "summary.json"
+MESH_NAME = "mesh"  #: of a copy of a mesh file, before its suffix
 VTK_NAME = "vtk"
 ORBIT_NAME, ENERGY_NAME = "orbit.png", "energy.png"
 
@@ -81,6 +85,22 @@ def clear(directory: Path) -> None:
             folder.rmdir()
 
 
+def case_files(case: Case) -> dict[str, bytes]:
+    """Content, by file name, of what reruns a case: case.toml, and the mesh file that it names.
+
+    To be read before `clear`: the mesh file may be that of the run to be replaced.
+    """
+    mesh = case.bladed_disk.mesh
+    if mesh is None:
+        return {CASE_NAME: dumps_case(case).encode()}
+    path = Path(mesh.file)
+    name = MESH_NAME + path.suffix.lower()
+    beside = mesh.model_copy(update={"file": name})
+    disk = case.bladed_disk.model_copy(update={"mesh": beside})
+    text = dumps_case(case.model_copy(update={"bladed_disk": disk}))
+    return {CASE_NAME: text.encode(), name: path.read_bytes()}
+
+
 def write_provenance(directory: Path) -> None:
     """Write what made the run: versions, date, machine."""
     provenance = {
@@ -110,6 +130,7 @@ def _dependencies() -> Iterator[tuple[str, str]]:
 def _own_files(directory: Path) -> Iterator[Path]:
     for name in (CASE_NAME, RESULT_NAME, SUMMARY_NAME, PROVENANCE_NAME, *PICTURES.values()):
         yield directory / name
+    yield from (directory / f"{MESH_NAME}{suffix}" for suffix in MESH_SUFFIXES)
     for figure in (Path(ORBIT_NAME), Path(ENERGY_NAME)):
         yield from (directory / f"{figure.stem}{suffix}" for suffix in (".png", ".pdf", ".nc"))
     vtk = directory / VTK_NAME

@@ -113,10 +113,10 @@ def run_case(
 ) -> Run:
     """Run a case and leave everything about it in a folder.
 
-    The folder gets case.toml, provenance.json, result.nc, summary.json, orbit and energy (.png,
-    .pdf and the data behind them) and vtk/. Nothing is written before the case is known to be
-    right. Ctrl-C ends the march in order: what was recorded is finished and summed up, and the
-    run says "interrupted".
+    The folder gets case.toml (and a copy of its mesh file), provenance.json, result.nc,
+    summary.json, orbit and energy (.png, .pdf and the data behind them) and vtk/. Nothing is
+    written before the case is known to be right. Ctrl-C ends the march in order: what was
+    recorded is finished and summed up, and the run says "interrupted".
 
     Args:
         case: to run.
@@ -141,9 +141,11 @@ def run_case(
     prepared = prepare(case)
     try:
         _check_room(directory, _expected_bytes(prepared))
+        files = folder.case_files(case)
         folder.clear(directory)
         folder.write_provenance(directory)
-        (directory / folder.CASE_NAME).write_text(dumps_case(case), encoding="utf-8")
+        for name, content in files.items():
+            (directory / name).write_bytes(content)
         report = march_to_file(prepared, directory / RESULT_NAME, progress)
         return write_up(directory, report, window)
     except OSError as error:

@@ -51,6 +51,7 @@ DEFAULTS: dict[str, object] = {
         "length_spread": 0.0,
         "seed": 0,
     },
+    "bladed_disk.mesh": None,
     "shaft.stiffness": 3.4e7,
     "shaft.stiffness_y": None,
     "shaft.clamped": False,

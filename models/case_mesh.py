@@ -1,0 +1,59 @@
+"""The `[bladed_disk.mesh]` of a case: a mesh file, and what its groups mean."""
+
+from __future__ import annotations
+
+import os
+import re
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field, StrictStr
+
+from bladewhirl.models.case_fields import Length, expectation
+from bladewhirl.models.case_section import BeamSection
+from bladewhirl.models.case_table import Table
+
+
+def _path(value: object) -> str:
+    """An absolute path, so that the case means the same file wherever it is read again."""
+    if not isinstance(value, str | os.PathLike):
+        raise expectation('the path of a mesh file such as "stage.msh"')
+    return os.path.abspath(value)
+
+
+def _unit(value: object) -> object:
+    """ "mm" is "1 mm"."""
+    return f"1 {value}" if isinstance(value, str) and re.match(r"\s*[A-Za-zµ]", value) else value
+
+
+class MeshSection(BeamSection):
+    """What the lines of a group are made of; its sizes have no defaults."""
+
+    width: Length
+    thickness: Length
+
+
+class MeshTable(Table):
+    """A mesh file of lines in the plane z = const, and what its groups mean.
+
+    Its groups of nodes and of lines are the stage's sets, by their names.
+    """
+
+    file: Annotated[str, BeforeValidator(_path)] = Field(
+        description="Gmsh's .msh, .vtu or Abaqus's .inp; its path from the case file's folder."
+    )
+    unit: Annotated[Length, BeforeValidator(_unit)] = Field(
+        default=1.0, description='Unit of length in the file, such as "mm" [m].'
+    )
+    tips: StrictStr = Field(
+        default="tips",
+        description="Group of nodes: the blade tips, in any order. Blade 0 is the one nearest to"
+        " +x, others follow counter-clockwise.",
+    )
+    centre: StrictStr = Field(
+        default="centre", description="Group of nodes: the one at the origin, on the shaft."
+    )
+    sections: dict[str, MeshSection] = Field(
+        default={},
+        description="Section of each group of lines, { width, thickness, material }, the last where"
+        " it is one of material.named. Lines left out have their sections in the file.",
+    )

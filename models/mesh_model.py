@@ -1,0 +1,267 @@
+"""A beam model from a mesh file by the mapping of a case, and the mesh file of a beam model."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from bladewhirl.meshes import LineMesh
+from bladewhirl.meshes.grouped_lines import GroupedLines, MeshFileError
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.mesh_file import read_line_mesh
+from bladewhirl.meshes.rotational_symmetry import rotational_sectors, symmetric_points
+from bladewhirl.models.beam_model import BeamModel, PointMasses
+from bladewhirl.models.beam_model_check import AT_ORIGIN, check_model
+from bladewhirl.models.case_mesh import MeshTable
+from bladewhirl.models.case_section import Material
+from bladewhirl.models.faults import CaseError, Fault, shown
+from bladewhirl.models.sections import QUANTITIES, LineProperties
+
+KEY = "bladed_disk.mesh"
+
+SAME_PLACE = 1e-6
+"""Nodes nearer to each other than this, over the size of the mesh, are one node twice."""
+
+TIP_RADII = (1e-3, 10.0)
+"""Smallest and largest tip radius [m]; beyond them a unit of length was mistaken."""
+
+MASSES = ("mass", "inertia")
+"""Data on nodes that are point masses [kg] and their rotary inertia [kg m2]."""
+
+
+def mesh_tips(table: MeshTable) -> FloatArray:
+    """Points of the blade tips in blade order [m], (blades, 2).
+
+    Raises:
+        CaseError: the file can't be read, or the mapping does not fit it.
+    """
+    mesh = _lines_only(_read(table))
+    points = mesh.points * table.unit
+    return points[_tips(table, mesh, points)]
+
+
+def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
+    """Read the mesh file of a case and make a beam model of it.
+
+    Nodes and lines keep the order of the file. A mesh that is rotationally symmetric to a
+    millionth is made so to rounding, and has sectors.
+
+    Args:
+        table: the file and what its groups mean.
+        material: of the case, with those that sections name; that of lines whose file says none.
+
+    Raises:
+        CaseError: the file can't be read, the mapping does not fit it, or what it gives can be no
+            bladed disk.
+    """
+    mesh = _lines_only(_read(table))
+    points = mesh.points * table.unit
+    faults = [*_double_parts(mesh)]
+    if faults:
+        raise CaseError(_fault(table, "file", expected) for expected in faults)
+    tips = _tips(table, mesh, points)
+    centre = _group(table, mesh, "centre")
+    properties = _properties(table, mesh, material)
+    masses = _masses(table, mesh)
+    tip_radius = float(np.linalg.norm(points[tips], axis=1).max())
+    if not TIP_RADII[0] <= tip_radius <= TIP_RADII[1]:
+        low, high = TIP_RADII
+        expected = f"a unit that puts the tips at {low:g} m to {high:g} m, not at {tip_radius:g} m"
+        raise CaseError([_fault(table, "unit", expected)])
+    sectors = None
+    if len(centre) == 1 and np.linalg.norm(points[centre[0]]) <= AT_ORIGIN * tip_radius:
+        points[centre[0]] = 0.0
+        sectors = rotational_sectors(points, mesh.lines, tips, int(centre[0]))
+    if sectors is not None:
+        points = symmetric_points(points, sectors)
+    axes = np.arctan2(points[:, 1], points[:, 0])
+    axes[centre] = 0.0
+    last = {name: mesh.line_groups[name] for name in table.sections}
+    model = BeamModel(
+        mesh=LineMesh(
+            points=points,
+            lines=mesh.lines,
+            node_axes=axes,
+            node_sets={**mesh.node_groups, "tips": tips, "centre": centre},
+            # Where groups overlap, the part of a line is the group that has its section.
+            line_sets={k: v for k, v in mesh.line_groups.items() if k not in last} | last,
+            sectors=sectors,
+        ),
+        properties=properties,
+        masses=masses,
+        tip_radius=float(np.linalg.norm(points[tips], axis=1).max()),
+    )
+    check_model(model, KEY)
+    return model
+
+
+def grouped_lines(model: BeamModel) -> GroupedLines:
+    """The mesh of a beam model with its sets as groups, and its sections and masses as data [SI].
+
+    Springs and rigid links are not in it: no mesh file holds them.
+    """
+    mesh, masses = model.mesh, model.masses
+    node_data = {}
+    if len(masses.node):
+        for name in MASSES:
+            node_data[name] = np.zeros(len(mesh.points))
+            np.add.at(node_data[name], masses.node, getattr(masses, name))
+    return GroupedLines(
+        points=mesh.points,
+        lines=mesh.lines,
+        node_groups=mesh.node_sets,
+        line_groups=mesh.line_sets,
+        node_data=node_data,
+        line_data={name: getattr(model.properties, name) for name in QUANTITIES},
+    )
+
+
+def _read(table: MeshTable) -> GroupedLines:
+    try:
+        stamp = os.stat(table.file)
+        return _cached(table.file, (stamp.st_mtime_ns, stamp.st_size))
+    except OSError as error:
+        expected = f"a readable file ({error.strerror})"
+    except MeshFileError as error:
+        expected = str(error)
+    raise CaseError([_fault(table, "file", expected)]) from None
+
+
+@lru_cache(maxsize=8)
+def _cached(file: str, stamp: tuple[int, int]) -> GroupedLines:
+    """A mesh, read once for all stages of a sweep; the stamp tells a changed file."""
+    return read_line_mesh(file)
+
+
+def _lines_only(mesh: GroupedLines) -> GroupedLines:
+    """The mesh without nodes that no line leads to, such as centres of arcs."""
+    used = np.unique(mesh.lines)
+    number = np.full(len(mesh.points), -1)
+    number[used] = np.arange(len(used))
+    groups = {name: number[nodes] for name, nodes in mesh.node_groups.items()}
+    return GroupedLines(
+        points=mesh.points[used],
+        lines=number[mesh.lines],
+        node_groups={name: nodes[nodes >= 0] for name, nodes in groups.items()},
+        line_groups=mesh.line_groups,
+        node_data={name: values[used] for name, values in mesh.node_data.items()},
+        line_data=mesh.line_data,
+    )
+
+
+def _double_parts(mesh: GroupedLines) -> Iterator[str]:
+    """What is in a mesh twice; completes "expected ..."."""
+    size = float(np.ptp(mesh.points, axis=0).max())
+    pairs = KDTree(mesh.points).query_pairs(SAME_PLACE * size, output_type="ndarray")
+    if len(pairs):
+        x, y = mesh.points[pairs[0, 0]].tolist()
+        yield (
+            f"one node at each place; {len(pairs)} pairs lie on each other, first at ({x:g}, {y:g})"
+            ": merge them in the mesher"
+        )
+        return
+    lines, times = np.unique(np.sort(mesh.lines, axis=1), axis=0, return_counts=True)
+    loops, twice = lines[lines[:, 0] == lines[:, 1]], lines[times > 1]
+    for what, found in (("lines with a length", loops), ("each line once", twice)):
+        if len(found):
+            x, y = mesh.points[found[0, 0]].tolist()
+            yield f"{what}; {len(found)} are not so, first at ({x:g}, {y:g})"
+
+
+def _tips(table: MeshTable, mesh: GroupedLines, points: FloatArray) -> IntArray:
+    """Nodes of the tips, counter-clockwise from the one nearest to +x."""
+    nodes = _group(table, mesh, "tips")
+    angles = np.arctan2(points[nodes, 1], points[nodes, 0])
+    order = np.argsort(angles)
+    # Of two tips as near as each other the one ahead: the small turn decides.
+    first = int(np.argmin(np.abs(angles[order] - SAME_PLACE)))
+    return np.asarray(nodes[np.roll(order, -first)])
+
+
+def _group(table: MeshTable, mesh: GroupedLines, key: str) -> IntArray:
+    name = getattr(table, key)
+    if name not in mesh.node_groups:
+        raise CaseError([_fault(table, key, _one_of(table, "nodes", mesh.node_groups))])
+    if not len(mesh.node_groups[name]):
+        expected = f"a group with nodes that lines lead to; that of {_name(table)} has none"
+        raise CaseError([_fault(table, key, expected)])
+    return np.unique(mesh.node_groups[name])
+
+
+def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> LineProperties:
+    faults = [
+        Fault(
+            key=f"{KEY}.sections.{name}",
+            value=section.model_dump(exclude_none=True),
+            expected=_one_of(table, "lines", mesh.line_groups),
+        )
+        for name, section in table.sections.items()
+        if name not in mesh.line_groups
+    ]
+    if faults:
+        raise CaseError(faults)
+    count = len(mesh.lines)
+    values = np.full((len(QUANTITIES), count), np.nan)
+    if table.unit == 1.0:  # what else would the file's numbers mean, and its moduli?
+        for row, name in zip(values, QUANTITIES, strict=True):
+            own = mesh.line_data.get(name, row)
+            row[:] = np.where(np.isfinite(own), own, getattr(material, name, np.nan))
+    given = Counter[int]()
+    for name, section in table.sections.items():
+        lines = mesh.line_groups[name]
+        given.update(lines.tolist())
+        made_of = material.find(section.material)
+        values[:2, lines] = [[section.width], [section.thickness]]
+        values[2:, lines] = [[made_of.young_modulus], [made_of.density]]
+    twice = [line for line, times in given.items() if times > 1]
+    if twice:
+        groups = [k for k in table.sections if twice[0] in mesh.line_groups[k]]
+        both = " and ".join(map(repr, groups))
+        expected = f"one section a line; {both} share {len(twice)} of the lines"
+        raise CaseError([_fault(table, "sections", expected)])
+    bare = np.flatnonzero(~(np.isfinite(values) & (values > 0.0)).all(axis=0))
+    if len(bare):
+        raise CaseError([_fault(table, "sections", _wanted(mesh, bare))])
+    return LineProperties(**dict(zip(QUANTITIES, values, strict=True)))
+
+
+def _wanted(mesh: GroupedLines, bare: IntArray) -> str:
+    """Says which groups of lines still need a section."""
+    groups = [k for k, lines in mesh.line_groups.items() if np.isin(bare, lines).any()]
+    named = f", in {', '.join(map(repr, groups))}" if groups else ", in no group"
+    return (
+        f"a section for all lines; {len(bare)} of {len(mesh.lines)} have none{named} (what a file "
+        'says itself counts, in SI, where unit is "m")'
+    )
+
+
+def _masses(table: MeshTable, mesh: GroupedLines) -> PointMasses:
+    mass, inertia = (
+        np.nan_to_num(mesh.node_data.get(name, np.zeros(len(mesh.points)))) for name in MASSES
+    )
+    node = np.flatnonzero((mass != 0.0) | (inertia != 0.0))
+    if len(node) and table.unit != 1.0:
+        expected = f'"m" for a file with point masses, which count in SI; {_name(table)} has some'
+        raise CaseError([_fault(table, "unit", expected)])
+    if min(mass.min(), inertia.min()) < 0.0:
+        raise CaseError([_fault(table, "file", "point masses of zero or more")])
+    return PointMasses(node=node, mass=mass[node], inertia=inertia[node])
+
+
+def _one_of(table: MeshTable, kind: str, groups: Mapping[str, IntArray]) -> str:
+    found = ", ".join(shown(name) for name in groups) or "none"
+    return f"a group of {kind} of {_name(table)}: {found}"
+
+
+def _name(table: MeshTable) -> str:
+    return os.path.basename(table.file)
+
+
+def _fault(table: MeshTable, key: str, expected: str) -> Fault:
+    value = getattr(table, key)
+    return Fault(key=f"{KEY}.{key}", value=None if key == "sections" else value, expected=expected)

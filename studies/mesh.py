@@ -1,0 +1,102 @@
+"""`bladewhirl mesh`: what is in a mesh, and meshes written in other formats."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from bladewhirl.meshes.grouped_lines import GroupedLines
+    from bladewhirl.models.beam_model import BeamModel
+
+
+def mesh(
+    source: Annotated[
+        Path, typer.Argument(help="Case file, or a mesh file: .msh of Gmsh, .vtu, .inp of Abaqus.")
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", help="Write it: .vtu, .msh or .inp."),
+    ] = None,
+    overrides: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change the case, march.speed=1.2."),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")] = False,
+) -> None:
+    """List the groups of a mesh, and write it in a format of choice.
+
+    Of a case that is the undeformed bladed disk, in metres, with its sets as groups and its
+    sections, materials and point masses as data: [bladed_disk.mesh] reads it back. A mesh file is
+    written as it is, in its own units.
+    """
+    from rich.console import Console
+
+    from bladewhirl.meshes.grouped_lines import MeshFileError
+    from bladewhirl.meshes.mesh_file import write_line_mesh
+    from bladewhirl.models.faults import UserError
+
+    lines, left_out = _content(source, overrides or [])
+    Console().print(*_listing(lines), sep="\n")
+    if output is None:
+        return
+    if output.exists() and not force:
+        raise UserError(f"{output}: already exists; --force overwrites it")
+    try:
+        write_line_mesh(output, lines)
+    except MeshFileError as error:
+        raise UserError(f"{output}: expected {error}") from None
+    except (OSError, ValueError) as error:  # ValueError: a null in the path
+        raise UserError(f"{output}: cannot be written ({error})") from None
+    if left_out:
+        typer.echo(f"{left_out} are not in {output}: no mesh file holds them.", err=True)
+    typer.echo(f"Wrote {output}.")
+
+
+def _content(source: Path, overrides: list[str]) -> tuple[GroupedLines, str]:
+    """Lines of a case or a mesh file, and what of the case is not among them."""
+    from bladewhirl.meshes.grouped_lines import MeshFileError
+    from bladewhirl.meshes.mesh_file import READERS, read_line_mesh
+    from bladewhirl.models.case_bodies import case_beam_model
+    from bladewhirl.models.case_file import faults_from, read_case
+    from bladewhirl.models.faults import UserError
+    from bladewhirl.models.mesh_model import grouped_lines
+
+    if source.suffix.lower() not in READERS:
+        with faults_from(source, overrides):
+            model = case_beam_model(read_case(source, overrides))
+        return grouped_lines(model), _left_out(model)
+    if overrides:
+        raise UserError(f"--set {overrides[0]}: expected a case file to change, not {source}")
+    try:
+        return read_line_mesh(source), ""
+    except MeshFileError as error:
+        raise UserError(f"{source}: expected {error}") from None
+
+
+def _left_out(model: BeamModel) -> str:
+    counts = {"springs": len(model.springs.node), "rigid links": len(model.links.led)}
+    return " and ".join(f"{count} {name}" for name, count in counts.items() if count)
+
+
+def _listing(lines: GroupedLines) -> tuple[object, ...]:
+    """Size and groups of a mesh, to print."""
+    from rich.table import Table
+
+    low, high = lines.points.min(axis=0), lines.points.max(axis=0)
+    size = (
+        f"{len(lines.points)} nodes, {len(lines.lines)} lines,"
+        f" x {low[0]:.6g} to {high[0]:.6g}, y {low[1]:.6g} to {high[1]:.6g}"
+    )
+    table = Table(box=None, pad_edge=False)
+    table.add_column("group", style="cyan")
+    table.add_column("of")
+    table.add_column("members", justify="right")
+    for kind, groups in (("nodes", lines.node_groups), ("lines", lines.line_groups)):
+        for name, members in groups.items():
+            table.add_row(name, kind, str(len(members)))
+    data = [f"{name} (nodes)" for name in lines.node_data]
+    data += [f"{name} (lines)" for name in lines.line_data]
+    return (size, table, *([f"data: {', '.join(data)}"] if data else []))

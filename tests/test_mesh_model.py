@@ -1,0 +1,318 @@
+"""Stages from mesh files: the same matrices after a round trip, symmetry found, faults named."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+import scipy.sparse as sp
+from scipy.spatial import KDTree
+from stages import steel
+
+from bladewhirl.meshes.grouped_lines import GroupedLines
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.mesh_file import WRITERS, read_line_mesh, write_line_mesh
+from bladewhirl.models import Case, CaseError, Section, Sketch, dumps_case, read_case, with_values
+from bladewhirl.models.beam_model import BeamModel
+from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.case import BladedDisk as BladedDiskTable
+from bladewhirl.models.case_bodies import case_beam_model
+from bladewhirl.models.case_file import loads
+from bladewhirl.models.case_mesh import MeshSection, MeshTable
+from bladewhirl.models.frequencies import lowest_frequencies
+from bladewhirl.models.mesh_model import grouped_lines
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "shrouded_fan.toml"
+TITANIUM = Section(width=0.08, thickness=0.006, young_modulus=1.14e11, density=4430.0)
+
+
+def varied(*, heavy_tip: bool) -> BeamModel:
+    """Leaning tapered blades of another material, a shroud, masses; one tip heavier if wanted."""
+    sketch = Sketch(7)
+    sketch.node("centre", 0.0, 0.0, shared=True)
+    sketch.node("root", 0.08)
+    sketch.node("tip", 0.4, 0.05)
+    sketch.member("spokes", "centre", "root", steel(0.03))
+    sketch.member("rim", "root", "root+1", steel(0.02))
+    taper = [TITANIUM, replace(TITANIUM, thickness=0.003)]
+    sketch.member("blades", "root", "tip", taper, elements=5, path=[(0.25, 0.01)])
+    sketch.member("shroud", "tip", "tip+1", steel(0.002))
+    sketch.mass("tip", 0.02, inertia=1e-5)
+    if heavy_tip:
+        sketch.mass("tip", 0.001, sectors=[3])
+    for name, node in (("centre", "centre"), ("tips", "tip"), ("blade roots", "root")):
+        sketch.set(name, node)
+    return sketch.build()
+
+
+def papers() -> BeamModel:
+    return case_beam_model(Case())
+
+
+def assembled(model: BeamModel) -> BladedDisk:
+    return assemble_bladed_disk(model, shaft_stiffness=3.4e7, clamped=False)
+
+
+def from_file(path: Path, **more: Any) -> BeamModel:
+    """The beam model of a mesh file, with the material of a case by default."""
+    table = MeshTable(file=str(path), **more)
+    return case_beam_model(Case(bladed_disk=BladedDiskTable(mesh=table)))
+
+
+def renumbered(disk: BladedDisk, points: FloatArray) -> list[sp.csr_array]:
+    """Mass and stiffness with the nodes in the order of other points."""
+    away, node = KDTree(disk.mesh.points).query(points)
+    assert away.max() < 1e-14
+    dofs = disk.structure.node_dofs[node].ravel()
+    kept = dofs[dofs >= 0]
+    return [matrix[kept][:, kept] for matrix in (disk.structure.mass, disk.structure.stiffness)]
+
+
+MODELS: dict[str, Callable[[], BeamModel]] = {
+    "paper": papers,
+    "varied": lambda: varied(heavy_tip=False),
+    "mistuned": lambda: varied(heavy_tip=True),
+}
+
+
+@pytest.mark.parametrize("suffix", [*WRITERS])
+@pytest.mark.parametrize("name", [*MODELS])
+def test_a_round_trip_gives_the_same_matrices(tmp_path: Path, suffix: str, name: str) -> None:
+    model = MODELS[name]()
+    write_line_mesh(tmp_path / f"stage{suffix}", grouped_lines(model))
+    again = from_file(tmp_path / f"stage{suffix}")
+    np.testing.assert_allclose(
+        again.mesh.points[again.tips], model.mesh.points[model.tips], rtol=0.0, atol=1e-15
+    )
+    before, after = assembled(model), assembled(again)
+    pairs = zip(
+        renumbered(before, model.mesh.points), renumbered(after, model.mesh.points), strict=True
+    )
+    for old, new in pairs:
+        assert abs(new - old).max() <= 1e-12 * abs(old).max()
+    assert after.structure.is_cyclic == before.structure.is_cyclic == (name != "mistuned")
+    old_sets = {k: len(v) for k, v in model.mesh.node_sets.items()}
+    assert {k: len(v) for k, v in again.mesh.node_sets.items()} == old_sets
+    parts = {k: len(v) for k, v in again.mesh.line_sets.items() if k != "lines"}
+    assert parts == {k: len(v) for k, v in model.mesh.line_sets.items()}
+
+
+def test_a_mesh_of_gmsh_takes_the_cyclic_path_and_gives_the_dense_frequencies() -> None:
+    """Gmsh puts nodes on curves to nine digits; symmetry is found all the same."""
+    model = case_beam_model(read_case(EXAMPLE))
+    assert (len(model.mesh.points), len(model.tips)) == (169, 12)
+    assert {k: len(v) for k, v in model.mesh.line_sets.items()} == {
+        "disk": 36,
+        "blades": 108,
+        "shroud": 48,
+    }
+    assert model.tip_radius == pytest.approx(0.4, rel=1e-9)
+    cyclic = assembled(model)
+    assert cyclic.structure.is_cyclic
+    mesh = replace(model.mesh, sectors=None)
+    dense = assembled(replace(model, mesh=mesh))
+    assert not dense.structure.is_cyclic
+    stiffness, mass = (m.toarray() for m in (dense.structure.stiffness, dense.structure.mass))
+    wanted = np.sqrt(la.eigh(stiffness, mass, eigvals_only=True))
+    found = lowest_frequencies(cyclic.structure, 4)
+    assert [*found] == [*range(7)]
+    for frequency in np.concatenate([*found.values()]):
+        assert np.abs(wanted - frequency).min() <= 1e-9 * frequency
+
+
+def test_mass_of_the_example_by_hand() -> None:
+    """Lines by their lengths in the .geo: spokes, chords of arcs, blades of two splines."""
+    model = case_beam_model(read_case(EXAMPLE))
+    lengths = model.mesh.lengths
+    spokes_and_rim = 12 * (0.08 + 4 * 0.08 * np.sin(np.pi / 24))
+    shroud = 12 * 8 * 0.26 * np.sin(np.pi / 48)
+    sets = model.mesh.line_sets
+    assert lengths[sets["disk"]].sum() == pytest.approx(spokes_and_rim, rel=1e-8)
+    assert lengths[sets["shroud"]].sum() == pytest.approx(shroud, rel=1e-8)
+    mass = 7800.0 * 0.08 * 0.025 * spokes_and_rim + 4430.0 * 0.02 * 0.005 * shroud
+    mass += 4430.0 * 0.08 * 0.006 * lengths[sets["blades"]].sum()
+    assert model.mass == pytest.approx(mass, rel=1e-8)
+
+
+def test_a_case_finds_its_mesh_beside_it_and_keeps_it(tmp_path: Path) -> None:
+    for suffix in (".toml", ".msh"):
+        shutil.copy(EXAMPLE.with_suffix(suffix), tmp_path)
+    case = read_case(tmp_path / EXAMPLE.name)
+    assert case.bladed_disk.mesh is not None
+    assert case.bladed_disk.mesh.file == str(tmp_path / "shrouded_fan.msh")
+    assert case.blades == 12
+    assert case.tip_radius == pytest.approx(0.4, rel=1e-9)
+    assert loads(dumps_case(case)) == case
+    assert "elements_per_blade" not in dumps_case(case)
+    thick = with_values(case, {"bladed_disk.mesh.sections.blades.thickness": "8 mm"})
+    assert case_beam_model(thick).mass > case_beam_model(case).mass
+
+
+def test_a_unit_scales_the_mesh(tmp_path: Path) -> None:
+    model = papers()
+    lines = grouped_lines(model)
+    path = tmp_path / "inches.vtu"
+    write_line_mesh(path, replace(lines, points=lines.points / 0.0254, line_data={}))
+    section = MeshSection(width=0.1, thickness=0.01)
+    sections = dict.fromkeys(("blades", "spokes", "rim"), section)
+    again = from_file(path, unit="in", sections=sections)
+    assert again.tip_radius == pytest.approx(0.5, rel=1e-12)
+    np.testing.assert_allclose(again.mesh.points, model.mesh.points, atol=1e-15)
+
+
+def test_nodes_without_lines_are_left_out(tmp_path: Path) -> None:
+    lines = grouped_lines(papers())
+    points = np.vstack([[7.0, 7.0], lines.points])
+    groups = {name: nodes + 1 for name, nodes in lines.node_groups.items()}
+    path = tmp_path / "a.vtu"
+    write_line_mesh(path, replace(lines, points=points, lines=lines.lines + 1, node_groups=groups))
+    assert len(from_file(path).mesh.points) == len(lines.points)
+
+
+def test_blade_0_is_the_one_nearest_to_x(tmp_path: Path) -> None:
+    lines = grouped_lines(varied(heavy_tip=False))
+    turn = -0.3  # tips lean by 0.12, so blade 0 is below +x and still the nearest to it
+    cos, sin = np.cos(turn), np.sin(turn)
+    path = tmp_path / "a.vtu"
+    write_line_mesh(path, replace(lines, points=lines.points @ [[cos, sin], [-sin, cos]]))
+    angles = assembled(from_file(path)).tip_angles
+    lean = np.arctan2(0.05, 0.4)
+    expected = lean + turn + 2.0 * np.pi * np.arange(7) / 7
+    np.testing.assert_allclose(np.exp(1j * angles), np.exp(1j * expected), atol=1e-14)
+
+
+def with_points(lines: GroupedLines, **moved: tuple[float, float]) -> GroupedLines:
+    points = lines.points.copy()
+    for node, place in moved.items():
+        points[int(node[1:])] = place
+    return replace(lines, points=points)
+
+
+def doubled(lines: GroupedLines) -> GroupedLines:
+    """The first blade hangs on a root of its own, at the place of the true one."""
+    ends = lines.lines.copy()
+    ends[0, 0] = len(lines.points)
+    return replace(lines, points=np.vstack([lines.points, lines.points[:1]]), lines=ends)
+
+
+def same(lines: GroupedLines) -> GroupedLines:
+    return lines
+
+
+TOML = 'bladed_disk.mesh = {{ file = "a.vtu"{} }}'
+SECTION = "{ width = 0.1, thickness = 0.01 }"
+
+BAD: list[tuple[Callable[[GroupedLines], GroupedLines], str, str]] = [
+    (same, ', tips = "tip"', 'mesh.tips = "tip": expected a group of nodes of a.vtu: "centre", "'),
+    (same, ', centre = "tips"', 'expected one node in the set "centre", not 3'),
+    (
+        same,
+        f", sections.wings = {SECTION}",
+        'mesh.sections.wings = { width = 0.1, thickness = 0.01 }: expected a group of lines of a.vt'
+        'u: "blades", "spokes", "rim"',
+    ),
+    (same, ', unit = "mm"', "mesh.sections: expected a section for all lines; 12 of 12 have none"),
+    (
+        lambda lines: with_points(replace(lines, line_data={})),
+        "",
+        "mesh.sections: expected a section for all lines; 12 of 12 have none, in 'blades', 'spok",
+    ),
+    (
+        lambda lines: replace(lines, line_groups={"a": np.arange(12), "b": np.arange(2)}),
+        f", sections = {{ a = {SECTION}, b = {SECTION} }}",
+        "mesh.sections: expected one section a line; 'a' and 'b' share 2 of the lines",
+    ),
+    (doubled, "", "expected one node at each place; 1 pairs lie on each other, first at (0.05, 0)"),
+    (
+        lambda lines: replace(lines, lines=np.vstack([lines.lines, lines.lines[:1, ::-1]]),
+                              line_data={k: np.append(v, 1.0) for k, v in lines.line_data.items()}),
+        "",
+        "expected each line once; 1 are not so, first at (0.05, 0)",
+    ),
+    (
+        lambda lines: replace(lines, points=1e3 * lines.points),
+        "",
+        "mesh.unit = 1.0: expected a unit that puts the tips at 0.001 m to 10 m, not at 500 m",
+    ),
+    (
+        lambda lines: replace(lines, points=lines.points + 0.1),
+        "",
+        "mesh: expected the centre at the origin, not at (0.1, 0.1) m",
+    ),
+    (
+        lambda lines: replace(lines, lines=lines.lines[:-6], line_groups={},
+                              line_data={k: v[:-6] for k, v in lines.line_data.items()}),
+        "",
+        'mesh.centre = "centre": expected a group with nodes that lines lead to; that of a.vtu has',
+    ),
+    (
+        lambda lines: replace(lines, node_data={"mass": np.full(len(lines.points), 0.1)}),
+        f', unit = "cm", sections = {{ blades = {SECTION}, spokes = {SECTION}, rim = {SECTION} }}',
+        'mesh.unit = 0.01: expected "m" for a file with point masses, which count in SI; a.vtu has',
+    ),
+    (same, ", unit = -1", "mesh.unit = -1: expected a positive number in m, or text with a unit"),
+    (same, ", sectons = {}", "mesh.sectons = {}: expected a known key; the nearest is "),
+    (
+        same,
+        f", sections.rim = {SECTION[:-2]}, breadth = 1 }}",
+        "mesh.sections.rim.breadth = 1: expected a known key",
+    ),
+    (same, ", sections.rim.width = 1", "mesh.sections.rim.thickness"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("spoil", "keys", "message"), BAD, ids=[bad[2][:50] for bad in BAD])
+def test_faults_of_a_mapping_are_one_line(
+    tmp_path: Path, spoil: Callable[[GroupedLines], GroupedLines], keys: str, message: str
+) -> None:
+    stage = BladedDiskTable(blades=3, elements_per_blade=2)
+    lines = grouped_lines(case_beam_model(Case(bladed_disk=stage)))
+    write_line_mesh(tmp_path / "a.vtu", spoil(lines))
+    path = tmp_path / "case.toml"
+    path.write_text(TOML.format(keys))
+    with pytest.raises(CaseError) as error:
+        case_beam_model(read_case(path))
+    [line] = error.value.lines
+    assert message in line
+    assert "bladed_disk.mesh" in line
+
+
+def test_other_keys_beside_a_mesh_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text(TOML.format("") + "\nbladed_disk.blades = 12")
+    with pytest.raises(CaseError) as error:
+        read_case(path)
+    expected = "bladed_disk.blades = 12: expected to be left out beside bladed_disk.mesh"
+    assert error.value.lines == [f"{path}: {expected}"]
+
+
+def test_rows_of_tips_are_counted_by_the_mesh() -> None:
+    rows = [[0.0, 0.0]] * 11
+    with pytest.raises(CaseError, match="expected 12 rows, one a blade, not 11"):
+        with_values(read_case(EXAMPLE), {"initial.tip_velocity": rows})
+
+
+def test_what_a_file_says_of_some_lines_is_completed_by_the_material(tmp_path: Path) -> None:
+    lines = grouped_lines(papers())
+    modulus = np.where(np.arange(len(lines.lines)) < 220, 7e10, np.nan)
+    data = {**lines.line_data, "young_modulus": modulus}
+    del data["density"]
+    write_line_mesh(tmp_path / "a.vtu", replace(lines, line_data=data))
+    found = from_file(tmp_path / "a.vtu").properties
+    assert set(found.density) == {7800.0}
+    assert found.young_modulus.tolist() == [7e10] * 220 + [2.1e11] * 44
+
+
+def test_the_example_is_what_its_geometry_says() -> None:
+    """The mesh was made of the .geo beside it: as many curves, lines and groups."""
+    mesh = read_line_mesh(EXAMPLE.with_suffix(".msh"))
+    geometry = EXAMPLE.with_suffix(".geo").read_text()
+    for name in (*mesh.node_groups, *mesh.line_groups):
+        assert f'("{name}")' in geometry
+    assert "gmsh -1 examples/shrouded_fan.geo -o examples/shrouded_fan.msh" in geometry
