@@ -20,7 +20,7 @@ from bladewhirl.models.beam_model_check import AT_ORIGIN, check_model
 from bladewhirl.models.case_mesh import MeshTable
 from bladewhirl.models.case_section import Material
 from bladewhirl.models.faults import CaseError, Fault, shown
-from bladewhirl.models.sections import QUANTITIES, LineProperties
+from bladewhirl.models.sections import QUANTITIES, LineProperties, Section, along
 
 KEY = "bladed_disk.mesh"
 
@@ -216,8 +216,15 @@ def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> Lin
         lines = mesh.line_groups[name]
         given.update(lines.tolist())
         made_of = material.find(section.material)
-        values[:2, lines] = [[section.width], [section.thickness]]
-        values[2:, lines] = [[made_of.young_modulus], [made_of.density]]
+        values[:, lines] = along(
+            Section(
+                width=section.width,
+                thickness=section.thickness,
+                young_modulus=made_of.young_modulus,
+                density=made_of.density,
+            ),
+            np.zeros(1),
+        )
     twice = [line for line, times in given.items() if times > 1]
     if twice:
         groups = [k for k in table.sections if twice[0] in mesh.line_groups[k]]
