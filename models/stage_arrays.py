@@ -28,6 +28,10 @@ class StageArrays:
     rotor_young_modulus: FloatArray  #: [Pa], (rotor lines,)
     rotor_part: tuple[str, ...]  #: set that each line belongs to, (rotor lines,)
     rotor_shape: FloatArray  #: x, y [kg^-1/2], rotation [kg^-1/2/m], (rotor nodes, 3, rotor modes)
+    rotor_link: IntArray  #: node that a rigid arm leads, and its leader, (rotor links, 2)
+    rotor_spring: IntArray  #: nodes of each spring, the second -1 for the frame, (rotor springs, 2)
+    mass_node: IntArray  #: node of each point mass, (masses,)
+    point_mass: FloatArray  #: [kg], (masses,)
     tip_node: IntArray  #: (blades,)
     tip_angle: FloatArray  #: from +x [rad], (blades,)
     centre_node: int

@@ -36,7 +36,7 @@ def stage_arrays(
         casing_family: of each of them, (casing modes,).
         clearance: at each casing node [m], (casing nodes,).
     """
-    mesh, supports = disk.mesh, casing.supports
+    model, mesh, supports = disk.model, disk.mesh, casing.supports
     return StageArrays(
         rotor_frequency=disk_modes.frequency,
         rotor_nodal_diameter=disk_modes.nodal_diameter,
@@ -52,6 +52,10 @@ def stage_arrays(
         rotor_young_modulus=disk.properties.young_modulus,
         rotor_part=tuple(mesh.line_parts),
         rotor_shape=disk.cartesian(disk_modes.shapes),
+        rotor_link=np.column_stack([model.links.led, model.links.leader]),
+        rotor_spring=np.column_stack([model.springs.node, model.springs.other]),
+        mass_node=model.masses.node,
+        point_mass=model.masses.mass,
         tip_node=mesh.node_sets["tips"],
         tip_angle=disk.tip_angles,
         centre_node=int(mesh.node_sets["centre"][0]),

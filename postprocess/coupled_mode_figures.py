@@ -165,7 +165,7 @@ def _draw_ribbon(axes: Axes, ribbon: Ribbon, norm: Normalize) -> PolyCollection:
     corners: Array = np.stack(
         [sides[:, :-1, 0], sides[:, 1:, 0], sides[:, 1:, 1], sides[:, :-1, 1]], axis=-2
     )
-    value = 0.5 * MILLI * (ribbon.displacement[:, :-1] + ribbon.displacement[:, 1:])
+    value = 0.5 * MILLI * (ribbon.values[:, :-1, 0] + ribbon.values[:, 1:, 0])
     quads = PolyCollection(
         [*corners.reshape(-1, 4, 2)], cmap=SEQUENTIAL, norm=norm, linewidth=0.3, edgecolor="face"
     )

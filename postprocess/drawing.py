@@ -19,6 +19,7 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.colouring import Field, Stations, colouring
 from bladewhirl.postprocess.fields import (
     Array,
     IntArray,
@@ -33,6 +34,7 @@ from bladewhirl.postprocess.fields import (
     rotate,
     turn,
 )
+from bladewhirl.postprocess.fittings import CasingFittings, RotorFittings, Symbols, together
 
 Frame = Literal["static", "rotating"]
 
@@ -48,7 +50,7 @@ class Ribbon:
     """A strip of quads along lines, `sides` (line, station, side, 2) with sides 0 and 1."""
 
     sides: Array  #: (line, station, 2, 2) [m]
-    displacement: Array  #: true magnitude at the stations (line, station) [m]
+    values: Array  #: of the field that colours it, true, at its sides (line, station, 2)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,6 +63,7 @@ class Picture:
     shaft: Array  #: drawn centre (2,) [m]
     tips: Array  #: drawn tips (blade, 2) [m]
     mark: Array  #: a drawn point of the first blade (2,) [m], by which a turn can be followed
+    symbols: Symbols  #: springs, supports, masses
     forces: Array  #: contact force on each tip (blade, 2) [N], true size, in the picture's axes
 
 
@@ -69,7 +72,8 @@ class Drawing:
 
     `exaggeration` multiplies displacements and clearance (module docstring); None chooses a round
     number by which the clearance is drawn as a tenth of the tip radius, or less where the largest
-    displacement would then leave the picture. `frame` is the observer's: "static" shows a turning
+    displacement would then leave the picture. `colour` is the field that colours beams and wall
+    (`colouring`). `frame` is the observer's: "static" shows a turning
     rotor, "rotating" holds it and turns the casing back.
     """
 
@@ -80,6 +84,7 @@ class Drawing:
         *,
         exaggeration: float | None = None,
         frame: Frame = "static",
+        colour: Field = "displacement",
     ) -> None:
         if exaggeration is not None and not (np.isfinite(exaggeration) and exaggeration > 0):
             raise ViewError(f"exaggeration must be a positive number, got {exaggeration}")
@@ -100,20 +105,19 @@ class Drawing:
         self._thickness = dataset["rotor_thickness"].values
         q = history(dataset, "rotor_displacement", records)
         self._rotor = combine(q, rows.reshape(-1, 2, rows.shape[-1]))
-        nodes = dataset["rotor_shape"].values[:, :2]
-        tips = dataset["tip_node"].values
-        self._tip_points = dataset["rotor_point"].values[tips]
-        self._tip = combine(q, nodes[tips])
-        from_mark = self._stations.reshape(-1, 2) - MARK * self._tip_points[0]
+        self._nodes = dataset["rotor_point"].values
+        self._node = combine(q, dataset["rotor_shape"].values[:, :2])
+        self._tips = dataset["tip_node"].values
+        from_mark = self._stations.reshape(-1, 2) - MARK * self._nodes[self._tips[0]]
         self._mark = int(np.argmin(np.sum(from_mark**2, axis=1)))
-        self._centre = combine(q, nodes[[int(dataset["centre_node"])]])[:, 0]
+        self._centre = self._node[:, int(dataset["centre_node"])]
 
-        self._angle = ring_angles(dataset, -(-RING_STATIONS // dataset.sizes["casing_node"]))
+        per_element = -(-RING_STATIONS // dataset.sizes["casing_node"])
+        self._angle = ring_angles(dataset, per_element)
         ring = combine(
             history(dataset, "casing_displacement", records), casing_rows(dataset, self._angle)
         )
         self._ring = rotate(ring, self._angle)
-        per_element = len(self._angle) // dataset.sizes["casing_node"]
         self._wall = np.repeat(dataset["casing_thickness"].values, per_element)
 
         self.largest_displacement = float(
@@ -126,6 +130,11 @@ class Drawing:
             else exaggeration
         )
         self._inner_radius = self.tip_radius + self.exaggeration * clearance
+        self.colouring = colouring(dataset, colour, records, Stations(BEAM_STATIONS, per_element))
+        self._on_rotor = RotorFittings(dataset, self.tip_radius)
+        self._on_casing = CasingFittings(dataset, self.tip_radius)
+        away = np.angle(np.exp(1j * (self._on_casing.angles[:, None] - self._angle)))
+        self._feet = np.argmin(np.abs(away), axis=1)
 
     @property
     def largest_force(self) -> float:
@@ -141,8 +150,8 @@ class Drawing:
             seen = self.picture(index)
             touching = seen.tips[np.any(seen.forces, axis=1)]
             contact = max(contact, float(np.max(np.sum(touching**2, axis=-1), initial=0.0)))
-            for ribbon in (seen.rotor, seen.casing):
-                stage = max(stage, float(np.max(np.sum(ribbon.sides**2, axis=-1))))
+            for shape in (seen.rotor.sides, seen.casing.sides, *seen.symbols):
+                stage = max(stage, float(np.max(np.sum(shape**2, axis=-1), initial=0.0)))
         return float(np.sqrt(stage)), float(np.sqrt(contact))
 
     def __len__(self) -> int:
@@ -155,38 +164,47 @@ class Drawing:
         flat = self._stations.reshape(-1, 2)
         line = magnify(flat, self._rotor[index], shift, self.exaggeration)
         line = line.reshape(*self._line_shape, 2)
-        size = np.linalg.norm(self._rotor[index], axis=-1).reshape(self._line_shape)
-        tips = magnify(self._tip_points, self._tip[index], shift, self.exaggeration)
+        nodes = magnify(self._nodes, self._node[index], shift, self.exaggeration)
         half = self._thickness[:, None, None] / 2
         normal = _normals(line)
+        wall, rest = self._wall_sides(index)
         return Picture(
             time=float(self._time[index]),
             rotor=Ribbon(
                 sides=rotate(np.stack([line - half * normal, line + half * normal], 2), turned),
-                displacement=size,
+                values=self.colouring.rotor[index],
             ),
-            casing=self._casing_ribbon(index),
+            casing=self._casing_ribbon(index, wall),
             shaft=rotate(self.exaggeration * shift, turned),
-            tips=rotate(tips, turned),
+            tips=rotate(nodes[self._tips], turned),
             mark=rotate(line.reshape(-1, 2)[self._mark], turned),
+            symbols=together(
+                (
+                    self._on_casing.symbols(wall[self._feet, 1], rest[self._feet]),
+                    self._on_rotor.symbols(nodes),
+                ),
+                (self._casing_turn[index], turned),
+            ),
             forces=self._forces[index],
         )
 
-    def _casing_ribbon(self, index: int) -> Ribbon:
-        """The wall, from the surface that is rubbed outward; the line is closed by repetition."""
+    def _wall_sides(self, index: int) -> tuple[Array, Array]:
+        """Inner and outer surface of the wall (station, side, 2), and the outer one at rest."""
         ring = self._ring[index]
-        rest = self._inner_radius[:, None] * np.column_stack(
-            [np.cos(self._angle), np.sin(self._angle)]
-        )
+        unit = np.column_stack([np.cos(self._angle), np.sin(self._angle)])
+        rest = self._inner_radius[:, None] * unit
         inner = magnify(rest, ring, ring.mean(axis=0), self.exaggeration)
         tangent = np.roll(inner, -1, axis=0) - np.roll(inner, 1, axis=0)
         outward = -rotate(_unit(tangent), np.pi / 2)
-        sides = np.stack([inner, inner + self._wall[:, None] * outward], axis=1)
-        size = np.linalg.norm(ring, axis=1)
-        closed = np.append(np.arange(len(ring)), 0)
+        wall = self._wall[:, None]
+        return np.stack([inner, inner + wall * outward], axis=1), rest + wall * unit
+
+    def _casing_ribbon(self, index: int, sides: Array) -> Ribbon:
+        """The wall, from the surface that is rubbed outward; the line is closed by repetition."""
+        closed = np.append(np.arange(len(sides)), 0)
         return Ribbon(
             sides=rotate(sides[closed], self._casing_turn[index])[None],
-            displacement=size[closed][None],
+            values=self.colouring.casing[index][closed][None],
         )
 
 

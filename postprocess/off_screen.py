@@ -1,11 +1,24 @@
 """Can pictures be made here without a display? Asked before VTK is, which would crash."""
 
+from __future__ import annotations
+
 import ctypes
 import functools
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from bladewhirl.models.faults import UserError
+
+if TYPE_CHECKING:
+    import pyvista
+
+Pixels = NDArray[np.uint8]  #: (height, width, 3)
 
 PACKAGES = "libegl1 libegl-mesa0 libgl1-mesa-dri libx11-6"
 _CHOICE, _EGL = "VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow"
@@ -36,6 +49,29 @@ def require_off_screen() -> None:
     # Without this VTK first tries an X display: a warning where there is none, a crash where
     # libX11 is missing too.
     os.environ[_CHOICE] = _EGL
+
+
+@contextmanager
+def off_screen_plotter(size: tuple[int, int]) -> Iterator[pyvista.Plotter]:
+    """A white plotter of that size in pixels, without a display; OffScreenError where there can be
+    none. pyvista is loaded here, since it must not be before that is known.
+    """
+    require_off_screen()
+    import pyvista
+
+    plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
+    try:
+        plotter.set_background("white")
+        plotter.enable_anti_aliasing("msaa", multi_samples=8)
+        yield plotter
+    finally:
+        plotter.close()
+
+
+def pixels_of(plotter: pyvista.Plotter) -> Pixels:
+    """What a plotter shows."""
+    plotter.render()
+    return np.array(plotter.screenshot(return_img=True), dtype=np.uint8)
 
 
 def _missing(what: str) -> OffScreenError:

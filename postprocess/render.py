@@ -4,7 +4,6 @@ pyvista and the scene are imported where they are used: loading VTK takes longer
 to start, and it must not happen before it is known that VTK can draw here.
 """
 
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,7 +12,6 @@ from typing import Any
 import imageio.v2 as imageio
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from PIL import Image
 
 from bladewhirl.postprocess.drawing import Drawing, Frame
@@ -24,7 +22,8 @@ from bladewhirl.postprocess.fields import (
     frame_records,
     nearest_records,
 )
-from bladewhirl.postprocess.off_screen import require_off_screen
+from bladewhirl.postprocess.off_screen import Pixels, off_screen_plotter, pixels_of
+from bladewhirl.postprocess.picture_file import checked_target, replacing
 
 WINDOW = (1280, 960)  #: pixels; multiples of 16, as video codecs want
 GIF_WINDOW = (960, 720)  #: smaller, since a GIF compresses badly
@@ -34,7 +33,6 @@ FRAMES_PER_BLADE = 3  #: fewer pictures per passing blade make the wheel seem to
 FRAME_RATE = 25  #: pictures a second; 40 ms are a whole number of a GIF's ticks
 
 Progress = Callable[[int, int], None]
-Pixels = NDArray[np.uint8]  #: (height, width, 3)
 
 
 def animation_records(
@@ -91,14 +89,14 @@ def render_still(
     of `Drawing`. ViewError for a time outside the run or another kind of file, OffScreenError
     where the system can't draw.
     """
-    target = _target(path, ".png")
+    target = checked_target(path, ".png")
     if time is None:
         records = np.array([strongest_contact(dataset)])
     else:
         _check_inside(dataset, time)
         records = nearest_records(dataset, np.array([time]))
     drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame)
-    with _stage(dataset, drawing, size) as picture, _replacing(target) as draft:
+    with _stage(dataset, drawing, size) as picture, replacing(target) as draft:
         imageio.imwrite(draft, picture(0))
     return target
 
@@ -120,14 +118,14 @@ def render_animation(
     told pictures done and pictures in all. ViewError for another kind of file,
     OffScreenError where the system can't draw.
     """
-    target = _target(path, ".gif", ".mp4")
+    target = checked_target(path, ".gif", ".mp4")
     gif = target.suffix.lower() == ".gif"
     drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame)
     seconds = float(np.ptp(dataset["time"].values[records]))
     slower = (len(records) - 1) / FRAME_RATE / seconds if seconds else 1.0
     note = f"slowed down {slower:.3g} times" if slower > 1 else ""
     size = size or (GIF_WINDOW if gif else WINDOW)
-    with _stage(dataset, drawing, size, note) as picture, _replacing(target) as draft:
+    with _stage(dataset, drawing, size, note) as picture, replacing(target) as draft:
 
         def pictures() -> Iterator[Pixels]:
             for index in range(len(records)):
@@ -137,17 +135,16 @@ def render_animation(
 
         if gif:
             samples = [picture(i) for i in range(0, len(records), -(-len(records) // 6))]
-            _write_gif(draft, pictures(), samples)
+            _write_gif(draft, pictures(), _palette(drawing, samples))
         else:
             _write_mp4(draft, pictures())
     return target
 
 
-def _write_gif(path: Path, pictures: Iterator[Pixels], samples: list[Pixels]) -> None:
+def _write_gif(path: Path, pictures: Iterator[Pixels], palette: Image.Image) -> None:
     """A GIF that loops. All pictures share one palette and are not dithered: colours don't
     flicker, and the file is half as large as with a palette for each picture.
     """
-    palette = _palette(samples)
     frames = (
         Image.fromarray(pixels).quantize(palette=palette, dither=Image.Dither.NONE)
         for pixels in pictures
@@ -158,11 +155,11 @@ def _write_gif(path: Path, pictures: Iterator[Pixels], samples: list[Pixels]) ->
         first.save(file, "GIF", save_all=True, append_images=frames, duration=duration, loop=0)
 
 
-def _palette(samples: list[Pixels]) -> Image.Image:
+def _palette(drawing: Drawing, samples: list[Pixels]) -> Image.Image:
     """The 256 colours of a GIF: those of the scene exactly, the rest for the edges between."""
     from bladewhirl.postprocess.scene import scene_colours
 
-    exact = (255 * np.array(scene_colours(96))).round().astype(np.uint8).ravel().tolist()
+    exact = (255 * scene_colours(drawing, 90)).round().astype(np.uint8).ravel().tolist()
     seen = np.vstack(samples).reshape(1, -1, 3)
     drawn = seen[:, np.any(seen[0] < 240, axis=1)]  # a near-white would be taken for white
     edges = Image.fromarray(drawn).quantize(256 - len(exact) // 3).getpalette() or []
@@ -182,51 +179,29 @@ def _write_mp4(path: Path, pictures: Iterator[Pixels]) -> None:
 
 @contextmanager
 def _stage(
-    dataset: xr.Dataset, drawing: Drawing, size: tuple[int, int], note: str = ""
+    dataset: xr.Dataset,
+    drawing: Drawing,
+    size: tuple[int, int],
+    note: str = "",
+    *,
+    orbit: bool = False,
 ) -> Iterator[Callable[[int], Pixels]]:
     """An off-screen stage: a function that gives the pixels of the index-th record."""
-    require_off_screen()
-    import pyvista
+    with off_screen_plotter(size) as plotter:
+        from bladewhirl.postprocess.panel import Panel
+        from bladewhirl.postprocess.scene import StageScene
 
-    from bladewhirl.postprocess.scene import BACKGROUND, Panel, StageScene
-
-    plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
-    try:
-        plotter.set_background(BACKGROUND)
-        plotter.enable_anti_aliasing("msaa", multi_samples=8)
         scene = StageScene(plotter, drawing)
-        panel = Panel(scene, dataset, note=note)
+        panel = Panel(scene, dataset, note=note, orbit=orbit)
         scene.look()
 
         def picture(index: int) -> Pixels:
             seen = drawing.picture(index)
             scene.show(seen)
             panel.show(seen)
-            plotter.render()
-            return np.array(plotter.screenshot(return_img=True), dtype=np.uint8)
+            return pixels_of(plotter)
 
         yield picture
-    finally:
-        plotter.close()
-
-
-@contextmanager
-def _replacing(target: Path) -> Iterator[Path]:
-    """A draft beside the target that takes its place when complete and goes when it fails."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    draft = target.with_name(f".{target.stem}.part{target.suffix}")
-    try:
-        yield draft
-        os.replace(draft, target)
-    finally:
-        draft.unlink(missing_ok=True)
-
-
-def _target(path: str | Path, *suffixes: str) -> Path:
-    target = Path(path)
-    if target.suffix.lower() not in suffixes:
-        raise ViewError(f"{target} must end in {' or '.join(suffixes)}")
-    return target
 
 
 def _check_inside(dataset: xr.Dataset, time: float) -> None:

@@ -1,20 +1,19 @@
 """The stage in a pyvista plotter: actors that are made once and moved from record to record."""
 
-import textwrap
-from pathlib import Path
-
 import matplotlib
 import numpy as np
 import pyvista
-import xarray as xr
+from matplotlib.colors import ListedColormap
 
 from bladewhirl.postprocess.drawing import Drawing, Picture, arrows, widened
-from bladewhirl.postprocess.fields import Array, IntArray
-from bladewhirl.postprocess.style import SEQUENTIAL
+from bladewhirl.postprocess.fields import Array, IntArray, rotate
+from bladewhirl.postprocess.fittings import MASS, Symbols
 
 INK = "#20262e"
 FAINT = "#5f6872"
 BACKGROUND = "white"
+NO_VALUE = "#cdd2d8"  #: of what has no value of the field that colours the rest
+MASS_COLOUR = "#f0e442"  #: yellow, apart from the colours of parts
 FORCE_COLOUR = "#d55e00"  #: vermilion, apart from the whole map in every kind of colour vision
 
 # Sizes of drawn things, as shares of the picture's radius.
@@ -24,23 +23,27 @@ MARK = 0.014
 CONTACT_DISC = 0.014
 ARROW_WIDTH = 0.011
 LONGEST_ARROW = 0.17
+SPRING, GROUND, STRUT = 0.0032, 0.0026, 0.011  #: widths of strokes
 MARGIN = 1.04
 
 DISC_CORNERS = 32
+CIRCLE = np.column_stack(
+    [f(2 * np.pi * np.arange(DISC_CORNERS) / DISC_CORNERS) for f in (np.cos, np.sin)]
+)
 SQUARE = 0.75  #: share of the window's width that the stage takes; the panel has the rest
 
 
 class StageScene:
     """A drawing of the stage in a plotter, moved in place by `show`.
 
-    Works in any `pyvista.Plotter`, on a screen or off it. Colours are true displacements, in the
-    unit `unit`. Layers are a hair apart in z, so look along z, as `look` does.
+    Works in any `pyvista.Plotter`, on a screen or off it. Colours are true values of the drawing's
+    field in its unit. Without `marks`, shaft and first blade have no dots. Layers are a hair apart
+    in z, so look along z, as `look` does.
     """
 
-    def __init__(self, plotter: pyvista.Plotter, drawing: Drawing) -> None:
+    def __init__(self, plotter: pyvista.Plotter, drawing: Drawing, *, marks: bool = True) -> None:
         self.plotter = plotter
         self.drawing = drawing
-        self.unit, self._per_metre = length_unit(drawing.largest_displacement)
         stage, contact = drawing.reach()
         self._size = max(stage, contact / (1 - LONGEST_ARROW))  # arrows end on the tips
         force = drawing.largest_force
@@ -48,37 +51,49 @@ class StageScene:
         first = drawing.picture(0)
         self._outlines, self._ribbons = [], []
         for ribbon in (first.casing, first.rotor):
-            quads = _strip_quads(*ribbon.displacement.shape)
-            corners = 2 * ribbon.displacement.size
+            quads = _strip_quads(*ribbon.values.shape[:2])
+            corners = ribbon.values.size
             self._outlines.append(self._add(corners, quads, layer=0, color=INK))
             self._ribbons.append(self._add(corners, quads, layer=1))
+        self._strokes = {
+            width: self._add(4 * len(strokes), _stroke_quads(len(strokes)), layer=2, color=colour)
+            for width, colour, strokes in _strokes(first.symbols)
+        }
         blades: IntArray = np.arange(len(first.tips))[:, None]
-        disc = _disc_triangles(1)
-        self._hub = self._add(DISC_CORNERS, disc, layer=2, color=INK)
-        self._mark = self._add(DISC_CORNERS, disc, layer=2, color=INK)
+        disc = disc_triangles(1)
+        masses = len(first.symbols.masses)
+        self._masses = [
+            self._add(masses * DISC_CORNERS, disc_triangles(masses), layer=layer, color=colour)
+            for layer, colour in ((3, INK), (4, MASS_COLOUR))
+        ]
+        self._hub, self._mark = (
+            self._add(DISC_CORNERS, disc, layer=5, color=INK, shown=marks) for _ in range(2)
+        )
         self._discs = self._add(
-            blades.size * DISC_CORNERS, _disc_triangles(blades.size), layer=3, color=FORCE_COLOUR
+            blades.size * DISC_CORNERS, disc_triangles(blades.size), layer=6, color=FORCE_COLOUR
         )
         self._arrows = self._add(
             7 * blades.size,
             7 * blades + np.array([0, 1, 5, 6]),
             7 * blades + np.array([2, 3, 4]),
-            layer=4,
+            layer=7,
             color=FORCE_COLOUR,
         )
         self.show(first)
 
     def show(self, picture: Picture) -> None:
         """Move everything to where it is in the picture; points and colours change in place."""
+        circle = self._size * CIRCLE
         for outline, mesh, ribbon in zip(
             self._outlines, self._ribbons, (picture.casing, picture.rotor), strict=True
         ):
             _move(outline, widened(ribbon.sides, OUTLINE * self._size))
             _move(mesh, ribbon.sides)
-            colour = self._per_metre * ribbon.displacement.ravel()
-            mesh.point_data["displacement"][:] = np.repeat(colour, 2)
-        angle = 2 * np.pi * np.arange(DISC_CORNERS) / DISC_CORNERS
-        circle = self._size * np.column_stack([np.cos(angle), np.sin(angle)])
+            mesh.point_data["value"][:] = self.drawing.colouring.scale * ribbon.values.ravel()
+        for width, _, strokes in _strokes(picture.symbols):
+            _move(self._strokes[width], stroke_corners(strokes, width * self._size))
+        for mesh, share in zip(self._masses, (MASS + OUTLINE, MASS), strict=True):
+            _move(mesh, picture.symbols.masses[:, None] + share * circle)
         _move(self._hub, picture.shaft + HUB * circle)
         _move(self._mark, picture.mark + MARK * circle)
         touching = np.any(picture.forces, axis=1)[:, None, None]
@@ -86,32 +101,61 @@ class StageScene:
         width = ARROW_WIDTH * self._size
         _move(self._arrows, arrows(picture.tips, picture.forces, self._metres_per_newton, width))
 
+    def dots(self, middles: Array, size: float, colour: str, *, layer: int) -> None:
+        """Add outlined discs that stay, at points (dot, 2) [m], as large as a share of all."""
+        faces = disc_triangles(len(middles))
+        for step, share, shade in ((0, size + OUTLINE, INK), (1, size, colour)):
+            mesh = self._add(len(middles) * DISC_CORNERS, faces, layer=layer + step, color=shade)
+            _move(mesh, middles[:, None] + share * self._size * CIRCLE)
+
     def look(self) -> None:
         """Look along the axis, the stage in the left part of the window, at a fixed scale."""
-        width, height = self.plotter.window_size
-        half_height = MARGIN * self._size * max(1.0, height / (SQUARE * width))
-        aside = (1 - SQUARE) * half_height * width / height
+        aside = self.place(0.5, 0.5)[0]
         self.plotter.enable_parallel_projection()
         self.plotter.camera_position = [(aside, 0, 10 * self._size), (aside, 0, 0), (0, 1, 0)]
-        self.plotter.camera.parallel_scale = half_height
+        self.plotter.camera.parallel_scale = self._half_height
         self.plotter.reset_camera_clipping_range()
 
+    def place(self, across: float, up: float) -> Array:
+        """The point of the plane [m] that `look` shows at these shares of the window."""
+        width, height = self.plotter.window_size
+        half = self._half_height * width / height
+        middle = (1 - SQUARE) * half
+        return np.array([middle + (2 * across - 1) * half, (2 * up - 1) * self._half_height])
+
+    @property
+    def _half_height(self) -> float:
+        """Half of the window's height in the plane [m]."""
+        width, height = self.plotter.window_size
+        return float(MARGIN * self._size * max(1.0, height / (SQUARE * width)))
+
     def _add(
-        self, points: int, *faces: IntArray, layer: int, color: str | None = None
+        self,
+        points: int,
+        *faces: IntArray,
+        layer: int,
+        color: str | None = None,
+        shown: bool = True,
     ) -> pyvista.PolyData:
-        """An unlit mesh of polygons, coloured by displacement where no colour is given."""
+        """An unlit mesh of polygons, coloured by the field where no colour is given."""
         space = np.zeros((points, 3))
         space[:, 2] = 1e-3 * layer * self._size
         cells = np.concatenate([np.insert(f, 0, f.shape[1], axis=1).ravel() for f in faces])
         mesh = pyvista.PolyData(space, cells)
         if color is None:
-            mesh.point_data["displacement"] = np.zeros(points)
+            mesh.point_data["value"] = np.zeros(points)
+        if not (points and shown):
+            return mesh
+        colouring = self.drawing.colouring
+        map_ = colouring.colour_map
         actor = self.plotter.add_mesh(
             mesh,
             color=color,
-            scalars=None if color else "displacement",
-            cmap=None if color else SEQUENTIAL,
-            clim=(0.0, scale_end(self._per_metre * self.drawing.largest_displacement)),
+            scalars=None if color else "value",
+            cmap=None if color else ListedColormap(map_) if isinstance(map_, list) else map_,
+            clim=colouring.limits,
+            nan_color=NO_VALUE,
+            interpolate_before_map=True,
             lighting=False,
             show_scalar_bar=False,
         )
@@ -120,107 +164,40 @@ class StageScene:
         return mesh
 
 
-class Panel:
-    """What the picture shows, in words, and the colour scale, right of the stage."""
-
-    def __init__(self, scene: StageScene, dataset: xr.Dataset, *, note: str = "") -> None:
-        self._scene = scene
-        plotter, drawing = scene.plotter, scene.drawing
-        speed = float(dataset.attrs["speed"])
-        title = textwrap.fill(str(dataset.attrs["title"]), 24, max_lines=2)
-        relative = speed / float(dataset.attrs["reference_frequency"])
-        shown = [
-            f"{drawing.frame} frame",
-            "true size"
-            if drawing.exaggeration == 1
-            else f"displacement and clearance\ndrawn {drawing.exaggeration:g} times as large",
-        ]
-        self._add(title, 0.97, 16)
-        self._time = self._add("", 0.885, 22)
-        self._add(
-            f"speed\n{speed:.5g} rad/s\n{speed * 30 / np.pi:.5g} rpm\n{relative:.4g} × lowest mode",
-            0.82,
-            13,
-        )
-        self._add("\n".join([*shown, note] if note else shown), 0.7, 13, color=FAINT)
-        self._contact = self._add("", 0.565, 14, color=FORCE_COLOUR)
-        self._add(f"displacement [{scene.unit}]", 0.455, 13)
-        bar = plotter.add_scalar_bar(
-            title="",
-            mapper=scene.colours,
-            vertical=True,
-            position_x=SQUARE + 0.02,
-            position_y=0.05,
-            width=0.05,
-            height=0.36,
-            n_labels=5,
-            fmt="%.3g",
-            color=INK,
-            label_font_size=round(14 * plotter.window_size[1] / 960),
-        )
-        bar.GetLabelTextProperty().SetFontFamily(4)  # VTK_FONT_FILE
-        bar.GetLabelTextProperty().SetFontFile(FONT)
-
-    def show(self, picture: Picture) -> None:
-        """Bring time and contacts up to date."""
-        self._time.input = f"t = {1e3 * picture.time:.1f} ms"
-        forces = np.linalg.norm(picture.forces, axis=1)
-        touching = int(np.count_nonzero(forces))
-        self._contact.input = (
-            f"{touching} of {len(forces)} blades touch\nlargest force {newtons(forces.max())}"
-            if touching
-            else "no contact"
-        )
-
-    def _add(self, text: str, top: float, size: float, color: str = INK) -> pyvista.Text:
-        width, height = self._scene.plotter.window_size
-        actor: pyvista.Text = self._scene.plotter.add_text(
-            text,
-            position=(round((SQUARE + 0.02) * width), round(top * height)),
-            font_size=round(0.7 * size * height / 960),
-            color=color,
-            font_file=FONT,
-            name=f"panel at {top}",
-        )
-        actor.prop.SetVerticalJustificationToTop()
-        actor.prop.SetLineSpacing(1.25)
-        return actor
-
-
-#: The font of matplotlib's figures, so that pictures and plots look alike; it has every sign used.
-FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
-
-
-def scene_colours(levels: int) -> Array:
+def scene_colours(drawing: Drawing, levels: int) -> Array:
     """The colours (colour, 3) between 0 and 1 that a scene is made of, the map's in steps."""
-    own = [pyvista.Color(name).float_rgb for name in (BACKGROUND, INK, FAINT, FORCE_COLOUR)]
-    colours: Array = np.vstack(
-        [own, matplotlib.colormaps[SEQUENTIAL](np.linspace(0.0, 1.0, levels))[:, :3]]
+    own = [BACKGROUND, INK, FAINT, FORCE_COLOUR, NO_VALUE, MASS_COLOUR]
+    map_ = drawing.colouring.colour_map
+    shades = (
+        map_ if isinstance(map_, list) else matplotlib.colormaps[map_](np.linspace(0, 1, levels))
     )
+    colours: Array = np.array([pyvista.Color(shade).float_rgb for shade in [*own, *shades]])
     return colours
 
 
-def length_unit(length: float) -> tuple[str, float]:
-    """Unit in which a length [m] reads well, and how many of it are a metre."""
-    return ("mm", 1e3) if length >= 1e-4 or length == 0 else ("µm", 1e6)
+def _strokes(symbols: Symbols) -> list[tuple[float, str, Array]]:
+    """Width, colour and ends (stroke, 2, 2) of each kind of stroke."""
+    return [
+        (STRUT, INK, symbols.struts),
+        (GROUND, FAINT, symbols.ground),
+        (SPRING, INK, symbols.springs),
+    ]
 
 
-def scale_end(largest: float) -> float:
-    """The end of a colour scale from 0 that holds a value and whose quarters are short numbers."""
-    if largest == 0:
-        return 1.0
-    decade = 10.0 ** np.floor(np.log10(largest))
-    steps = (1, 1.2, 1.6, 2, 2.4, 3.2, 4, 5, 6, 8, 10)
-    # The tolerance keeps a value of 1.2 that rounding made 1.2000000000000002.
-    return float(decade * min(step for step in steps if step * decade >= largest * (1 - 1e-9)))
+def stroke_corners(strokes: Array, width: float) -> Array:
+    """Corners (stroke, 4, 2) of strokes (stroke, 2, 2) of that width [m]; a stroke is longer by it,
+    so that those of a zigzag meet.
+    """
+    span = strokes[:, 1] - strokes[:, 0]
+    length = np.linalg.norm(span, axis=-1, keepdims=True)
+    along = np.divide(span, length, out=np.zeros_like(span), where=length > 0) * width / 2
+    aside = rotate(along, np.pi / 2)
+    start, end = strokes[:, 0] - along, strokes[:, 1] + along
+    return np.stack([start - aside, end - aside, end + aside, start + aside], axis=1)
 
 
-def newtons(force: float) -> str:
-    """A force with three figures in N, kN or MN."""
-    for unit, size in (("MN", 1e6), ("kN", 1e3)):
-        if force >= size:
-            return f"{force / size:.3g} {unit}"
-    return f"{force:.3g} N"
+def _stroke_quads(strokes: int) -> IntArray:
+    return np.arange(4 * strokes).reshape(-1, 4)
 
 
 def _strip_quads(lines: int, stations: int) -> IntArray:
@@ -230,7 +207,7 @@ def _strip_quads(lines: int, stations: int) -> IntArray:
     return quads
 
 
-def _disc_triangles(discs: int) -> IntArray:
+def disc_triangles(discs: int) -> IntArray:
     """Triangles (triangle, 3) of discs. As one polygon each they would be cut into triangles when
     first shown, which fails for good while a disc has no size.
     """

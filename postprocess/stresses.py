@@ -214,7 +214,7 @@ def plot_stress(history: xr.Dataset) -> Figure:
     over_time, over_blades = figure.subplots(1, 2)
     blades = int(history.attrs["blades"])
     size = np.maximum(history["largest_stress"].values, -history["smallest_stress"].values)
-    unit, scale = _stress_unit(float(size.max()))
+    unit, scale = stress_unit(float(size.max()))
     _draw_time(over_time, history, scale * size, blades)
     over_time.set(xlabel="time [s]", ylabel=f"largest stress [{unit}]", ylim=(0, None))
     over_time.set_title("of all blades, and elsewhere")
@@ -268,7 +268,7 @@ def _draw_blades(axes: Axes, history: xr.Dataset, scale: float) -> None:
     axes.grid(axis="x", visible=False)
 
 
-def _stress_unit(largest: float) -> tuple[str, float]:
+def stress_unit(largest: float) -> tuple[str, float]:
     """Unit in which a stress [Pa] reads well, and how many of it are a pascal."""
     for unit, scale in (("GPa", 1e-9), ("MPa", 1e-6), ("kPa", 1e-3)):
         if largest * scale >= 1:

@@ -99,6 +99,14 @@ STATIC: Mapping[str, Variable] = {
         _SHAPE_UNITS,
         "displacement of each rotor node for a unit modal coordinate, rotating axes",
     ),
+    "rotor_link": Variable(
+        ("rotor_link", "end"), "1", "rotor node that a rigid arm leads, and its leader"
+    ),
+    "rotor_spring": Variable(
+        ("rotor_spring", "end"), "1", "rotor nodes that a spring joins, -1 for the rotating frame"
+    ),
+    "mass_node": Variable(("mass",), "1", "rotor node of each point mass"),
+    "point_mass": Variable(("mass",), "kg", "each point mass"),
     "tip_node": Variable(("blade",), "1", "rotor node of each blade tip"),
     "tip_angle": Variable(("blade",), "rad", "angle of each tip from +x, rotating axes"),
     "centre_node": Variable((), "1", "rotor node of the shaft's centre"),

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from rich.table import Table
 
+    from bladewhirl.models.stage import Stage
     from bladewhirl.studies.derived import Derived, Rate
 
 
@@ -22,6 +23,13 @@ def show(
         typer.Option("--set", metavar="KEY=VALUE", help="Change the case, march.speed=1.2."),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    png: Annotated[
+        bool, typer.Option("--png", help="Draw the stage: parts, sets, springs, supports.")
+    ] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="File of the drawing; the case's name.png if none."),
+    ] = None,
 ) -> None:
     """Print a case with every key, and the figures that follow from it.
 
@@ -34,11 +42,13 @@ def show(
     from rich.console import Console
 
     from bladewhirl.models.case_file import dumps_case, faults_from, read_case
-    from bladewhirl.models.faults import CaseError
+    from bladewhirl.models.faults import CaseError, UserError
     from bladewhirl.models.march_problem import time_step_faults
     from bladewhirl.models.stage import build_stage
     from bladewhirl.studies.derived import derive
 
+    if output is not None and not png:
+        raise UserError("--output: not without --png, which draws")
     values = overrides or []
     checked = read_case(case, values)
     with faults_from(case, values):
@@ -47,6 +57,8 @@ def show(
         if faults:
             raise CaseError(faults)
         derived = derive(stage)
+    if png:
+        _draw(stage, output or Path(f"{case.stem}.png"))
     if json:
         tables = checked.model_dump(mode="json", exclude_none=True)
         document = {"case": tables, "derived": asdict(derived)}
@@ -55,6 +67,25 @@ def show(
     console = Console()
     typer.echo(dumps_case(checked))
     console.print(_figures(derived), _frequencies(derived), sep="\n")
+
+
+def _draw(stage: Stage, target: Path) -> None:
+    """Draw the stage and say so, beside what is printed."""
+    from bladewhirl.models.faults import UserError
+    from bladewhirl.postprocess.stage_picture import draw_stage, stage_at_rest
+
+    at_rest = stage_at_rest(
+        stage.arrays,
+        title=stage.case.title,
+        tip_radius=stage.rotor.tip_radius,
+        casing_radius=stage.reduced_casing.radius,
+        clamped=stage.case.shaft.clamped,
+    )
+    try:
+        draw_stage(at_rest, target, node_sets=stage.disk.mesh.node_sets)
+    except OSError as error:
+        raise UserError(f"{target}: cannot be written ({error.strerror})") from None
+    typer.echo(f"Wrote {target}.", err=True)
 
 
 def _figures(derived: Derived) -> Table:

@@ -115,8 +115,8 @@ class TestRibbons:
 
     def test_colours_are_true_displacements(self) -> None:
         seen = draw(moved((3e-4, 4e-4, 0, 0, 0), (6e-4, 8e-4, 0, 0))).picture(0)
-        np.testing.assert_allclose(seen.rotor.displacement, 5e-4)
-        np.testing.assert_allclose(seen.casing.displacement, 1e-3, rtol=1e-5)
+        np.testing.assert_allclose(seen.rotor.values, 5e-4)
+        np.testing.assert_allclose(seen.casing.values, 1e-3, rtol=1e-5)
 
     def test_the_wall_stands_outside_and_closes(self) -> None:
         seen = draw(self.result).picture(0)

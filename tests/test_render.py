@@ -16,14 +16,15 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from bladewhirl.models.faults import UserError
+from bladewhirl.postprocess.colouring import length_unit, scale_end
 from bladewhirl.postprocess.off_screen import OffScreenError, require_off_screen
+from bladewhirl.postprocess.panel import newtons
 from bladewhirl.postprocess.render import (
     animation_records,
     render_animation,
     render_still,
     strongest_contact,
 )
-from bladewhirl.postprocess.scene import length_unit, newtons, scale_end
 
 SMALL = (320, 240)
 STAGE = 240  # the left three quarters of the window

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 from typer.testing import CliRunner
 
 from bladewhirl.models.case import Case
@@ -152,3 +153,39 @@ def test_faults_are_one_line(path: Path, values: list[str], line: str) -> None:
 
 def test_a_coupling_is_shown_though_it_is_not_marched(path: Path) -> None:
     assert shown(path, "--set", "coupling.stiffness=500")["case"]["coupling"]["stiffness"] == 500.0
+
+
+@pytest.mark.usefixtures("can_draw")
+def test_a_drawing_of_the_stage(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    few = ["--set", "reduction.fixed_interface_modes=10"]
+    done = RUNNER.invoke(app, ["show", str(path), "--json", "--png", *few])
+    assert done.exit_code == 0, done.stderr
+    assert done.stderr == "Wrote case.png.\n"
+    json.loads(done.stdout)
+    with Image.open(tmp_path / "case.png") as picture:
+        image = np.asarray(picture.convert("RGB"), dtype=np.int64)
+    blade, disk, casing = (0x00, 0x72, 0xB2), (0x00, 0x9E, 0x73), (0x56, 0xB4, 0xE9)
+    stage = image[:, :960]
+    row, column = np.indices(stage.shape[:2])
+    radius = np.hypot(row - 479.5, column - 479.5)
+    reach = [radius[np.all(stage == colour, axis=-1)].max() for colour in (disk, blade, casing)]
+    assert reach == sorted(reach)  # rim, blades, casing from the inside out
+    assert reach[1] / reach[0] == pytest.approx(0.5 / 0.065, rel=0.03)  # half of the rim's 30 mm
+    for name, wanted in (("blue", blade), ("sky", casing)):
+        assert np.all(image[:, 960:] == wanted, axis=-1).any(), name  # and so in the key
+
+
+def test_a_drawing_where_none_can_be_written(path: Path, tmp_path: Path) -> None:
+    few = ["--set", "reduction.fixed_interface_modes=10"]
+    for arguments, message in (
+        (["-o", "x.png"], "--output: not without --png"),
+        (["--png", "-o", str(tmp_path / "x.svg")], "must end in .png"),
+    ):
+        done = RUNNER.invoke(app, ["show", str(path), *few, *arguments])
+        assert done.exit_code == 2
+        assert message in done.stderr
+        assert len(done.stderr.splitlines()) == 1
+        assert done.stdout == ""

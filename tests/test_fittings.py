@@ -1,0 +1,123 @@
+"""Symbols of springs, supports and masses: where they stand and what they follow."""
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+
+from bladewhirl.postprocess.drawing import Drawing, Picture
+from bladewhirl.postprocess.fields import Array
+from bladewhirl.postprocess.fittings import FOUNDATION, HATCHES, TEETH
+
+R = synthetic.TIP_RADIUS
+ZIGZAG, GROUND = TEETH + 1, HATCHES + 1  # strokes of one
+SHAFT = 2  # springs of the shaft
+
+
+def supported(**motion: tuple[float, ...]) -> xr.Dataset:
+    """A result with a radial spring at 0, a tangential one at 90 degrees, a strut at 180."""
+    result = synthetic.synthetic_result(records=2)
+    for body in ("rotor", "casing"):
+        result[f"{body}_displacement"][:] = np.array(motion.get(body, 0.0))
+    each = {
+        "support_kind": np.array(["spring", "spring", "strut"]),
+        "support_angle": np.pi / 2 * np.arange(3),
+        "support_radial_stiffness": np.array([1e6, 0.0, 2e6]),
+        "support_tangential_stiffness": np.array([0.0, 1e6, 0.0]),
+    }
+    return result.assign({name: ("support", values) for name, values in each.items()}).assign(
+        support_reach=(("support", "axis"), np.array([[0, 0], [0, 0], [-0.1, 0.05]])),
+        mass_node=("mass", result["tip_node"].values[[0, 11]]),
+        point_mass=("mass", [0.1, 0.1]),
+    )
+
+
+def picture(result: xr.Dataset, factor: float = 20.0) -> Picture:
+    return Drawing(result, np.array([0]), exaggeration=factor).picture(0)
+
+
+def outer(result: xr.Dataset, angle: float, factor: float = 20.0) -> Array:
+    """Place of the wall's outer surface at rest, as drawn."""
+    radius = R + factor * synthetic.CLEARANCE + 0.010
+    return radius * np.array([np.cos(angle), np.sin(angle)])
+
+
+def test_springs_lead_from_the_wall_outward_and_along() -> None:
+    result = supported()
+    springs = picture(result).symbols.springs.reshape(-1, ZIGZAG, 2, 2)
+    assert len(springs) == 2 + SHAFT
+    start, end = springs[:, 0, 0], springs[:, -1, 1]
+    np.testing.assert_allclose(start[0], outer(result, 0.0), atol=1e-9)
+    way = (end - start) / np.linalg.norm(end - start, axis=1)[:, None]
+    np.testing.assert_allclose(way[:2], [[1, 0], [-1, 0]], atol=1e-12)
+    assert np.linalg.norm(start[1]) > np.linalg.norm(outer(result, np.pi / 2))
+    np.testing.assert_allclose(start[2:], 0.0, atol=1e-12)
+
+
+def test_a_strut_has_its_length_and_every_end_its_ground() -> None:
+    result = supported()
+    seen = picture(result).symbols
+    strut = seen.struts[-1]
+    np.testing.assert_allclose(strut[0], outer(result, np.pi), atol=1e-9)
+    np.testing.assert_allclose(strut[1] - strut[0], [-0.1, 0.05])
+    ground = seen.ground.reshape(-1, GROUND, 2, 2)
+    assert len(ground) == 3 + SHAFT
+    np.testing.assert_allclose(ground[2, 0].mean(axis=0), strut[1])
+
+
+def test_feet_move_and_the_ground_stands() -> None:
+    rest, moved = (
+        picture(supported(casing=(shift, 0, 0, 0), rotor=(0, shift, 0, 0, 0))).symbols
+        for shift in (0.0, 5e-4)
+    )
+    start, end = (s.springs.reshape(-1, ZIGZAG, 2, 2)[:, [0, -1], [0, 1]] for s in (rest, moved))
+    np.testing.assert_allclose((end - start)[:2, 0], [[0.01, 0.0]] * 2, atol=1e-6)
+    np.testing.assert_allclose((end - start)[:2, 1], 0.0, atol=1e-9)
+    np.testing.assert_allclose((end - start)[2:, 0], [[0.0, 0.01]] * 2, atol=1e-9)
+    np.testing.assert_allclose(moved.ground, rest.ground, atol=1e-9)
+    np.testing.assert_allclose(moved.masses - rest.masses, [[0.0, 0.01]] * 2, atol=1e-9)
+
+
+def test_a_uniform_support_is_spread_around() -> None:
+    result = synthetic.synthetic_result(records=1).assign(casing_foundation=((), 1e6))
+    springs = picture(result).symbols.springs.reshape(-1, ZIGZAG, 2, 2)
+    assert len(springs) == FOUNDATION + SHAFT
+    foot = springs[:FOUNDATION, 0, 0]
+    turned = np.unwrap(np.arctan2(foot[:, 1], foot[:, 0]))
+    np.testing.assert_allclose(np.diff(turned), 2 * np.pi / FOUNDATION, rtol=0.05)
+
+
+def test_a_clamped_shaft_has_no_springs() -> None:
+    result = synthetic.synthetic_result(records=1).assign_attrs(clamped=1)
+    assert len(picture(result).symbols.springs) == 0
+
+
+def test_springs_and_links_of_the_rotor_join_its_nodes() -> None:
+    plain = synthetic.synthetic_result(records=1)
+    tips = plain["tip_node"].values
+    result = plain.assign(
+        rotor_spring=(("rotor_spring", "end"), np.array([[tips[0], tips[1]], [tips[5], -1]])),
+        rotor_link=(("rotor_link", "end"), np.array([[tips[3], 0]])),
+    )
+    for name in ("rotor_displacement", "casing_displacement"):
+        result[name] *= 0.0
+    seen = picture(result).symbols
+    points = result["rotor_point"].values
+    springs = seen.springs.reshape(-1, ZIGZAG, 2, 2)[SHAFT:]
+    np.testing.assert_allclose(springs[0, 0, 0], points[tips[5]])
+    assert np.linalg.norm(springs[0, -1, 1]) > R
+    np.testing.assert_allclose(springs[1, [0, -1], [0, 1]], points[tips[:2]])
+    np.testing.assert_allclose(seen.struts[0], points[[0, tips[3]]], atol=1e-12)
+
+
+@pytest.mark.parametrize("frame", ["static", "rotating"])
+def test_symbols_belong_to_the_axes_of_their_body(frame: str) -> None:
+    result = supported()
+    first, later = (
+        Drawing(result, np.array([record]), exaggeration=20.0, frame=frame).picture(0).symbols  # type: ignore[arg-type]
+        for record in (0, 1)
+    )
+    on_casing, on_rotor = first.struts[-1] - later.struts[-1], first.masses - later.masses
+    moving, standing = (on_rotor, on_casing) if frame == "static" else (on_casing, on_rotor)
+    assert np.abs(standing).max() < 1e-12
+    assert np.abs(moving).max() > 0.01
