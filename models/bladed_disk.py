@@ -19,6 +19,7 @@ from bladewhirl.models.attachments import (
 from bladewhirl.models.beam_model import BeamModel
 from bladewhirl.models.cyclic import SectorLayout
 from bladewhirl.models.elements import mass, straight_stiffness
+from bladewhirl.models.modes import NO_COLUMN
 from bladewhirl.models.sections import LineProperties
 from bladewhirl.models.structure import Structure, keep_free
 
@@ -68,6 +69,15 @@ class BladedDisk:
         """Angle of each tip from +x in the rotating frame [rad], (blades,)."""
         points = self.mesh.points[self.model.tips]
         return np.asarray(np.mod(np.arctan2(points[:, 1], points[:, 0]), 2.0 * np.pi))
+
+    def blade_columns(self, column: IntArray) -> IntArray:
+        """DFT columns over the blades of modes whose columns over the sectors are given, (modes,).
+
+        They are the same where each sector has one blade, else there are none.
+        """
+        layout = self.structure.layout
+        one_each = layout is not None and layout.sectors == len(self.model.tips)
+        return column if one_each else np.full_like(column, NO_COLUMN)
 
     def cartesian(self, shapes: FloatArray) -> FloatArray:
         """Displacement of every node along x and y, and its rotation, (nodes, 3, fields).

@@ -73,7 +73,7 @@ def _coupled(
             nodal_diameter=disk_diameter,
             column=disk.column,
             family=disk_family,
-            angles=disk.tip_angle,
+            angles=disk.tip_angle - disk.tip_angle[0],
             radial=lambda numbers: disk.tip_radial[:, numbers],
         ),
         RadialModes(

@@ -116,14 +116,11 @@ def labelled_modes(
         found = _tuned(structure, reference, body)
         return found if count is None else found.take(slice(count))
     modes = structure_modes(structure, reference, count)
-    if structure.layout is None:
-        family = families(modes, body)
-    else:
-        family = _families_of_twin(structure, modes, _tuned(structure, reference, body))
+    family = mode_families(structure, modes, reference, body)
     return LabelledModes(
         frequency=modes.frequency,
         nodal_diameter=modes.nodal_diameter,
-        family=tuple(family),
+        family=family,
         purity=modes.purity,
         spring_share=modes.spring_share,
         column=modes.column,
@@ -131,6 +128,22 @@ def labelled_modes(
         layout=structure.layout,
         size=structure.size,
     )
+
+
+def mode_families(
+    structure: Structure, modes: Modes, reference: tuple[int, int], body: Body
+) -> tuple[str, ...]:
+    """Family of each mode: by rank where sectors are alike or there are none, else of the twin.
+
+    Args:
+        structure: that they belong to; they may be those of a reduced model.
+        modes: with fields on the structure's free DoF.
+        reference: see `labelled_modes`.
+        body: see `labelled_modes`.
+    """
+    if modes.is_cyclic or structure.layout is None:
+        return tuple(families(modes, body))
+    return tuple(_families_of_twin(structure, modes, _tuned(structure, reference, body)))
 
 
 def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> LabelledModes:

@@ -23,7 +23,8 @@ from bladewhirl.models.contact_problem import ReducedCasing, ReducedRotor
 from bladewhirl.models.faults import CaseError, Fault
 from bladewhirl.models.frequencies import Frequencies, family_errors, lowest_frequencies
 from bladewhirl.models.kept_modes import KeptModes, kept_modes
-from bladewhirl.models.modes import Modes, families, structure_modes
+from bladewhirl.models.labelled_modes import mode_families
+from bladewhirl.models.modes import Modes, structure_modes
 from bladewhirl.models.reduction import Reduction, craig_bampton
 from bladewhirl.models.stage_arrays import StageArrays
 from bladewhirl.models.stage_to_arrays import stage_arrays
@@ -65,6 +66,14 @@ class Stage:
         return self.speed / self.reference_frequency
 
     @property
+    def symmetry(self) -> dict[str, str]:
+        """Symmetry found of each body, and the path that follows from it."""
+        return {
+            "bladed_disk": self.disk.structure.symmetry,
+            "casing": self.casing.structure.symmetry,
+        }
+
+    @property
     def boundary_sets(self) -> dict[str, IntArray]:
         """Degrees of freedom of the bladed disk that the reduction keeps, by name."""
         return boundary_sets(self.disk)
@@ -94,18 +103,19 @@ def build_stage(case: Case) -> Stage:
         disk = case_bladed_disk(case, clamped=case.shaft.clamped)
         _check_reduction(case, disk)
         casing = case_casing(case)
+        tip, wall = tip_in_sector(disk), (RADIAL, TANGENTIAL)
         full = lowest_frequencies(disk.structure, FULL_FREQUENCIES)
         reference = _reference_frequency(case, full)
         reduction = craig_bampton(
             disk.structure,
             np.concatenate([*boundary_sets(disk).values()]),
             case.reduction.fixed_interface_modes,
-            tip_in_sector(disk),
+            tip,
         )
         lowest_frequency(reduction.modes.frequency)  # not lost in the reduction
-        casing_modes = structure_modes(casing.structure, (RADIAL, TANGENTIAL))
-    disk_family = tuple(families(reduction.modes, "bladed-disk"))
-    casing_family = tuple(families(casing_modes, "casing"))
+        casing_modes = structure_modes(casing.structure, wall)
+        disk_family = mode_families(disk.structure, reduction.modes, tip, "bladed-disk")
+        casing_family = mode_families(casing.structure, casing_modes, wall, "casing")
     rotor = _reduced_rotor(case, disk, reduction.modes)
     reduced_casing = _reduced_casing(case, casing, casing_modes)
     return Stage(
@@ -162,7 +172,7 @@ def _reduced_rotor(case: Case, disk: BladedDisk, modes: Modes) -> ReducedRotor:
         tip_angle=disk.tip_angles,
         tip_radius=disk.model.tip_radius,
         tip_recess=disk.model.tip_recess,
-        column=modes.column,
+        column=disk.blade_columns(modes.column),
     )
 
 

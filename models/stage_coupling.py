@@ -84,9 +84,9 @@ def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
         RadialModes(
             frequency=disk_modes.frequency,
             nodal_diameter=disk_modes.nodal_diameter,
-            column=disk_modes.column,
+            column=disk.blade_columns(disk_modes.column),
             family=disk_modes.family,
-            angles=disk.tip_angles,
+            angles=disk.tip_angles - disk.tip_angles[0],
             radial=lambda numbers: disk_modes.fields(numbers)[disk.tip_radial],
         ),
         RadialModes(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -27,12 +28,21 @@ class Structure:
         """Number of free degrees of freedom."""
         return int(self.mass.shape[0])
 
-    @property
+    @cached_property
     def is_cyclic(self) -> bool:
         """Whether mass and stiffness repeat from sector to sector; found, not assumed."""
         return self.layout is not None and self.layout.is_symmetry_of(
             self.mass, self.stiffness, self.springs
         )
+
+    @property
+    def symmetry(self) -> str:
+        """What was found, and the path that modes and reduction take."""
+        if self.layout is None:
+            return "no sectors: dense path"
+        if not self.is_cyclic:
+            return f"{self.layout.sectors} sectors that differ: dense path"
+        return f"{self.layout.sectors} equal sectors: cyclic path"
 
 
 def keep_free(node_dofs: IntArray, held: IntArray) -> tuple[IntArray, IntArray]:

@@ -76,6 +76,7 @@ class Derived:
     suspension: Rate | None  #: of the suspension pair; None when clamped
     casing: tuple[Mode, ...]  #: lowest of each nodal diameter
     reduction: ReductionFigures
+    symmetry: dict[str, str]  #: found, of each body
     cyclic: dict[str, bool]  #: bodies marched harmonic by harmonic (else by dense products)
     critical_time_step: float  #: [s]
     dt_over_critical: float
@@ -123,6 +124,7 @@ def _derive(stage: Stage) -> Derived:
             marched={"bladed_disk": len(stage.kept.rotor), "casing": len(stage.kept.casing)},
             frequency_error=stage.frequency_error,
         ),
+        symmetry=stage.symmetry,
         cyclic={"bladed_disk": rotor.by_harmonics, "casing": wall.by_harmonics},
         critical_time_step=critical,
         dt_over_critical=case.march.time_step / critical,

@@ -103,6 +103,7 @@ def _print(done: Run) -> None:
 
     console = Console()
     console.print(summary_table(done.summary))
+    console.print(done.symmetry, markup=False, highlight=False)
     names = ", ".join(sorted(path.name for path in done.directory.iterdir()))
     console.print(f"{done.directory}: {names}", markup=False, highlight=False)
 

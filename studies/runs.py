@@ -242,6 +242,9 @@ def _attributes(prepared: Prepared) -> dict[str, Attribute]:
         "time_step": prepared.timing.time_step,
         "record_step": prepared.timing.record_step,
         "clamped": int(case.shaft.clamped),
+        "symmetry": "; ".join(
+            f"{body.replace('_', ' ')}: {found}" for body, found in stage.symmetry.items()
+        ),
         "case": dumps_case(case),
     }
 

@@ -124,6 +124,8 @@ def _rows(derived: Derived) -> Iterator[tuple[str, str]]:
         "its frequency errors",
         ", ".join(f"{name} {100 * error:.2g} %" for name, error in _families(derived)),
     )
+    for body, found in derived.symmetry.items():
+        yield f"symmetry, {body.replace('_', ' ')}", found
     for body, cyclic in derived.cyclic.items():
         how = "harmonic by harmonic (cyclic)" if cyclic else "by dense products"
         yield f"march, {body.replace('_', ' ')}", f"{reduction.marched[body]} modes, {how}"

@@ -62,6 +62,7 @@ class Run:
     end_reason: str  #: "completed", "divergent" or "interrupted"
     end_message: str  #: where it did not complete, cause and remedy in one line
     summary: Summary
+    symmetry: str  #: of both bodies, as found, and the path taken
     hints: tuple[str, ...]  #: what may be done better
 
     def open(self) -> xr.Dataset:
@@ -96,6 +97,7 @@ def write_up(directory: Path, report: Mapping[str, float], window: Window) -> Ru
             end_reason=result.attrs["end_reason"],
             end_message=result.attrs["end_message"],
             summary=summary,
+            symmetry=result.attrs["symmetry"],
             hints=(
                 *displacement_hints(summary, result.attrs["tip_radius"]),
                 *_write_series(result, directory / folder.VTK_NAME, window),
