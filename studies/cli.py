@@ -24,6 +24,7 @@ from bladewhirl.studies.plot import plot
 from bladewhirl.studies.render import render
 from bladewhirl.studies.reproduce import reproduce
 from bladewhirl.studies.run import run
+from bladewhirl.studies.search import search
 from bladewhirl.studies.show import show
 from bladewhirl.studies.stability import stability
 from bladewhirl.studies.sweep import sweep
@@ -66,6 +67,7 @@ app.command()(plot)
 app.command()(render)
 app.command()(reproduce)
 app.command()(run)
+app.command()(search)
 app.command()(show)
 app.command()(stability)
 app.command()(sweep)

@@ -107,6 +107,13 @@ def _client(scheduler: str | None, workers: int) -> Iterator[Client]:
         with client:
             yield client
         return
+    with local_cluster(workers) as cluster, Client(cluster, set_as_default=False) as client:
+        yield client
+
+
+@contextmanager
+def local_cluster(workers: int) -> Iterator[LocalCluster]:
+    """A cluster on this machine, one process a worker."""
     with (
         dask.config.set(LOCAL),
         LocalCluster(
@@ -116,6 +123,5 @@ def _client(scheduler: str | None, workers: int) -> Iterator[Client]:
             dashboard_address=":0",
             silence_logs="CRITICAL",
         ) as cluster,
-        Client(cluster, set_as_default=False) as client,
     ):
-        yield client
+        yield cluster

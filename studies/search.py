@@ -1,0 +1,94 @@
+"""`bladewhirl search`: look for the parameters that the source paper leaves out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from bladewhirl.studies.run import EXIT_INTERRUPTED
+
+if TYPE_CHECKING:
+    from bladewhirl.studies.parameter_search import Judged
+
+FOLDER = Path("parameter-search")
+"""Where results go if no folder is named."""
+
+
+def search(
+    starts: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="START", help="soft, supported or heavy; all if none.", show_default=False
+        ),
+    ] = None,
+    rounds: Annotated[
+        int, typer.Option(help="Steps from each start to a better neighbour.", min=0)
+    ] = 1,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder of all that is judged.")
+    ] = FOLDER,
+    report: Annotated[
+        bool, typer.Option("--report", help="March nothing, write up what DIR has.")
+    ] = False,
+    workers: Annotated[
+        int | None, typer.Option(help="Local processes; one a core if none.", min=1)
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="An existing dask scheduler, tcp://host:8786."),
+    ] = None,
+) -> None:
+    """Judge sets of the parameters that the source paper leaves out, and report the best.
+
+    From each START the search tries every set that differs in one value, and goes to the best.
+    The best of all are judged again over repeats with a slightly different force. DIR gets
+    search.json, report.md, and for each claim that the best set misses a figure that shows which
+    value would meet it. An interrupted search goes on where it was.
+    """
+    from dask.system import CPU_COUNT
+
+    from bladewhirl.models.faults import UserError
+    from bladewhirl.studies.parameter_search import open_search, search_parameters
+    from bladewhirl.studies.parameter_sets import STARTS
+    from bladewhirl.studies.search_report import write_report
+
+    if scheduler is not None and workers is not None:
+        raise UserError("--scheduler, --workers: expected one of them; a scheduler has its workers")
+    if not report:
+        with _interruptible(output), _scheduler(scheduler, workers or CPU_COUNT) as address:
+            found = open_search(output, scheduler=address, told=_tell)
+            search_parameters(found, starts or list(STARTS), rounds)
+    for path in write_report(open_search(output), output):
+        typer.echo(f"Wrote {path}.")
+
+
+@contextmanager
+def _scheduler(address: str | None, workers: int) -> Iterator[str]:
+    """The address of the scheduler, one of this machine if none is named."""
+    from bladewhirl.studies.sweep_cluster import local_cluster
+
+    if address is not None:
+        yield address
+        return
+    with local_cluster(workers) as cluster:
+        yield cluster.scheduler_address
+
+
+def _tell(judged: Judged) -> None:
+    holds, partly = judged.rank
+    level = "confirmed" if judged.confirmed else "screened"
+    typer.echo(f"{holds} hold, {partly} partly, {level}: {judged.values.words}")
+
+
+@contextmanager
+def _interruptible(output: Path) -> Iterator[None]:
+    """Say after Ctrl-C how to go on."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        typer.echo(f"interrupted; the same command goes on with what is in {output}", err=True)
+        raise typer.Exit(EXIT_INTERRUPTED) from None
