@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
 
+from bladewhirl.postprocess.fields import ViewError
+
 if TYPE_CHECKING:
     from bladewhirl.studies.laboratory import Laboratory
 
@@ -86,8 +88,8 @@ class Claim:
         """Judge it once; what stands in the way becomes part of the finding."""
         try:
             return self.evaluate(laboratory)
-        except NotTestableError as error:
-            return Finding(ours="–", obstacle=str(error))
+        except (NotTestableError, ViewError) as error:
+            return Finding(ours="–", obstacle=str(error).rstrip("."))
 
 
 CLAIMS: dict[int, Claim] = {}

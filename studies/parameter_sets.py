@@ -64,7 +64,7 @@ class ParameterSet:
     @property
     def words(self) -> str:
         """All values in a line."""
-        return ", ".join(f"{name} {value}" for name, value in asdict(self).items())
+        return ", ".join(f"{PARAMETERS[name]} {value}" for name, value in asdict(self).items())
 
     def neighbours(self) -> Iterator[ParameterSet]:
         """Sets that differ in one value."""
@@ -95,6 +95,21 @@ UNKNOWNS: Mapping[str, tuple[Any, ...]] = {
 }
 """What is tried of each; those that matter most come first."""
 
+PARAMETERS: Mapping[str, str] = {
+    "swing": "push [clearances]",
+    "damping": "damping ratio",
+    "mass": "casing mass over Table 1's",
+    "wall": "casing thickness [m]",
+    "frequency": "casing frequency over ω₁",
+    "sliding": "friction",
+    "push": "kind of push",
+    "strain": "casing strain",
+    "ramp": "ramp of the imbalance [s]",
+    "disk": "disk beams [m]",
+    "tip_rotation": "tip rotation",
+}
+"""In words."""
+
 STARTS: Mapping[str, ParameterSet] = {
     "soft": ParameterSet(swing=3.0),
     "supported": ParameterSet(frequency=4.0, push="hold", swing=5.9),
@@ -104,7 +119,7 @@ STARTS: Mapping[str, ParameterSet] = {
 }
 """Where a search begins: the modal case, the supported casing, and one of large inertia."""
 
-assert set(UNKNOWNS) == {field.name for field in fields(ParameterSet)}
+assert set(UNKNOWNS) == set(PARAMETERS) == {field.name for field in fields(ParameterSet)}
 
 
 @lru_cache
