@@ -135,6 +135,12 @@ class Coupling(Table):
     stiffness: StiffnessOrZero = Field(
         default=0.0, description="kappa [N/m] (0 in the paper's Table 2)."
     )
+    modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = Field(
+        default="six",
+        description="Modes that the springs couple, of those that a march keeps, named as in"
+        " reduction.modes: on the bladed disk 1F to 5F and suspension, on the casing the lowest"
+        " radial mode of each nodal diameter.",
+    )
     amplitude: Literal["paper", "physical"] = Field(
         default="paper",
         description='Amplitudes at the springs: "paper" one for each mode, "physical" those of the'

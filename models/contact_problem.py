@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.coupling import Springs
 
 NEVER = np.inf
 """End of a load that stays on."""
@@ -135,16 +136,21 @@ class ContactProblem:
     displacement_limit: float  #: beyond it small displacements are no longer meant [m]
     loads: tuple[Load, ...]
     start: Start
+    springs: Springs | None = None  #: between the bodies
 
     @property
     def critical_time_step(self) -> float:
         """Stability limit of central differences [s]."""
-        return critical_time_step(self.rotor, self.casing)
+        return critical_time_step(self.rotor, self.casing, self.springs)
 
 
-def critical_time_step(rotor: ReducedRotor, casing: ReducedCasing) -> float:
-    """2 / omega_max of both bodies, the stability limit of central differences [s]."""
+def critical_time_step(
+    rotor: ReducedRotor, casing: ReducedCasing, springs: Springs | None
+) -> float:
+    """2 / omega_max of both bodies as coupled, the stability limit of central differences [s]."""
     highest = max(rotor.frequency.max(initial=0.0), casing.frequency.max(initial=0.0))
+    if springs is not None:
+        highest = max(highest, springs.highest_frequency)
     return float(2.0 / highest)
 
 

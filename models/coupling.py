@@ -20,7 +20,7 @@ and keep the factor pi unless `with_pi` is false.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,9 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 ComplexArray = NDArray[np.complex128]
+
+ANGLES = 181
+"""Angles at which springs are looked at where their stiffness changes as the rotor turns."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,6 +98,11 @@ class CouplingModes:
         return np.repeat(np.arange(self.entries), 1 + self.paired)
 
     @property
+    def is_sine(self) -> BoolArray:
+        """Whether each coordinate is the sine of a pair, (size,)."""
+        return np.asarray(np.arange(self.size) > self.cosine[self.entry])
+
+    @property
     def harmonics(self) -> tuple[int, ...]:
         """Nodal diameters present, ascending; entries of different ones do not couple."""
         return tuple(int(k) for k in np.unique(self.nodal_diameter))
@@ -121,6 +129,10 @@ class CouplingModes:
         kept = np.arange(self.entries)[np.asarray(chosen)]
         arrays = {item.name: getattr(self, item.name)[kept] for item in fields(self)[1:]}
         return CouplingModes(name=tuple(self.name[i] for i in kept), **arrays)
+
+    def with_unit_amplitudes(self) -> CouplingModes:
+        """Give every mode amplitude one, as the paper does, in the phase that it has."""
+        return replace(self, amplitude=np.sign(self.amplitude))
 
     def harmonic(self, k: int) -> CouplingModes:
         """Keep the entries of nodal diameter k."""
@@ -201,6 +213,61 @@ def coupling_stiffness(
         rows = stretch_rows(modes, k, angle)
         stiffness += spring_factor(k, with_pi=with_pi) * kappa * np.swapaxes(rows, -1, -2) @ rows
     return stiffness
+
+
+@dataclass(frozen=True, kw_only=True)
+class Springs:
+    """Springs between two modal bodies: which of their modes they couple, and how stiffly."""
+
+    modes: CouplingModes
+    number: IntArray  #: of each entry's mode among those of its body; a sine follows, (entries,)
+    kappa: float  #: stiffness [N/m] per radian
+    with_pi: bool = True  #: keep the factor pi of the integral in Eq. (8)
+
+    @property
+    def factors(self) -> FloatArray:
+        """Modal spring stiffness f_k kappa of each nodal diameter [N/m], (harmonics,)."""
+        factors = [spring_factor(k, with_pi=self.with_pi) for k in self.modes.harmonics]
+        return self.kappa * np.array(factors)
+
+    @property
+    def highest_frequency(self) -> float:
+        """Highest frequency of the coupled modes at any angle [rad/s].
+
+        Turning the rotor only turns the coordinates of its pairs, which leaves the frequencies as
+        they are; single modes don't turn, and with these a circle of angles is looked at.
+        """
+        highest = 0.0
+        for k in self.modes.harmonics:
+            part = self.modes.harmonic(k)
+            angles = np.linspace(0.0, 2.0 * np.pi, 1 if np.all(part.paired) else ANGLES)
+            whole = periodic_stiffness(
+                part, kappa=self.kappa, angle=angles / max(k, 1), with_pi=self.with_pi
+            )
+            highest = max(highest, float(np.linalg.eigvalsh(whole).max()))
+        return float(np.sqrt(highest))
+
+    def coordinates(self, *, on_casing: bool) -> tuple[IntArray, IntArray]:
+        """Coordinates that belong to one body, and the numbers of their modes on it."""
+        return body_coordinates(self.modes, self.number, on_casing=on_casing)
+
+    def stiffness(self, *, angle: ArrayLike) -> FloatArray:
+        """K* of the coupled coordinates at an angle Omega t [rad], (..., size, size) [1/s^2]."""
+        return coupling_stiffness(self.modes, kappa=self.kappa, angle=angle, with_pi=self.with_pi)
+
+
+def body_coordinates(
+    modes: CouplingModes, number: IntArray, *, on_casing: bool
+) -> tuple[IntArray, IntArray]:
+    """Coordinates that belong to one body, and the numbers of their modes on it.
+
+    Args:
+        modes: the coupled modes.
+        number: of each entry's mode among those of its body; a sine follows, (entries,).
+        on_casing: which body.
+    """
+    coordinates = np.flatnonzero(modes.on_casing[modes.entry] == on_casing)
+    return coordinates, (number[modes.entry] + modes.is_sine)[coordinates]
 
 
 def periodic_stiffness(

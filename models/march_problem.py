@@ -42,6 +42,7 @@ def contact_problem(stage: Stage) -> ContactProblem:
             displacement_limit=case.march.displacement_limit,
             loads=tuple(load.take(kept.rotor, kept.casing) for load in excitation_loads(stage)),
             start=initial_state(stage).take(kept.rotor, kept.casing),
+            springs=kept.springs,
         )
 
 
@@ -54,7 +55,6 @@ def march_faults(stage: Stage) -> Iterator[Fault]:
     """Faults of the case that stand in the way of a march."""
     yield from chain(
         time_step_faults(stage),
-        _coupling_faults(stage),
         _load_faults(stage),
         _start_faults(stage),
     )
@@ -62,7 +62,7 @@ def march_faults(stage: Stage) -> Iterator[Fault]:
 
 def time_step_faults(stage: Stage) -> Iterator[Fault]:
     """A time step above the stability limit, or in which a tip skips casing elements."""
-    case, limit = stage.case, critical_time_step(*marched_bodies(stage))
+    case, limit = stage.case, critical_time_step(*marched_bodies(stage), stage.kept.springs)
     step = case.march.time_step
     if not step < limit:
         expected = (
@@ -76,12 +76,6 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
         fastest = element / step / stage.reference_frequency
         expected = f"less than {fastest:.6g}, at which a tip passes a casing element every step"
         yield case_fault(case, "march.speed", expected)
-
-
-def _coupling_faults(stage: Stage) -> Iterator[Fault]:
-    if stage.case.coupling.stiffness != 0.0:
-        expected = "0: a coupling through frame and bearings is not marched yet"
-        yield case_fault(stage.case, "coupling.stiffness", expected)
 
 
 def _load_faults(stage: Stage) -> Iterator[Fault]:

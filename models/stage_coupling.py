@@ -7,7 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bladewhirl.models.coupling import BoolArray, CouplingModes, FloatArray, IntArray
+from bladewhirl.models.coupling import (
+    BoolArray,
+    CouplingModes,
+    FloatArray,
+    IntArray,
+    Springs,
+    body_coordinates,
+)
 from bladewhirl.models.cyclic import is_pair
 from bladewhirl.models.modal_stage import ModalStage
 
@@ -38,15 +45,15 @@ class StageModes:
 
     def mode_numbers(self, *, on_casing: bool) -> tuple[IntArray, IntArray]:
         """Coordinates that belong to one body, and the numbers of their modes on it."""
-        entry = self.modes.entry
-        sine = np.arange(self.modes.size) - self.modes.cosine[entry]
-        coordinates = np.flatnonzero(self.modes.on_casing[entry] == on_casing)
-        return coordinates, (self.number[entry] + sine)[coordinates]
+        return body_coordinates(self.modes, self.number, on_casing=on_casing)
+
+    def springs(self, kappa: float, *, with_pi: bool = True) -> Springs:
+        """Springs of stiffness kappa [N/m] that couple these modes."""
+        return Springs(modes=self.modes, number=self.number, kappa=kappa, with_pi=with_pi)
 
     def with_unit_amplitudes(self) -> StageModes:
         """Give every mode amplitude one, as the paper does."""
-        ones = np.ones(self.modes.entries)
-        return replace(self, modes=replace(self.modes, amplitude=ones))
+        return replace(self, modes=self.modes.with_unit_amplitudes())
 
     def find(self, family: str, k: int | None = None) -> IntArray:
         """Positions of the entries of a family, of one nodal diameter or of all."""

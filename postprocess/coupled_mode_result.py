@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from scipy.integrate import cumulative_trapezoid
 
-from bladewhirl.models.coupling import FloatArray, IntArray
+from bladewhirl.models.coupling import FloatArray, IntArray, Springs
 from bladewhirl.models.stage_coupling import StageModes
 from bladewhirl.solvers.coupled_modes import CoupledMotion, RadialShapes
 from bladewhirl.solvers.recorder import HISTORY, STATIC
@@ -41,16 +41,16 @@ def radial_shapes(stage: StageModes) -> RadialShapes:
 
 
 def coupled_mode_result(
-    stage: StageModes, motion: CoupledMotion, *, reference: float, case: str
+    stage: StageModes, motion: CoupledMotion, springs: Springs, *, reference: float, case: str
 ) -> xr.Dataset:
     """Lay a coupled mode in time out like `result.nc`.
 
-    Nothing touches: contacts, impulses and friction are zero. The energy is that of the two
-    bodies, and the work of the springs between them stands as external work.
+    Nothing touches: contacts, impulses and friction are zero.
 
     Args:
         stage: the coupled modes.
         motion: of one coupled mode, equally spaced in time.
+        springs: that couple these modes.
         reference: frequency that speeds are multiples of [rad/s].
         case: the case file's text.
     """
@@ -58,7 +58,7 @@ def coupled_mode_result(
     wall, wall_modes = stage.mode_numbers(on_casing=True)
     arrays = stage.modal.arrays(rotor_modes, wall_modes)
     records = len(motion.time)
-    energy, lost = _energy(stage, motion), _damping_work(stage, motion)
+    energy, lost = _energy(motion, springs), _damping_work(stage, motion)
     zero, untouched = np.zeros(records), np.zeros((records, len(arrays.tip_node)))
     history: dict[str, FloatArray | IntArray] = {
         "time": motion.time,
@@ -72,10 +72,11 @@ def coupled_mode_result(
         "contact_steps": untouched.astype(np.int64),
         "contacts": zero.astype(np.int64),
         "energy": energy,
-        "external_work": energy - energy[0] + lost,
+        "external_work": zero,
         "normal_work": zero,
         "friction_work": zero,
         "damping_work": lost,
+        "coupling_work": energy - energy[0] + lost,
     }
     static = {name: np.asarray(getattr(arrays, name)) for name in STATIC}
     step = float(motion.time[1] - motion.time[0])
@@ -115,10 +116,13 @@ def _gaps(stage: StageModes, motion: CoupledMotion) -> FloatArray:
     return np.asarray(at_rest + wall - tips)
 
 
-def _energy(stage: StageModes, motion: CoupledMotion) -> FloatArray:
-    """Kinetic and strain energy of both bodies, without the springs between them, (records,)."""
-    strain = stage.modes.frequency[stage.modes.entry] * motion.displacement
-    return np.asarray(0.5 * np.sum(motion.velocity**2 + strain**2, axis=1))
+def _energy(motion: CoupledMotion, springs: Springs) -> FloatArray:
+    """Energy of both bodies and of the springs between them, (records,)."""
+    moved = motion.displacement
+    strain = springs.modes.frequency[springs.modes.entry] * moved
+    bodies = 0.5 * np.sum(motion.velocity**2 + strain**2, axis=1)
+    held = springs.stiffness(angle=motion.speed * motion.time)
+    return np.asarray(bodies + 0.5 * np.einsum("ti,tij,tj->t", moved, held, moved))
 
 
 def _damping_work(stage: StageModes, motion: CoupledMotion) -> FloatArray:

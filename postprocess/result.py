@@ -34,6 +34,7 @@ HISTORY = {
     "normal_work": ("time",),
     "friction_work": ("time",),
     "damping_work": ("time",),
+    "coupling_work": ("time",),
 }
 """What a result records over time, with its dimensions."""
 

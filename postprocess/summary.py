@@ -106,16 +106,17 @@ def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary
 def energy_residual(dataset: xr.Dataset) -> float:
     """How far the energy ledger is from closing, relative to its largest term; 0 at rest.
 
-    At every record energy - energy_0 = external + normal + friction work - damping loss, all since
-    the first record; `damping_work` is what damping has taken, so it is positive.
+    At every record energy - energy_0 = external + normal + friction + coupling work - damping
+    loss, all since the first record; `damping_work` is what damping has taken, so it is positive.
     """
     works = {
         name: dataset[f"{name}_work"].values
-        for name in ("external", "normal", "friction", "damping")
+        for name in ("external", "normal", "friction", "coupling", "damping")
     }
     energy = dataset["energy"].values
     since: dict[str, Array] = {name: work - work[0] for name, work in works.items()}
-    gained = since["external"] + since["normal"] + since["friction"] - since["damping"]
+    taken = since.pop("damping")
+    gained = sum(since.values()) - taken
     error = np.abs(energy - energy[0] - gained).max()
     largest = max(np.abs(term).max() for term in (energy, *works.values()))
     return float(error / largest) if largest > 0 else 0.0

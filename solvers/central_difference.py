@@ -16,6 +16,7 @@ from bladewhirl.solvers.packing import (
     pack_body,
     pack_casing,
     pack_rotor,
+    pack_springs,
     scheme_inverse,
 )
 
@@ -86,6 +87,9 @@ class CentralDifference:
         self._casing_body = pack_body(
             casing.frequency, casing.damping_ratio, casing_loads, self._casing_layout, time_step
         )
+        self._springs = pack_springs(
+            problem.springs, self._rotor_layout, self._casing_layout, problem.speed * time_step
+        )
         self._march = _march_scalars(problem, time_step)
 
     def init(self) -> CentralDifferenceState:
@@ -95,8 +99,9 @@ class CentralDifference:
             [np.cos(load.phase) * (load.ramp <= 0.0) * (load.end > 0.0) for load in problem.loads]
         )
         tips = len(problem.rotor.tip_angle)
+        springs = initial_spring_forces(problem)
         slots = []
-        for frequency, ratio, loads, layout, x, v in (
+        for frequency, ratio, loads, layout, x, v, pull in (
             (
                 problem.rotor.frequency,
                 problem.rotor.damping_ratio,
@@ -104,6 +109,7 @@ class CentralDifference:
                 self._rotor_layout,
                 start.rotor,
                 start.rotor_velocity,
+                springs[0],
             ),
             (
                 problem.casing.frequency,
@@ -112,9 +118,10 @@ class CentralDifference:
                 self._casing_layout,
                 start.casing,
                 start.casing_velocity,
+                springs[1],
             ),
         ):
-            force = factors @ _stack(loads, len(frequency))
+            force = factors @ _stack(loads, len(frequency)) + pull
             acceleration = force - frequency**2 * x - 2.0 * ratio * frequency * v
             before = x - dt * v + 0.5 * dt**2 * acceleration
             slots.append(layout.pack(np.array([before, x, np.zeros_like(x)])))
@@ -128,7 +135,7 @@ class CentralDifference:
                 drag=np.zeros(tips),
                 touched=np.zeros(tips),
                 held=np.zeros(tips),
-                work=np.zeros(4),
+                work=np.zeros(kernel.WORKS),
                 residual=np.zeros(1),
                 counts=np.zeros(4),
             ),
@@ -150,12 +157,14 @@ class CentralDifference:
             len(self._problem.rotor.tip_angle),
             len(self._problem.loads),
             (self._rotor_layout, self._casing_layout),
+            len(self._springs.factor),
         )
         status, reached, written = kernel.advance(
             self._rotor,
             self._casing,
             self._rotor_body,
             self._casing_body,
+            self._springs,
             self._march,
             arrays,
             records,
@@ -180,7 +189,7 @@ class CentralDifference:
             touched=np.zeros((count, tips)),
             contacts=np.zeros(count),
             energy=np.zeros(count),
-            work=np.zeros((count, 4)),
+            work=np.zeros((count, kernel.WORKS)),
         )
 
     def _chunk(self, records: kernel.Records, written: int) -> Chunk:
@@ -204,6 +213,7 @@ class CentralDifference:
             normal_work=kept.work[:, kernel.NORMAL],
             friction_work=kept.work[:, kernel.FRICTION],
             damping_work=kept.work[:, kernel.DAMPING],
+            coupling_work=kept.work[:, kernel.PARAMETRIC],
         )
 
 
@@ -227,6 +237,20 @@ def initial_gap(problem: ContactProblem) -> FloatArray:
         - length * xi**2 * (1.0 - xi) * second[:, 1]
     )
     return np.asarray(surface + rotor.tip_recess - rotor.tip_radial @ start.rotor)
+
+
+def initial_spring_forces(problem: ContactProblem) -> tuple[FloatArray, FloatArray]:
+    """Forces of the springs between the bodies at t = 0, on the modes of rotor and casing."""
+    start, springs = problem.start, problem.springs
+    rotor, casing = np.zeros_like(start.rotor), np.zeros_like(start.casing)
+    if springs is not None:
+        on_rotor, rotor_modes = springs.coordinates(on_casing=False)
+        on_casing, casing_modes = springs.coordinates(on_casing=True)
+        moved = np.zeros(springs.modes.size)
+        moved[on_rotor], moved[on_casing] = start.rotor[rotor_modes], start.casing[casing_modes]
+        force = -springs.stiffness(angle=0.0) @ moved
+        rotor[rotor_modes], casing[casing_modes] = force[on_rotor], force[on_casing]
+    return rotor, casing
 
 
 def _stack(loads: list[FloatArray], modes: int) -> FloatArray:

@@ -8,6 +8,8 @@ The scheme is that of Carpenter, Taylor and Katona (1991) with damping and slidi
     0 <= lambda  perp  g_p + W lambda >= 0   W = B_N^T c (B_N + mu B_T S)
     x_{n+1} = x_p + c (B_N + mu B_T S) lambda
 
+Springs between the bodies, whose stiffness K*(t) turns with the rotor, add -K*_n x_n to f_n.
+
 Fields are evaluated in two stages so that one code serves cyclic and general stages: modal
 coordinates, laid out as (rows, columns), are first summed over rows with weights, giving one
 number a column, and the columns are then spread over tips or casing nodes by a shape matrix. On a
@@ -64,7 +66,8 @@ INLINE = COMPILE | {"forceinline": True}
 RUNNING, DIVERGED = 0, 1
 W_KIND, W_SLOPE, U_KIND, U_SLOPE = 0, 1, 2, 3
 PUSH, DRAG = 4, 5  # of the tips, behind the nodal forces
-EXTERNAL, NORMAL, FRICTION, DAMPING = 0, 1, 2, 3
+EXTERNAL, NORMAL, FRICTION, DAMPING, PARAMETRIC = 0, 1, 2, 3, 4
+WORKS = 5
 STEP_CONTACTS, LCP_FAILURES, LCP_PIVOTS, CONTACT_STEPS = 0, 1, 2, 3
 CHECK_EVERY = 100  # steps between looks at displacements other than the tips' radial ones
 LAST_TRIAL = 1_000_000  # marks a complementarity problem solved for all tips at once
@@ -128,6 +131,23 @@ class Casing(NamedTuple):
     element_length: float  #: [m]
 
 
+class Springs(NamedTuple):
+    """Springs between the bodies, by nodal diameter (harmonic); without any, arrays are empty.
+
+    A wave is the cosine or sine part of a body's radial displacement in one harmonic.
+    """
+
+    nodal_diameter: Array  #: of each harmonic, (harmonics,)
+    factor: Array  #: f_k kappa of each harmonic [N/m], (harmonics,)
+    rotor_place: Array  #: coupled modes among the flat entries of the rotor, (modes,)
+    rotor_wave: Array  #: wave of each: twice its harmonic, and one more for a sine
+    rotor_amplitude: Array  #: of each at the springs [kg^-1/2]
+    casing_place: Array
+    casing_wave: Array
+    casing_amplitude: Array
+    angle_per_step: float  #: turn of the rotor a step [rad]
+
+
 class March(NamedTuple):
     """Scalars of a march."""
 
@@ -153,7 +173,7 @@ class State(NamedTuple):
     drag: Array  #: friction impulse since the last record [N s], (tips,)
     touched: Array  #: steps with contact since the last record, (tips,)
     held: Array  #: 1 for tips in contact at the last step, (tips,)
-    work: Array  #: external, normal, friction work and damping loss [J], (4,)
+    work: Array  #: external, normal, friction work, damping loss, parametric work [J], (WORKS,)
     residual: Array  #: largest complementarity residual, (1,)
     counts: Array  #: contacts at the last step, LCP failures, LCP pivots, steps with contact, (4,)
 
@@ -170,7 +190,7 @@ class Records(NamedTuple):
     touched: Array
     contacts: Array  #: (records,)
     energy: Array  #: half-step energy [J], (records,)
-    work: Array  #: (records, 4)
+    work: Array  #: (records, WORKS)
 
 
 class Scratch(NamedTuple):
@@ -200,6 +220,10 @@ class Scratch(NamedTuple):
     work: Array  #: of the contact forces over this step [J], (2,)
     tableau: Array  #: of Lemke's method, (tips, 2 tips + 2)
     basis: Array  #: of Lemke's method, (tips,)
+    rotor_waves: Array  #: at the last step and at this, (2, waves)
+    casing_waves: Array
+    stretch: Array  #: of the springs, by angle and displacement as in `_stretches`, (4, waves)
+    spring_force: Array  #: on the waves of rotor and casing, (2, waves)
 
 
 @njit(**INLINE)
@@ -366,6 +390,72 @@ def _add_load(
                 break
             force = mul(factor, load_row(pattern, p, i))
             store_row(slots, new, i, fma(force, load(c, i), load_row(slots, new, i)))
+
+
+@njit(**COMPILE)
+def _waves(
+    place: Array, wave: Array, amplitude: Array, slots: Array, slot: int, out: Array, row: int
+) -> None:
+    """Waves of one body's radial displacement at the springs."""
+    for i in range(out.shape[1]):
+        out[row, i] = 0.0
+    for i in range(len(place)):
+        out[row, wave[i]] += amplitude[i] * slots[slot, place[i]]
+
+
+@njit(**COMPILE)
+def _stretches(
+    nodal_diameter: Array, angle: float, last_angle: float, rotor: Array, casing: Array,
+    earlier: int, later: int, out: Array,
+) -> None:  # fmt: skip
+    """Stretch of the springs, casing less rotor: rows 0 and 1 at the last angle for the last
+    displacement and this one, rows 2 and 3 the same at this angle.
+    """
+    for turned in range(2):
+        for h in range(len(nodal_diameter)):
+            phase = nodal_diameter[h] * (angle if turned == 1 else last_angle)
+            cos, sin = np.cos(phase), np.sin(phase)
+            for moved in range(2):
+                row = later if moved == 1 else earlier
+                u_c, u_s = rotor[row, 2 * h], rotor[row, 2 * h + 1]
+                at = 2 * turned + moved
+                out[at, 2 * h] = casing[row, 2 * h] - (u_c * cos - u_s * sin)
+                out[at, 2 * h + 1] = casing[row, 2 * h + 1] - (u_c * sin + u_s * cos)
+
+
+@njit(**COMPILE)
+def _spring_energy(factor: Array, stretch: Array, first: int) -> float:
+    """x_{n-1}^T K* x_n / 2 from the stretches of both displacements at one angle."""
+    energy = 0.0
+    for h in range(len(factor)):
+        energy += factor[h] * (
+            stretch[first, 2 * h] * stretch[first + 1, 2 * h]
+            + stretch[first, 2 * h + 1] * stretch[first + 1, 2 * h + 1]
+        )
+    return 0.5 * energy
+
+
+@njit(**COMPILE)
+def _spring_forces(
+    nodal_diameter: Array, factor: Array, angle: float, stretch: Array, force: Array
+) -> None:
+    """Forces -C^T f kappa C x_n of the springs, on the waves of rotor (row 0) and casing (1)."""
+    for h in range(len(factor)):
+        cos, sin = np.cos(nodal_diameter[h] * angle), np.sin(nodal_diameter[h] * angle)
+        pull_c, pull_s = factor[h] * stretch[3, 2 * h], factor[h] * stretch[3, 2 * h + 1]
+        force[0, 2 * h] = cos * pull_c + sin * pull_s
+        force[0, 2 * h + 1] = cos * pull_s - sin * pull_c
+        force[1, 2 * h], force[1, 2 * h + 1] = -pull_c, -pull_s
+
+
+@njit(**COMPILE)
+def _add_springs(
+    place: Array, wave: Array, amplitude: Array, force: Array, row: int, c: Array, slots: Array,
+    new: int,
+) -> None:  # fmt: skip
+    for i in range(len(place)):
+        at = place[i]
+        slots[new, at] += c[at] * amplitude[i] * force[row, wave[i]]
 
 
 @njit(**COMPILE)
@@ -998,6 +1088,7 @@ def advance(
     casing: Casing,
     rotor_body: Body,
     casing_body: Body,
+    springs: Springs,
     march: March,
     state: State,
     records: Records,
@@ -1057,6 +1148,12 @@ def advance(
     work, count, residual = bare(state.work), bare(state.counts), bare(state.residual)
     smallest, impulse = bare(state.gap), bare(state.impulse)
     drag, touched = bare(state.drag), bare(state.touched)
+    diameter, spring = bare(springs.nodal_diameter), bare(springs.factor)
+    r_place, c_place = bare(springs.rotor_place), bare(springs.casing_place)
+    r_wave, c_wave = bare(springs.rotor_wave), bare(springs.casing_wave)
+    r_amplitude, c_amplitude = bare(springs.rotor_amplitude), bare(springs.casing_amplitude)
+    r_waves, c_waves = bare(s.rotor_waves), bare(s.casing_waves)
+    stretch, pull, turn = bare(s.stretch), bare(s.spring_force), springs.angle_per_step
     rec_step, rec_energy, rec_work = records.step, records.energy, records.work
     rec_gap, rec_impulse, rec_drag = records.gap, records.impulse, records.drag
     rec_touched, rec_contacts = records.touched, records.contacts
@@ -1068,10 +1165,23 @@ def advance(
     zero, one, two = int(np.int64(0)), int(np.int64(1)), int(np.int64(2))
     tips, written, status = len(element), zero, RUNNING
     old, now, new = zero, one, two
-    end = step + steps
+    end, coupled = step + steps, len(spring) > 0
+    earlier, later_waves, spring_energy, parametric = zero, one, 0.0, 0.0
+    if coupled:
+        _waves(r_place, r_wave, r_amplitude, xs, old, r_waves, earlier)
+        _waves(c_place, c_wave, c_amplitude, ys, old, c_waves, earlier)
     while step < end:
         recording = step % record_every == 0
         loaded = _load_factors(loads, step * dt, factors)
+        if coupled:
+            angle, last_angle = turn * step, turn * (step - 1)
+            _waves(r_place, r_wave, r_amplitude, xs, now, r_waves, later_waves)
+            _waves(c_place, c_wave, c_amplitude, ys, now, c_waves, later_waves)
+            _stretches(diameter, angle, last_angle, r_waves, c_waves, earlier, later_waves, stretch)
+            spring_energy = _spring_energy(spring, stretch, zero)
+            parametric = _spring_energy(spring, stretch, two) - spring_energy
+            _spring_forces(diameter, spring, angle, stretch, pull)
+            earlier, later_waves = later_waves, earlier
         contacts = count[STEP_CONTACTS]
         count[STEP_CONTACTS] = 0
         trial, size, penetrating, within = zero, zero, zero, True
@@ -1083,6 +1193,9 @@ def advance(
                 if loaded:
                     _add_load(r_load, r_loaded, factors, rc, xs, new)
                     _add_load(c_load, c_loaded, factors, cc, ys, new)
+                if coupled:
+                    _add_springs(r_place, r_wave, r_amplitude, pull, zero, rc, xs, new)
+                    _add_springs(c_place, c_wave, c_amplitude, pull, one, cc, ys, new)
 
             if trial == 0:
                 # Where the tips stand at the end of the step.
@@ -1218,9 +1331,11 @@ def advance(
         if recording or not within:
             # What is known at step n, before x_{n+1}; what counts between records starts anew.
             rec_step[written] = step
-            rec_energy[written] = _half_step_energy(
-                r_stiffness, xs, old, now, dt
-            ) + _half_step_energy(c_stiffness, ys, old, now, dt)
+            rec_energy[written] = (
+                _half_step_energy(r_stiffness, xs, old, now, dt)
+                + _half_step_energy(c_stiffness, ys, old, now, dt)
+                + spring_energy
+            )
             _copy(work, rec_work, written)
             _copy(smallest, rec_gap, written)
             _copy(impulse, rec_impulse, written)
@@ -1257,6 +1372,7 @@ def advance(
         work[DAMPING] += (
             _damping_loss(r_damping, xs, old, new) + _damping_loss(c_damping, ys, old, new)
         ) / dt
+        work[PARAMETRIC] += parametric
         old, now, new = now, new, old
         step += 1
     _settle(xs, old, now, new)

@@ -39,11 +39,12 @@ class Chunk:
     friction_impulse: FloatArray  #: positive when the blade is dragged to -theta [N s]
     contact_steps: IntArray  #: steps with contact since the last record, (records, tips)
     contacts: IntArray  #: tips in contact at the record, (records,)
-    energy: FloatArray  #: half-step energy of both bodies [J], (records,)
+    energy: FloatArray  #: half-step energy of bodies and springs between them [J], (records,)
     external_work: FloatArray  #: since the start [J], (records,)
     normal_work: FloatArray  #: of the normal contact forces [J]
     friction_work: FloatArray  #: of the friction forces [J]
     damping_work: FloatArray  #: lost to modal damping [J], positive
+    coupling_work: FloatArray  #: that turning the rotor does on the springs between the bodies [J]
 
     @property
     def records(self) -> int:

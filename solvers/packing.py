@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.contact_problem import ReducedCasing, ReducedRotor
+from bladewhirl.models.coupling import Springs as ModalSprings
 from bladewhirl.models.cyclic import is_pair, nodal_diameter_of, real_dft
 from bladewhirl.solvers.kernel import (
     U_KIND,
@@ -21,6 +22,7 @@ from bladewhirl.solvers.kernel import (
     KindArrays,
     Rotor,
     Scratch,
+    Springs,
 )
 from bladewhirl.solvers.lanes import HALF, LANES
 
@@ -362,6 +364,40 @@ def pack_body(
     )
 
 
+def pack_springs(
+    springs: ModalSprings | None, rotor: Layout, casing: Layout, angle_per_step: float
+) -> Springs:
+    """Springs between the bodies, by harmonic.
+
+    Args:
+        springs: None for bodies without.
+        rotor: arrangement of the rotor's modes.
+        casing: arrangement of the casing's modes.
+        angle_per_step: turn of the rotor a step [rad].
+    """
+    none = np.zeros(0, dtype=np.int64)
+    if springs is None:
+        empty = np.zeros(0)
+        return Springs(empty, empty, none, none, empty, none, none, empty, angle_per_step)
+    modes, harmonics = springs.modes, np.array(springs.modes.harmonics)
+    harmonic = np.searchsorted(harmonics, modes.nodal_diameter)[modes.entry]
+    wave = 2 * harmonic + modes.is_sine
+    on_rotor, rotor_modes = springs.coordinates(on_casing=False)
+    on_casing, casing_modes = springs.coordinates(on_casing=True)
+    amplitude = modes.amplitude[modes.entry]
+    return Springs(
+        nodal_diameter=harmonics.astype(np.float64),
+        factor=springs.factors,
+        rotor_place=rotor.entry[rotor_modes],
+        rotor_wave=wave[on_rotor],
+        rotor_amplitude=amplitude[on_rotor],
+        casing_place=casing.entry[casing_modes],
+        casing_wave=wave[on_casing],
+        casing_amplitude=amplitude[on_casing],
+        angle_per_step=angle_per_step,
+    )
+
+
 def _registers_in_use(patterns: FloatArray) -> IntArray:
     """Where each pattern has a register of numbers that are not all zero, then -1."""
     used = [LANES * np.flatnonzero(p.reshape(-1, LANES).any(axis=1)) for p in patterns]
@@ -377,9 +413,14 @@ def scheme_inverse(frequency: FloatArray, damping_ratio: FloatArray, dt: float) 
 
 
 def make_scratch(
-    rotor: Rotor, casing: Casing, tips: int, loads: int, layouts: tuple[Layout, Layout]
+    rotor: Rotor,
+    casing: Casing,
+    tips: int,
+    loads: int,
+    layouts: tuple[Layout, Layout],
+    harmonics: int,
 ) -> Scratch:
-    """Working arrays for one march."""
+    """Working arrays for one march; ``harmonics`` are those of springs between the bodies."""
     # Columns, the first half of them once more, and what the last register runs over.
     columns = _padded(max(layout.columns + layout.half + LANES for layout in layouts))
     padded = len(rotor.position)
@@ -408,4 +449,8 @@ def make_scratch(
         work=np.zeros(2),
         tableau=np.zeros((tips, 2 * tips + 2)),
         basis=np.zeros(tips, dtype=np.int64),
+        rotor_waves=np.zeros((2, 2 * harmonics)),
+        casing_waves=np.zeros((2, 2 * harmonics)),
+        stretch=np.zeros((4, 2 * harmonics)),
+        spring_force=np.zeros((2, 2 * harmonics)),
     )

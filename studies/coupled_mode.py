@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bladewhirl.models.coupling import FloatArray, IntArray
+from bladewhirl.models.coupling import FloatArray, IntArray, Springs
 from bladewhirl.models.stage_coupling import StageModes
 from bladewhirl.postprocess.coupled_mode_figures import (
     motion_dataset,
@@ -51,6 +51,7 @@ def whirl_records(mode: CoupledMode) -> FloatArray:
 def draw_coupled_mode(
     stage: StageModes,
     mode: CoupledMode,
+    springs: Springs,
     folder: Path,
     *,
     reference: float,
@@ -62,6 +63,7 @@ def draw_coupled_mode(
     Args:
         stage: the coupled modes.
         mode: one that grows.
+        springs: that couple these modes.
         folder: where to.
         reference: frequency that speeds are multiples of [rad/s].
         case: the case file's text.
@@ -74,7 +76,7 @@ def draw_coupled_mode(
         shapes=radial_shapes(stage),
         clearance=given.casing.clearance or SHARE_OF_RADIUS * given.tip_radius,
     )
-    result = coupled_mode_result(stage, motion, reference=reference, case=case)
+    result = coupled_mode_result(stage, motion, springs, reference=reference, case=case)
     result.to_netcdf(folder / RESULT_NAME, engine="h5netcdf")
     measured = motion_dataset(motion, reference=reference)
     save_figure(plot_phases(measured), folder / "phases", measured)

@@ -102,7 +102,7 @@ def _derive(stage: Stage) -> Derived:
     casing, boundary = stage.casing, stage.boundary_sets
     pair = suspension_pair(modes)
     rotor, wall = marched_bodies(stage)
-    critical = critical_time_step(rotor, wall)
+    critical = critical_time_step(rotor, wall, stage.kept.springs)
     records = case.march.steps // case.march.steps_per_record + 1
     kept = {name: len(dofs) for name, dofs in boundary.items()}
     return Derived(

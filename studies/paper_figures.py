@@ -147,6 +147,7 @@ def _draw_coupled_mode(lab: Laboratory, folder: Path) -> None:
     draw_coupled_mode(
         system.stage,
         mode,
+        system.stage.springs(EXAMPLE["kappa"], with_pi=system.with_pi),
         folder,
         reference=system.reference,
         case=dumps_case(lab.modal_case),

@@ -106,6 +106,7 @@ def _draw(system: System, omega: float, kappa: float, folder: Path, films: bool)
     return draw_coupled_mode(
         part,
         coupled_modes(part.modes, **arguments)[0],
+        part.springs(kappa, with_pi=system.with_pi),
         folder,
         reference=system.reference,
         case=system.case,

@@ -95,14 +95,15 @@ def run(
 
 def ledger_residual(chunk: Chunk) -> float:
     """Largest mismatch of energy and work, by the largest term."""
-    gained = chunk.external_work + chunk.normal_work + chunk.friction_work - chunk.damping_work
-    mismatch = (chunk.energy - chunk.energy[0]) - gained
+    work = chunk.external_work + chunk.normal_work + chunk.friction_work + chunk.coupling_work
+    mismatch = (chunk.energy - chunk.energy[0]) - (work - chunk.damping_work)
     terms = [
         chunk.energy,
         chunk.external_work,
         chunk.normal_work,
         chunk.friction_work,
         chunk.damping_work,
+        chunk.coupling_work,
     ]
     return float(np.abs(mismatch).max() / max(np.abs(term).max() for term in terms))
 

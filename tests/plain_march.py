@@ -25,7 +25,7 @@ class PlainRun:
     multiplier: FloatArray  #: that lead to them [N], (steps, tips)
     sign: FloatArray  #: of sliding, (steps, tips)
     energy: FloatArray  #: E_{n-1/2} for n = 0 .. steps, (steps + 1,)
-    work: FloatArray  #: external, normal, friction, damping up to x_n, (steps + 1, 4)
+    work: FloatArray  #: external, normal, friction, damping, parametric up to x_n, (steps + 1, 5)
 
 
 def surface_rows(casing: ReducedCasing, angle: float) -> tuple[FloatArray, FloatArray, float]:
@@ -72,13 +72,37 @@ def complementary(gap: FloatArray, W: FloatArray) -> FloatArray:
     raise AssertionError("no active set is complementary")
 
 
+def spring_stiffness(problem: ContactProblem, time: float) -> FloatArray:
+    """K* of the springs over all modes of both bodies: Eq. (8), angle by angle."""
+    m = len(problem.rotor.frequency)
+    stiffness = np.zeros((m + len(problem.casing.frequency),) * 2)
+    springs = problem.springs
+    if springs is None:
+        return stiffness
+    angles = np.linspace(0.0, 2.0 * np.pi, 101)[:-1]
+    per_radian = springs.kappa * (1.0 if springs.with_pi else 1.0 / np.pi)
+    for theta in angles:
+        row = np.zeros(len(stiffness))
+        for entry, number in enumerate(springs.number):
+            on_casing = bool(springs.modes.on_casing[entry])
+            at = theta if on_casing else theta - problem.speed * time
+            amplitude, k = springs.modes.amplitude[entry], springs.modes.nodal_diameter[entry]
+            place, way = (m + number, 1.0) if on_casing else (number, -1.0)
+            row[place] += way * amplitude * np.cos(k * at)
+            if springs.modes.paired[entry]:
+                row[place + 1] += way * amplitude * np.sin(k * at)
+        stiffness += per_radian * 2.0 * np.pi / len(angles) * np.outer(row, row)
+    return stiffness
+
+
 def plain_march(problem: ContactProblem, dt: float, steps: int) -> PlainRun:
     """March a problem from its start."""
     rotor, casing = problem.rotor, problem.casing
     m = len(rotor.frequency)
     omega = np.concatenate([rotor.frequency, casing.frequency])
     damping = 2.0 * np.concatenate([rotor.damping_ratio, casing.damping_ratio]) * omega
-    stiffness = omega**2
+    own = np.diag(omega**2)
+    stiffness, past = own + spring_stiffness(problem, 0.0), own + spring_stiffness(problem, -dt)
     A = 1.0 / dt**2 + damping / (2.0 * dt)
     patterns = [np.concatenate([load.rotor, load.casing]) for load in problem.loads]
 
@@ -91,14 +115,15 @@ def plain_march(problem: ContactProblem, dt: float, steps: int) -> PlainRun:
     start = problem.start
     x = np.concatenate([start.rotor, start.casing])
     v = np.concatenate([start.rotor_velocity, start.casing_velocity])
-    before = x - dt * v + 0.5 * dt**2 * (force(0.0) - damping * v - stiffness * x)
+    before = x - dt * v + 0.5 * dt**2 * (force(0.0) - damping * v - stiffness @ x)
     tips = len(rotor.tip_angle)
     history, gaps, multipliers, signs = [x], [], [], []
-    works = [np.zeros(4)]
-    energies = [0.5 * np.sum(((x - before) / dt) ** 2) + 0.5 * before @ (stiffness * x)]
+    works = [np.zeros(5)]
+    energies = [0.5 * np.sum(((x - before) / dt) ** 2) + 0.5 * before @ past @ x]
     for n in range(steps):
         f = force(n * dt)
-        free = (f + (2.0 / dt**2 - stiffness) * x + (damping / (2 * dt) - 1 / dt**2) * before) / A
+        stiffness = own + spring_stiffness(problem, n * dt)
+        free = (f + 2.0 / dt**2 * x - stiffness @ x + (damping / (2 * dt) - 1 / dt**2) * before) / A
         # Rows B_N and B_T of the gaps at the end of the step, and the sense of sliding.
         normal, tangential = np.zeros((tips, len(omega))), np.zeros((tips, len(omega)))
         clearance, sign = np.zeros(tips), np.zeros(tips)
@@ -128,14 +153,15 @@ def plain_march(problem: ContactProblem, dt: float, steps: int) -> PlainRun:
                 moved @ (normal.T @ multiplier),
                 moved @ (tangential.T @ (problem.friction * sign * multiplier)),
                 moved @ (damping * moved) / dt,
+                0.5 * before @ (stiffness - past) @ x,
             ]
         )
-        energies.append(0.5 * np.sum(((after - x) / dt) ** 2) + 0.5 * x @ (stiffness * after))
+        energies.append(0.5 * np.sum(((after - x) / dt) ** 2) + 0.5 * x @ stiffness @ after)
         gaps.append(clearance + normal @ after)
         multipliers.append(multiplier)
         signs.append(sign)
         history.append(after)
-        before, x = x, after
+        before, x, past = x, after, stiffness
     all_x = np.array(history)
     return PlainRun(
         rotor=all_x[:, :m],

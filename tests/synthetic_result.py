@@ -132,6 +132,8 @@ def synthetic_result(
     )
     friction_work = -np.cumsum(np.sum(friction * impulse, axis=1)) * speed * radius
     damping_work = 0.1 * energy[0] * time / time[-1] if records > 1 else np.zeros(records)
+    coupling_work = -0.5 * damping_work
+    taken = damping_work - coupling_work
     per_blade = ("time", "blade")
     return xr.Dataset(
         data_vars={
@@ -145,10 +147,11 @@ def synthetic_result(
             "contact_steps": (per_blade, np.where(impulse > 0, 1000, 0)),
             "contacts": ("time", np.sum(impulse > 0, axis=1)),
             "energy": ("time", energy),
-            "external_work": ("time", energy - energy[0] - friction_work + damping_work),
+            "external_work": ("time", energy - energy[0] - friction_work + taken),
             "normal_work": ("time", np.zeros(records)),
             "friction_work": ("time", friction_work),
             "damping_work": ("time", damping_work),
+            "coupling_work": ("time", coupling_work),
             "rotor_frequency": ("rotor_mode", ROTOR_FREQUENCY),
             "rotor_nodal_diameter": ("rotor_mode", np.array([1, 1, 0, 1, 1])),
             "rotor_family": (

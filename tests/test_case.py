@@ -79,6 +79,7 @@ DEFAULTS: dict[str, object] = {
     "initial.tip_velocity": None,
     "initial.tip_displacement": None,
     "coupling.stiffness": 0.0,
+    "coupling.modes": "six",
     "coupling.amplitude": "paper",
     "coupling.pi": True,
     "march.speed": 1.05,

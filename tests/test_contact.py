@@ -67,7 +67,7 @@ def test_every_step_is_the_one_plain_numpy_takes(
     assert_alike(chunk.friction_impulse[1:], drag, 1e-7)
     assert_alike(chunk.energy, expected.energy, 1e-9)
     work = [chunk.external_work, chunk.normal_work, chunk.friction_work, chunk.damping_work]
-    assert_alike(np.column_stack(work), expected.work, 1e-9)
+    assert_alike(np.column_stack([*work, chunk.coupling_work]), expected.work, 1e-9)
 
 
 def test_the_second_opinion_meets_many_contacts() -> None:

@@ -140,7 +140,7 @@ def test_damping_takes_energy_as_a_growing_circle_does(tmp_path: Path) -> None:
         expected = power * np.expm1(rate * time) / rate
         assert result["damping_work"].values == pytest.approx(expected, rel=1e-4)
         energy = result["energy"].values
-        balance = result["external_work"].values - result["damping_work"].values
+        balance = result["coupling_work"].values - result["damping_work"].values
         assert balance == pytest.approx(energy - energy[0])
 
 

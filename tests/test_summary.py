@@ -158,13 +158,16 @@ class TestSummarise:
         assert peak < 2 * motion.nbytes  # two histories of 18.7 MB, plus tips and energies
 
 
+WORKS = ("external_work", "normal_work", "friction_work", "coupling_work")
+
+
 class TestEnergyLedger:
     def test_closes_to_rounding(self, result: xr.Dataset) -> None:
         assert energy_residual(result) < 1e-14
 
-    @pytest.mark.parametrize("term", ["external_work", "normal_work", "friction_work", "energy"])
+    @pytest.mark.parametrize("term", [*WORKS, "energy"])
     def test_finds_an_error_planted_in_a_term(self, result: xr.Dataset, term: str) -> None:
-        names = ["energy", "external_work", "normal_work", "friction_work", "damping_work"]
+        names = ["energy", "damping_work", *WORKS]
         largest = max(float(np.abs(result[name]).max()) for name in names)
         result[term][137] += 1e-6 * largest
         assert energy_residual(result) == pytest.approx(1e-6, rel=1e-4)
@@ -173,14 +176,14 @@ class TestEnergyLedger:
         """An oscillator that loses half of its energy to damping and nothing else."""
         result = synthetic.synthetic_result(records=11)
         share = np.linspace(0.0, 0.5, 11)
-        for work in ("external_work", "normal_work", "friction_work"):
+        for work in WORKS:
             result[work] = "time", np.zeros(11)
         result["energy"] = "time", 8.0 * (1 - share)
         result["damping_work"] = "time", 8.0 * share
         assert energy_residual(result) < 1e-15
 
     def test_nothing_moves_nothing_is_missing(self, result: xr.Dataset) -> None:
-        for name in ("energy", "external_work", "normal_work", "friction_work", "damping_work"):
+        for name in ("energy", "damping_work", *WORKS):
             result[name] = 0.0 * result[name]
         assert energy_residual(result) == 0.0
 
