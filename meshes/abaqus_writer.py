@@ -20,11 +20,13 @@ A_LINE = 8
 
 
 def write_inp(path: Path, mesh: GroupedLines) -> None:
-    """Write an .inp file; data other than sections and masses are left out.
+    """Write an .inp file; data other than sections and masses are left out, and so are lines that
+    are no beams.
 
     Raises:
         MeshFileError: a name that Abaqus does not take.
     """
+    mesh = mesh.beams()
     for name in [*mesh.node_groups, *mesh.line_groups]:
         if not re.fullmatch(r"[A-Za-z][\w -]{0,79}", name, re.ASCII) or OWN_SETS.fullmatch(name):
             raise MeshFileError(f"for .inp, names of letters, digits, _ and -, not {name!r}")

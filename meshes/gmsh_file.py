@@ -1,4 +1,4 @@
-"""Line meshes of Gmsh, .msh: versions 4.1, 4.0 and 2.2, text or binary.
+"""Line meshes of Gmsh, .msh: versions 4.1 and 2.2, text or binary.
 
 Groups are physical groups: of points for nodes, of curves for lines. A group called
 ``thickness=0.01`` gives its members the number 0.01 as their ``thickness``; that is how data are
@@ -25,6 +25,9 @@ from bladewhirl.meshes.grouped_lines import GroupedLines, MeshFileError, in_plan
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.meshio_cells import POINT, line_blocks, readable, stacked
 
+VERSIONS = ("4.1", "2.2")
+"""Versions of the format that are read; meshio does not get through what Gmsh 4 writes as 4.0."""
+
 TAG, ENTITY = "gmsh:physical", "gmsh:geometrical"
 VALUE = re.compile(
     r"(?P<name>[A-Za-z]\w*)\s*=\s*(?P<value>[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?)", re.I
@@ -44,7 +47,7 @@ def read_msh(path: Path) -> GroupedLines:
         MeshFileError: it is none, has other cells than lines and points, or two physical groups
             of one name, of which meshio would lose one.
     """
-    _check_names(path)
+    _check_head(path)
     with readable(path):
         mesh = _read(path)
     blocks = line_blocks(mesh)
@@ -79,15 +82,22 @@ def _read(path: Path) -> meshio.Mesh:
         raise
 
 
-def _check_names(path: Path) -> None:
-    """Refuse physical groups that share a name: meshio tells groups apart by name alone.
+def _check_head(path: Path) -> None:
+    """Refuse other versions, and physical groups that share a name: meshio goes by names alone.
 
     Raises:
-        MeshFileError: there are some.
+        MeshFileError: it is so.
     """
     found: dict[str, list[int]] = defaultdict(list)
     with readable(path), path.open("rb") as stream:
         for line in stream:
+            if line.strip() == b"$MeshFormat":
+                version = stream.readline().split()[0].decode()
+                if version not in VERSIONS:
+                    raise MeshFileError(
+                        f"a .msh file of version {' or '.join(VERSIONS)} "
+                        f"(Mesh.MshFileVersion = {VERSIONS[0]}), not {version}"
+                    )
             if line.strip() == b"$PhysicalNames":
                 for _ in range(int(stream.readline())):
                     dimension, _, name = shlex.split(stream.readline().decode())

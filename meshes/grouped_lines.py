@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -14,6 +14,10 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
 FLAT = 1e-6
 """Largest distance from one plane, over the size of a mesh, that still counts as in it."""
+
+SPRING = ("spring_radial", "spring_tangential", "spring_rotation")
+RIGID = "rigid"
+"""Data of lines that are no beams: stiffnesses of springs, and 1 on rigid links."""
 
 
 class MeshFileError(ValueError):
@@ -45,6 +49,41 @@ class GroupedLines:
                 object.__setattr__(self, item.name, MappingProxyType(frozen))
             else:
                 object.__setattr__(self, item.name, _frozen(value, kind))
+
+    @property
+    def is_rigid(self) -> NDArray[np.bool_]:
+        """Which lines are rigid links, (lines,)."""
+        return self._has(RIGID)
+
+    @property
+    def is_beam(self) -> NDArray[np.bool_]:
+        """Which lines are beams, neither springs nor rigid links, (lines,)."""
+        return ~self._has(RIGID, *SPRING)
+
+    def _has(self, *names: str) -> NDArray[np.bool_]:
+        none = np.zeros(len(self.lines))
+        rows = [np.nan_to_num(self.line_data.get(name, none)) for name in names]
+        return np.asarray(np.any(rows, axis=0))
+
+    def beams(self) -> GroupedLines:
+        """The mesh without springs and rigid links."""
+        beam = self.is_beam
+        number = np.cumsum(beam) - 1
+        groups = {name: lines[beam[lines]] for name, lines in self.line_groups.items()}
+        return replace(
+            self,
+            lines=self.lines[beam],
+            line_groups={
+                name: number[lines]
+                for name, lines in groups.items()
+                if len(lines) or not len(self.line_groups[name])
+            },
+            line_data={
+                name: values[beam]
+                for name, values in self.line_data.items()
+                if name not in (*SPRING, RIGID)
+            },
+        )
 
 
 def in_plane(points: FloatArray) -> FloatArray:

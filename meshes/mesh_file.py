@@ -5,7 +5,7 @@ from __future__ import annotations
 from os import PathLike
 from pathlib import Path
 
-from bladewhirl.meshes.abaqus_reader import read_inp
+from bladewhirl.meshes.abaqus_reader import POINT_MASSES, SECTION, read_inp
 from bladewhirl.meshes.abaqus_writer import write_inp
 from bladewhirl.meshes.gmsh_file import read_msh, write_msh
 from bladewhirl.meshes.grouped_lines import GroupedLines, MeshFileError
@@ -56,6 +56,14 @@ def write_line_mesh(path: str | PathLike[str], mesh: GroupedLines) -> None:
         part.replace(file)
     finally:
         part.unlink(missing_ok=True)
+
+
+def left_out(path: str | PathLike[str], mesh: GroupedLines) -> list[str]:
+    """Names of the data that the format of a file does not hold."""
+    if _known_suffix(Path(path)) != ".inp":
+        return []
+    held = (*SECTION, *POINT_MASSES.values())
+    return [name for name in (*mesh.node_data, *mesh.line_data) if name not in held]
 
 
 def _known_suffix(path: Path) -> str:

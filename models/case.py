@@ -294,4 +294,4 @@ class Case(Table):
         mesh = self.bladed_disk.mesh
         if mesh is None:
             return self.bladed_disk.tip_radius
-        return max(hypot(*tip) for tip in mesh_tips(mesh).tolist())
+        return mesh.tip_radius or max(hypot(*tip) for tip in mesh_tips(mesh).tolist())

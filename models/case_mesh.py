@@ -57,3 +57,8 @@ class MeshTable(Table):
         description="Section of each group of lines, { width, thickness, material }, the last where"
         " it is one of material.named. Lines left out have their sections in the file.",
     )
+    tip_radius: Length | None = Field(
+        default=None,
+        description="Radius that the clearance counts from [m]; the largest of the tips' own when"
+        " left out.",
+    )

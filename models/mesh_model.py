@@ -1,4 +1,4 @@
-"""A beam model from a mesh file by the mapping of a case, and the mesh file of a beam model."""
+"""A beam model from a mesh file by the mapping of a case."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import os
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -15,11 +16,12 @@ from bladewhirl.meshes.grouped_lines import GroupedLines, MeshFileError
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.mesh_file import read_line_mesh
 from bladewhirl.meshes.rotational_symmetry import rotational_sectors, symmetric_points
-from bladewhirl.models.beam_model import BeamModel, PointMasses
+from bladewhirl.models.beam_model import BeamModel
 from bladewhirl.models.beam_model_check import AT_ORIGIN, check_model
 from bladewhirl.models.case_mesh import MeshTable
 from bladewhirl.models.case_section import Material
-from bladewhirl.models.faults import CaseError, Fault, shown
+from bladewhirl.models.faults import LONGEST_VALUE, CaseError, Fault, shown
+from bladewhirl.models.mesh_data import point_masses, rigid_links, springs
 from bladewhirl.models.sections import QUANTITIES, LineProperties, Section, along
 
 KEY = "bladed_disk.mesh"
@@ -29,9 +31,6 @@ SAME_PLACE = 1e-6
 
 TIP_RADII = (1e-3, 10.0)
 """Smallest and largest tip radius [m]; beyond them a unit of length was mistaken."""
-
-MASSES = ("mass", "inertia")
-"""Data on nodes that are point masses [kg] and their rotary inertia [kg m2]."""
 
 
 def mesh_tips(table: MeshTable) -> FloatArray:
@@ -66,8 +65,8 @@ def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
         raise CaseError(_fault(table, "file", expected) for expected in faults)
     tips = _tips(table, mesh, points)
     centre = _group(table, mesh, "centre")
-    properties = _properties(table, mesh, material)
-    masses = _masses(table, mesh)
+    hung = _hung(table, mesh)
+    beams = mesh.beams()
     tip_radius = float(np.linalg.norm(points[tips], axis=1).max())
     if not TIP_RADII[0] <= tip_radius <= TIP_RADII[1]:
         low, high = TIP_RADII
@@ -81,44 +80,24 @@ def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
         points = symmetric_points(points, sectors)
     axes = np.arctan2(points[:, 1], points[:, 0])
     axes[centre] = 0.0
-    last = {name: mesh.line_groups[name] for name in table.sections}
+    properties = _properties(table, beams, material)
+    last = {name: beams.line_groups[name] for name in table.sections}
     model = BeamModel(
         mesh=LineMesh(
             points=points,
-            lines=mesh.lines,
+            lines=beams.lines,
             node_axes=axes,
             node_sets={**mesh.node_groups, "tips": tips, "centre": centre},
             # Where groups overlap, the part of a line is the group that has its section.
-            line_sets={k: v for k, v in mesh.line_groups.items() if k not in last} | last,
+            line_sets={k: v for k, v in beams.line_groups.items() if k not in last} | last,
             sectors=sectors,
         ),
         properties=properties,
-        masses=masses,
-        tip_radius=float(np.linalg.norm(points[tips], axis=1).max()),
+        **hung,
+        tip_radius=table.tip_radius or float(np.linalg.norm(points[tips], axis=1).max()),
     )
     check_model(model, KEY)
     return model
-
-
-def grouped_lines(model: BeamModel) -> GroupedLines:
-    """The mesh of a beam model with its sets as groups, and its sections and masses as data [SI].
-
-    Springs and rigid links are not in it: no mesh file holds them.
-    """
-    mesh, masses = model.mesh, model.masses
-    node_data = {}
-    if len(masses.node):
-        for name in MASSES:
-            node_data[name] = np.zeros(len(mesh.points))
-            np.add.at(node_data[name], masses.node, getattr(masses, name))
-    return GroupedLines(
-        points=mesh.points,
-        lines=mesh.lines,
-        node_groups=mesh.node_sets,
-        line_groups=mesh.line_sets,
-        node_data=node_data,
-        line_data={name: getattr(model.properties, name) for name in QUANTITIES},
-    )
 
 
 def _read(table: MeshTable) -> GroupedLines:
@@ -158,6 +137,8 @@ def _double_parts(mesh: GroupedLines) -> Iterator[str]:
     """What is in a mesh twice; completes "expected ..."."""
     size = float(np.ptp(mesh.points, axis=0).max())
     pairs = KDTree(mesh.points).query_pairs(SAME_PLACE * size, output_type="ndarray")
+    joints = np.sort(mesh.lines[~mesh.is_beam], axis=1)
+    pairs = np.array([pair for pair in pairs if not (joints == np.sort(pair)).all(axis=1).any()])
     if len(pairs):
         x, y = mesh.points[pairs[0, 0]].tolist()
         yield (
@@ -165,7 +146,7 @@ def _double_parts(mesh: GroupedLines) -> Iterator[str]:
             ": merge them in the mesher"
         )
         return
-    lines, times = np.unique(np.sort(mesh.lines, axis=1), axis=0, return_counts=True)
+    lines, times = np.unique(np.sort(mesh.lines[mesh.is_beam], axis=1), axis=0, return_counts=True)
     loops, twice = lines[lines[:, 0] == lines[:, 1]], lines[times > 1]
     for what, found in (("lines with a length", loops), ("each line once", twice)):
         if len(found):
@@ -247,17 +228,17 @@ def _wanted(mesh: GroupedLines, bare: IntArray) -> str:
     )
 
 
-def _masses(table: MeshTable, mesh: GroupedLines) -> PointMasses:
-    mass, inertia = (
-        np.nan_to_num(mesh.node_data.get(name, np.zeros(len(mesh.points)))) for name in MASSES
-    )
-    node = np.flatnonzero((mass != 0.0) | (inertia != 0.0))
-    if len(node) and table.unit != 1.0:
-        expected = f'"m" for a file with point masses, which count in SI; {_name(table)} has some'
-        raise CaseError([_fault(table, "unit", expected)])
-    if min(mass.min(), inertia.min()) < 0.0:
-        raise CaseError([_fault(table, "file", "point masses of zero or more")])
-    return PointMasses(node=node, mass=mass[node], inertia=inertia[node])
+def _hung(table: MeshTable, mesh: GroupedLines) -> dict[str, Any]:
+    """Masses, springs and links of a mesh, as a beam model has them."""
+    try:
+        masses, joints = point_masses(mesh), springs(mesh)
+    except ValueError as error:
+        raise CaseError([_fault(table, "file", str(error))]) from None
+    for name, count in (("point masses", len(masses.node)), ("springs", len(joints.node))):
+        if count and table.unit != 1.0:
+            expected = f'"m" for a file with {name}, which count in SI; {_name(table)} has some'
+            raise CaseError([_fault(table, "unit", expected)])
+    return {"masses": masses, "springs": joints, "links": rigid_links(mesh)}
 
 
 def _one_of(table: MeshTable, kind: str, groups: Mapping[str, IntArray]) -> str:
@@ -270,5 +251,12 @@ def _name(table: MeshTable) -> str:
 
 
 def _fault(table: MeshTable, key: str, expected: str) -> Fault:
-    value = getattr(table, key)
-    return Fault(key=f"{KEY}.{key}", value=None if key == "sections" else value, expected=expected)
+    values = {"file": _short(table.file), "sections": None}
+    value = values.get(key, getattr(table, key))
+    return Fault(key=f"{KEY}.{key}", value=value, expected=expected)
+
+
+def _short(path: str) -> str:
+    """A path from here if that is shorter; what a message has no room for is left out in front."""
+    path = min(path, os.path.relpath(path), key=len)
+    return path if len(path) <= LONGEST_VALUE - 2 else f"...{path[5 - LONGEST_VALUE :]}"

@@ -9,7 +9,6 @@ import typer
 
 if TYPE_CHECKING:
     from bladewhirl.meshes.grouped_lines import GroupedLines
-    from bladewhirl.models.beam_model import BeamModel
 
 
 def mesh(
@@ -29,16 +28,16 @@ def mesh(
     """List the groups of a mesh, and write it in a format of choice.
 
     Of a case that is the undeformed bladed disk, in metres, with its sets as groups and its
-    sections, materials and point masses as data: [bladed_disk.mesh] reads it back. A mesh file is
-    written as it is, in its own units.
+    sections, materials, masses, springs and links as data: [bladed_disk.mesh] reads it back. A
+    mesh file is written as it is, in its own units.
     """
     from rich.console import Console
 
     from bladewhirl.meshes.grouped_lines import MeshFileError
-    from bladewhirl.meshes.mesh_file import write_line_mesh
+    from bladewhirl.meshes.mesh_file import left_out, write_line_mesh
     from bladewhirl.models.faults import UserError
 
-    lines, left_out = _content(source, overrides or [])
+    lines = _content(source, overrides or [])
     Console().print(*_listing(lines), sep="\n")
     if output is None:
         return
@@ -50,35 +49,31 @@ def mesh(
         raise UserError(f"{output}: expected {error}") from None
     except (OSError, ValueError) as error:  # ValueError: a null in the path
         raise UserError(f"{output}: cannot be written ({error})") from None
-    if left_out:
-        typer.echo(f"{left_out} are not in {output}: no mesh file holds them.", err=True)
+    missing = left_out(output, lines)
+    if missing:
+        typer.echo(f"{output} does not hold {', '.join(missing)}; .vtu and .msh do.", err=True)
     typer.echo(f"Wrote {output}.")
 
 
-def _content(source: Path, overrides: list[str]) -> tuple[GroupedLines, str]:
-    """Lines of a case or a mesh file, and what of the case is not among them."""
+def _content(source: Path, overrides: list[str]) -> GroupedLines:
+    """Lines of a case or a mesh file."""
     from bladewhirl.meshes.grouped_lines import MeshFileError
     from bladewhirl.meshes.mesh_file import READERS, read_line_mesh
     from bladewhirl.models.case_bodies import case_beam_model
     from bladewhirl.models.case_file import faults_from, read_case
     from bladewhirl.models.faults import UserError
-    from bladewhirl.models.mesh_model import grouped_lines
+    from bladewhirl.models.mesh_data import grouped_lines
 
     if source.suffix.lower() not in READERS:
         with faults_from(source, overrides):
             model = case_beam_model(read_case(source, overrides))
-        return grouped_lines(model), _left_out(model)
+        return grouped_lines(model)
     if overrides:
         raise UserError(f"--set {overrides[0]}: expected a case file to change, not {source}")
     try:
-        return read_line_mesh(source), ""
+        return read_line_mesh(source)
     except MeshFileError as error:
         raise UserError(f"{source}: expected {error}") from None
-
-
-def _left_out(model: BeamModel) -> str:
-    counts = {"springs": len(model.springs.node), "rigid links": len(model.links.led)}
-    return " and ".join(f"{count} {name}" for name, count in counts.items() if count)
 
 
 def _listing(lines: GroupedLines) -> tuple[object, ...]:

@@ -80,7 +80,7 @@ def test_files_are_overwritten_by_force_only(tmp_path: Path) -> None:
     assert len(read_line_mesh(path).lines) == 192
 
 
-def test_what_no_mesh_file_holds_is_said(tmp_path: Path) -> None:
+def test_what_a_format_does_not_hold_is_said(tmp_path: Path) -> None:
     sketch = Sketch(3)
     sketch.node("centre", 0.0, shared=True)
     sketch.node("tip", 0.5)
@@ -92,10 +92,11 @@ def test_what_no_mesh_file_holds_is_said(tmp_path: Path) -> None:
     sketch.set("tips", "tip")
     case = tmp_path / "case.toml"
     case.write_text(dumps_case(Case(sketch=sketch.table)))
-    done = RUNNER.invoke(app, ["mesh", str(case), "-o", str(tmp_path / "a.msh")])
+    done = RUNNER.invoke(app, ["mesh", str(case), "-o", str(tmp_path / "a.inp")])
     assert done.exit_code == 0
-    left_out = "3 springs and 3 rigid links are not in"
-    assert done.stderr == f"{left_out} {tmp_path / 'a.msh'}: no mesh file holds them.\n"
+    left_out = "spring_radial, spring_tangential, spring_rotation, rigid"
+    assert done.stderr == f"{tmp_path / 'a.inp'} does not hold {left_out}; .vtu and .msh do.\n"
+    assert len(read_line_mesh(tmp_path / "a.inp").lines) == 6
 
 
 def test_a_run_of_a_mesh_file_can_be_rerun_from_its_folder_alone(tmp_path: Path) -> None:

@@ -191,6 +191,7 @@ left, 30
         ("a.stl", "", r"a mesh file, \.vtu, \.msh, \.inp"),
         ("a.msh", "", r"a \.msh file that meshio can read"),
         ("a.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 2", "that meshio can read"),
+        ("a.msh", "$MeshFormat\n4 0 8\n$EndMeshFormat\n", r"of version 4\.1 or 2\.2 .*, not 4$"),
         ("a.vtu", "<VTKFile", r"a \.vtu file that meshio can read"),
         ("a.inp", "", r"an \.inp file, with keywords"),
         ("a.inp", "1, 2, 3\n", r"an \.inp file, beginning with a keyword"),
