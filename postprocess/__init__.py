@@ -17,17 +17,21 @@ from bladewhirl.postprocess.fields import (
 )
 from bladewhirl.postprocess.off_screen import OffScreenError
 from bladewhirl.postprocess.orbits import Whirl, plot_orbit, shaft_orbit, whirl
+from bladewhirl.postprocess.picture_sheet import render_sheet
 from bladewhirl.postprocess.poincare import poincare_map, state_space
+from bladewhirl.postprocess.pyvista_blocks import stage_blocks
 from bladewhirl.postprocess.regimes import Growth, Regime, classify
 from bladewhirl.postprocess.render import animation_records, render_animation, render_still
 from bladewhirl.postprocess.result import ResultError, open_result
 from bladewhirl.postprocess.run_figures import FIGURES, RunFigures
 from bladewhirl.postprocess.spectra import modal_lines, shaft_spectrogram, shaft_spectrum
+from bladewhirl.postprocess.stage_picture import draw_stage, stage_at_rest
 from bladewhirl.postprocess.stresses import plot_stress, stress_history
 from bladewhirl.postprocess.style import save_figure
 from bladewhirl.postprocess.summary import Summary, summarise, summary_table, write_summary
 from bladewhirl.postprocess.sweep_result import SweepError, open_sweep
 from bladewhirl.postprocess.vtk_series import SeriesWriter, undeformed_mesh, write_vtk
+from bladewhirl.postprocess.web_page import render_page
 from bladewhirl.postprocess.whirling import whirl_history
 from bladewhirl.postprocess.windows import late_part, select_window
 
@@ -53,6 +57,7 @@ __all__ = [
     "contact_maps",
     "contact_phase",
     "cyclic_energies",
+    "draw_stage",
     "family_energies",
     "frame_records",
     "late_part",
@@ -64,6 +69,8 @@ __all__ = [
     "plot_stress",
     "poincare_map",
     "render_animation",
+    "render_page",
+    "render_sheet",
     "render_still",
     "rotor_field",
     "rotor_points",
@@ -73,6 +80,8 @@ __all__ = [
     "shaft_orbit",
     "shaft_spectrogram",
     "shaft_spectrum",
+    "stage_at_rest",
+    "stage_blocks",
     "state_space",
     "strain_energies",
     "stress_history",

@@ -93,7 +93,7 @@ class Drawing:
         self.records = records
         self.frame = frame
         self.tip_radius = float(dataset.attrs["tip_radius"])
-        self._time = dataset["time"].values[records]
+        self.times = dataset["time"].values[records]
         angle = turn(dataset, records)
         self._rotor_turn, self._casing_turn = (
             (angle, 0 * angle) if frame == "static" else (0 * angle, -angle)
@@ -169,7 +169,7 @@ class Drawing:
         normal = _normals(line)
         wall, rest = self._wall_sides(index)
         return Picture(
-            time=float(self._time[index]),
+            time=float(self.times[index]),
             rotor=Ribbon(
                 sides=rotate(np.stack([line - half * normal, line + half * normal], 2), turned),
                 values=self.colouring.rotor[index],

@@ -4,30 +4,30 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Mapping
-from pathlib import Path
 
-import matplotlib
 import numpy as np
 import pyvista
 import xarray as xr
 
 from bladewhirl.postprocess.colouring import length_unit, scale_end
-from bladewhirl.postprocess.drawing import Drawing, Picture
-from bladewhirl.postprocess.fields import Array, history, rotate, turn
+from bladewhirl.postprocess.drawing import Picture
+from bladewhirl.postprocess.fields import Array, IntArray, history, rotate, turn
 from bladewhirl.postprocess.scene import (
     CIRCLE,
+    StageScene,
+    disc_triangles,
+)
+from bladewhirl.postprocess.stage_look import (
     FAINT,
+    FONT,
     FORCE_COLOUR,
     INK,
     NO_VALUE,
     SQUARE,
-    StageScene,
-    disc_triangles,
+    contact_words,
+    enlargement,
+    speed_words,
 )
-
-#: The font of matplotlib's figures, so that pictures and plots look alike; it has every sign used.
-FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
-
 
 SCALE_TOP, SCALE_FOOT = 0.455, 0.05  #: of colour scale or key, as shares of the window
 ORBIT_TOP, ORBIT_SIZE = 0.475, 0.17  #: of the inset; the scale then begins below it
@@ -36,27 +36,27 @@ KEY_LETTERS = 29
 
 
 class Panel:
-    """What the picture shows, in words, and the colour scale, right of the stage."""
+    """What the picture shows, in words, and the colour scale, right of the stage. With `trail`,
+    consecutive records, an inset shows the shaft's orbit through them.
+    """
 
     def __init__(
-        self, scene: StageScene, dataset: xr.Dataset, *, note: str = "", orbit: bool = False
+        self,
+        scene: StageScene,
+        dataset: xr.Dataset,
+        *,
+        note: str = "",
+        trail: IntArray | None = None,
     ) -> None:
         self._plotter, drawing = scene.plotter, scene.drawing
-        speed = float(dataset.attrs["speed"])
-        relative = speed / float(dataset.attrs["reference_frequency"])
-        shown = [f"{drawing.frame} frame", enlargement(drawing)]
+        shown = [f"{drawing.frame} frame", enlargement(drawing.exaggeration)]
         write_title(scene.plotter, dataset)
         self._time = write(scene.plotter, "", 0.885, 22)
-        write(
-            scene.plotter,
-            f"speed\n{speed:.5g} rad/s\n{speed * 30 / np.pi:.5g} rpm\n{relative:.4g} × lowest mode",
-            0.82,
-            13,
-        )
+        write(scene.plotter, f"speed\n{speed_words(dataset)}", 0.82, 13)
         write(scene.plotter, "\n".join([*shown, note] if note else shown), 0.7, 13, color=FAINT)
         self._contact = write(scene.plotter, "", 0.565, 14, color=FORCE_COLOUR)
-        self._orbit = Orbit(scene, dataset) if orbit else None
-        top = ORBIT_TOP - 0.06 - ORBIT_SIZE if orbit else SCALE_TOP
+        self._orbit = None if trail is None else Orbit(scene, dataset, trail)
+        top = SCALE_TOP if trail is None else ORBIT_TOP - 0.06 - ORBIT_SIZE
         if drawing.colouring.parts is None:
             write_scale(scene, top)
         else:
@@ -65,13 +65,7 @@ class Panel:
     def show(self, picture: Picture) -> None:
         """Bring time, contacts and orbit up to date."""
         self._time.input = f"t = {1e3 * picture.time:.1f} ms"
-        forces = np.linalg.norm(picture.forces, axis=1)
-        touching = int(np.count_nonzero(forces))
-        self._contact.input = (
-            f"{touching} of {len(forces)} blades touch\nlargest force {newtons(forces.max())}"
-            if touching
-            else "no contact"
-        )
+        self._contact.input = contact_words(picture.forces)
         if self._orbit is not None:
             self._orbit.show(picture.time)
 
@@ -82,11 +76,10 @@ class Panel:
 
 
 class Orbit:
-    """The way of the shaft's centre through all records shown, and how far it has come."""
+    """The way of the shaft's centre through records, and how far it has come."""
 
-    def __init__(self, scene: StageScene, dataset: xr.Dataset) -> None:
+    def __init__(self, scene: StageScene, dataset: xr.Dataset, records: IntArray) -> None:
         drawing = scene.drawing
-        records = np.arange(drawing.records.min(), drawing.records.max() + 1)
         self._time = dataset["time"].values[records]
         rows = dataset["rotor_shape"].values[int(dataset["centre_node"]), :2]
         way = history(dataset, "rotor_displacement", records) @ rows.T
@@ -94,7 +87,7 @@ class Orbit:
             way = rotate(way, turn(dataset, records))
         reach = float(np.linalg.norm(way, axis=1).max())
         unit, scale = length_unit(reach)
-        end = scale_end(scale * reach)
+        end = scale_end(1.1 * scale * reach)  # the orbit stays clear of the circle
         write(scene.plotter, f"shaft's orbit, circle {end:g} {unit}", ORBIT_TOP, 13, color=INK)
         width, height = scene.plotter.window_size
         low = scene.place(SQUARE + 0.02, ORBIT_TOP - 0.045 - ORBIT_SIZE)
@@ -134,13 +127,6 @@ class Orbit:
 
 def _on_plane(points: Array) -> Array:
     return np.column_stack([points, np.zeros(len(points))])
-
-
-def enlargement(drawing: Drawing) -> str:
-    """How large displacements are drawn."""
-    if drawing.exaggeration == 1:
-        return "true size"
-    return f"displacement and clearance\ndrawn {drawing.exaggeration:g} times as large"
 
 
 def write_title(plotter: pyvista.Plotter, dataset: xr.Dataset) -> None:
@@ -211,11 +197,3 @@ def write(
 def _short(name: str) -> str:
     """A name that fits into a line of the key."""
     return name if len(name) <= KEY_LETTERS else name[: KEY_LETTERS - 1] + "\N{HORIZONTAL ELLIPSIS}"
-
-
-def newtons(force: float) -> str:
-    """A force with three figures in N, kN or MN."""
-    for unit, size in (("MN", 1e6), ("kN", 1e3)):
-        if force >= size:
-            return f"{force / size:.3g} {unit}"
-    return f"{force:.3g} N"

@@ -5,7 +5,6 @@ to start, and it must not happen before it is known that VTK can draw here.
 """
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 import xarray as xr
 from PIL import Image
 
+from bladewhirl.postprocess.colouring import Field
 from bladewhirl.postprocess.drawing import Drawing, Frame
 from bladewhirl.postprocess.fields import (
     FRAMES_PER_REVOLUTION,
@@ -22,8 +22,9 @@ from bladewhirl.postprocess.fields import (
     frame_records,
     nearest_records,
 )
-from bladewhirl.postprocess.off_screen import Pixels, off_screen_plotter, pixels_of
+from bladewhirl.postprocess.off_screen import Pixels
 from bladewhirl.postprocess.picture_file import checked_target, replacing
+from bladewhirl.postprocess.stage_view import stage_view
 
 WINDOW = (1280, 960)  #: pixels; multiples of 16, as video codecs want
 GIF_WINDOW = (960, 720)  #: smaller, since a GIF compresses badly
@@ -81,22 +82,26 @@ def render_still(
     time: float | None = None,
     exaggeration: float | None = None,
     frame: Frame = "static",
+    colour: Field = "displacement",
+    orbit: bool = False,
     size: tuple[int, int] = WINDOW,
 ) -> Path:
     """A PNG of the stage at the record nearest to `time` [s]; returns its path.
 
-    Without a time, the record of the strongest contact is shown. Exaggeration and frame are those
-    of `Drawing`. ViewError for a time outside the run or another kind of file, OffScreenError
+    Without a time, the record of the strongest contact is shown. Exaggeration, frame and colour
+    are those of `Drawing`; with `orbit` an inset shows the way of the shaft since the revolution
+    before. ViewError for a time outside the run or another kind of file, OffScreenError
     where the system can't draw.
     """
     target = checked_target(path, ".png")
     if time is None:
         records = np.array([strongest_contact(dataset)])
     else:
-        _check_inside(dataset, time)
+        check_inside(dataset, time)
         records = nearest_records(dataset, np.array([time]))
-    drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame)
-    with _stage(dataset, drawing, size) as picture, replacing(target) as draft:
+    drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
+    trail = _revolution_before(dataset, int(records[0])) if orbit else None
+    with stage_view(dataset, drawing, size, trail=trail) as picture, replacing(target) as draft:
         imageio.imwrite(draft, picture(0))
     return target
 
@@ -108,24 +113,31 @@ def render_animation(
     *,
     exaggeration: float | None = None,
     frame: Frame = "static",
+    colour: Field = "displacement",
+    orbit: bool = False,
     size: tuple[int, int] | None = None,
     progress: Progress | None = None,
 ) -> Path:
     """A GIF or MP4 of the given records (see `animation_records`), 25 a second; returns its path.
 
-    Exaggeration and frame are those of `Drawing`; colours and arrows keep one scale throughout.
+    Exaggeration, frame and colour are those of `Drawing`; colours and arrows keep one scale
+    throughout. With `orbit` an inset shows the way of the shaft.
     `size` in pixels is 960 x 720 for a GIF and 1280 x 960 for an MP4 by default. `progress` is
     told pictures done and pictures in all. ViewError for another kind of file,
     OffScreenError where the system can't draw.
     """
     target = checked_target(path, ".gif", ".mp4")
     gif = target.suffix.lower() == ".gif"
-    drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame)
+    drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
     seconds = float(np.ptp(dataset["time"].values[records]))
     slower = (len(records) - 1) / FRAME_RATE / seconds if seconds else 1.0
     note = f"slowed down {slower:.3g} times" if slower > 1 else ""
+    trail = np.arange(records.min(), records.max() + 1) if orbit else None
     size = size or (GIF_WINDOW if gif else WINDOW)
-    with _stage(dataset, drawing, size, note) as picture, replacing(target) as draft:
+    with (
+        stage_view(dataset, drawing, size, note, trail=trail) as picture,
+        replacing(target) as draft,
+    ):
 
         def pictures() -> Iterator[Pixels]:
             for index in range(len(records)):
@@ -177,34 +189,16 @@ def _write_mp4(path: Path, pictures: Iterator[Pixels]) -> None:
             film.append_data(pixels)
 
 
-@contextmanager
-def _stage(
-    dataset: xr.Dataset,
-    drawing: Drawing,
-    size: tuple[int, int],
-    note: str = "",
-    *,
-    orbit: bool = False,
-) -> Iterator[Callable[[int], Pixels]]:
-    """An off-screen stage: a function that gives the pixels of the index-th record."""
-    with off_screen_plotter(size) as plotter:
-        from bladewhirl.postprocess.panel import Panel
-        from bladewhirl.postprocess.scene import StageScene
-
-        scene = StageScene(plotter, drawing)
-        panel = Panel(scene, dataset, note=note, orbit=orbit)
-        scene.look()
-
-        def picture(index: int) -> Pixels:
-            seen = drawing.picture(index)
-            scene.show(seen)
-            panel.show(seen)
-            return pixels_of(plotter)
-
-        yield picture
+def _revolution_before(dataset: xr.Dataset, record: int) -> IntArray:
+    """Records of the last revolution up to one; of all the time before it where nothing turns."""
+    speed = abs(float(dataset.attrs["speed"]))
+    time = dataset["time"].values
+    begin = time[record] - 2 * np.pi / speed if speed else time[0]
+    return np.arange(int(np.searchsorted(time, begin)), record + 1)
 
 
-def _check_inside(dataset: xr.Dataset, time: float) -> None:
+def check_inside(dataset: xr.Dataset, time: float) -> None:
+    """See that a time [s] lies in the run; else ViewError."""
     first, last = dataset["time"].values[[0, -1]]
     step = float(dataset.attrs["record_step"])  # the last record may fall short of the end
     if not first - step <= time <= last + step:

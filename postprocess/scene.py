@@ -7,30 +7,29 @@ from matplotlib.colors import ListedColormap
 
 from bladewhirl.postprocess.drawing import Drawing, Picture, arrows, widened
 from bladewhirl.postprocess.fields import Array, IntArray, rotate
-from bladewhirl.postprocess.fittings import MASS, Symbols
-
-INK = "#20262e"
-FAINT = "#5f6872"
-BACKGROUND = "white"
-NO_VALUE = "#cdd2d8"  #: of what has no value of the field that colours the rest
-MASS_COLOUR = "#f0e442"  #: yellow, apart from the colours of parts
-FORCE_COLOUR = "#d55e00"  #: vermilion, apart from the whole map in every kind of colour vision
-
-# Sizes of drawn things, as shares of the picture's radius.
-OUTLINE = 0.0035
-HUB = 0.022
-MARK = 0.014
-CONTACT_DISC = 0.014
-ARROW_WIDTH = 0.011
-LONGEST_ARROW = 0.17
-SPRING, GROUND, STRUT = 0.0032, 0.0026, 0.011  #: widths of strokes
-MARGIN = 1.04
+from bladewhirl.postprocess.fittings import MASS
+from bladewhirl.postprocess.stage_look import (
+    ARROW_WIDTH,
+    BACKGROUND,
+    CONTACT_DISC,
+    FAINT,
+    FORCE_COLOUR,
+    HUB,
+    INK,
+    LONGEST_ARROW,
+    MARGIN,
+    MARK,
+    MASS_COLOUR,
+    NO_VALUE,
+    OUTLINE,
+    SQUARE,
+    strokes_of,
+)
 
 DISC_CORNERS = 32
 CIRCLE = np.column_stack(
     [f(2 * np.pi * np.arange(DISC_CORNERS) / DISC_CORNERS) for f in (np.cos, np.sin)]
 )
-SQUARE = 0.75  #: share of the window's width that the stage takes; the panel has the rest
 
 
 class StageScene:
@@ -57,7 +56,7 @@ class StageScene:
             self._ribbons.append(self._add(corners, quads, layer=1))
         self._strokes = {
             width: self._add(4 * len(strokes), _stroke_quads(len(strokes)), layer=2, color=colour)
-            for width, colour, strokes in _strokes(first.symbols)
+            for _, width, colour, strokes in strokes_of(first.symbols)
         }
         blades: IntArray = np.arange(len(first.tips))[:, None]
         disc = disc_triangles(1)
@@ -90,7 +89,7 @@ class StageScene:
             _move(outline, widened(ribbon.sides, OUTLINE * self._size))
             _move(mesh, ribbon.sides)
             mesh.point_data["value"][:] = self.drawing.colouring.scale * ribbon.values.ravel()
-        for width, _, strokes in _strokes(picture.symbols):
+        for _, width, _, strokes in strokes_of(picture.symbols):
             _move(self._strokes[width], stroke_corners(strokes, width * self._size))
         for mesh, share in zip(self._masses, (MASS + OUTLINE, MASS), strict=True):
             _move(mesh, picture.symbols.masses[:, None] + share * circle)
@@ -173,15 +172,6 @@ def scene_colours(drawing: Drawing, levels: int) -> Array:
     )
     colours: Array = np.array([pyvista.Color(shade).float_rgb for shade in [*own, *shades]])
     return colours
-
-
-def _strokes(symbols: Symbols) -> list[tuple[float, str, Array]]:
-    """Width, colour and ends (stroke, 2, 2) of each kind of stroke."""
-    return [
-        (STRUT, INK, symbols.struts),
-        (GROUND, FAINT, symbols.ground),
-        (SPRING, INK, symbols.springs),
-    ]
 
 
 def stroke_corners(strokes: Array, width: float) -> Array:

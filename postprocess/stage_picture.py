@@ -18,6 +18,7 @@ from bladewhirl.postprocess.mode_motion import stage_dataset
 from bladewhirl.postprocess.off_screen import off_screen_plotter, pixels_of
 from bladewhirl.postprocess.picture_file import checked_target, replacing
 from bladewhirl.postprocess.render import WINDOW
+from bladewhirl.postprocess.stage_look import FAINT
 from bladewhirl.solvers.recorder import HISTORY
 
 if TYPE_CHECKING:
@@ -110,7 +111,6 @@ def _describe(
         write_key,
         write_title,
     )
-    from bladewhirl.postprocess.scene import FAINT
 
     write_title(plotter, dataset)
     write(plotter, "\n".join(_sizes(dataset)), 0.885, 13)

@@ -84,14 +84,13 @@ def write_vtk(
         ResultError: an old result that knows no sections.
     """
     records = frame_records(dataset, frames, start, end)
-    require_sections(dataset)
     hint = sampling_hint(dataset, records)
     if hint:
         logger.info(hint)
+    parts, points = (surface_parts if surface else line_parts)(dataset, rotating)
     folder = Path(directory)
     series = SeriesWriter(folder=folder)
     meshio.write(folder / "mesh.vtu", undeformed_mesh(dataset))
-    parts, points = _surfaces(dataset, rotating) if surface else _lines(dataset, rotating)
     # In portions, so that memory does not grow with the number of frames.
     together = max(1, min(PORTION, PORTION_POINTS // points))
     for portion in np.array_split(records, -(-len(records) // together)):
@@ -108,8 +107,9 @@ Parts = Mapping[str, Callable[[IntArray], list[meshio.Mesh]]]
 """What makes the meshes of each part at some records."""
 
 
-def _lines(dataset: xr.Dataset, rotating: bool) -> tuple[Parts, int]:
-    """Parts as line cells, and their number of points."""
+def line_parts(dataset: xr.Dataset, rotating: bool) -> tuple[Parts, int]:
+    """Parts as line cells, and their number of points; ResultError for an old result."""
+    require_sections(dataset)
     parts: Parts = {
         "rotor": lambda records: _rotor_meshes(dataset, records, rotating),
         "casing": lambda records: _casing_meshes(dataset, records, rotating),
@@ -117,8 +117,9 @@ def _lines(dataset: xr.Dataset, rotating: bool) -> tuple[Parts, int]:
     return parts, dataset.sizes["rotor_node"] + ARC_POINTS
 
 
-def _surfaces(dataset: xr.Dataset, rotating: bool) -> tuple[Parts, int]:
-    """Parts as boxes, and their number of points."""
+def surface_parts(dataset: xr.Dataset, rotating: bool) -> tuple[Parts, int]:
+    """Parts as boxes, and their number of points; ResultError for an old result."""
+    require_sections(dataset)
     rotor = SurfaceSeries(dataset, rotor_boxes(dataset), rotating=rotating)
     casing = SurfaceSeries(dataset, casing_boxes(dataset), rotating=rotating)
     parts: Parts = {

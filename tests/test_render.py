@@ -18,13 +18,13 @@ from PIL import Image
 from bladewhirl.models.faults import UserError
 from bladewhirl.postprocess.colouring import length_unit, scale_end
 from bladewhirl.postprocess.off_screen import OffScreenError, require_off_screen
-from bladewhirl.postprocess.panel import newtons
 from bladewhirl.postprocess.render import (
     animation_records,
     render_animation,
     render_still,
     strongest_contact,
 )
+from bladewhirl.postprocess.stage_look import newtons
 
 SMALL = (320, 240)
 STAGE = 240  # the left three quarters of the window

@@ -44,6 +44,30 @@ def test_a_named_file_and_a_window_with_units(run: Path, tmp_path: Path) -> None
         assert getattr(film, "n_frames", 1) == 5
 
 
+@pytest.mark.usefixtures("can_draw")
+def test_stills_at_times_and_a_sheet(run: Path, tmp_path: Path) -> None:
+    times = ["--time", "50 ms", "--time", "0.1", "--time", "0.2"]
+    still = ["render", str(run), "-o", str(tmp_path / "at.png"), "--colour", "gap", "--orbit"]
+    done = RUNNER.invoke(app, [*still, *times])
+    assert done.exit_code == 0, done.stderr
+    sheet = ["render", str(run), "--sheet", "-o", str(tmp_path / "many.png")]
+    done = RUNNER.invoke(app, [*sheet, "--frames", "4", "--from", "0.1", "--to", "0.2"])
+    assert done.exit_code == 0, done.stderr
+    assert "4 pictures" in done.stdout
+    assert {path.name for path in tmp_path.iterdir()} == {
+        *(f"at_{number}.png" for number in (1, 2, 3)),
+        "many.png",
+    }
+
+
+def test_a_page_needs_nothing_to_draw_with(run: Path, tmp_path: Path) -> None:
+    path = tmp_path / "run.html"
+    done = RUNNER.invoke(app, ["render", str(run), "-o", str(path), "--frames", "3"])
+    assert done.exit_code == 0, done.stderr
+    assert "3 pictures from" in done.stdout
+    assert path.is_file()
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -55,6 +79,10 @@ def test_a_named_file_and_a_window_with_units(run: Path, tmp_path: Path) -> None
         (["--from", "0.3", "--to", "0.1"], "window [0.3, 0.1] s must be ordered"),
         (["--from", "nan"], "--from nan: expected a time in seconds"),
         (["--png", "--time", "nan"], "--time nan: expected a time in seconds"),
+        (["--sheet", "--time", "0.1", "--frames", "3"], "--frames: not for what is to be drawn"),
+        (["--png", "--time", "0.1", "--time", "9"], "time 9 s lies outside the run"),
+        (["--sheet", "-o", "film.gif"], "--output film.gif: expected one file"),
+        (["--html", "--time", "0.1"], "--time: not for what is to be drawn"),
         (["--exaggeration", "0"], "exaggeration must be a positive number"),
         (["-o", "film.avi"], "--output film.avi: expected a name that ends in"),
         (["--png", "-o", "film.gif"], "--output film.gif: expected one file"),
