@@ -28,8 +28,8 @@ def _unit(value: object) -> object:
 class MeshSection(BeamSection):
     """What the lines of a group are made of; its sizes have no defaults."""
 
-    width: Length
-    thickness: Length
+    width: Length = Field(description="Size out of the plane of motion [m].")
+    thickness: Length = Field(description="Size in the plane of motion [m].")
 
 
 class MeshTable(Table):
@@ -62,3 +62,7 @@ class MeshTable(Table):
         description="Radius that the clearance counts from [m]; the largest of the tips' own when"
         " left out.",
     )
+
+    def __hash__(self) -> int:
+        """Of what it holds: a table with a mapping has no hash by itself."""
+        return hash(self.model_dump_json())

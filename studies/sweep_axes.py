@@ -191,7 +191,7 @@ def value_at(case: Case, key: str) -> Any:
     """Value at a dotted key of a case."""
     value: Any = case
     for part in key.split("."):
-        value = getattr(value, part)
+        value = value[part] if isinstance(value, Mapping) else getattr(value, part)
     return value
 
 
@@ -224,6 +224,8 @@ def _numeric_keys(table: Table) -> Iterator[tuple[str, str]]:
     """Dotted keys that hold one number, with their descriptions."""
     for name, field in type(table).model_fields.items():
         value = getattr(table, name)
+        for key, row in value.items() if isinstance(value, Mapping) else ():
+            yield from ((f"{name}.{key}.{inner}", text) for inner, text in _numeric_keys(row))
         if isinstance(value, Table):
             yield from ((f"{name}.{inner}", text) for inner, text in _numeric_keys(value))
             continue

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bladewhirl.models.case import Case
-from bladewhirl.models.case_file import dumps_case, loads, with_values
+from bladewhirl.models.case_file import loads, with_values
 from bladewhirl.models.faults import UserError
 from bladewhirl.models.march_problem import march_faults
 from bladewhirl.postprocess.sweep_result import DONE, Layout
@@ -112,15 +112,18 @@ def plan_sweep(case: Case, grid: Grid, *, histories: bool, group_size: int = GRO
 
 
 def write_plan(plan: Plan, directory: Path) -> None:
-    """Write the plan of a sweep into its folder."""
+    """Write the plan of a sweep into its folder, and a copy of its case's mesh file beside it."""
+    files = folder.case_files(plan.case)
     document = {
         folder.PACKAGE: folder.version(),
-        "case": dumps_case(plan.case),
+        "case": files.pop(folder.CASE_NAME).decode(),
         "over": {axis.key: axis.values for axis in plan.grid.axes},
         "histories": plan.histories,
         "group_size": plan.group_size,
     }
     text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
+    for name, content in files.items():
+        (directory / name).write_bytes(content)
     write_whole(directory / PLAN_NAME, text)
 
 

@@ -14,8 +14,10 @@ from stages import steel
 from typer.testing import CliRunner
 
 from bladewhirl.meshes.mesh_file import WRITERS, read_line_mesh
-from bladewhirl.models import Case, Sketch, dumps_case, read_case
+from bladewhirl.models import Case, Sketch, dumps_case, read_case, with_values
 from bladewhirl.studies.cli import app
+from bladewhirl.studies.sweep_axes import make_grid
+from bladewhirl.studies.sweep_plan import plan_sweep, read_plan, write_plan
 
 RUNNER = CliRunner()
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -161,3 +163,21 @@ def test_a_bad_mapping_is_one_line_and_nothing_is_written(tmp_path: Path, comman
         '"hub", "blade tips"'
     )
     assert [*tmp_path.iterdir()] == [case]
+
+
+def test_a_sweep_keeps_its_mesh_and_varies_its_sections(tmp_path: Path) -> None:
+    elsewhere, begun = tmp_path / "in", tmp_path / "sweep"
+    elsewhere.mkdir()
+    begun.mkdir()
+    for suffix in (".toml", ".msh"):
+        shutil.copy(EXAMPLES / f"shrouded_fan{suffix}", elsewhere)
+    case = with_values(read_case(elsewhere / "shrouded_fan.toml"), {"march.duration": 1e-3})
+    key = "bladed_disk.mesh.sections.blades.thickness"
+    grid = make_grid(case, {key: [0.005, 0.006]}, large=False)
+    write_plan(plan_sweep(case, grid, histories=False), begun)
+    shutil.rmtree(elsewhere)
+    begun.rename(tmp_path / "moved")
+    again = read_plan(tmp_path / "moved")
+    assert again.case.blades == 12
+    values, unit = again.coordinates[key]
+    assert (values.tolist(), unit) == ([0.005, 0.006], "m")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import shutil
+import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -380,3 +382,12 @@ def test_the_example_is_what_its_geometry_says() -> None:
     for name in (*mesh.node_groups, *mesh.line_groups):
         assert f'("{name}")' in geometry
     assert "gmsh -1 examples/shrouded_fan.geo -o examples/shrouded_fan.msh" in geometry
+
+
+def test_the_document_shows_the_example() -> None:
+    text = (EXAMPLES.parent / "docs" / "meshes.md").read_text(encoding="utf-8")
+    [shown] = re.findall(r"^```toml\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
+    example = tomllib.loads(EXAMPLE.read_text(encoding="utf-8"))
+    assert tomllib.loads(shown)["bladed_disk"] == example["bladed_disk"]
+    [code] = re.findall(r"^```python\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
+    exec(compile(code.replace("examples/", f"{EXAMPLES}/"), "meshes.md", "exec"))
