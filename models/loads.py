@@ -66,9 +66,9 @@ def radial_mode(stage: Stage, k: int) -> int:
 def unbalance(stage: Stage) -> float:
     """Unbalance m e of an imbalance [kg m].
 
-    Where ``clearance_speed`` is given, the static answer to m e Omega^2 at that speed moves the
-    tip that moves most just as far outward as the smallest clearance. Where the centre stands on
-    two equal springs, that force is stiffness times clearance.
+    Where ``clearance_speed`` is given, the static answer to m e Omega^2 at that speed just brings
+    a tip to the casing where its clearance is smallest. Where the centre stands on two equal
+    springs and all blades are of one length, that force is stiffness times clearance.
 
     Raises:
         ValueError: the case's excitation is no imbalance.
@@ -81,9 +81,10 @@ def unbalance(stage: Stage) -> float:
     assert load.clearance_speed is not None  # the case has one of the two
     rotor = stage.rotor
     outward = rotor.tip_radial @ (rotor.centre[X] / rotor.frequency**2)
-    clearance = stage.reduced_casing.clearance[:, 0].min()
+    room = stage.reduced_casing.clearance[:, 0].min() + rotor.tip_recess
+    reaching = outward > 0.0
     speed = load.clearance_speed.rad_per_s(stage.reference_frequency)
-    return float(clearance / outward.max() / speed**2)
+    return float((room[reaching] / outward[reaching]).min() / speed**2)
 
 
 def imbalance_force(stage: Stage) -> float:

@@ -10,8 +10,9 @@
     sketch.set("centre", "centre")
     sketch.set("tips", "tip")
 
-What is drawn is one sector, its radial line on +x; it is repeated counter-clockwise. `Sketch.table`
-is what a case holds (``Case(sketch=sketch.table)``), `build_sketch` makes the beam model of it.
+What is drawn is one sector, its radial line on +x; it is repeated counter-clockwise. `Sketch.case`
+puts it into a case, which everything else works on; `Sketch.build` makes the beam model alone. The
+first tip belongs on +x: an imbalance pulls that way.
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from bladewhirl.models.beam_model import BeamModel
+from bladewhirl.models.case import Case
+from bladewhirl.models.case_check import case_from
 from bladewhirl.models.faults import CaseError, Fault
 from bladewhirl.models.sections import Section
 from bladewhirl.models.sketch_build import build_sketch
@@ -72,6 +75,17 @@ class Sketch:
             return SketchTable(**self._head, **parts)
         except ValidationError as error:
             raise _case_error("sketch", error) from None
+
+    def case(self, **tables: Any) -> Case:
+        """A case with this bladed disk: what everything else of the package works on.
+
+        Args:
+            tables: the other tables of a case, ``march={"speed": 1.2, "duration": "0.5 s"}``.
+
+        Raises:
+            CaseError: all faults of the tables.
+        """
+        return case_from({**tables, "sketch": self.table})
 
     def build(self) -> BeamModel:
         """The beam model of all sectors.

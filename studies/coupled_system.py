@@ -11,7 +11,7 @@ from bladewhirl.models.case import Case
 from bladewhirl.models.case_text import dumps_case
 from bladewhirl.models.coupling import CouplingModes, IntArray
 from bladewhirl.models.faults import UserError
-from bladewhirl.models.modal_stage import modal_stage
+from bladewhirl.models.modal_stage import ModalStage, modal_stage
 from bladewhirl.models.stage_coupling import StageModes, stage_modes
 
 
@@ -67,7 +67,16 @@ def couple(case: Case, *, chosen: str, damped: bool, with_pi: bool, physical: bo
     Raises:
         UserError: a stage without cyclic symmetry, or modes that it does not have.
     """
-    modal = modal_stage(case)
+    return couple_modes(
+        modal_stage(case), chosen=chosen, damped=damped, with_pi=with_pi, physical=physical
+    )
+
+
+def couple_modes(
+    modal: ModalStage, *, chosen: str, damped: bool, with_pi: bool, physical: bool
+) -> System:
+    """Couple modes of a full stage; see `couple`."""
+    case = modal.case
     try:
         whole = stage_modes(modal, damping_ratio=case.damping.ratio if damped else 0.0)
     except ValueError as error:

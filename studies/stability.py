@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -64,12 +64,22 @@ def stability(
     unstable zones, their borders found by root finding, the eigenvalues along --line and, for
     other modes than the six of the paper, what those six hide. One point (--speed and --kappa)
     gives growth rate and eigenvalues and, with -o, the divergent mode in time. With --json and no
-    -o nothing is written.
+    -o nothing is written. Where blades differ, growth rates are found by dense matrices: this
+    takes --physical, "six" is 1F,suspension,casing:1 with all modes of these families, and a chart
+    has no borders of zones.
     """
     from bladewhirl.models.case_file import faults_from, read_case
     from bladewhirl.models.faults import UserError
-    from bladewhirl.studies.coupled_system import couple
+    from bladewhirl.models.modal_stage import modal_stage
+    from bladewhirl.studies.coupled_system import couple_modes
+    from bladewhirl.studies.dense_stability import (
+        couple_densely,
+        has_symmetry,
+        make_dense_chart,
+        report_point,
+    )
     from bladewhirl.studies.ranges import not_negative, parse_range
+    from bladewhirl.studies.stability_point import given_speed
 
     if (speed is None) != (kappa is None):
         raise UserError("--speed, --kappa: expected both, for one point, or neither, for a chart")
@@ -84,7 +94,25 @@ def stability(
         raise UserError(f"{folder}: already exists; --overwrite writes into it")
     checked = read_case(case, overrides or [])
     with faults_from(case, overrides or []):
-        system = couple(checked, chosen=modes, damped=damped, with_pi=not no_pi, physical=physical)
+        modal = modal_stage(checked)
+        choice: dict[str, Any] = {"chosen": modes, "damped": damped, "physical": physical}
+        choice["with_pi"] = not no_pi
+    if not has_symmetry(modal):
+        dense = couple_densely(modal, **choice)
+        if speed is not None and kappa is not None:
+            if folder is not None:
+                raise UserError(
+                    f"--output {folder}: the divergent mode is drawn for stages with cyclic"
+                    " symmetry; this bladed disk has none"
+                )
+            omega = given_speed(speed).rad_per_s(dense.reference)
+            report_point(dense, omega=omega, kappa=kappa, as_json=json)
+        else:
+            make_dense_chart(
+                dense, speeds=speed_range, kappas=kappa_range, folder=folder, as_json=json
+            )
+        return
+    system = couple_modes(modal, **choice)
     if speed is not None and kappa is not None:
         from bladewhirl.studies.stability_point import look_at_point
 

@@ -62,7 +62,7 @@ def make_chart(
     """
     omegas = speeds * system.reference
     zones = zones_of(system, system.modes, omegas, kappas)
-    with _bar(quiet=as_json) as bar:
+    with progress_bar(quiet=as_json) as bar:
         task = bar.add_task("growth rates", total=omegas.size * kappas.size)
         grid = stability_chart(
             system.modes,
@@ -159,7 +159,7 @@ def draw_spectrum(system: System, omegas: FloatArray, line: float, folder: Path)
     save_figure(plot_spectrum(data), folder / "spectrum", data)
 
 
-def _bar(*, quiet: bool) -> Progress:
+def progress_bar(*, quiet: bool) -> Progress:
     """A progress bar on standard error."""
     return Progress(
         TextColumn("{task.description}"),

@@ -35,7 +35,7 @@ def look_at_point(
         films: draw it as VTK series and GIF too.
         as_json: print one JSON document instead of a table.
     """
-    omega = _speed(speed).rad_per_s(system.reference)
+    omega = given_speed(speed).rad_per_s(system.reference)
     point = point_report(system, omega, kappa)
     motion = None
     if folder is not None:
@@ -134,7 +134,12 @@ def _listed(names: list[str]) -> str:
     return few if len(names) <= FEW else f"{few} and {len(names) - FEW} more"
 
 
-def _speed(text: str) -> Speed:
+def given_speed(text: str) -> Speed:
+    """A speed of the command line.
+
+    Raises:
+        UserError: it is none.
+    """
     try:
         return Speed(float(text))
     except ValueError:

@@ -1,0 +1,122 @@
+"""A stage that a user draws in Python: marched, shown, rerun from what the run left."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from bladewhirl.models import Case, CaseError, Section, Sketch, read_case
+from bladewhirl.models.stage import build_stage
+from bladewhirl.studies.cli import app
+from bladewhirl.studies.runs import run_case
+
+STEEL = {"young_modulus": 2.1e11, "density": 7800.0}
+
+
+def propeller() -> Sketch:
+    """Four swept blades on arms, each with a rigid horn and a mass on it, joined by springs."""
+    arm = Section(width=0.08, thickness=0.03, **STEEL)
+    root = Section(width=0.08, thickness=0.012, **STEEL)
+    tip = Section(width=0.05, thickness=0.006, **STEEL)
+    sketch = Sketch(sectors=4)
+    sketch.node("hub", 0.0, 0.0, shared=True)
+    sketch.node("root", "80 mm", "-20 mm")
+    sketch.node("horn", "110 mm", "10 mm")
+    sketch.node("tip", "400 mm")
+    sketch.member("arms", "hub", "root", arm)
+    sketch.member("blades", "root", "tip", [root, tip], elements=6, path=[(0.25, -0.03)])
+    sketch.link("root", "horn")
+    sketch.mass("horn", "300 g", inertia="2 kg cm2")
+    sketch.spring("root", "root+1", radial="2 MN/m", tangential="2 MN/m")
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    return sketch
+
+
+def case(sketch: Sketch) -> Case:
+    return sketch.case(
+        shaft={"stiffness": "2 MN/m"},
+        casing={"elements": 20, "clearance": "0.4 mm", "support": "8 MN/m2"},
+        reduction={"fixed_interface_modes": 12},
+        excitation={"type": "imbalance", "unbalance": "50 g m", "ramp": 0.0},
+        march={"speed": "3000 rpm", "duration": "8 ms"},
+    )
+
+
+def test_march_in_a_few_lines(tmp_path: Path) -> None:
+    run = run_case(case(propeller()), tmp_path / "propeller", frames=3)
+    assert run.end_reason == "completed"
+    assert run.summary.energy_residual < 1e-8
+    assert run.summary.shaft_radius_max > 1e-5
+    assert run.symmetry.startswith("bladed disk: 4 equal sectors: cyclic path")
+    assert (run.directory / "vtk" / "series.pvd").is_file()
+    again = run_case(read_case(run.directory / "case.toml"), tmp_path / "again", frames=0)
+    with run.open() as one, again.open() as other:
+        assert set(one.rotor_part.values) == {"arms", "blades"}
+        np.testing.assert_array_equal(one.rotor_displacement, other.rotor_displacement)
+
+
+def test_the_same_stage_with_every_sector_drawn_out() -> None:
+    """One sector turned four times, and all four drawn as if nothing were known of them."""
+    tuned = propeller()
+    found = build_stage(case(tuned))
+    table = tuned.table
+    whole = Sketch()
+    whole.node("hub", 0.0, shared=True)
+    for n in range(4):
+        cos, sin = np.round([np.cos(n * np.pi / 2), np.sin(n * np.pi / 2)])
+        for node in table.nodes[1:]:
+            x, y = node.at
+            whole.node(f"{node.name} {n}", cos * x - sin * y, sin * x + cos * y)
+    for n in range(4):
+        cos, sin = np.round([np.cos(n * np.pi / 2), np.sin(n * np.pi / 2)])
+        arms, blades = table.members
+        assert arms.section is not None
+        whole.member(f"arm {n}", "hub", f"root {n}", arms.section)
+        [(x, y)] = blades.path
+        whole.member(
+            *(f"blade {n}", f"root {n}", f"tip {n}", blades.stations),
+            elements=6,
+            path=[(cos * x - sin * y, sin * x + cos * y)],
+        )
+        whole.link(f"root {n}", f"horn {n}")
+        whole.mass(f"horn {n}", "300 g", inertia="2 kg cm2")
+        whole.spring(f"root {n}", f"root {(n + 1) % 4}", radial="2 MN/m", tangential="2 MN/m")
+    whole.set("centre", "hub")
+    whole.set("tips", *(f"tip {n}" for n in range(4)))
+    drawn = build_stage(case(whole))
+    assert drawn.symmetry["bladed_disk"] == "no sectors: dense path"
+    np.testing.assert_allclose(
+        drawn.reduction.modes.frequency, found.reduction.modes.frequency, rtol=1e-9
+    )
+    assert drawn.disk.model.mass == pytest.approx(found.disk.model.mass, rel=1e-12)
+
+
+def test_commands_work_on_it(tmp_path: Path) -> None:
+    """What was drawn in Python and written is a case file as any other."""
+    from bladewhirl.models import dumps_case
+
+    sketch = propeller()
+    sketch.move(2, "tip", "399.9 mm")
+    path = tmp_path / "propeller.toml"
+    path.write_text(dumps_case(case(sketch)))
+    shown = CliRunner().invoke(app, ["show", str(path)])
+    assert shown.exit_code == 0, shown.output
+    assert "4 sectors that differ: dense path" in shown.output
+    listed = CliRunner().invoke(app, ["modes", str(path), "--count", "6"])
+    assert listed.exit_code == 0, listed.output
+
+
+def test_tips_outside_the_casing_are_named() -> None:
+    sketch = propeller()
+    sketch = Sketch(4, tip_radius=0.39)
+    sketch.node("hub", 0.0, shared=True)
+    sketch.node("tip", 0.4)
+    sketch.member("blades", "hub", "tip", Section(width=0.1, thickness=0.01, **STEEL))
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    with pytest.raises(CaseError, match=r"blade 0, at radius 0.4 m, is outside by 0.0096 m"):
+        build_stage(case(sketch))
