@@ -109,7 +109,7 @@ class Rotor(NamedTuple):
     drag_spread: Array  #: what friction is spread with: the same, or cross_shape by tip
     half: int  #: columns from one to its partner, see `Layout`
     shared: bool  #: whether friction is spread as the normal force is
-    w: Array  #: r c (r + mu s t)^T for s = -1, 0, 1, by column, (3, tips, tips)
+    w: Array  #: r c (r + mu s t)^T for s = -1, 0, 1, by column, (3 tips, tips)
     position: Array  #: angle of each tip in elements of the casing, (padded tips,)
     recess: Array  #: of each tip at rest, on top of the clearance, (padded tips,)
 
@@ -573,20 +573,21 @@ def _take_rotor(
     active: Array, size: int, rotor_w: Array, sign: Array, known: Array, on_rotor: Array
 ) -> None:
     """The rotor's part of W of the active tips; mostly it is there already from the last step."""
-    same = known[0, size] < 0 if size < known.shape[1] else True
+    tips = known.shape[1]
+    same = known[0, size] < 0 if size < tips else True
     for n in range(size):
         j = active[n]
         same = same and known[0, n] == j and known[1, n] == _sense(sign[j])
     if same:
         return
-    for n in range(known.shape[1]):
+    for n in range(tips):
         known[0, n] = -1
     for n in range(size):
         j = active[n]
         sense = _sense(sign[j])
         known[0, n], known[1, n] = j, sense
         for m in range(on_rotor.shape[1]):
-            on_rotor[n, m] = rotor_w[sense, j, active[m]] if m < size else 0.0
+            on_rotor[n, m] = rotor_w[sense * tips + j, active[m]] if m < size else 0.0
 
 
 @njit(**INLINE)
@@ -727,9 +728,9 @@ def _lemke(gap: Array, w: Array, t: Array, basis: Array, multiplier: Array) -> b
     for i in range(tips):
         gap_scale = max(gap_scale, abs(gap[i]))
         w_scale = max(w_scale, abs(w[i, i]))
-    multiplier[:] = 0.0
     row = 0
     for i in range(tips):
+        multiplier[i] = 0.0
         for j in range(tips):
             t[i, j] = 1.0 if i == j else 0.0
             t[i, tips + j] = -w[j, i] / w_scale

@@ -16,10 +16,21 @@ numba's cache does not notice a change in this file: after one, touch the module
 
 from __future__ import annotations
 
+import operator
+
 from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic, models, register_model
-from numba.np.arrayobj import populate_array
+from numba.core import cgutils
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import (
+    infer_getattr,
+    intrinsic,
+    lower_builtin,
+    lower_getattr,
+    models,
+    register_model,
+    type_callable,
+)
 
 LANES = 8
 """Doubles in the widest common vector register."""
@@ -47,14 +58,120 @@ def _vector(width):
 _FULL, _HALF = _LanesType(LANES), _LanesType(HALF)
 
 
-def _address(context, builder, kind, array, indices, width):
-    """Pointer to a register's worth of a C-contiguous array from an index on."""
-    view = context.make_array(kind)(context, builder, array)
+class _BareType(types.Type):
+    def __init__(self, dtype, ndim):
+        self.dtype, self.ndim = dtype, ndim
+        super().__init__(name=f"bare{ndim}({dtype})")
+
+
+@register_model(_BareType)
+class _BareModel(models.StructModel):
+    def __init__(self, manager, kind):
+        sizes = [(f"size{axis}", types.intp) for axis in range(kind.ndim)]
+        super().__init__(manager, kind, [("data", types.CPointer(kind.dtype)), *sizes])
+
+
+@intrinsic
+def bare(typing_context, array):
+    """A C-contiguous vector or matrix as a bare address and its sizes.
+
+    It is indexed as arrays are, by indices that are not negative. As an argument it takes two or
+    three words where an array takes seven or ten, and nothing counts references to it (a count
+    is an atomic operation, some ten of which cost as much as a product): the caller must keep
+    the array alive.
+    """
+
+    def generate(context, builder, signature, arguments):
+        view = context.make_array(signature.args[0])(context, builder, arguments[0])
+        out = cgutils.create_struct_proxy(signature.return_type)(context, builder)
+        out.data = view.data
+        for axis in range(signature.args[0].ndim):
+            setattr(out, f"size{axis}", builder.extract_value(view.shape, axis))
+        return out._getvalue()
+
+    return _BareType(array.dtype, array.ndim)(array), generate
+
+
+def _item(builder, kind, array, indices):
+    """Pointer to an item."""
     place = indices[-1]
-    if len(indices) == 2:
-        columns = builder.extract_value(view.shape, 1)
+    if kind.ndim == 2:
+        columns = builder.extract_value(array, 2)
         place = builder.add(builder.mul(indices[0], columns), place)
-    return builder.bitcast(builder.gep(view.data, [place]), _vector(width).as_pointer())
+    return builder.gep(builder.extract_value(array, 0), [place])
+
+
+def _index_type(kind):
+    return types.intp if kind.ndim == 1 else types.UniTuple(types.intp, 2)
+
+
+def _indices(builder, kind, index):
+    return [index] if kind.ndim == 1 else cgutils.unpack_tuple(builder, index)
+
+
+@type_callable(operator.getitem)
+def _type_getitem(context):
+    def typer(array, index):
+        if isinstance(array, _BareType):
+            return array.dtype(array, _index_type(array))
+        return None
+
+    return typer
+
+
+@type_callable(operator.setitem)
+def _type_setitem(context):
+    def typer(array, index, value):
+        if isinstance(array, _BareType):
+            return types.void(array, _index_type(array), array.dtype)
+        return None
+
+    return typer
+
+
+@type_callable(len)
+def _type_len(context):
+    def typer(array):
+        return types.intp if isinstance(array, _BareType) else None
+
+    return typer
+
+
+@lower_builtin(operator.getitem, _BareType, types.Any)
+def _lower_getitem(context, builder, signature, arguments):
+    kind, (array, index) = signature.args[0], arguments
+    return builder.load(_item(builder, kind, array, _indices(builder, kind, index)))
+
+
+@lower_builtin(operator.setitem, _BareType, types.Any, types.Any)
+def _lower_setitem(context, builder, signature, arguments):
+    kind, (array, index, value) = signature.args[0], arguments
+    builder.store(value, _item(builder, kind, array, _indices(builder, kind, index)))
+    return context.get_dummy_value()
+
+
+@lower_builtin(len, _BareType)
+def _lower_len(context, builder, signature, arguments):
+    return builder.extract_value(arguments[0], 1)
+
+
+@infer_getattr
+class _BareAttributes(AttributeTemplate):
+    key = _BareType
+
+    def resolve_shape(self, kind):
+        return types.UniTuple(types.intp, kind.ndim)
+
+
+@lower_getattr(_BareType, "shape")
+def _lower_shape(context, builder, kind, array):
+    sizes = [builder.extract_value(array, 1 + axis) for axis in range(kind.ndim)]
+    return context.make_tuple(builder, types.UniTuple(types.intp, kind.ndim), sizes)
+
+
+def _address(context, builder, kind, array, indices, width):
+    """Pointer to a register's worth of an array from an index on."""
+    return builder.bitcast(_item(builder, kind, array, indices), _vector(width).as_pointer())
 
 
 def _loader(width):
@@ -82,30 +199,6 @@ def _splatter(width):
         return builder.shuffle_vector(first, blank, everywhere)
 
     return generate
-
-
-@intrinsic
-def bare(typing_context, array):
-    """The same C-contiguous array without an owner: nothing counts references to it.
-
-    A count is an atomic operation, some ten of which cost as much as a product. The caller must
-    keep the array alive.
-    """
-
-    def generate(context, builder, signature, arguments):
-        owned = context.make_array(signature.args[0])(context, builder, arguments[0])
-        view = context.make_array(signature.return_type)(context, builder)
-        populate_array(
-            view,
-            data=owned.data,
-            shape=owned.shape,
-            strides=owned.strides,
-            itemsize=owned.itemsize,
-            meminfo=None,
-        )
-        return view._getvalue()
-
-    return types.Array(array.dtype, array.ndim, "C")(array), generate
 
 
 @intrinsic

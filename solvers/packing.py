@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,9 +92,10 @@ def _couples(points: int, parity: int | None) -> list[tuple[int, ...]]:
 
 def aligned(shape: int | tuple[int, ...]) -> FloatArray:
     """Zeros that start on a cache line."""
-    count = int(np.prod(shape))
+    count = prod(shape) if isinstance(shape, tuple) else shape
     raw = np.zeros(count + CACHE_LINE // 8)
-    first = -(raw.ctypes.data // 8) % (CACHE_LINE // 8)
+    address = raw.ctypes.data
+    first = -(address // 8) % (CACHE_LINE // 8)
     return raw[first : first + count].reshape(shape)
 
 
@@ -252,7 +254,7 @@ def pack_rotor(
         shared=cyclic,
         w=_by_sliding(
             weighted @ rotor.tip_radial.T, weighted_tangential @ rotor.tip_radial.T, friction
-        ),
+        ).reshape(3 * tips, tips),
         position=_lengthened(rotor.tip_angle * casing_nodes / (2.0 * np.pi)),
         recess=_lengthened(rotor.tip_recess),
     )
