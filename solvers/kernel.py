@@ -16,10 +16,10 @@ number a column, and the columns are then spread over tips or casing nodes by a 
 cyclic stage a column is a Fourier harmonic and both stages are small; on any other stage there is
 one row, a column is a mode, and the shape matrix is dense.
 
-`advance` takes its arrays in named tuples and unpacks them once; every other function gets the
-few arrays it works on, because a tuple handed on costs a copy and a reference count for each of
-its arrays, which at this step length is more than the work itself. Slots of the state are
-addressed by number for the same reason.
+`advance` takes its arrays in named tuples and makes bare addresses of them once; every other
+function gets the few that it works on, because a tuple handed on costs a copy for each of its
+arrays, which at this step length is more than the work itself. Slots of the state are addressed by
+number for the same reason.
 """
 
 from __future__ import annotations
@@ -60,8 +60,6 @@ ENTRY = {
 }  # fmt: skip
 # Only the entry is called from Python, so only it needs, and compiles, what unpacks arguments.
 COMPILE = {k: v for k, v in ENTRY.items() if k != "cache"} | {"no_cpython_wrapper": True}
-# Passing an array takes seven words: parts of every step go into the caller.
-INLINE = COMPILE | {"forceinline": True}
 
 RUNNING, DIVERGED = 0, 1
 W_KIND, W_SLOPE, U_KIND, U_SLOPE = 0, 1, 2, 3
@@ -226,14 +224,14 @@ class Scratch(NamedTuple):
     spring_force: Array  #: on the waves of rotor and casing, (2, waves)
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _predict(a: Array, b: Array, slots: Array, old: int, now: int, new: int) -> None:
     for i in range(0, len(a), LANES):
         x = fma(load(a, i), load_row(slots, now, i), mul(load(b, i), load_row(slots, old, i)))
         store_row(slots, new, i, x)
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _turned(h: int, half: int) -> int:
     """Place of a register's partner columns."""
     return h + half if h < half else h - half
@@ -258,7 +256,7 @@ def _column_sums(weight: Array, slots: Array, slot: int, half: int, out: Array) 
         store(out, _turned(h, half), add(even, odd))
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _combine(rows: Array, factor: Array, out: Array) -> None:
     """Linear combination of all rows of a matrix."""
     count, width = rows.shape
@@ -280,7 +278,7 @@ def _combine(rows: Array, factor: Array, out: Array) -> None:
         store(out, i, first)
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _folded_fields(
     fold: Array,
     values: Array,
@@ -315,7 +313,7 @@ def _folded_fields(
         _unfold(de, do, te, to, i, middle, start, 1, slope)
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _unfold(
     cos_even: Any,
     cos_odd: Any,
@@ -338,7 +336,7 @@ def _unfold(
     store(out, x, add(reverse(sub(near, turned)), load_row(start, row, x)))
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _nodal_fields(
     fold: Array,
     value_shape: Array,
@@ -476,7 +474,7 @@ def _external_work(
     return done
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _damping_loss(damping: Array, slots: Array, old: int, new: int) -> float:
     """d^T D d with d = (x_{n+1} - x_{n-1}) / 2."""
     loss = splat(0.0)
@@ -498,7 +496,7 @@ def _half_step_energy(
     return 0.5 * energy
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _place_tips(
     position: Array,
     shift: float,
@@ -524,7 +522,7 @@ def _place_tips(
         hermite[3, j] = -length * xi * xi * rest
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _on_tips(value: Array, slope: Array, hermite: Array, element: Array, out: Array) -> bool:
     """Value of a nodal Hermite field under each tip; False, and no further, at a NaN.
 
@@ -541,7 +539,7 @@ def _on_tips(value: Array, slope: Array, hermite: Array, element: Array, out: Ar
     return True
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _close_gaps(
     value: Array,
     slope: Array,
@@ -562,7 +560,7 @@ def _close_gaps(
     return within == tips
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _sense(sign: float) -> int:
     """Row of what depends on the sense of sliding: backward, none, forward."""
     return 2 if sign > 0.0 else 0 if sign < 0.0 else 1
@@ -590,7 +588,7 @@ def _take_rotor(
             on_rotor[n, m] = rotor_w[sense * tips + j, active[m]] if m < size else 0.0
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _moved(compliance: Array, r: int, n0: Any, n1: Any, n2: Any, n3: Any, end: Any) -> Any:
     """Four products that sum up to the gap under one tip per multiplier of another."""
     one = mul(load_half(compliance, r), n0)
@@ -651,7 +649,7 @@ def _delassus(
         diagonal[j] = w[n, n]
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _eliminate(size: int, w: Array, others: Array, solution: Array) -> bool:
     """Solve a system given by columns, the right-hand side last; destroys them.
 
@@ -677,7 +675,7 @@ def _eliminate(size: int, w: Array, others: Array, solution: Array) -> bool:
     return True
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _active_multipliers(
     gap: Array,
     size: int,
@@ -787,7 +785,7 @@ def _gauss_seidel(gap: Array, w: Array, multiplier: Array) -> None:
             return
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _tip_forces(
     active: Array,
     size: int,
@@ -823,7 +821,7 @@ def _tip_forces(
     return mixed, ratio
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _spread(
     rows: Array, index: Array, factor: Array, which: int, count: int, half: int, columns: Array
 ) -> None:
@@ -837,7 +835,7 @@ def _spread(
             store_row(columns, which, rows.shape[1] + h, x)
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _spread_two(
     rows: Array, index: Array, factor: Array, which: int, count: int, half: int, columns: Array
 ) -> None:
@@ -862,7 +860,7 @@ def _spread_two(
             store_row(columns, which + 1, rows.shape[1] + g, b1)
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _correct_rotor(
     c: Array,
     force: Array,
@@ -904,7 +902,7 @@ def _correct_rotor(
     work[1] = 0.5 * total(on_shear)
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _correct_casing(
     c: Array,
     force: Array,
@@ -950,7 +948,7 @@ def _correct_casing(
     work[1] += 0.5 * total(on_shear)
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _residual(
     scale: float, free_gap: Array, gap: Array, diagonal: Array, multiplier: Array
 ) -> float:
@@ -965,7 +963,7 @@ def _residual(
     return worst / scale if scale > 0.0 else worst
 
 
-@njit(**INLINE)
+@njit(**COMPILE)
 def _account_contact(
     multiplier: Array,
     sign: Array,
