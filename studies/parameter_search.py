@@ -35,8 +35,11 @@ BRIDGE = (6, 21, 33)
 SCREENING = {"march.time_step": 2e-6, "march.record_step": 4e-4}
 """Changes of the cases while screening: half of the steps, a quarter of the records."""
 
-CONFIRMED_REPEATS, CONFIRMED_SETS = 3, 3
-"""Repeats of a set that is confirmed, and how many sets are."""
+CONFIRMED_REPEATS, CONFIRMED_SETS = 3, 2
+"""Repeats of a set that is confirmed, and how many of the best are."""
+
+DEFAULT = "supported"
+"""Start that the examples of the paper's two scenarios are."""
 
 FILE_NAME = "search.json"
 
@@ -70,7 +73,7 @@ class Search:
     """All that has been judged, in one folder."""
 
     directory: Path
-    scheduler: str | None = None  #: address of a dask scheduler; a cluster for each set when None
+    scheduler: str | None = None  #: address of a dask scheduler; this process marches when None
     told: Told = lambda judged: None
     judged: dict[tuple[ParameterSet, bool], Judged] = field(default_factory=dict)
 
@@ -85,9 +88,15 @@ class Search:
             best = better
         return best
 
-    def confirm(self, sets: int = CONFIRMED_SETS) -> list[Judged]:
-        """Judge the best screened sets again at the paper's time step over repeats."""
-        return [self.judge(judged.values, confirmed=True) for judged in self.best(sets)]
+    def confirm(self) -> list[Judged]:
+        """Judge the best screened sets, and the default of the paper's two cases, again.
+
+        That is done at the paper's time step over repeats.
+        """
+        best = [judged.values for judged in self.best(CONFIRMED_SETS)]
+        return [
+            self.judge(values, confirmed=True) for values in dict.fromkeys([*best, STARTS[DEFAULT]])
+        ]
 
     def best(self, sets: int, *, confirmed: bool = False) -> list[Judged]:
         """The best sets, the best first."""
@@ -104,7 +113,7 @@ class Search:
         return self.judged[key]
 
     def _judge(self, values: ParameterSet, *, confirmed: bool) -> Judged:
-        store = RunStore(directory=self.directory / "runs", scheduler=self.scheduler)
+        store = RunStore(directory=self.directory / "runs", workers=1, scheduler=self.scheduler)
         changes = values.changes() | ({} if confirmed else SCREENING)
         contact = [CLAIMS[number] for number in CONTACT_CLAIMS]
         labs = [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache
 from math import asin, pi, sqrt
@@ -61,10 +61,13 @@ class ParameterSet:
             **_push(self.push, swing, omega),
         }
 
-    @property
-    def words(self) -> str:
-        """All values in a line."""
-        return ", ".join(f"{PARAMETERS[name]} {value}" for name, value in asdict(self).items())
+    def words(self, left_out: Container[str] = ()) -> str:
+        """All values in a line, but for those of some parameters."""
+        return ", ".join(
+            f"{PARAMETERS[name]} {value}"
+            for name, value in asdict(self).items()
+            if name not in left_out
+        )
 
     def neighbours(self) -> Iterator[ParameterSet]:
         """Sets that differ in one value."""
@@ -81,7 +84,7 @@ class ParameterSet:
 
 
 UNKNOWNS: Mapping[str, tuple[Any, ...]] = {
-    "swing": (1.1, 1.2, 1.3, 1.5, 3.0, 5.9, 200.0),
+    "swing": (1.1, 1.15, 1.2, 1.3, 1.5, 3.0, 5.9, 200.0),
     "damping": (0.005, 0.01, 0.02, 0.03, 0.05),
     "mass": (1.0, 20.0, 100.0, 200.0, 400.0, 700.0, 1200.0),
     "wall": (0.005, 0.01, 0.02, 0.04, 0.06),

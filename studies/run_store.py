@@ -7,7 +7,7 @@ goes on where it was, and one that asks for the same run again gets it.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, cast
@@ -19,7 +19,7 @@ from bladewhirl.studies import run_directory as folder
 from bladewhirl.studies.runs import prepare_stage
 from bladewhirl.studies.sweep_cluster import march_groups
 from bladewhirl.studies.sweep_layout import make_layout, march_extent
-from bladewhirl.studies.sweep_points import Failure, Group, Work, stage_at
+from bladewhirl.studies.sweep_points import Failure, Group, Outcome, Work, march_group, stage_at
 
 KEY_LENGTH = 16
 """Characters of the name of a run."""
@@ -39,7 +39,7 @@ class RunStore:
     """Results by case, in one folder."""
 
     directory: Path
-    workers: int | None = None  #: processes that march; one a core when None
+    workers: int | None = None  #: processes that march; one a core when None, this one when 1
     scheduler: str | None = None  #: address of an existing dask scheduler
     failures: dict[str, str] = field(default_factory=dict)  #: reason by name of the run
 
@@ -82,13 +82,19 @@ class RunStore:
             for number, case in enumerate(sound)
         ]
         done = len(missing) - len(sound)
-        for outcomes in march_groups(work, groups, scheduler=self.scheduler, workers=self.workers):
+        for outcomes in self._marched(work, groups):
             for point, outcome in outcomes.items():
                 if isinstance(outcome, Failure):
                     self.failures[run_key(sound[point])] = outcome.reason
             done += len(outcomes)
             if progress is not None:
                 progress(done, len(missing))
+
+    def _marched(self, work: Work, groups: Sequence[Group]) -> Iterator[Mapping[int, Outcome]]:
+        """Outcomes of each group; a single process marches them itself."""
+        if self.scheduler is None and self.workers == 1:
+            return (march_group(work, group) for group in groups)
+        return march_groups(work, groups, scheduler=self.scheduler, workers=self.workers)
 
     def _is_sound(self, case: Case) -> bool:
         """Whether it can be marched; compiles, so that workers find what they all use."""

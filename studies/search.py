@@ -67,11 +67,11 @@ def search(
 
 
 @contextmanager
-def _scheduler(address: str | None, workers: int) -> Iterator[str]:
-    """The address of the scheduler, one of this machine if none is named."""
+def _scheduler(address: str | None, workers: int) -> Iterator[str | None]:
+    """The address of the scheduler, one of this machine if none is named; none for one process."""
     from bladewhirl.studies.sweep_cluster import local_cluster
 
-    if address is not None:
+    if address is not None or workers == 1:
         yield address
         return
     with local_cluster(workers) as cluster:
@@ -81,7 +81,7 @@ def _scheduler(address: str | None, workers: int) -> Iterator[str]:
 def _tell(judged: Judged) -> None:
     holds, partly = judged.rank
     level = "confirmed" if judged.confirmed else "screened"
-    typer.echo(f"{holds} hold, {partly} partly, {level}: {judged.values.words}")
+    typer.echo(f"{holds} hold, {partly} partly, {level}: {judged.values.words()}")
 
 
 @contextmanager

@@ -11,6 +11,7 @@ from bladewhirl.postprocess.sensitivity_figures import plot_sensitivity, sensiti
 from bladewhirl.postprocess.style import save_figure
 from bladewhirl.studies.claim import CLAIMS
 from bladewhirl.studies.figure_folder import written_to
+from bladewhirl.studies.laboratory import PERTURBATION
 from bladewhirl.studies.parameter_search import (
     BRIDGE,
     CONTACT_CLAIMS,
@@ -18,7 +19,7 @@ from bladewhirl.studies.parameter_search import (
     Judged,
     Search,
 )
-from bladewhirl.studies.parameter_sets import PARAMETERS, STARTS, UNKNOWNS
+from bladewhirl.studies.parameter_sets import PARAMETERS, STARTS, UNKNOWNS, ParameterSet
 from bladewhirl.studies.sweep_store import write_whole
 
 REPORT_NAME = "report.md"
@@ -54,30 +55,40 @@ def report_text(search: Search) -> str:
     best = screened[0]
     judged = [each for each in search.judged.values() if not each.confirmed]
     bridging = [each for each in judged if each.bridges]
-    claims = len(MODAL_CLAIMS + CONTACT_CLAIMS)
+    listed = [("confirmed", each) for each in confirmed]
+    listed += [("screened", each) for each in screened]
+    listed += [
+        (f'screened, "{name}"', search.judged[start, False])
+        for name, start in STARTS.items()
+        if (start, False) in search.judged
+    ]
+    shared = _shared([each.values for _, each in listed])
+    claims = (*MODAL_CLAIMS, *CONTACT_CLAIMS)
     lines = [
-        f"{len(judged)} sets were screened by {claims} claims,"
-        f" {_numbers((*MODAL_CLAIMS, *CONTACT_CLAIMS))}; {len(confirmed)} were confirmed over"
-        " repeats.",
+        f"{len(judged)} sets were screened by {len(claims)} claims, {_numbers(claims)};"
+        f" {len(confirmed)} were confirmed at the paper's time step over repeats whose force"
+        f" differs by {PERTURBATION:g}.",
         "",
         f"Claims {_numbers(BRIDGE)} together hold in {len(bridging)} of the screened sets"
-        + (f", the best of them: {max(bridging, key=_rank).values.words}." if bridging else "."),
+        + (f", the best of them: {max(bridging, key=_rank).values.words()}." if bridging else "."),
         "",
         "| | hold | partly | that hold | set |",
         "|---|---|---|---|---|",
-        *(_row("confirmed", each) for each in confirmed),
-        *(_row("screened", each) for each in screened),
-        *(
-            _row(f'"{name}"', search.judged[start, False])
-            for name, start in STARTS.items()
-            if (start, False) in search.judged
-        ),
+        *(_row(name, each, shared) for name, each in listed),
+        "",
+        f"All of them have {best.values.words(set(PARAMETERS) - shared)}." if shared else "",
         "",
         "What single change of the best screened set turns a claim that it misses:",
         "",
         *(_flips(search, best, claim) for claim in missed(best)),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _shared(sets: list[ParameterSet]) -> set[str]:
+    """Parameters that have the same value in all sets."""
+    rows = [asdict(values) for values in sets]
+    return {name for name in PARAMETERS if len({row[name] for row in rows}) == 1}
 
 
 def missed(judged: Judged) -> list[int]:
@@ -118,10 +129,10 @@ def _verdict(search: Search, best: Judged, name: str, value: object, claim: int)
     return judged.verdicts[claim] if judged else ""
 
 
-def _row(name: str, judged: Judged) -> str:
+def _row(name: str, judged: Judged, shared: set[str]) -> str:
     holds, partly = judged.rank
     met = _numbers(claim for claim, verdict in judged.verdicts.items() if verdict == "holds")
-    return f"| {name} | {holds} | {partly} | {met} | {judged.values.words} |"
+    return f"| {name} | {holds} | {partly} | {met} | {judged.values.words(shared)} |"
 
 
 def _rank(judged: Judged) -> tuple[int, int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import re
 from collections.abc import Callable
@@ -18,7 +19,14 @@ from typer.testing import CliRunner
 from bladewhirl.models.case_file import read_case, with_values
 from bladewhirl.models.faults import UserError
 from bladewhirl.postprocess.result import open_result
-from bladewhirl.studies.claim import CLAIMS, Check, Claim, Finding, NotTestableError, near
+from bladewhirl.studies.claim import (
+    CLAIMS,
+    Check,
+    Claim,
+    Finding,
+    NotTestableError,
+    near,
+)
 from bladewhirl.studies.claims_imbalance import done_points
 from bladewhirl.studies.claims_truncated import main_frequency, middle_of_divergence
 from bladewhirl.studies.cli import app
@@ -31,7 +39,8 @@ from bladewhirl.studies.run_store import RunStore, run_key
 from bladewhirl.studies.scorecard import Score, Scorecard
 from bladewhirl.studies.scorecard_page import scorecard_page
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+ROOT = Path(__file__).parents[1]
+EXAMPLES = ROOT / "examples"
 RUNNER = CliRunner()
 
 SHORT = {"march.duration": 2e-3}
@@ -128,8 +137,10 @@ def test_a_repeat_changes_the_force_a_little(case: Any, key: str) -> None:
     assert perturbed(case, 0) is case
 
 
-def test_runs_are_found_again(tmp_path: Path) -> None:
-    store = RunStore(directory=tmp_path / "runs", workers=1)
+@pytest.mark.parametrize("workers", [1, 2])
+def test_runs_are_found_again(workers: int, tmp_path: Path) -> None:
+    """In this process, and in others."""
+    store = RunStore(directory=tmp_path / "runs", workers=workers)
     cases = [
         with_values(CASES["distortion"], {**SHORT, "march.speed": speed}) for speed in (1.0, 1.05)
     ]
@@ -335,3 +346,37 @@ def test_modal_claims_hold(tmp_path: Path) -> None:
         verdicts = {score.claim.number: score.verdict for score in card.scores}
     assert {number for number, verdict in verdicts.items() if verdict != "holds"} == {5, 15}
     assert verdicts[5] == verdicts[15] == "partly"
+
+
+def page_maker() -> Any:
+    """docs/reproduction.py as a module."""
+    path = ROOT / "docs" / "reproduction.py"
+    spec = importlib.util.spec_from_file_location("docs_reproduction", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_page_and_the_readme_say_what_was_computed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    maker = page_maker()
+    card = card_of(lambda: Finding(ours="a | b", checks=checks(True, False)))
+    (tmp_path / "scorecard.json").write_text(card.to_json())
+    (tmp_path / "report.md").write_text("5 sets were screened.\n")
+    readme = tmp_path / "README.md"
+    readme.write_text("before\n<!-- scorecard -->\nold\n<!-- scorecard end -->\nafter\n")
+    monkeypatch.setattr(maker, "README", readme)
+    monkeypatch.setattr(maker, "PAGE", tmp_path / "reproduction.md")
+    maker.main([str(tmp_path), str(tmp_path)])
+    count = "of 1 claims 0 holds, 1 partly, 0 does not hold, 0 not testable;"
+    before, said, after = readme.read_text().split("<!-- scorecard")
+    assert count in said
+    assert (before, after) == ("before\n", " end -->\nafter\n")
+    page = (tmp_path / "reproduction.md").read_text()
+    assert count in page
+    assert "| a \\| b | partly |" in page
+    assert "* 1, partly: not met: False; met: True." in page
+    assert page.endswith("5 sets were screened.\n")
