@@ -2,7 +2,7 @@
 
     python docs/pictures.py
 
-needs what `bladewhirl render` needs, and about a minute. PNGs are reduced to a palette.
+needs what `bladewhirl render` needs, and two minutes. PNGs are reduced to a palette.
 """
 
 from __future__ import annotations
@@ -12,24 +12,70 @@ import sys
 import tempfile
 from pathlib import Path
 
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
+
+from bladewhirl.postprocess.stage_look import FONT, INK, SQUARE
 
 DOCS = Path(__file__).parent
 EXAMPLES = DOCS.parent / "examples"
 BLADEWHIRL = Path(sys.executable).with_name("bladewhirl")
 COLOURS = 256  #: of a palette
 
+GALLERY = {
+    "curved_blades": "curved blades",
+    "tapered_blades": "taper and tip masses",
+    "packets": "packets of blades",
+    "shrouded_blades": "shrouds",
+    "shrouded_fan": "a mesh from Gmsh",
+    "ringed_disk": "disk of rings",
+    "rim_disk": "rim on a web of springs",
+    "rigid_disk": "rigid disk",
+    "elliptical_clearance": "elliptical clearance",
+    "stiffened_casing": "stiffened casing",
+    "casing_on_struts": "casing on struts",
+    "spoked_disk": "disk of spokes",
+}
+"""Examples in the gallery, and what is written above them."""
+
+CELL, HEAD, ACROSS = 270, 30, 4  #: of the gallery: width, room for the text [pixels], columns
+PLAIN = 96  #: colours of its palette: few make a small file
+
 
 def bladewhirl(*arguments: str | Path) -> None:
     """Run a command of the program; its failure is this script's."""
-    subprocess.run([BLADEWHIRL, *arguments], check=True)
+    subprocess.run([BLADEWHIRL, *arguments], check=True, stdout=subprocess.DEVNULL)
 
 
-def keep(picture: Path, name: str) -> None:
+def keep(
+    picture: Path,
+    name: str,
+    colours: int = COLOURS,
+    method: Image.Quantize = Image.Quantize.MEDIANCUT,
+) -> None:
     """Put a picture beside this script, small."""
     with Image.open(picture) as image:
-        small = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        small = image.convert("RGB").quantize(colours, method=method, dither=Image.Dither.NONE)
     small.save(DOCS / name, optimize=True)
+
+
+def gallery(folder: Path) -> Path:
+    """Draw the examples side by side."""
+    rows = -(-len(GALLERY) // ACROSS)
+    sheet = Image.new("RGB", (ACROSS * CELL, rows * (CELL + HEAD)), "white")
+    font = ImageFont.truetype(FONT, round(0.55 * HEAD))
+    for number, (name, title) in enumerate(GALLERY.items()):
+        row, column = divmod(number, ACROSS)
+        x, y = column * CELL, row * (CELL + HEAD)
+        drawn = folder / f"{name}.png"
+        bladewhirl("show", EXAMPLES / f"{name}.toml", "--json", "--png", "-o", drawn)
+        with Image.open(drawn) as picture:
+            stage = picture.crop((0, 0, round(SQUARE * picture.width), picture.height))
+            sheet.paste(stage.resize((CELL, CELL), Image.Resampling.LANCZOS), (x, y + HEAD))
+        label = ImageDraw.Draw(sheet)
+        label.text((x + CELL / 2, y + HEAD / 2), title, fill=INK, font=font, anchor="mm")
+    path = folder / "gallery.png"
+    sheet.save(path)
+    return path
 
 
 def main() -> None:
@@ -41,6 +87,7 @@ def main() -> None:
         bladewhirl("render", distortion, "--png", "--time", "30 ms", "-o", folder / "still.png")
         bladewhirl("run", EXAMPLES / "imbalance.toml", "-o", imbalance, "--frames", "0")
         bladewhirl("stability", EXAMPLES / "fan_stage.toml", "-o", chart, "--no-films")
+        keep(gallery(folder), "gallery.png", PLAIN, Image.Quantize.FASTOCTREE)  # flat colours
         keep(folder / "still.png", "contact.png")
         keep(imbalance / "orbit.png", "imbalance_orbit.png")
         keep(chart / "stability.png", "stability.png")
