@@ -2,22 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from bladewhirl.studies.claim import Finding, at_least, at_most, claim, is_so
 from bladewhirl.studies.laboratory import MODES, TIME_STEPS, Laboratory
-from bladewhirl.studies.motion import Motion
+from bladewhirl.studies.motion import orbit_distance
 
 CONVERGED = 0.01
 """Relative distance of two orbits below which they count as the same."""
-
-
-def distance(one: Motion, other: Motion) -> float:
-    """Root mean square distance of two orbits in rotating axes over the radius of the second."""
-    a, b = one.orbit["rotating"].values, other.orbit["rotating"].values
-    records = min(len(a), len(b))
-    apart = np.sqrt(np.mean(np.sum((a[:records] - b[:records]) ** 2, axis=1)))
-    return float(apart / np.sqrt(np.mean(other.radius[:records] ** 2)))
 
 
 @claim(
@@ -30,7 +20,7 @@ def distance(one: Motion, other: Motion) -> float:
 def time_step_converged(lab: Laboratory) -> Finding:
     coarse, chosen, fine = (lab.motion(f"time step {step:g} s") for step in TIME_STEPS)
     impulses = [float(m.result["contact_impulse"].sum()) for m in (chosen, fine)]
-    apart, before = distance(chosen, fine), distance(coarse, fine)
+    apart, before = orbit_distance(chosen, fine), orbit_distance(coarse, fine)
     change = abs(impulses[0] / impulses[1] - 1.0) if impulses[1] else 0.0
     return Finding(
         ours=f"orbit {100 * apart:.2g} %, impulse {100 * change:.2g} % from that at 0.5 µs",
@@ -53,7 +43,7 @@ def modes_converged(lab: Laboratory) -> Finding:
     motions = {count: lab.motion(f"{count} modes") for count in MODES}
     regimes = {motion.regime.name for motion in motions.values()}
     *others, last = motions.values()
-    apart = [distance(motion, last) for motion in others]
+    apart = [orbit_distance(motion, last) for motion in others]
     return Finding(
         ours=f"{', '.join(sorted(regimes))}; orbits with {', '.join(map(str, MODES[:-1]))} modes"
         f" {', '.join(f'{100 * d:.2g}' for d in apart)} % from that with {MODES[-1]}",

@@ -16,6 +16,7 @@ import typer
 from typer.core import TyperGroup
 
 from bladewhirl.studies.campbell import campbell
+from bladewhirl.studies.convergence import convergence
 from bladewhirl.studies.export import export
 from bladewhirl.studies.mesh import mesh
 from bladewhirl.studies.modes import modes
@@ -59,6 +60,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command()(campbell)
+app.command()(convergence)
 app.command()(export)
 app.command()(mesh)
 app.command()(modes)

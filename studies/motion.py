@@ -68,6 +68,14 @@ class Motion:
         """Time of the last record [s]."""
         return float(self.result["time"][-1])
 
+    @cached_property
+    def first_contact(self) -> float:
+        """Time of the record before the first contact [s]; infinite without contact."""
+        touched = np.flatnonzero(self.result["contact_steps"].values.any(axis=1))
+        if not touched.size:
+            return float("inf")
+        return float(self.result["time"][max(0, touched[0] - 1)])
+
     @property
     def reference(self) -> float:
         """Frequency that speeds are multiples of [rad/s]."""
@@ -171,3 +179,16 @@ class Motion:
         late = late_part(self.result)
         radial = self.result["casing_shape"].isel(casing_component=0).values
         return float(np.abs(reduce_modes(late, "casing_displacement", radial)).max())
+
+
+def orbit_distance(one: Motion, other: Motion, *, until: float = np.inf) -> float:
+    """Root mean square distance of two orbits in rotating axes over the radius of the second.
+
+    Records that only one of them has, or later than a time [s], don't count; NaN where the second
+    rests.
+    """
+    a, b = one.orbit["rotating"].values, other.orbit["rotating"].values
+    records = min(len(a), len(b), other.record_at(until))
+    apart = np.sqrt(np.mean(np.sum((a[:records] - b[:records]) ** 2, axis=1)))
+    size = np.sqrt(np.mean(other.radius[:records] ** 2))
+    return float(apart / size) if size else float("nan")
