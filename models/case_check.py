@@ -71,7 +71,7 @@ def _check(tables: Mapping[str, Any]) -> ValidationError | None:
 
 def _fault(details: ErrorDetails, tables: Mapping[str, Any]) -> Fault:
     path = _path(details)
-    default = None if details["type"] in TAG_ERRORS else details["input"]
+    default = None if details["type"] in (*TAG_ERRORS, "missing") else details["input"]
     value = _value(tables, path, default)
     return Fault(key=_dotted(path), value=value, expected=_expected(details, path))
 
@@ -93,7 +93,7 @@ def _expected(details: ErrorDetails, path: Path) -> str:
             return f"a value of {path[-1]}"
         case "string_type":
             return "text"
-        case "model_type" | "model_attributes_type":
+        case "model_type" | "model_attributes_type" | "dict_type":
             return f"a table, [{_dotted(path)}]"
     return details["msg"]
 

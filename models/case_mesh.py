@@ -15,7 +15,7 @@ from bladewhirl.models.case_table import Table
 
 def _path(value: object) -> str:
     """An absolute path, so that the case means the same file wherever it is read again."""
-    if not isinstance(value, str | os.PathLike):
+    if not isinstance(value, str | os.PathLike) or "\0" in os.fspath(value):
         raise expectation('the path of a mesh file such as "stage.msh"')
     return os.path.abspath(value)
 

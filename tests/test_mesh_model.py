@@ -306,6 +306,7 @@ BAD: list[tuple[Callable[[GroupedLines], GroupedLines], str, str]] = [
         "a.vtu\": expected spring_radial of zero or more, not -1",
     ),
     (same, ", unit = -1", "mesh.unit = -1: expected a positive number in m, or text with a unit"),
+    (same, ", sections = 3", "mesh.sections = 3: expected a table, [bladed_disk.mesh.sections]"),
     (same, ", sectons = {}", "mesh.sectons = {}: expected a known key; the nearest is "),
     (
         same,
@@ -330,6 +331,14 @@ def test_faults_of_a_mapping_are_one_line(
     [line] = error.value.lines
     assert message in line
     assert "bladed_disk.mesh" in line
+
+
+@pytest.mark.parametrize("text", ["mesh = {}", "mesh.file = 3", 'mesh.file = "a\\u0000b.msh"'])
+def test_a_mesh_needs_a_file(text: str) -> None:
+    with pytest.raises(CaseError) as error:
+        loads(f"bladed_disk.{text}")
+    [line] = error.value.lines
+    assert line.startswith("case: bladed_disk.mesh.file")
 
 
 def test_a_tip_radius_of_its_own_sets_tips_back(tmp_path: Path) -> None:
