@@ -87,9 +87,10 @@ def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
             points=points,
             lines=beams.lines,
             node_axes=axes,
-            node_sets={**mesh.node_groups, "tips": tips, "centre": centre},
+            node_sets=_without(mesh.node_groups, table.tips, table.centre)
+            | {"tips": tips, "centre": centre},
             # Where groups overlap, the part of a line is the group that has its section.
-            line_sets={k: v for k, v in beams.line_groups.items() if k not in last} | last,
+            line_sets=_without(beams.line_groups, *last) | last,
             sectors=sectors,
         ),
         properties=properties,
@@ -239,6 +240,10 @@ def _hung(table: MeshTable, mesh: GroupedLines) -> dict[str, Any]:
             expected = f'"m" for a file with {name}, which count in SI; {_name(table)} has some'
             raise CaseError([_fault(table, "unit", expected)])
     return {"masses": masses, "springs": joints, "links": rigid_links(mesh)}
+
+
+def _without(groups: Mapping[str, IntArray], *names: str) -> dict[str, IntArray]:
+    return {name: members for name, members in groups.items() if name not in names}
 
 
 def _one_of(table: MeshTable, kind: str, groups: Mapping[str, IntArray]) -> str:

@@ -156,6 +156,7 @@ def test_a_mesh_of_gmsh_takes_the_cyclic_path_and_gives_the_dense_frequencies() 
         "blades": 108,
         "shroud": 48,
     }
+    assert {k: len(v) for k, v in model.mesh.node_sets.items()} == {"tips": 12, "centre": 1}
     assert model.tip_radius == pytest.approx(0.4, rel=1e-9)
     cyclic = assembled(model)
     assert cyclic.structure.is_cyclic
