@@ -80,6 +80,13 @@ class BeamModel:
         return self.mesh.node_sets["tips"]
 
     @property
+    def joints(self) -> IntArray:
+        """Pairs of nodes that lines, springs or rigid links join, (joints, 2)."""
+        springs = np.column_stack([self.springs.node, self.springs.other])
+        links = np.column_stack([self.links.led, self.links.leader])
+        return np.vstack([self.mesh.lines, springs[self.springs.other != GROUND], links])
+
+    @property
     def centre(self) -> int:
         """The node that the shaft carries."""
         return int(self.mesh.node_sets["centre"][0])

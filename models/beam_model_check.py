@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from bladewhirl.models.beam_model import GROUND, BeamModel
+from bladewhirl.models.beam_model import BeamModel
 from bladewhirl.models.faults import CaseError, Fault
 
 AT_ORIGIN = 1e-9
@@ -85,14 +85,7 @@ def _massless(model: BeamModel, key: str) -> Iterator[Fault]:
 def _loose_parts(model: BeamModel, key: str) -> Iterator[Fault]:
     """Parts that neither beams, springs nor links join to the centre."""
     mesh, count = model.mesh, len(model.mesh.points)
-    between = model.springs.other != GROUND
-    joints = np.vstack(
-        [
-            mesh.lines,
-            np.column_stack([model.links.led, model.links.leader]),
-            np.column_stack([model.springs.node, model.springs.other])[between],
-        ]
-    )
+    joints = model.joints
     graph = sp.csr_array((np.ones(len(joints)), (joints[:, 0], joints[:, 1])), shape=(count, count))
     groups, group = connected_components(graph, directed=False)
     if groups == 1:

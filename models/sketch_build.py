@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from bladewhirl.meshes import LineMesh, points_along
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.rotational_symmetry import rotational_sectors
 from bladewhirl.models.beam_model import GROUND, BeamModel, PointMasses, RigidLinks, Springs
 from bladewhirl.models.beam_model_check import check_model
 from bladewhirl.models.faults import CaseError
@@ -31,6 +33,7 @@ def build_sketch(sketch: SketchTable) -> BeamModel:
     """Repeat a sketch sector by sector and make a beam model of it.
 
     Nodes are numbered sector by sector in the order in which members meet them, shared ones last.
+    Where sectors are drawn out, or hold several blades, those of one blade each are looked for.
 
     Raises:
         CaseError: parts that do not fit together, each named.
@@ -49,7 +52,12 @@ def build_sketch(sketch: SketchTable) -> BeamModel:
         tip_radius=sketch.radius,
     )
     check_model(model, "sketch")
-    return model
+    if mesh.sectors is not None and len(mesh.sectors) == len(model.tips):
+        return model
+    sectors = rotational_sectors(mesh.points, model.joints, model.tips, model.centre)
+    if sectors is None:
+        return model
+    return replace(model, mesh=replace(mesh, sectors=sectors))
 
 
 class _Drawing:

@@ -71,7 +71,7 @@ def _table(stage: ModalStage, modes: LabelledModes, count: int, title: str) -> T
         table.add_row(
             f"{mode + 1}–{mode + 2}" if pair else f"{mode + 1}",
             name,
-            str(modes.nodal_diameter[mode]),
+            str(modes.nodal_diameter[mode]) if modes.nodal_diameter[mode] >= 0 else "–",
             f"{modes.frequency[mode] / (2.0 * np.pi):.4f}",
             f"{modes.frequency[mode] / stage.reference_frequency:.5f}",
             f"{modes.purity[mode]:.3f}",

@@ -158,7 +158,7 @@ def _frequencies(derived: Derived) -> Table:
         ring = rings.get(mode.nodal_diameter)
         disk = mode.frequency
         table.add_row(
-            str(mode.nodal_diameter),
+            str(mode.nodal_diameter) if mode.nodal_diameter >= 0 else "–",
             *(f"{disk.hz:.6g}", f"{disk.normalised:.5g}"),
             *((f"{ring.hz:.6g}", f"{ring.normalised:.5g}") if ring else ("", "")),
         )

@@ -88,10 +88,16 @@ def test_the_same_stage_with_every_sector_drawn_out() -> None:
     whole.set("centre", "hub")
     whole.set("tips", *(f"tip {n}" for n in range(4)))
     drawn = build_stage(case(whole))
-    assert drawn.symmetry["bladed_disk"] == "no sectors: dense path"
+    assert drawn.symmetry["bladed_disk"] == "4 equal sectors: cyclic path"
     np.testing.assert_allclose(
         drawn.reduction.modes.frequency, found.reduction.modes.frequency, rtol=1e-9
     )
+    whole.change(0, "blade 1", stiffness=1.01)
+    unlike = build_stage(case(whole))
+    assert unlike.symmetry["bladed_disk"] == "4 sectors that differ: dense path"
+    whole.mass("tip 2", 1e-3)
+    whole.move(0, "horn 3", 0.0, -0.12)
+    assert build_stage(case(whole)).symmetry["bladed_disk"] == "no sectors: dense path"
     assert drawn.disk.model.mass == pytest.approx(found.disk.model.mass, rel=1e-12)
 
 

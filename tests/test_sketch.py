@@ -218,7 +218,7 @@ def test_springs_act_between_nodes_and_to_the_frame() -> None:
 
 
 def test_the_same_disk_from_one_sector_and_from_all_drawn_out() -> None:
-    """What a foreign mesh would give: no sectors, and yet the same machine."""
+    """A mesh without sectors, and yet the same machine."""
     sketch = star(4)
     sketch.member("rim", "root", "root+1", steel(0.02), elements=2)
     drawn = sketch.build()
@@ -277,3 +277,18 @@ def test_faults_name_the_part(spoil: Callable[[Sketch], object], message: str) -
     with pytest.raises(CaseError, match=message) as caught:
         build()
     assert all("\n" not in line for line in caught.value.lines)
+
+
+def test_sectors_of_two_blades_are_found_to_be_two_sectors() -> None:
+    sketch = Sketch(3)
+    sketch.node("centre", 0.0, 0.0, shared=True)
+    for blade, turn in enumerate((0.0, np.pi / 3.0)):
+        sketch.node(f"tip {blade}", 0.4 * np.cos(turn), 0.4 * np.sin(turn))
+        sketch.member(f"blade {blade}", "centre", f"tip {blade}", steel(0.02), elements=2)
+    sketch.set("centre", "centre")
+    sketch.set("tips", "tip 0", "tip 1")
+    found = assemble_bladed_disk(sketch.build(), shaft_stiffness=1e7, clamped=False)
+    assert found.structure.symmetry == "6 equal sectors: cyclic path"
+    sketch.mass("tip 1", 0.1)
+    found = assemble_bladed_disk(sketch.build(), shaft_stiffness=1e7, clamped=False)
+    assert found.structure.symmetry == "6 sectors that differ: dense path"
