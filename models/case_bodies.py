@@ -118,10 +118,7 @@ def _ring(case: Case) -> RingMesh:
 
 def _supports(case: Case) -> tuple[Support, ...]:
     """Springs and struts of a case's casing."""
-    springs = [
-        spring(row.angle, radial=row.radial, tangential=row.tangential)
-        for row in case.casing.springs
-    ]
+    springs = [spring(**row.model_dump()) for row in case.casing.springs]
     struts = [
         strut(
             row.angle,
@@ -129,6 +126,7 @@ def _supports(case: Case) -> tuple[Support, ...]:
             length=row.length,
             inclination=row.inclination,
             ends=row.ends,
+            damping=row.damping,
         )
         for row in case.casing.struts
     ]

@@ -128,8 +128,9 @@ class Casing(Table):
     ] = Field(
         default=(),
         description='Springs from the wall to the ground, rows of { angle = "90 deg", radial = "1'
-        ' MN/m", tangential = 0 }, on top of support; where they or struts hold the rotation,'
-        ' rotation = "free" lets them.',
+        ' MN/m", tangential = 0, radial_damping = "2 kN s/m", tangential_damping = 0 }, on top of'
+        ' support; where they or struts hold the rotation, rotation = "free" lets them. Dampers'
+        " act in a march; modes are those without.",
     )
     struts: Annotated[
         tuple[Strut, ...], rows('{ angle = "90 deg", length = "300 mm", thickness = "8 mm" }')
@@ -137,8 +138,8 @@ class Casing(Table):
         default=(),
         description='Straight struts from the wall to the ground, rows of { angle = "90 deg",'
         ' inclination = 0, length = "300 mm", width = "100 mm", thickness = "10 mm", ends ='
-        ' "pinned" } of the case\'s material; with ends = "built-in" they bend too, and'
-        " converge best with feet at nodes. Their mass counts, modes of their own they have none.",
+        ' "pinned", damping = 0 }; with ends = "built-in" they bend too, and converge best with'
+        " feet at nodes. Their mass counts, modes of their own they have none.",
     )
     rotation: Literal["free", "fixed"] = Field(
         default="fixed",

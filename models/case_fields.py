@@ -37,6 +37,7 @@ _EXAMPLES = {
     "kg/m3": "7.8 g/cm3",
     "N/m": "34 MN/m",
     "N/m2": "1508 N/m2",
+    "N s/m": "2 kN s/m",
     "N/kg^0.5": "30 kN/kg^0.5",
     "kg": "50 g",
     "kg m": "0.59 kg m",
@@ -142,6 +143,7 @@ Time = Annotated[float, quantity("s")]
 TimeOrZero = Annotated[float, quantity("s", "not negative")]
 Stiffness = Annotated[float, quantity("N/m")]
 StiffnessOrZero = Annotated[float, quantity("N/m", "not negative")]
+DampingOrZero = Annotated[float, quantity("N s/m", "not negative")]
 Angle = Annotated[float, quantity("rad", "any")]
 NumberOrZero = Annotated[float, number("not negative")]
 

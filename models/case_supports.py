@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from bladewhirl.models.case_fields import Angle, Length, StiffnessOrZero
+from bladewhirl.models.case_fields import Angle, DampingOrZero, Length, StiffnessOrZero
 from bladewhirl.models.case_section import BeamSection
 from bladewhirl.models.case_table import Inconsistency, Table
 
@@ -17,16 +17,19 @@ QUARTER = np.pi / 2.0
 
 
 class SpringSupport(Table):
-    """Springs from the wall to the ground at an angle."""
+    """Springs and dampers from the wall to the ground at an angle."""
 
     angle: Angle = Field(description="From the x axis [rad].")
     radial: StiffnessOrZero = Field(default=0.0, description="Stiffness [N/m].")
     tangential: StiffnessOrZero = Field(default=0.0, description="Stiffness [N/m].")
+    radial_damping: DampingOrZero = Field(default=0.0, description="Damping [N s/m].")
+    tangential_damping: DampingOrZero = Field(default=0.0, description="Damping [N s/m].")
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Springs that are none."""
-        if self.radial == 0.0 and self.tangential == 0.0:
-            yield Inconsistency("radial", "a stiffness here or in tangential", ("tangential",))
+        """Supports that are none."""
+        if not (self.radial or self.tangential or self.radial_damping or self.tangential_damping):
+            others = ("tangential", "radial_damping", "tangential_damping")
+            yield Inconsistency("radial", f"more than 0 here or in {', '.join(others)}", others)
 
 
 class Strut(BeamSection):
@@ -42,6 +45,8 @@ class Strut(BeamSection):
     ends: Literal["pinned", "built-in"] = Field(
         default="pinned", description="Pinned: a bar. Built in: a beam."
     )
+
+    damping: DampingOrZero = Field(default=0.0, description="Of a damper along the strut [N s/m].")
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """A strut that runs inward."""

@@ -36,6 +36,7 @@ class Casing:
     foundation: float  #: uniform elastic support [N/m per metre of circumference]
     supports: tuple[Support, ...]  #: springs and struts at angles
     structure: Structure
+    dampers: sp.csr_array  #: of the supports: rows d of the damping d^T d, (dampers, size)
 
     @property
     def mass(self) -> float:
@@ -109,4 +110,5 @@ def assemble_casing(
         foundation=support,
         supports=supports,
         structure=structure,
+        dampers=sp.csr_array(at_feet(each.dampers for each in supports) @ feet),
     )

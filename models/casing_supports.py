@@ -38,16 +38,28 @@ class Support:
     stiffness: FloatArray  #: on w, u, phi [N/m, N, N m], (3, 3)
     mass: FloatArray  #: on w, u, phi [kg, kg m, kg m2], (3, 3)
     weight: float  #: whole mass of it [kg]
+    dampers: FloatArray
+    """On w, u, phi: rows d of the damping d^T d [(N s/m)^1/2, (N s m)^1/2], (dampers, 3)."""
 
 
-def spring(angle: float, *, radial: float, tangential: float) -> Support:
-    """Two springs to the ground.
+def spring(
+    angle: float,
+    *,
+    radial: float,
+    tangential: float,
+    radial_damping: float = 0.0,
+    tangential_damping: float = 0.0,
+) -> Support:
+    """Two springs to the ground, each with a damper beside it.
 
     Args:
         angle: of the foot [rad].
         radial: stiffness [N/m].
         tangential: stiffness [N/m].
+        radial_damping: [N s/m].
+        tangential_damping: [N s/m].
     """
+    damping = np.diag([radial_damping, tangential_damping, 0.0])
     return Support(
         kind="spring",
         angle=angle,
@@ -55,6 +67,7 @@ def spring(angle: float, *, radial: float, tangential: float) -> Support:
         stiffness=np.diag([radial, tangential, 0.0]),
         mass=np.zeros((3, 3)),
         weight=0.0,
+        dampers=np.sqrt(damping[damping.any(axis=1)]),
     )
 
 
@@ -65,6 +78,7 @@ def strut(
     length: float,
     inclination: float,
     ends: Literal["pinned", "built-in"],
+    damping: float = 0.0,
 ) -> Support:
     """A straight strut to the ground.
 
@@ -74,6 +88,7 @@ def strut(
         length: [m].
         inclination: of the strut to the outward normal, counter-clockwise [rad].
         ends: both pinned, or both built in.
+        damping: of a damper along the strut [N s/m].
     """
     cos, sin = np.cos(inclination), np.sin(inclination)
     axes = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])  # along, across, turn
@@ -94,6 +109,7 @@ def strut(
         stiffness=axes.T @ stiffness @ axes,
         mass=axes.T @ mass @ axes,
         weight=total,
+        dampers=np.sqrt(damping) * axes[:1] if damping else np.zeros((0, 3)),
     )
 
 
@@ -122,7 +138,7 @@ def foot_rows(mesh: RingMesh, node_dofs: IntArray, angles: Iterable[float]) -> s
 
 
 def at_feet(matrices: Iterable[FloatArray]) -> sp.csr_array:
-    """Matrices of supports one after the other on the diagonal, (3 supports, 3 supports)."""
+    """Matrices of supports one after the other on the diagonal, (rows, 3 supports)."""
     blocks = [sp.csr_array(matrix) for matrix in matrices]
     return sp.csr_array(sp.block_diag(blocks)) if blocks else sp.csr_array((0, 0))
 

@@ -32,6 +32,7 @@ class ReducedRotor:
     tip_radius: float  #: that the clearance counts from [m]
     tip_recess: FloatArray  #: how much nearer to the centre each tip ends at rest [m], (tips,)
     column: IntArray  #: DFT column of each mode over the tips, (modes,); -1 without symmetry
+    dampers: FloatArray  #: rows G of the damping G^T G at points [s^-1/2], (dampers, modes)
 
     @property
     def by_harmonics(self) -> bool:
@@ -53,6 +54,7 @@ class ReducedRotor:
             tip_tangential=self.tip_tangential[:, modes],
             centre=self.centre[:, modes],
             column=self.column[modes],
+            dampers=self.dampers[:, modes],
         )
 
 
@@ -66,6 +68,7 @@ class ReducedCasing:
     clearance: FloatArray  #: clearance and its slope along s at each node [m, 1], (nodes, 2)
     radius: float  #: [m]
     column: IntArray  #: DFT column of each mode over the nodes, (modes,); -1 without symmetry
+    dampers: FloatArray  #: rows G of the damping G^T G at points [s^-1/2], (dampers, modes)
 
     @property
     def element_length(self) -> float:
@@ -85,6 +88,7 @@ class ReducedCasing:
             damping_ratio=self.damping_ratio[modes],
             nodal=self.nodal[..., modes],
             column=self.column[modes],
+            dampers=self.dampers[:, modes],
         )
 
 

@@ -173,6 +173,7 @@ def _reduced_rotor(case: Case, disk: BladedDisk, modes: Modes) -> ReducedRotor:
         tip_radius=disk.model.tip_radius,
         tip_recess=disk.model.tip_recess,
         column=disk.blade_columns(modes.column),
+        dampers=np.sqrt(case.shaft.dampings)[:, None] * centre,
     )
 
 
@@ -184,6 +185,7 @@ def _reduced_casing(case: Case, casing: Casing, modes: Modes) -> ReducedCasing:
         clearance=case_clearance(case),
         radius=casing.mesh.radius,
         column=modes.column,
+        dampers=casing.dampers @ modes.shapes,
     )
 
 

@@ -47,4 +47,6 @@ class StageArrays:
     support_reach: FloatArray  #: from foot to ground, 0 of springs, static axes [m], (supports, 2)
     support_radial_stiffness: FloatArray  #: at the foot [N/m], (supports,)
     support_tangential_stiffness: FloatArray  #: the same along the wall
+    support_radial_damping: FloatArray  #: at the foot [N s/m], (supports,)
+    support_tangential_damping: FloatArray  #: the same along the wall
     clearance: FloatArray  #: at each casing node [m], (casing nodes,)

@@ -71,5 +71,7 @@ def stage_arrays(
         support_reach=np.array([each.reach for each in supports], dtype=np.float64).reshape(-1, 2),
         support_radial_stiffness=np.array([each.stiffness[W, W] for each in supports]),
         support_tangential_stiffness=np.array([each.stiffness[U, U] for each in supports]),
+        support_radial_damping=np.array([np.sum(each.dampers[:, W] ** 2) for each in supports]),
+        support_tangential_damping=np.array([np.sum(each.dampers[:, U] ** 2) for each in supports]),
         clearance=clearance,
     )

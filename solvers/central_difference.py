@@ -82,10 +82,20 @@ class CentralDifference:
         rotor_loads = _stack([load.rotor for load in problem.loads], len(rotor.frequency))
         casing_loads = _stack([load.casing for load in problem.loads], len(casing.frequency))
         self._rotor_body = pack_body(
-            rotor.frequency, rotor.damping_ratio, rotor_loads, self._rotor_layout, time_step
+            rotor.frequency,
+            rotor.damping_ratio,
+            rotor.dampers,
+            rotor_loads,
+            self._rotor_layout,
+            time_step,
         )
         self._casing_body = pack_body(
-            casing.frequency, casing.damping_ratio, casing_loads, self._casing_layout, time_step
+            casing.frequency,
+            casing.damping_ratio,
+            casing.dampers,
+            casing_loads,
+            self._casing_layout,
+            time_step,
         )
         self._springs = pack_springs(
             problem.springs, self._rotor_layout, self._casing_layout, problem.speed * time_step
@@ -101,10 +111,11 @@ class CentralDifference:
         tips = len(problem.rotor.tip_angle)
         springs = initial_spring_forces(problem)
         slots = []
-        for frequency, ratio, loads, layout, x, v, pull in (
+        for frequency, ratio, dampers, loads, layout, x, v, pull in (
             (
                 problem.rotor.frequency,
                 problem.rotor.damping_ratio,
+                problem.rotor.dampers,
                 [load.rotor for load in problem.loads],
                 self._rotor_layout,
                 start.rotor,
@@ -114,6 +125,7 @@ class CentralDifference:
             (
                 problem.casing.frequency,
                 problem.casing.damping_ratio,
+                problem.casing.dampers,
                 [load.casing for load in problem.loads],
                 self._casing_layout,
                 start.casing,
@@ -122,7 +134,8 @@ class CentralDifference:
             ),
         ):
             force = factors @ _stack(loads, len(frequency)) + pull
-            acceleration = force - frequency**2 * x - 2.0 * ratio * frequency * v
+            drag = 2.0 * ratio * frequency * v + dampers.T @ (dampers @ v)
+            acceleration = force - frequency**2 * x - drag
             before = x - dt * v + 0.5 * dt**2 * acceleration
             slots.append(layout.pack(np.array([before, x, np.zeros_like(x)])))
         return CentralDifferenceState(
@@ -156,6 +169,7 @@ class CentralDifference:
             self._casing,
             len(self._problem.rotor.tip_angle),
             len(self._problem.loads),
+            max(len(self._problem.rotor.dampers), len(self._problem.casing.dampers)),
             (self._rotor_layout, self._casing_layout),
             len(self._springs.factor),
         )

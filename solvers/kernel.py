@@ -10,6 +10,10 @@ The scheme is that of Carpenter, Taylor and Katona (1991) with damping and slidi
 
 Springs between the bodies, whose stiffness K*(t) turns with the rotor, add -K*_n x_n to f_n.
 
+Dampers at points make the damping matrix a full one, G^T G beside the diagonal. They take part in
+the prediction by what it gives them, phi = -G (x_p - x_{n-1}) / (2 dt), which without contact is
+the scheme itself; what a contact force changes they feel from the next step on.
+
 Fields are evaluated in two stages so that one code serves cyclic and general stages: modal
 coordinates, laid out as (rows, columns), are first summed over rows with weights, giving one
 number a column, and the columns are then spread over tips or casing nodes by a shape matrix. On a
@@ -84,6 +88,8 @@ class Body(NamedTuple):
     damping: Array  #: 2 xi omega [rad/s]
     load: Array  #: load patterns, (patterns, entries)
     loaded: Array  #: registers of each pattern that are not zero, then -1, (patterns, most + 1)
+    damper: Array  #: G, motion of each damper times the root of its strength, (dampers, entries)
+    damper_solve: Array  #: (2 dt + G c G^T)^-1, (dampers, dampers)
 
 
 class KindArrays(NamedTuple):
@@ -222,6 +228,8 @@ class Scratch(NamedTuple):
     casing_waves: Array
     stretch: Array  #: of the springs, by angle and displacement as in `_stretches`, (4, waves)
     spring_force: Array  #: on the waves of rotor and casing, (2, waves)
+    stroke: Array  #: of each damper over two steps, (most dampers,)
+    damper_force: Array  #: phi on rotor and casing, (2, most dampers)
 
 
 @njit(**COMPILE)
@@ -482,6 +490,49 @@ def _damping_loss(damping: Array, slots: Array, old: int, new: int) -> float:
         moved = sub(load_row(slots, new, i), load_row(slots, old, i))
         loss = fma(mul(load(damping, i), moved), moved, loss)
     return 0.25 * float(total(loss))
+
+
+@njit(**COMPILE)
+def _damp(
+    damper: Array, solve: Array, c: Array, slots: Array, old: int, new: int, stroke: Array,
+    force: Array, row: int,
+) -> None:  # fmt: skip
+    """Add the dampers' forces to the predicted x_{n+1}."""
+    _strokes(damper, slots, old, new, stroke)
+    count, width = damper.shape
+    for m in range(count):
+        phi = 0.0
+        for k in range(count):
+            phi -= solve[m, k] * stroke[k]
+        force[row, m] = phi
+    for i in range(0, width, LANES):
+        pull = splat(0.0)
+        for m in range(count):
+            pull = fma(load_row(damper, m, i), splat(force[row, m]), pull)
+        store_row(slots, new, i, fma(load(c, i), pull, load_row(slots, new, i)))
+
+
+@njit(**COMPILE)
+def _strokes(damper: Array, slots: Array, old: int, new: int, out: Array) -> None:
+    """G (x_{n+1} - x_{n-1})."""
+    for m in range(len(damper)):
+        part = splat(0.0)
+        for i in range(0, damper.shape[1], LANES):
+            moved = sub(load_row(slots, new, i), load_row(slots, old, i))
+            part = fma(load_row(damper, m, i), moved, part)
+        out[m] = total(part)
+
+
+@njit(**COMPILE)
+def _damper_loss(
+    damper: Array, slots: Array, old: int, new: int, stroke: Array, force: Array, row: int
+) -> float:
+    """-d^T G^T phi with d = (x_{n+1} - x_{n-1}) / 2."""
+    _strokes(damper, slots, old, new, stroke)
+    loss = 0.0
+    for m in range(len(damper)):
+        loss -= 0.5 * force[row, m] * stroke[m]
+    return loss
 
 
 @njit(**COMPILE)
@@ -1153,6 +1204,9 @@ def advance(
     r_amplitude, c_amplitude = bare(springs.rotor_amplitude), bare(springs.casing_amplitude)
     r_waves, c_waves = bare(s.rotor_waves), bare(s.casing_waves)
     stretch, pull, turn = bare(s.stretch), bare(s.spring_force), springs.angle_per_step
+    r_damper, r_solve = bare(rotor_body.damper), bare(rotor_body.damper_solve)
+    c_damper, c_solve = bare(casing_body.damper), bare(casing_body.damper_solve)
+    stroke, damper_force = bare(s.stroke), bare(s.damper_force)
     rec_step, rec_energy, rec_work = records.step, records.energy, records.work
     rec_gap, rec_impulse, rec_drag = records.gap, records.impulse, records.drag
     rec_touched, rec_contacts = records.touched, records.contacts
@@ -1195,6 +1249,10 @@ def advance(
                 if coupled:
                     _add_springs(r_place, r_wave, r_amplitude, pull, zero, rc, xs, new)
                     _add_springs(c_place, c_wave, c_amplitude, pull, one, cc, ys, new)
+                if len(r_damper) > 0:
+                    _damp(r_damper, r_solve, rc, xs, old, new, stroke, damper_force, zero)
+                if len(c_damper) > 0:
+                    _damp(c_damper, c_solve, cc, ys, old, new, stroke, damper_force, one)
 
             if trial == 0:
                 # Where the tips stand at the end of the step.
@@ -1372,6 +1430,10 @@ def advance(
             _damping_loss(r_damping, xs, old, new) + _damping_loss(c_damping, ys, old, new)
         ) / dt
         work[PARAMETRIC] += parametric
+        if len(r_damper) > 0:
+            work[DAMPING] += _damper_loss(r_damper, xs, old, new, stroke, damper_force, zero)
+        if len(c_damper) > 0:
+            work[DAMPING] += _damper_loss(c_damper, ys, old, new, stroke, damper_force, one)
         old, now, new = now, new, old
         step += 1
     _settle(xs, old, now, new)

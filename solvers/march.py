@@ -43,7 +43,7 @@ class Chunk:
     external_work: FloatArray  #: since the start [J], (records,)
     normal_work: FloatArray  #: of the normal contact forces [J]
     friction_work: FloatArray  #: of the friction forces [J]
-    damping_work: FloatArray  #: lost to modal damping [J], positive
+    damping_work: FloatArray  #: lost to damping [J]
     coupling_work: FloatArray  #: that turning the rotor does on the springs between the bodies [J]
 
     @property

@@ -342,13 +342,19 @@ def pack_casing(
 
 
 def pack_body(
-    frequency: FloatArray, damping_ratio: FloatArray, loads: FloatArray, layout: Layout, dt: float
+    frequency: FloatArray,
+    damping_ratio: FloatArray,
+    dampers: FloatArray,
+    loads: FloatArray,
+    layout: Layout,
+    dt: float,
 ) -> Body:
     """Modal recurrence of one body.
 
     Args:
         frequency: [rad/s], (modes,).
         damping_ratio: (modes,).
+        dampers: rows G of the damping G^T G at points [s^-1/2], (dampers, modes).
         loads: modal forces of the load patterns, (patterns, modes).
         layout: arrangement of the body's modes.
         dt: time step [s].
@@ -363,6 +369,8 @@ def pack_body(
         damping=layout.pack(2.0 * damping_ratio * frequency),
         load=layout.pack(loads),
         loaded=_registers_in_use(layout.pack(loads)),
+        damper=layout.pack(dampers),
+        damper_solve=np.linalg.inv(2.0 * dt * np.eye(len(dampers)) + dampers * inverse @ dampers.T),
     )
 
 
@@ -419,6 +427,7 @@ def make_scratch(
     casing: Casing,
     tips: int,
     loads: int,
+    dampers: int,
     layouts: tuple[Layout, Layout],
     harmonics: int,
 ) -> Scratch:
@@ -455,4 +464,6 @@ def make_scratch(
         casing_waves=np.zeros((2, 2 * harmonics)),
         stretch=np.zeros((4, 2 * harmonics)),
         spring_force=np.zeros((2, 2 * harmonics)),
+        stroke=np.zeros(dampers),
+        damper_force=np.zeros((2, dampers)),
     )

@@ -70,7 +70,7 @@ HISTORY: Mapping[str, Variable] = {
     "external_work": Variable((TIME,), "J", "work of the loads since the start"),
     "normal_work": Variable((TIME,), "J", "work of the normal contact forces since the start"),
     "friction_work": Variable((TIME,), "J", "work of the friction forces since the start"),
-    "damping_work": Variable((TIME,), "J", "energy taken by modal damping since the start"),
+    "damping_work": Variable((TIME,), "J", "energy taken by damping since the start"),
     "coupling_work": Variable(
         (TIME,), "J", "work of turning the rotor against springs between the bodies since the start"
     ),
@@ -144,6 +144,12 @@ STATIC: Mapping[str, Variable] = {
     ),
     "support_tangential_stiffness": Variable(
         ("support",), "N/m", "stiffness of each support at its foot, tangential"
+    ),
+    "support_radial_damping": Variable(
+        ("support",), "N s/m", "damping of each support at its foot, radial"
+    ),
+    "support_tangential_damping": Variable(
+        ("support",), "N s/m", "damping of each support at its foot, tangential"
     ),
     "clearance": Variable(("casing_node",), "m", "clearance at rest at each casing node"),
 }

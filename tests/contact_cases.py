@@ -39,6 +39,7 @@ def loose_modes(modes: int) -> dict[str, Any]:
         "tip_radius": 1.0,
         "tip_recess": np.zeros(1),
         "column": np.full(modes, -1),
+        "dampers": np.zeros((0, modes)),
     }
 
 
@@ -56,6 +57,7 @@ def wall(clearance: float, nodes: int = 4) -> ReducedCasing:
         clearance=np.tile([clearance, 0.0], (nodes, 1)),
         radius=1.0,
         column=np.full(1, -1),
+        dampers=np.zeros((0, 1)),
     )
 
 
@@ -147,6 +149,7 @@ class Bar:
             clearance=np.tile([gap, 0.0], (nodes, 1)),
             radius=1.0,
             column=np.full(modes, -1),
+            dampers=np.zeros((0, modes)),
         )
 
 
@@ -200,6 +203,7 @@ def random_problem(
         tip_radius=0.5,
         tip_recess=np.random.default_rng([seed, 1]).uniform(-2e-4, 4e-4, tips),
         column=np.full(rotor_modes, -1),
+        dampers=np.zeros((0, rotor_modes)),
     )
     clearance = np.column_stack(
         [random.uniform(5e-4, 1.5e-3, nodes), random.normal(scale=1e-4, size=nodes)]
@@ -211,6 +215,7 @@ def random_problem(
         clearance=clearance,
         radius=0.501,
         column=np.full(casing_modes, -1),
+        dampers=np.zeros((0, casing_modes)),
     )
     loads = (
         Load(

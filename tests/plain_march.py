@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from itertools import chain, combinations
 
 import numpy as np
+import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.contact_problem import ContactProblem, Load, ReducedCasing
@@ -104,6 +105,8 @@ def plain_march(problem: ContactProblem, dt: float, steps: int) -> PlainRun:
     own = np.diag(omega**2)
     stiffness, past = own + spring_stiffness(problem, 0.0), own + spring_stiffness(problem, -dt)
     A = 1.0 / dt**2 + damping / (2.0 * dt)
+    dampers = la.block_diag(rotor.dampers.T @ rotor.dampers, casing.dampers.T @ casing.dampers)
+    whole = np.diag(A) + dampers / (2.0 * dt)
     patterns = [np.concatenate([load.rotor, load.casing]) for load in problem.loads]
 
     def force(time: float) -> FloatArray:
@@ -115,7 +118,8 @@ def plain_march(problem: ContactProblem, dt: float, steps: int) -> PlainRun:
     start = problem.start
     x = np.concatenate([start.rotor, start.casing])
     v = np.concatenate([start.rotor_velocity, start.casing_velocity])
-    before = x - dt * v + 0.5 * dt**2 * (force(0.0) - damping * v - stiffness @ x)
+    still = force(0.0) - damping * v - dampers @ v - stiffness @ x
+    before = x - dt * v + 0.5 * dt**2 * still
     tips = len(rotor.tip_angle)
     history, gaps, multipliers, signs = [x], [], [], []
     works = [np.zeros(5)]
@@ -123,7 +127,9 @@ def plain_march(problem: ContactProblem, dt: float, steps: int) -> PlainRun:
     for n in range(steps):
         f = force(n * dt)
         stiffness = own + spring_stiffness(problem, n * dt)
-        free = (f + 2.0 / dt**2 * x - stiffness @ x + (damping / (2 * dt) - 1 / dt**2) * before) / A
+        kept = 2.0 / dt**2 * x - stiffness @ x + (damping / (2 * dt) - 1 / dt**2) * before
+        free = np.linalg.solve(whole, f + kept + dampers @ before / (2.0 * dt))
+        drag = dampers @ (free - before) / (2.0 * dt)
         # Rows B_N and B_T of the gaps at the end of the step, and the sense of sliding.
         normal, tangential = np.zeros((tips, len(omega))), np.zeros((tips, len(omega)))
         clearance, sign = np.zeros(tips), np.zeros(tips)
@@ -152,7 +158,7 @@ def plain_march(problem: ContactProblem, dt: float, steps: int) -> PlainRun:
                 moved @ f,
                 moved @ (normal.T @ multiplier),
                 moved @ (tangential.T @ (problem.friction * sign * multiplier)),
-                moved @ (damping * moved) / dt,
+                moved @ (damping * moved) / dt + moved @ drag,
                 0.5 * before @ (stiffness - past) @ x,
             ]
         )

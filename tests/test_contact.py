@@ -175,6 +175,7 @@ def test_singular_delassus_matrices(modes: int, tips: int, friction: float) -> N
         tip_radius=0.5,
         tip_recess=np.zeros(tips),
         column=np.full(modes, -1),
+        dampers=np.zeros((0, modes)),
     )
     casing = wall(1e-3)
     start = Start(
@@ -205,6 +206,7 @@ def test_tips_that_move_as_one_share_their_load() -> None:
         tip_radius=0.5,
         tip_recess=np.zeros(6),
         column=np.array([-1]),
+        dampers=np.zeros((0, 1)),
     )
     load = Load(rotor=np.array([50.0]), casing=np.zeros(1))
     dt = 1e-4
@@ -220,22 +222,8 @@ def test_the_six_modes_of_the_paper() -> None:
     r = np.flatnonzero(np.isin(rotor.column, [1, 2]))[:4]
     c = np.flatnonzero(np.isin(casing.column, [1, 2]))[:2]
     small = ContactProblem(
-        rotor=replace(
-            rotor,
-            frequency=rotor.frequency[r],
-            damping_ratio=rotor.damping_ratio[r],
-            tip_radial=rotor.tip_radial[:, r],
-            tip_tangential=rotor.tip_tangential[:, r],
-            centre=rotor.centre[:, r],
-            column=rotor.column[r],
-        ),
-        casing=replace(
-            casing,
-            frequency=casing.frequency[c],
-            damping_ratio=casing.damping_ratio[c],
-            nodal=casing.nodal[..., c],
-            column=casing.column[c],
-        ),
+        rotor=rotor.take(r),
+        casing=casing.take(c),
         speed=full.speed,
         friction=full.friction,
         sliding="permanent",
@@ -275,6 +263,7 @@ def rubbing(speed: float, sliding: Sliding, *, every: int = 1) -> Chunk:
         clearance=np.tile([1e-3, 0.0], (4, 1)),
         radius=1.0,
         column=np.full(2, -1),
+        dampers=np.zeros((0, 2)),
     )
     load = Load(rotor=np.array([50.0, 0.0]), casing=np.zeros(2))
     given = problem(rotor, casing, loads=(load,), speed=speed, friction=0.2, sliding=sliding)
@@ -368,6 +357,7 @@ def test_a_tip_passes_from_element_to_element(nodes: int, speed: float) -> None:
         tip_radius=1.0,
         tip_recess=np.zeros(tips),
         column=np.full(1, -1),
+        dampers=np.zeros((0, 1)),
     )
     _, chunk, _ = run(problem(rotor, casing, speed=speed), 1e-3, 250)
     at = np.mod(angle + speed * chunk.time[:, None], 2.0 * np.pi)
@@ -421,6 +411,7 @@ def test_a_rigid_casing_needs_no_mode() -> None:
         damping_ratio=np.zeros(0),
         nodal=np.zeros((4, 4, 0)),
         column=np.zeros(0, dtype=np.int64),
+        dampers=np.zeros((0, 0)),
     )
     chunks = []
     for casing in (idle, rigid):
