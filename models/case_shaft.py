@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field, StrictBool
 
 from bladewhirl.models.case_fields import DampingOrZero, Stiffness
@@ -18,14 +20,23 @@ class Shaft(Table):
     )
     stiffness_y: Stiffness | None = Field(
         default=None,
-        description="Of the spring along y [N/m], where it differs. Both springs turn with the"
-        " bladed disk, as a shaft does that is not round: x runs along blade 0.",
+        description="Of the spring along y [N/m], where it differs.",
         examples=["2e7"],
+    )
+    frame: Literal["rotating", "static"] = Field(
+        default="rotating",
+        description='Where springs that differ stand: "rotating", they turn with the bladed disk'
+        " as a shaft does that is not round, x along blade 0, and its matrices are constant;"
+        ' "static", they stand still as unequal bearings do, and its stiffness swings twice a turn'
+        " about the mean of both. Modes are then those on the mean. The model has no Coriolis or"
+        " centrifugal terms, so that a speed near the suspension frequency excites it by the"
+        " swing, which a round rotor on such bearings would not be.",
     )
     damping: DampingOrZero = Field(
         default=0.0,
         description="Of a damper beside each of the springs, or beside that along x [N s/m]. They"
-        " turn with the bladed disk as the springs do, and see its velocity in rotating axes.",
+        " always turn with the bladed disk and see its velocity in rotating axes: without Coriolis"
+        " terms, dampers that stand still would drive whirl above the suspension frequency.",
     )
     damping_y: DampingOrZero | None = Field(
         default=None,
@@ -36,7 +47,21 @@ class Shaft(Table):
 
     @property
     def stiffnesses(self) -> tuple[float, float]:
-        """Of the springs along x and y [N/m]."""
+        """Constant stiffness along x and y of the rotating axes [N/m]."""
+        along_x, along_y = self._given
+        if self.frame == "rotating":
+            return along_x, along_y
+        mean = 0.5 * (along_x + along_y)
+        return mean, mean
+
+    @property
+    def anisotropy(self) -> float:
+        """Half the difference of the stiffnesses along the static x and y axes [N/m]."""
+        along_x, along_y = self._given
+        return 0.0 if self.frame == "rotating" else 0.5 * (along_x - along_y)
+
+    @property
+    def _given(self) -> tuple[float, float]:
         return self.stiffness, self.stiffness if self.stiffness_y is None else self.stiffness_y
 
     @property

@@ -33,6 +33,14 @@ class ReducedRotor:
     tip_recess: FloatArray  #: how much nearer to the centre each tip ends at rest [m], (tips,)
     column: IntArray  #: DFT column of each mode over the tips, (modes,); -1 without symmetry
     dampers: FloatArray  #: rows G of the damping G^T G at points [s^-1/2], (dampers, modes)
+    anisotropy: float = 0.0
+    """Of springs under the centre that stand still: half of that in x less that in y [N/m]."""
+
+    @property
+    def whirl_stiffness(self) -> float:
+        """Most that the anisotropy adds to any squared frequency [1/s^2]."""
+        largest = np.linalg.eigvalsh(self.centre @ self.centre.T).max()
+        return float(abs(self.anisotropy) * largest)
 
     @property
     def by_harmonics(self) -> bool:
@@ -155,7 +163,7 @@ def critical_time_step(
     highest = max(rotor.frequency.max(initial=0.0), casing.frequency.max(initial=0.0))
     if springs is not None:
         highest = max(highest, springs.highest_frequency)
-    return float(2.0 / highest)
+    return float(2.0 / np.sqrt(highest**2 + rotor.whirl_stiffness))
 
 
 def at_rest(rotor: ReducedRotor, casing: ReducedCasing) -> Start:

@@ -174,6 +174,7 @@ def _reduced_rotor(case: Case, disk: BladedDisk, modes: Modes) -> ReducedRotor:
         tip_recess=disk.model.tip_recess,
         column=disk.blade_columns(modes.column),
         dampers=np.sqrt(case.shaft.dampings)[:, None] * centre,
+        anisotropy=0.0 if case.shaft.clamped else case.shaft.anisotropy,
     )
 
 

@@ -98,7 +98,11 @@ class CentralDifference:
             time_step,
         )
         self._springs = pack_springs(
-            problem.springs, self._rotor_layout, self._casing_layout, problem.speed * time_step
+            problem.springs,
+            rotor,
+            self._rotor_layout,
+            self._casing_layout,
+            problem.speed * time_step,
         )
         self._march = _march_scalars(problem, time_step)
 
@@ -171,7 +175,7 @@ class CentralDifference:
             len(self._problem.loads),
             max(len(self._problem.rotor.dampers), len(self._problem.casing.dampers)),
             (self._rotor_layout, self._casing_layout),
-            len(self._springs.factor),
+            len(self._springs.nodal_diameter),
         )
         status, reached, written = kernel.advance(
             self._rotor,
@@ -254,7 +258,7 @@ def initial_gap(problem: ContactProblem) -> FloatArray:
 
 
 def initial_spring_forces(problem: ContactProblem) -> tuple[FloatArray, FloatArray]:
-    """Forces of the springs between the bodies at t = 0, on the modes of rotor and casing."""
+    """Forces at t = 0, on the modes of rotor and casing, of the springs that turn with neither."""
     start, springs = problem.start, problem.springs
     rotor, casing = np.zeros_like(start.rotor), np.zeros_like(start.casing)
     if springs is not None:
@@ -264,7 +268,9 @@ def initial_spring_forces(problem: ContactProblem) -> tuple[FloatArray, FloatArr
         moved[on_rotor], moved[on_casing] = start.rotor[rotor_modes], start.casing[casing_modes]
         force = -springs.stiffness(angle=0.0) @ moved
         rotor[rotor_modes], casing[casing_modes] = force[on_rotor], force[on_casing]
-    return rotor, casing
+    centre = problem.rotor.centre
+    swing = problem.rotor.anisotropy * np.array([-1.0, 1.0])
+    return rotor + (swing * (centre @ start.rotor)) @ centre, casing
 
 
 def _stack(loads: list[FloatArray], modes: int) -> FloatArray:

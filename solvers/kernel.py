@@ -8,7 +8,8 @@ The scheme is that of Carpenter, Taylor and Katona (1991) with damping and slidi
     0 <= lambda  perp  g_p + W lambda >= 0   W = B_N^T c (B_N + mu B_T S)
     x_{n+1} = x_p + c (B_N + mu B_T S) lambda
 
-Springs between the bodies, whose stiffness K*(t) turns with the rotor, add -K*_n x_n to f_n.
+Springs between the bodies, and those under the shaft that stand still and differ, have a stiffness
+K*(t) that turns with the rotor; they add -K*_n x_n to f_n.
 
 Dampers at points make the damping matrix a full one, G^T G beside the diagonal. They take part in
 the prediction by what it gives them, phi = -G (x_p - x_{n-1}) / (2 dt), which without contact is
@@ -138,11 +139,12 @@ class Casing(NamedTuple):
 class Springs(NamedTuple):
     """Springs between the bodies, by nodal diameter (harmonic); without any, arrays are empty.
 
-    A wave is the cosine or sine part of a body's radial displacement in one harmonic.
+    A wave is the cosine or sine part of a body's radial displacement in one harmonic. Springs under
+    the shaft are a harmonic of their own, with one nodal diameter and no mode of the casing.
     """
 
     nodal_diameter: Array  #: of each harmonic, (harmonics,)
-    factor: Array  #: f_k kappa of each harmonic [N/m], (harmonics,)
+    factor: Array  #: stiffness f_k kappa of each wave [N/m], (waves,)
     rotor_place: Array  #: coupled modes among the flat entries of the rotor, (modes,)
     rotor_wave: Array  #: wave of each: twice its harmonic, and one more for a sine
     rotor_amplitude: Array  #: of each at the springs [kg^-1/2]
@@ -433,11 +435,8 @@ def _stretches(
 def _spring_energy(factor: Array, stretch: Array, first: int) -> float:
     """x_{n-1}^T K* x_n / 2 from the stretches of both displacements at one angle."""
     energy = 0.0
-    for h in range(len(factor)):
-        energy += factor[h] * (
-            stretch[first, 2 * h] * stretch[first + 1, 2 * h]
-            + stretch[first, 2 * h + 1] * stretch[first + 1, 2 * h + 1]
-        )
+    for i in range(len(factor)):
+        energy += factor[i] * stretch[first, i] * stretch[first + 1, i]
     return 0.5 * energy
 
 
@@ -446,9 +445,10 @@ def _spring_forces(
     nodal_diameter: Array, factor: Array, angle: float, stretch: Array, force: Array
 ) -> None:
     """Forces -C^T f kappa C x_n of the springs, on the waves of rotor (row 0) and casing (1)."""
-    for h in range(len(factor)):
+    for h in range(len(nodal_diameter)):
         cos, sin = np.cos(nodal_diameter[h] * angle), np.sin(nodal_diameter[h] * angle)
-        pull_c, pull_s = factor[h] * stretch[3, 2 * h], factor[h] * stretch[3, 2 * h + 1]
+        i = 2 * h
+        pull_c, pull_s = factor[i] * stretch[3, i], factor[i + 1] * stretch[3, i + 1]
         force[0, 2 * h] = cos * pull_c + sin * pull_s
         force[0, 2 * h + 1] = cos * pull_s - sin * pull_c
         force[1, 2 * h], force[1, 2 * h + 1] = -pull_c, -pull_s

@@ -44,7 +44,7 @@ class Chunk:
     normal_work: FloatArray  #: of the normal contact forces [J]
     friction_work: FloatArray  #: of the friction forces [J]
     damping_work: FloatArray  #: lost to damping [J]
-    coupling_work: FloatArray  #: that turning the rotor does on the springs between the bodies [J]
+    coupling_work: FloatArray  #: of turning the rotor against springs that stand still [J]
 
     @property
     def records(self) -> int:

@@ -375,16 +375,37 @@ def pack_body(
 
 
 def pack_springs(
-    springs: ModalSprings | None, rotor: Layout, casing: Layout, angle_per_step: float
+    springs: ModalSprings | None,
+    carried: ReducedRotor,
+    rotor: Layout,
+    casing: Layout,
+    angle_per_step: float,
 ) -> Springs:
-    """Springs between the bodies, by harmonic.
+    """Springs between the bodies and under the shaft, by harmonic.
 
     Args:
-        springs: None for bodies without.
+        springs: between the bodies; None for bodies without.
+        carried: the rotor, which knows what carries its centre.
         rotor: arrangement of the rotor's modes.
         casing: arrangement of the casing's modes.
         angle_per_step: turn of the rotor a step [rad].
     """
+    between = _springs_between(springs, rotor, casing, angle_per_step)
+    if carried.anisotropy == 0.0:
+        return between
+    first, modes = len(between.factor), np.arange(len(carried.frequency))
+    return between._replace(
+        nodal_diameter=np.append(between.nodal_diameter, 1.0),
+        factor=np.append(between.factor, [carried.anisotropy, -carried.anisotropy]),
+        rotor_place=np.append(between.rotor_place, np.tile(rotor.entry[modes], 2)),
+        rotor_wave=np.append(between.rotor_wave, np.repeat([first, first + 1], len(modes))),
+        rotor_amplitude=np.append(between.rotor_amplitude, carried.centre),
+    )
+
+
+def _springs_between(
+    springs: ModalSprings | None, rotor: Layout, casing: Layout, angle_per_step: float
+) -> Springs:
     none = np.zeros(0, dtype=np.int64)
     if springs is None:
         empty = np.zeros(0)
@@ -397,7 +418,7 @@ def pack_springs(
     amplitude = modes.amplitude[modes.entry]
     return Springs(
         nodal_diameter=harmonics.astype(np.float64),
-        factor=springs.factors,
+        factor=np.repeat(springs.factors, 2),
         rotor_place=rotor.entry[rotor_modes],
         rotor_wave=wave[on_rotor],
         rotor_amplitude=amplitude[on_rotor],

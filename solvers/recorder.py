@@ -64,15 +64,13 @@ HISTORY: Mapping[str, Variable] = {
     ),
     "contact_steps": Variable(_PER_TIP, "1", "steps with contact since the last record"),
     "contacts": Variable((TIME,), "1", "tips in contact at the record"),
-    "energy": Variable(
-        (TIME,), "J", "energy of both bodies and of springs between them, at the half step"
-    ),
+    "energy": Variable((TIME,), "J", "energy of both bodies and of all springs, at the half step"),
     "external_work": Variable((TIME,), "J", "work of the loads since the start"),
     "normal_work": Variable((TIME,), "J", "work of the normal contact forces since the start"),
     "friction_work": Variable((TIME,), "J", "work of the friction forces since the start"),
     "damping_work": Variable((TIME,), "J", "energy taken by damping since the start"),
     "coupling_work": Variable(
-        (TIME,), "J", "work of turning the rotor against springs between the bodies since the start"
+        (TIME,), "J", "work of turning the rotor against springs that stand still, since the start"
     ),
 }
 """Recorded over time; the names are those of `Chunk`."""

@@ -77,6 +77,12 @@ def spring_stiffness(problem: ContactProblem, time: float) -> FloatArray:
     """K* of the springs over all modes of both bodies: Eq. (8), angle by angle."""
     m = len(problem.rotor.frequency)
     stiffness = np.zeros((m + len(problem.casing.frequency),) * 2)
+    turn = problem.speed * time
+    to_static = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    moved = to_static @ problem.rotor.centre  # of the centre along the static axes
+    stiffness[:m, :m] = problem.rotor.anisotropy * (
+        np.outer(moved[0], moved[0]) - np.outer(moved[1], moved[1])
+    )
     springs = problem.springs
     if springs is None:
         return stiffness

@@ -54,6 +54,7 @@ DEFAULTS: dict[str, object] = {
     "bladed_disk.mesh": None,
     "shaft.stiffness": 3.4e7,
     "shaft.stiffness_y": None,
+    "shaft.frame": "rotating",
     "shaft.damping": 0.0,
     "shaft.damping_y": None,
     "shaft.clamped": False,
@@ -142,6 +143,7 @@ CHOICES = {
     "march.scheme": ("central-difference",),
     "casing-distortion.shape": ("rectangular", "half-sine"),
     "harmonic.frame": ("rotating", "static"),
+    "shaft.frame": ("rotating", "static"),
 }
 SWITCHES = ["shaft.clamped", "contact.tip_rotation", "coupling.pi"]
 
