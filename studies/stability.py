@@ -66,7 +66,8 @@ def stability(
     gives growth rate and eigenvalues and, with -o, the divergent mode in time. With --json and no
     -o nothing is written. Where blades differ, growth rates are found by dense matrices: this
     takes --physical, "six" is 1F,suspension,casing:1 with all modes of these families, and a chart
-    has no borders of zones.
+    has no borders of zones. Uneven casings, unequal bearings and, with --damped, dampers are
+    looked at one point at a time, by the monodromy matrix of a turn.
     """
     from bladewhirl.models.case_file import faults_from, read_case
     from bladewhirl.models.faults import UserError
@@ -80,6 +81,11 @@ def stability(
     )
     from bladewhirl.studies.ranges import not_negative, parse_range
     from bladewhirl.studies.stability_point import given_speed
+    from bladewhirl.studies.uneven_point import (
+        look_at_uneven_point,
+        refuse_chart,
+        stands_still,
+    )
 
     if (speed is None) != (kappa is None):
         raise UserError("--speed, --kappa: expected both, for one point, or neither, for a chart")
@@ -97,6 +103,16 @@ def stability(
         modal = modal_stage(checked)
         choice: dict[str, Any] = {"chosen": modes, "damped": damped, "physical": physical}
         choice["with_pi"] = not no_pi
+    if speed is None or kappa is None:
+        refuse_chart(modal, damped=damped)
+    elif not stands_still(modal, damped=damped):
+        if folder is not None:
+            raise UserError(
+                f"--output {folder}: the divergent mode is drawn where a frame holds the stage"
+                " still: even casing, equal bearings, no dampers"
+            )
+        look_at_uneven_point(modal, speed=speed, kappa=kappa, as_json=json, **choice)
+        return
     if not has_symmetry(modal):
         dense = couple_densely(modal, **choice)
         if speed is not None and kappa is not None:

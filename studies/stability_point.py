@@ -49,7 +49,7 @@ def look_at_point(
     if as_json:
         typer.echo(json.dumps(point, indent=2))
     else:
-        _print(point)
+        print_point(point)
 
 
 def point_report(system: System, omega: float, kappa: float) -> dict[str, Any]:
@@ -114,7 +114,8 @@ def _draw(system: System, omega: float, kappa: float, folder: Path, films: bool)
     )
 
 
-def _print(point: dict[str, Any]) -> None:
+def print_point(point: dict[str, Any]) -> None:
+    """Print a report as a table."""
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_row("speed", f"{point['speed']:.6g} ω₁ = {point['speed_rad_per_s']:.6g} rad/s")
     table.add_row("coupling stiffness", f"{point['kappa']:.6g} N/m")

@@ -195,12 +195,11 @@ def test_stable_point_has_no_divergent_mode(tmp_path: Path) -> None:
         (["--modes", "1F:99"], "--modes 1F:99: expected a nodal diameter of 1F: 1, 2,"),
         (["--modes", "1F,"], '--modes "": expected one of six, all, casing'),
         (["--set", "shaft.clamped=true"], "--modes six: the stage has no suspension pair"),
-        (["--damped", "--set", "shaft.damping=10"], "--damped: expected shaft.damping = 0"),
+        (["--damped", "--set", "shaft.damping=10"], "with --damped no dampers"),
         (
             ["--set", "shaft.stiffness_y=1e7", "--set", "shaft.frame=static"],
-            "expected shaft springs that are equal or turn with the bladed disk",
+            "expected a casing with cyclic symmetry, shaft springs that turn",
         ),
-        (["--set", "shaft.stiffness_y=1e7"], "needs a stage with cyclic symmetry"),
         (["--set", "casing.sport=1"], "casing.sport"),
     ],
 )

@@ -1,0 +1,136 @@
+"""Stability at one point of a stage that no frame holds still, by the monodromy matrix."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import typer
+
+from bladewhirl.models.faults import UserError
+from bladewhirl.models.modal_stage import ModalStage
+from bladewhirl.models.uneven_coupling import UnevenSystem, uneven_system
+from bladewhirl.solvers.floquet import floquet
+from bladewhirl.solvers.stability import is_unstable
+from bladewhirl.studies.stability_point import given_speed, print_point
+
+ONE_POINT = (
+    "a chart is made where a frame holds the stage still; --speed and --kappa give one point"
+)
+"""What there is where no frame does."""
+
+
+def stands_still(modal: ModalStage, *, damped: bool) -> bool:
+    """Whether some frame holds the coupled stage still, that of the bladed disk or another.
+
+    The casing must look the same from everywhere, shaft springs that stand still must be equal, and
+    damping must be shared out by modes.
+
+    Args:
+        modal: finite element models with their modes.
+        damped: whether dampers count.
+    """
+    shaft, casing = modal.case.shaft, modal.casing
+    dampers = damped and bool(
+        casing.dampers.shape[0] or (any(shaft.dampings) and not shaft.clamped)
+    )
+    bearings = shaft.anisotropy != 0.0 and not shaft.clamped
+    return casing.structure.is_cyclic and not dampers and not bearings
+
+
+def refuse_chart(modal: ModalStage, *, damped: bool) -> None:
+    """Say why there is no chart.
+
+    Raises:
+        UserError: no frame holds the stage still.
+    """
+    if not stands_still(modal, damped=damped):
+        raise UserError(
+            "stability: expected a casing with cyclic symmetry, shaft springs that turn with the"
+            f" bladed disk or are equal, and with --damped no dampers: {ONE_POINT}"
+        )
+
+
+def look_at_uneven_point(
+    modal: ModalStage,
+    *,
+    chosen: str,
+    damped: bool,
+    physical: bool,
+    with_pi: bool,
+    speed: str,
+    kappa: float,
+    as_json: bool,
+) -> None:
+    """Report growth rate and spectrum at a point.
+
+    Args:
+        modal: finite element models with their modes.
+        chosen: see `uneven_system`.
+        damped: with the damping of the case.
+        physical: with the modes' own amplitudes.
+        with_pi: keep the factor pi of Eq. (8).
+        speed: as the user gave it.
+        kappa: spring stiffness [N/m].
+        as_json: print one JSON document instead of a table.
+
+    Raises:
+        UserError: modes that the stage does not have, or one amplitude for modes that have more
+            than one nodal diameter.
+    """
+    cyclic = modal.disk.structure.is_cyclic and modal.casing.structure.is_cyclic
+    if not cyclic and not physical:
+        raise UserError(
+            "stability: expected --physical on a stage without cyclic symmetry: one amplitude for"
+            " every mode has a meaning only if each mode has one nodal diameter"
+        )
+    try:
+        system = uneven_system(modal, modes=chosen, damped=damped, physical=physical)
+    except ValueError as error:
+        raise UserError(f"--modes {chosen}: {error}") from None
+    omega = given_speed(speed).rad_per_s(modal.reference_frequency)
+    spectrum = exponents(system, speed=omega, kappa=kappa, with_pi=with_pi)
+    growth = float(spectrum.real.max())
+    point: dict[str, Any] = {
+        "speed": omega / modal.reference_frequency,
+        "speed_rad_per_s": omega,
+        "kappa": kappa,
+        "growth_rate": growth,
+        "unstable": bool(is_unstable(growth, omega)),
+        "eigenvalues": [[value.real, value.imag] for value in spectrum.tolist()],
+        "modes": list(dict.fromkeys(system.name)),
+        "damped": damped,
+        "pi": with_pi,
+        "amplitude": "physical" if physical else "paper",
+        "reference_frequency": modal.reference_frequency,
+    }
+    if as_json:
+        typer.echo(json.dumps(point, indent=2))
+    else:
+        print_point(point)
+
+
+def exponents(
+    system: UnevenSystem, *, speed: float, kappa: float, with_pi: bool = True
+) -> np.ndarray[Any, np.dtype[np.complex128]]:
+    """Floquet exponents of a turn, the fastest growing first; at rest eigenvalues, (2 modes,).
+
+    Args:
+        system: the coupled modes.
+        speed: Omega [rad/s].
+        kappa: spring stiffness [N/m].
+        with_pi: keep the factor pi of Eq. (8).
+    """
+    if speed == 0.0:
+        size = len(system.frequency)
+        still = system.stiffness(np.zeros(1), kappa, with_pi=with_pi)[0]
+        state = np.block([[np.zeros((size, size)), np.eye(size)], [-still, -system.damping]])
+        found = np.linalg.eigvals(state)
+    else:
+        found = floquet(
+            lambda times: system.stiffness(speed * times, kappa, with_pi=with_pi),
+            period=2.0 * np.pi / abs(speed),
+            damping=system.damping,
+        ).exponents
+    return np.asarray(np.sort_complex(found)[::-1], dtype=np.complex128)
