@@ -4,7 +4,8 @@ A clearance of 1 mm on a radius of 0.5 m is invisible, and so is motion within i
 displacements are therefore multiplied by a factor, and **so is the clearance**: the casing's inner
 wall is drawn at tip radius + factor (clearance + w), a tip at tip radius + factor u_r, so the drawn
 gap is the factor times the true gap and bodies touch in the picture exactly when they touch in the
-run. Thicknesses stay true.
+run. A blade that ends short of the tip radius, or beyond it, is drawn so by the factor, too.
+Thicknesses stay true.
 
 Multiplied small displacements are no longer small. Each body is therefore first shifted by its
 mean motion (the rotor by that of its centre, the ring by the mean over its circumference), along
@@ -35,6 +36,7 @@ from bladewhirl.postprocess.fields import (
     turn,
 )
 from bladewhirl.postprocess.fittings import CasingFittings, RotorFittings, Symbols, together
+from bladewhirl.postprocess.recess import recessed, tip_recess
 
 Frame = Literal["static", "rotating"]
 
@@ -124,12 +126,18 @@ class Drawing:
             max(np.linalg.norm(field, axis=-1).max() for field in (self._rotor, self._ring))
         )
         clearance = clearance_at(dataset, self._angle)
+        recess = tip_recess(dataset)
+        room = float(clearance.max() + np.max(recess, initial=0.0))
         self.exaggeration = (
-            round_factor(self.tip_radius, float(clearance.max()), self.largest_displacement)
+            round_factor(self.tip_radius, room, self.largest_displacement)
             if exaggeration is None
             else exaggeration
         )
         self._inner_radius = self.tip_radius + self.exaggeration * clearance
+        if recess.any():
+            self._nodes, self._stations = recessed(
+                dataset, self._stations, (self.exaggeration - 1.0) * recess
+            )
         self.colouring = colouring(dataset, colour, records, Stations(BEAM_STATIONS, per_element))
         self._on_rotor = RotorFittings(dataset, self.tip_radius)
         self._on_casing = CasingFittings(dataset, self.tip_radius)

@@ -9,14 +9,14 @@ import numpy as np
 import pyvista
 import xarray as xr
 
-from bladewhirl.postprocess.colouring import length_unit, scale_end
 from bladewhirl.postprocess.drawing import Picture
-from bladewhirl.postprocess.fields import Array, IntArray, history, rotate, turn
+from bladewhirl.postprocess.fields import Array, IntArray
 from bladewhirl.postprocess.scene import (
     CIRCLE,
     StageScene,
     disc_triangles,
 )
+from bladewhirl.postprocess.shaft_trail import shaft_trail
 from bladewhirl.postprocess.stage_look import (
     FAINT,
     FONT,
@@ -81,19 +81,13 @@ class Orbit:
     def __init__(self, scene: StageScene, dataset: xr.Dataset, records: IntArray) -> None:
         drawing = scene.drawing
         self._time = dataset["time"].values[records]
-        rows = dataset["rotor_shape"].values[int(dataset["centre_node"]), :2]
-        way = history(dataset, "rotor_displacement", records) @ rows.T
-        if drawing.frame == "static":
-            way = rotate(way, turn(dataset, records))
-        reach = float(np.linalg.norm(way, axis=1).max())
-        unit, scale = length_unit(reach)
-        end = scale_end(1.1 * scale * reach)  # the orbit stays clear of the circle
-        write(scene.plotter, f"shaft's orbit, circle {end:g} {unit}", ORBIT_TOP, 13, color=INK)
+        trail = shaft_trail(dataset, records, drawing.frame)
+        write(scene.plotter, trail.title, ORBIT_TOP, 13)
         width, height = scene.plotter.window_size
         low = scene.place(SQUARE + 0.02, ORBIT_TOP - 0.045 - ORBIT_SIZE)
         high = scene.place(SQUARE + 0.02 + ORBIT_SIZE * height / width, ORBIT_TOP - 0.045)
         self._middle, half = (low + high) / 2, (high[1] - low[1]) / 2
-        self._way = self._middle + half * scale / end * way
+        self._way = self._middle + half * trail.places
         angle = np.linspace(0.0, 2 * np.pi, 73)
         circle = self._middle + half * np.column_stack([np.cos(angle), np.sin(angle)])
         across = np.array([[-half, 0.0], [half, 0.0], [0.0, 0.0], [0.0, -half], [0.0, half]])

@@ -20,13 +20,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import to_hex
 
-from bladewhirl.postprocess.colouring import Colouring, Field, length_unit, scale_end
+from bladewhirl.postprocess.colouring import Colouring, Field
 from bladewhirl.postprocess.drawing import Drawing, Frame, Picture, arrows
-from bladewhirl.postprocess.fields import Array, IntArray, history, rotate, turn
+from bladewhirl.postprocess.fields import Array, IntArray
 from bladewhirl.postprocess.fittings import MASS
 from bladewhirl.postprocess.members import member_names
 from bladewhirl.postprocess.picture_file import checked_target, replacing
 from bladewhirl.postprocess.render import Progress
+from bladewhirl.postprocess.shaft_trail import shaft_trail
 from bladewhirl.postprocess.stage_look import (
     ARROW_WIDTH,
     CONTACT_DISC,
@@ -205,17 +206,11 @@ def _looks(colouring: Colouring) -> dict[str, Any]:
 def _orbit(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
     """The shaft's way through all records from the first to the last, in units of a circle."""
     records = np.arange(drawing.records.min(), drawing.records.max() + 1)
-    rows = dataset["rotor_shape"].values[int(dataset["centre_node"]), :2]
-    way = history(dataset, "rotor_displacement", records) @ rows.T
-    if drawing.frame == "static":
-        way = rotate(way, turn(dataset, records))
-    reach = float(np.linalg.norm(way, axis=1).max())
-    unit, scale = length_unit(reach)
-    end = scale_end(1.1 * scale * reach)
+    trail = shaft_trail(dataset, records, drawing.frame)
     return {
-        "orbit": np.round(scale / end * way, 4).tolist(),
+        "orbit": np.round(trail.places, 4).tolist(),
         "orbitPlace": (drawing.records - records[0]).tolist(),
-        "orbitTitle": f"shaft\N{RIGHT SINGLE QUOTATION MARK}s orbit, circle {end:g} {unit}",
+        "orbitTitle": trail.title,
     }
 
 

@@ -160,6 +160,26 @@ def test_rotating_picture_is_the_static_one_turned_back() -> None:
     assert abs(blade) < np.pi / 22  # the first blade lies near the rotating x axis
 
 
+def test_a_short_blade_touches_where_it_does_in_the_run() -> None:
+    recess, blade = 0.3e-3, 5
+    result = moved()
+    tip = int(result["tip_node"].values[blade])
+    result["rotor_point"][tip] *= 1.0 - recess / synthetic.TIP_RADIUS
+    unit = result["rotor_point"].values[tip] / (synthetic.TIP_RADIUS - recess)
+    rest = draw(result).picture(0)
+    inner = synthetic.TIP_RADIUS + FACTOR * synthetic.CLEARANCE
+    gaps = inner - np.linalg.norm(rest.tips, axis=1)
+    expected = np.full(22, FACTOR * synthetic.CLEARANCE)
+    expected[blade] += FACTOR * recess
+    np.testing.assert_allclose(gaps, expected)
+    result["rotor_displacement"][:, :2] = (synthetic.CLEARANCE + recess) * unit
+    touching = draw(result).picture(0)
+    assert np.linalg.norm(touching.tips[blade]) == pytest.approx(inner)
+    lines = result["rotor_line"].values
+    end = touching.rotor.sides.mean(axis=2)[np.flatnonzero(lines[:, 1] == tip)[0], -1]
+    np.testing.assert_allclose(end, touching.tips[blade], atol=1e-12)
+
+
 def test_reach_holds_everything() -> None:
     result = synthetic.synthetic_result(records=60, shaft_radius=1.1e-3)
     drawing = Drawing(result, np.arange(0, 60, 7), exaggeration=50.0)
