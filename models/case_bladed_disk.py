@@ -105,11 +105,10 @@ class BladedDisk(Table):
     mesh: MeshTable | None = Field(
         default=None,
         description="A mesh file instead, left out here: its unit of length, its groups of nodes"
-        " that are the tips and the centre, sections of its groups of lines; all other keys of"
-        " [bladed_disk] are then left out.",
+        ' that are the tips and the centre (tips = "tips", centre = "centre"), sections of its'
+        " groups of lines; all other keys of [bladed_disk] are then left out.",
         examples=[
-            '{ file = "stage.msh", unit = "mm", tips = "tips", centre = "centre", sections = '
-            '{ blades = { width = "100 mm", thickness = "10 mm" } } }'
+            '{ file = "a.msh", unit = "mm", sections.blades = { width = 0.1, thickness = 0.01 } }'
         ],
     )
 

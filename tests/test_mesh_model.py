@@ -26,7 +26,7 @@ from bladewhirl.models.beam_model import BeamModel
 from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
 from bladewhirl.models.case import BladedDisk as BladedDiskTable
 from bladewhirl.models.case_bodies import case_beam_model
-from bladewhirl.models.case_file import loads
+from bladewhirl.models.case_file import loads, template
 from bladewhirl.models.case_mesh import MeshSection, MeshTable
 from bladewhirl.models.frequencies import lowest_frequencies
 from bladewhirl.models.mesh_data import grouped_lines
@@ -392,6 +392,13 @@ def test_the_example_is_what_its_geometry_says() -> None:
     for name in (*mesh.node_groups, *mesh.line_groups):
         assert f'("{name}")' in geometry
     assert "gmsh -1 examples/shrouded_fan.geo -o examples/shrouded_fan.msh" in geometry
+
+
+def test_the_template_shows_a_mapping_on_one_line() -> None:
+    [line] = re.findall(r"^# (mesh = .*)$", template(), flags=re.MULTILINE)
+    mesh = loads(f"[bladed_disk]\n{line}").bladed_disk.mesh
+    assert mesh is not None
+    assert (mesh.unit, [*mesh.sections]) == (1e-3, ["blades"])
 
 
 def test_the_document_shows_the_example() -> None:
