@@ -233,8 +233,11 @@ class Case(Table):
         yield from self._loads_out_of_reach()
         yield from self._tips_without_blade()
         yield from self._unknown_materials()
-        if self.sketch is not None and self.bladed_disk.mesh is not None:
-            yield Inconsistency("bladed_disk.mesh", "to be left out beside [sketch]", ("sketch",))
+        if self.sketch is not None:
+            for name, field in BladedDisk.model_fields.items():
+                if getattr(self.bladed_disk, name) != field.default:
+                    expected = "to be left out beside [sketch]"
+                    yield Inconsistency(f"bladed_disk.{name}", expected, ("sketch",))
 
     def _loads_out_of_reach(self) -> Iterator[Inconsistency]:
         load, elements = self.excitation, self.casing.elements

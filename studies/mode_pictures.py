@@ -136,8 +136,8 @@ def _draw_shapes(stage: ModalStage, body: Body, modes: list[ChosenMode], folder:
 
 
 def _draw_scenarios(stage: ModalStage, folder: Path) -> None:
-    """Draw both contact scenarios; without a shaft that moves there are none."""
-    if stage.case.shaft.clamped:
+    """Draw both contact scenarios; there are none without a 1F pair that moves the shaft."""
+    if stage.case.shaft.clamped or not stage.disk_modes.find("1F", 1).size:
         return
     for name, share in CASING_SHARES.items():
         modes = whirling_modes(stage, casing_share=share)

@@ -126,3 +126,28 @@ def test_tips_outside_the_casing_are_named() -> None:
     sketch.set("tips", "tip")
     with pytest.raises(CaseError, match=r"blade 0, at radius 0.4 m, is outside by 0.0096 m"):
         build_stage(case(sketch))
+
+
+def test_a_drawn_stage_takes_no_other_bladed_disk() -> None:
+    with pytest.raises(CaseError, match=r"bladed_disk.blades = 5: expected to be left out beside"):
+        propeller().case(bladed_disk={"blades": 5})
+
+
+def test_pictures_of_modes_without_nodal_diameters(tmp_path: Path) -> None:
+    """Three blades at odd angles: nothing turns them into each other."""
+    from bladewhirl.models import dumps_case
+
+    steel = Section(width=0.08, thickness=0.02, **STEEL)
+    sketch = Sketch()
+    sketch.node("hub", 0.0, shared=True)
+    for blade, angle in enumerate((0.0, 1.9, 4.1)):
+        sketch.node(f"tip {blade}", 0.4 * np.cos(angle), 0.4 * np.sin(angle))
+        sketch.member(f"blade {blade}", "hub", f"tip {blade}", steel, elements=3)
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip 0", "tip 1", "tip 2")
+    path = tmp_path / "odd.toml"
+    path.write_text(dumps_case(case(sketch)))
+    folder = tmp_path / "modes"
+    done = CliRunner().invoke(app, ["modes", str(path), "-o", str(folder), "--no-films"])
+    assert done.exit_code == 0, done.output
+    assert (folder / "bladed-disk-shapes.png").is_file()
