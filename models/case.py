@@ -42,6 +42,7 @@ from bladewhirl.models.mesh_model import mesh_tips
 from bladewhirl.models.mode_choice import mode_choice
 from bladewhirl.models.quantity import Speed
 from bladewhirl.models.sketch_parts import SketchTable
+from bladewhirl.models.timing import Timing
 
 __all__ = [
     "BeamSection",
@@ -181,12 +182,14 @@ class March(Table):
     @property
     def steps(self) -> int:
         """Number of time steps in ``duration``."""
-        return round(self.duration / self.time_step)
+        return self.timing.steps
 
     @property
-    def steps_per_record(self) -> int:
-        """Number of time steps between records."""
-        return round(self.record_step / self.time_step)
+    def timing(self) -> Timing:
+        """When the march steps and records."""
+        return Timing(
+            time_step=self.time_step, duration=self.duration, record_step=self.record_step
+        )
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Records that do not fall on steps, steps without number."""

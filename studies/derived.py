@@ -103,7 +103,7 @@ def _derive(stage: Stage) -> Derived:
     pair = suspension_pair(modes)
     rotor, wall = marched_bodies(stage)
     critical = critical_time_step(rotor, wall, stage.kept.springs)
-    records = case.march.steps // case.march.steps_per_record + 1
+    records = case.march.timing.records
     kept = {name: len(dofs) for name, dofs in boundary.items()}
     return Derived(
         bladed_disk_mass=disk.model.mass,

@@ -22,8 +22,9 @@ from bladewhirl.models.contact_problem import ContactProblem
 from bladewhirl.models.faults import UserError
 from bladewhirl.models.march_problem import contact_problem
 from bladewhirl.models.stage import Stage, build_stage
+from bladewhirl.models.timing import Timing
 from bladewhirl.solvers.central_difference import CentralDifference
-from bladewhirl.solvers.march import Chunk, EndReason, Timing, march
+from bladewhirl.solvers.march import Chunk, EndReason, march
 from bladewhirl.solvers.recorder import (
     INTERRUPTED,
     RESULT_NAME,
@@ -87,11 +88,7 @@ def prepare_stage(stage: Stage) -> Prepared:
         CaseError: all faults that stand in the way of a march.
     """
     problem, case = contact_problem(stage), stage.case
-    timing = Timing(
-        time_step=case.march.time_step,
-        duration=case.march.duration,
-        record_step=case.march.record_step,
-    )
+    timing = case.march.timing
     with numbers_within_reach():
         scheme = CentralDifference(problem, timing.time_step, timing.record_every)
         begin = scheme.init()
@@ -210,7 +207,7 @@ def _expected_bytes(prepared: Prepared) -> int:
         len(problem.rotor.frequency),
         len(problem.casing.frequency),
         len(problem.rotor.tip_angle),
-        timing.steps // timing.record_every + 1,
+        timing.records,
     )
 
 

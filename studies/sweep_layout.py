@@ -53,7 +53,7 @@ def march_extent(cases: Iterable[Case]) -> Extent:
         shortest = min(shortest, march.duration)
         record_step = max(record_step, march.record_step)
         steps += march.steps
-        histories[case.blades, march.steps // march.steps_per_record + 1] += 1
+        histories[case.blades, march.timing.records] += 1
     return Extent(shortest=shortest, record_step=record_step, steps=steps, histories=histories)
 
 

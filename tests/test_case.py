@@ -423,7 +423,7 @@ def test_what_does_fit(given: dict[str, Any]) -> None:
 
 def test_steps_are_whole_numbers() -> None:
     march = March(time_step=1e-6, duration=3.0, record_step=1e-4)
-    assert (march.steps, march.steps_per_record) == (3_000_000, 100)
+    assert (march.steps, march.timing.record_every) == (3_000_000, 100)
 
 
 def test_a_case_can_be_built_in_python_and_is_frozen() -> None:
