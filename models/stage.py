@@ -61,11 +61,6 @@ class Stage:
         return self.case.march.speed.rad_per_s(self.reference_frequency)
 
     @property
-    def normalised_speed(self) -> float:
-        """Speed in multiples of the reference frequency."""
-        return self.speed / self.reference_frequency
-
-    @property
     def symmetry(self) -> dict[str, str]:
         """Symmetry found of each body, and the path that follows from it."""
         return {

@@ -46,26 +46,6 @@ class Scenario:
             return "unsteady"
         return "standard" if abs(self.lead) < np.pi / 2 else "inverted"
 
-    @property
-    def phase_shift(self) -> float:
-        """How far the lead is from 0 (standard) or pi (inverted), (-pi/2, pi/2] [rad]."""
-        turned = self.lead - (0.0 if abs(self.lead) < np.pi / 2 else np.pi)
-        return float(np.angle(np.exp(1j * turned)))
-
-    def friction_moment(
-        self, *, friction: float, normal_force: float, shaft_radius: float
-    ) -> float:
-        """Moment about the axis of the friction force that acts on the displaced shaft [N m].
-
-        Negative against the rotation, which drives backward whirl. The rotation is positive.
-
-        Args:
-            friction: Coulomb coefficient.
-            normal_force: of the contact [N].
-            shaft_radius: displacement of the shaft [m].
-        """
-        return float(-friction * normal_force * shaft_radius * np.cos(self.lead))
-
 
 def mode_scenario(*, shaft: complex, rotor: complex, casing: complex) -> Scenario:
     """Scenario of a rotor mode and a casing mode, k = 1, that move in step.
