@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 from scipy.integrate import cumulative_trapezoid
 
-from bladewhirl.models.coupling import FloatArray, IntArray, Springs
+from bladewhirl.models.coupling import FloatArray, Springs
 from bladewhirl.models.stage_coupling import StageModes
+from bladewhirl.postprocess.mode_motion import stage_dataset, with_history
 from bladewhirl.solvers.coupled_modes import CoupledMotion, RadialShapes
-from bladewhirl.solvers.recorder import HISTORY, STATIC
 
 
 def radial_shapes(stage: StageModes) -> RadialShapes:
@@ -57,38 +57,21 @@ def coupled_mode_result(
     rotor, rotor_modes = stage.mode_numbers(on_casing=False)
     wall, wall_modes = stage.mode_numbers(on_casing=True)
     arrays = stage.modal.arrays(rotor_modes, wall_modes)
-    records = len(motion.time)
     energy, lost = _energy(motion, springs), _damping_work(stage, motion)
-    zero, untouched = np.zeros(records), np.zeros((records, len(arrays.tip_node)))
-    history: dict[str, FloatArray | IntArray] = {
+    history = {
         "time": motion.time,
         "rotor_displacement": motion.displacement[:, rotor],
         "rotor_velocity": motion.velocity[:, rotor],
         "casing_displacement": motion.displacement[:, wall],
         "casing_velocity": motion.velocity[:, wall],
         "gap": _gaps(stage, motion),
-        "contact_impulse": untouched,
-        "friction_impulse": untouched,
-        "contact_steps": untouched.astype(np.int64),
-        "contacts": zero.astype(np.int64),
         "energy": energy,
-        "external_work": zero,
-        "normal_work": zero,
-        "friction_work": zero,
         "damping_work": lost,
         "coupling_work": energy - energy[0] + lost,
     }
-    static = {name: np.asarray(getattr(arrays, name)) for name in STATIC}
-    step = float(motion.time[1] - motion.time[0])
     given = stage.modal.case
-    return xr.Dataset(
+    return with_history(stage_dataset(arrays), history).assign_attrs(
         {
-            name: (about.dimensions, values, {"units": about.units, "long_name": about.long_name})
-            for table, found in ((HISTORY, history), (STATIC, static))
-            for name, about in table.items()
-            for values in [found[name]]
-        },
-        attrs={
             "title": "coupled mode",
             "version": metadata.version("bladewhirl"),
             "speed": motion.speed,
@@ -96,14 +79,12 @@ def coupled_mode_result(
             "casing_radius": stage.modal.casing.mesh.radius,
             "tip_radius": given.tip_radius,
             "friction": 0.0,
-            "time_step": step,
-            "record_step": step,
             "clamped": int(given.shaft.clamped),
             "end_reason": "completed",
             "end_message": "the clearance closes here",
             "case": case,
-            "steps": records - 1,
-        },
+            "steps": len(motion.time) - 1,
+        }
     )
 
 

@@ -7,6 +7,7 @@ forward, minus it backward.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import metadata
 from typing import Any, Literal
 
@@ -42,6 +43,27 @@ def stage_dataset(arrays: StageArrays) -> xr.Dataset:
             for name, variable in STATIC.items()
         }
     )
+
+
+def with_history(stage: xr.Dataset, history: Mapping[str, FloatArray]) -> xr.Dataset:
+    """Add what a march records to a stage, from a history in which nothing touches.
+
+    Args:
+        stage: from `stage_dataset`.
+        history: variables of a result over time, equally spaced; those left out are zero, as loads
+            and contact are where there are none.
+    """
+    time = history["time"]
+    sizes = {**stage.sizes, "time": len(time)}
+    found: dict[str, NDArray[Any]] = {}
+    for name, variable in HISTORY.items():
+        shape = tuple(sizes[dimension] for dimension in variable.dimensions)
+        counted = name in ("contacts", "contact_steps")
+        none = np.zeros(shape, dtype=np.int64 if counted else np.float64)
+        found[name] = history.get(name, none)
+    recorded = xr.Dataset({name: _entry(HISTORY[name], found[name]) for name in HISTORY})
+    step = float(time[1] - time[0])
+    return stage.merge(recorded).assign_attrs(time_step=step, record_step=step)
 
 
 def mode_motion(
@@ -81,14 +103,7 @@ def mode_motion(
         "gap": stage.disk.model.tip_recess + _gaps(fixed, rotor, casing),
         "energy": 0.5 * np.sum(velocity**2 + (frequency * displacement) ** 2, axis=1),
     }
-    sizes = {**fixed.sizes, "time": PICTURES}
-    for name, variable in HISTORY.items():  # the rest is loads and contact: none
-        shape = tuple(sizes[dimension] for dimension in variable.dimensions)
-        counted = name in ("contacts", "contact_steps")
-        history.setdefault(name, np.zeros(shape, dtype=np.int64 if counted else np.float64))
-    recorded = xr.Dataset({name: _entry(HISTORY[name], history[name]) for name in HISTORY})
-    step = float(time[1])
-    return fixed.merge(recorded).assign_attrs(time_step=step, record_step=step)
+    return with_history(fixed, history)
 
 
 def _entry(variable: Variable, values: NDArray[Any]) -> tuple[object, ...]:
