@@ -23,7 +23,7 @@ def plot_time_steps(data: xr.Dataset) -> Figure:
     Args:
         data: over `time_step`, as `convergence_study.time_step_convergence` makes it.
     """
-    figure = new_figure(height=0.072)
+    figure = new_figure(height=0.078)
     axes = figure.add_subplot()
     step = data["time_step"].values
     lines = (
@@ -50,7 +50,7 @@ def plot_modes(data: xr.Dataset) -> Figure:
     Args:
         data: over `modes`, as `convergence_study.mode_convergence` makes it.
     """
-    figure = new_figure(height=0.072)
+    figure = new_figure(height=0.078)
     axes = figure.add_subplot()
     kept, regime = data["kept"].values, data["regime"].values
     lines = (
@@ -82,4 +82,4 @@ def _finish(figure: Figure, axes: Axes, data: xr.Dataset) -> None:
     for name in dict.fromkeys(data["regime"].values):
         axes.plot([], [], REGIME_MARKERS[name], color=COLOURS["rest"], markersize=4, label=name)
     axes.set_title(speed_label(data))
-    figure.legend(loc="outside lower center", ncols=2)
+    figure.legend(loc="outside lower center", ncols=1)  # the longest label takes a column's width

@@ -114,14 +114,13 @@ def _tables(found: Convergence) -> Iterator[Table]:
     from rich import box
     from rich.table import Table
 
-    for data, key, heading, scale in (
-        (found.time_steps, "time_step", r"Δt \[µs]", 1e6),
-        (found.modes, "modes", "modes η", 1),
+    for data, key, heading, unit, scale in (
+        (found.time_steps, "time_step", r"Δt \[µs]", "µs", 1e6),
+        (found.modes, "modes", "modes η", "modes", 1),
     ):
-        finest = f"{scale * data[key].values[-1]:.4g}"
         table = Table(
             box=box.SIMPLE_HEAD,
-            title=f"Differences from {heading.split(' ')[0]} = {finest} in %",
+            title=f"Differences from {scale * data[key].values[-1]:.4g} {unit}, in %",
             title_justify="left",
             title_style="bold",
         )
