@@ -4,7 +4,7 @@
     bladewhirl search -o SEARCH
     python docs/reproduction.py REPRODUCTION SEARCH
 
-Without SEARCH the page has the scorecard alone.
+Either folder may be left out: then its part of the page is, and the count without REPRODUCTION.
 """
 
 from __future__ import annotations
@@ -24,11 +24,21 @@ COUNT = re.compile(r"(?<=<!-- scorecard -->\n).*?(?=\n<!-- scorecard end -->)", 
 
 def main(arguments: list[str]) -> None:
     """Write both."""
-    scorecard = json.loads((Path(arguments[0]) / "scorecard.json").read_text(encoding="utf-8"))
-    search = [(Path(folder) / "report.md").read_text("utf-8") for folder in arguments[1:]]
-    PAGE.write_text("\n".join([*page(scorecard), *found(search)]) + "\n", encoding="utf-8")
-    text = README.read_text(encoding="utf-8")
-    README.write_text(COUNT.sub(lambda _: sentence(scorecard), text), encoding="utf-8")
+    lines = ["# What holds of the paper"]
+    for folder in map(Path, arguments):
+        if (folder / "scorecard.json").exists():
+            scorecard = json.loads((folder / "scorecard.json").read_text(encoding="utf-8"))
+            lines += scored(scorecard)
+            text = README.read_text(encoding="utf-8")
+            count = COUNT.search(text)
+            if count is None:
+                sys.exit(f"{README}: expected the marks of the scorecard")
+            text = text[: count.start()] + sentence(scorecard) + text[count.end() :]
+            README.write_text(text, encoding="utf-8")
+        else:
+            report = (folder / "report.md").read_text(encoding="utf-8")
+            lines += ["", "## Values that the paper leaves out", "", report.rstrip()]
+    PAGE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def sentence(scorecard: dict[str, Any]) -> str:
@@ -40,9 +50,10 @@ def sentence(scorecard: dict[str, Any]) -> str:
     )
 
 
-def page(scorecard: dict[str, Any]) -> Iterator[str]:
+def scored(scorecard: dict[str, Any]) -> Iterator[str]:
     """The scorecard as Markdown."""
-    yield from ("# What holds of the paper", "", sentence(scorecard), "", "| | |", "|---|---|")
+    yield from ("", "## Scorecard", "", sentence(scorecard).split(";")[0] + ".", "")
+    yield from ("| condition | |", "|---|---|")
     for name, value in scorecard["conditions"].items():
         yield f"| {name.replace('_', ' ')} | {value if value != {} else 'none'} |"
     yield from ("", "| | claim | paper | ours | verdict |", "|---|---|---|---|---|")
@@ -53,12 +64,6 @@ def page(scorecard: dict[str, Any]) -> Iterator[str]:
     for row in scorecard["claims"]:
         if row["verdict"] != "holds":
             yield f"* {row['claim']}, {row['verdict']}: {row['why']}"
-
-
-def found(search: list[str]) -> Iterator[str]:
-    """The report of a search as a section."""
-    for text in search:
-        yield from ("", "## Other values of what the paper leaves out", "", text.rstrip())
 
 
 if __name__ == "__main__":

@@ -28,6 +28,9 @@ from bladewhirl.studies.sweeps import Watch
 RUNS_NAME, FIGURES_NAME = "runs", "figures"
 """Folders of the results of single marches, and of pictures."""
 
+CASES_IN_WORDS = "1 to 15: fan_stage; others: casing_distortion, imbalance"
+"""Examples that decide each claim; they need not be of one stage."""
+
 REPEATS = 3
 """How often a claim on a march is judged, each time with a slightly different force."""
 
@@ -114,6 +117,7 @@ def reproduce_claims(
         scores=tuple(joined(findings, CLAIMS)),
         conditions={
             run_directory.PACKAGE: run_directory.version(),
+            "cases": CASES_IN_WORDS,
             "quick": plan.quick,
             "repeats": plan.repeats,
             "perturbation": PERTURBATION,

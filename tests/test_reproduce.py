@@ -21,6 +21,7 @@ from bladewhirl.models.faults import UserError
 from bladewhirl.postprocess.result import open_result
 from bladewhirl.studies.claim import (
     CLAIMS,
+    VERDICTS,
     Check,
     Claim,
     Finding,
@@ -364,14 +365,17 @@ def test_the_page_and_the_readme_say_what_was_computed(
 ) -> None:
     maker = page_maker()
     card = card_of(lambda: Finding(ours="a | b", checks=checks(True, False)))
-    (tmp_path / "scorecard.json").write_text(card.to_json())
-    (tmp_path / "report.md").write_text("5 sets were screened.\n")
+    card_folder, search_folder = tmp_path / "card", tmp_path / "search"
+    card_folder.mkdir()
+    search_folder.mkdir()
+    (card_folder / "scorecard.json").write_text(card.to_json())
+    (search_folder / "report.md").write_text("5 sets were screened.\n")
     readme = tmp_path / "README.md"
     readme.write_text("before\n<!-- scorecard -->\nold\n<!-- scorecard end -->\nafter\n")
     monkeypatch.setattr(maker, "README", readme)
     monkeypatch.setattr(maker, "PAGE", tmp_path / "reproduction.md")
-    maker.main([str(tmp_path), str(tmp_path)])
-    count = "of 1 claims 0 holds, 1 partly, 0 does not hold, 0 not testable;"
+    maker.main([str(card_folder), str(search_folder)])
+    count = "of 1 claims 0 holds, 1 partly, 0 does not hold, 0 not testable"
     before, said, after = readme.read_text().split("<!-- scorecard")
     assert count in said
     assert (before, after) == ("before\n", " end -->\nafter\n")
@@ -380,3 +384,16 @@ def test_the_page_and_the_readme_say_what_was_computed(
     assert "| a \\| b | partly |" in page
     assert "* 1, partly: not met: False; met: True." in page
     assert page.endswith("5 sets were screened.\n")
+
+
+def test_the_readme_counts_what_its_page_lists() -> None:
+    page = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
+    verdicts = [
+        line.rsplit("| ", 1)[1].removesuffix(" |")
+        for line in page.splitlines()
+        if re.match(r"\| \d+ \|", line)
+    ]
+    said = page_maker().COUNT.search((ROOT / "README.md").read_text(encoding="utf-8"))[0]
+    counted = {name: int(number) for number, name in re.findall(r"(\d+) ([a-z ]+)[,;]", said)}
+    assert counted == {name: verdicts.count(name) for name in VERDICTS}
+    assert f"of {len(verdicts)} claims" in said
