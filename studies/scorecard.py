@@ -93,7 +93,9 @@ def _entry(score: Score) -> dict[str, Any]:
             {
                 "verdict": finding.verdict,
                 "ours": finding.ours,
-                "checks": [{"text": check.text, "met": check.met} for check in finding.checks],
+                "checks": [
+                    {"text": check.text, "met": bool(check.met)} for check in finding.checks
+                ],
                 "obstacle": finding.obstacle,
             }
             for finding in score.findings

@@ -26,6 +26,7 @@ from bladewhirl.studies.claim import (
     Claim,
     Finding,
     NotTestableError,
+    at_most,
     near,
 )
 from bladewhirl.studies.claims_imbalance import done_points
@@ -334,6 +335,13 @@ def test_counts_are_of_the_verdicts() -> None:
     card = card_of(lambda: Finding(ours="", checks=checks(True)))
     assert card.counts["holds"] == 1
     assert card.summary.startswith("1 claims: 1 holds")
+
+
+def test_a_check_may_be_of_numpy() -> None:
+    checks = (at_most("spread", np.float64(1.0), 2.0), Check(text="rises", met=np.True_))  # type: ignore[arg-type]
+    card = card_of(lambda: Finding(ours="", checks=checks))
+    (entry,) = json.loads(card.to_json())["claims"]
+    assert [check["met"] for check in entry["repeats"][0]["checks"]] == [True, True]
 
 
 @pytest.mark.slow
