@@ -221,7 +221,7 @@ def test_the_stage_knows_its_supports() -> None:
 @pytest.mark.parametrize(
     ("casing", "line"),
     [
-        ({"springs": [{"angle": 0.0}]}, "a stiffness here or in tangential"),
+        ({"springs": [{"angle": 0.0}]}, "more than 0 here or in tangential, radial_damping"),
         ({"springs": [{"angle": 0.0, "radial": -1.0}]}, "casing.springs[0].radial = -1.0"),
         ({"struts": [{"angle": 0.0}]}, "casing.struts[0].length"),
         ({"struts": [{"angle": 0.0, "length": 0.0}]}, "casing.struts[0].length = 0.0"),

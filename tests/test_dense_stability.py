@@ -118,7 +118,6 @@ def test_a_chart(tmp_path: Path) -> None:
     [
         ([], "expected --physical where blades differ"),
         (["--physical", "--modes", "9F"], "--modes 9F: expected one of six, all, casing"),
-        (["--physical", "--set", "casing.springs=[{angle=0.0, radial=1e6}]"], "a casing with"),
     ],
 )
 def test_what_cannot_be_is_said_in_one_line(
