@@ -275,6 +275,7 @@ class Case(Table):
             ("bladed_disk.disk_rings", disk.disk_rings),
             ("bladed_disk.mesh.sections", disk.mesh.sections.values() if disk.mesh else ()),
             ("casing.wall", [self.casing.wall]),
+            ("casing.struts", self.casing.struts),
         ):
             for section in sections:
                 try:

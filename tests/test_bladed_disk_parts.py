@@ -148,6 +148,20 @@ def test_materials_by_name() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("tables", "key"),
+    [
+        ({"casing": {"wall": {"material": "x"}}}, "casing.wall"),
+        ({"casing": {"struts": [{"angle": 0.0, "length": 0.2, "material": "x"}]}}, "casing.struts"),
+        ({"bladed_disk": {"disk": {"material": "x"}}}, "bladed_disk.disk"),
+        ({"bladed_disk": {"disk_rings": [{"radius": 0.02, "material": "x"}]}}, "disk_rings"),
+    ],
+)
+def test_unknown_materials_are_named(tables: dict[str, Any], key: str) -> None:
+    with pytest.raises(CaseError, match=rf'{key}.*of material.named \(none\), not "x"'):
+        case_from(tables)
+
+
 def test_masses_are_where_they_were_put() -> None:
     shown = model(
         tip_mass="10 g",
