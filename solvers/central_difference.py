@@ -8,7 +8,8 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.contact_problem import ContactProblem
-from bladewhirl.solvers import kernel
+from bladewhirl.solvers import kernel_arrays
+from bladewhirl.solvers.kernel import advance
 from bladewhirl.solvers.march import Chunk, EndReason, Statistics, check_time_step
 from bladewhirl.solvers.packing import (
     aligned_copy,
@@ -26,7 +27,7 @@ class CentralDifferenceState:
     """State between two steps: x_{n-1}, x_n and what has been summed up since the last record."""
 
     step: int  #: n
-    arrays: kernel.State
+    arrays: kernel_arrays.State
 
     @property
     def statistics(self) -> Statistics:
@@ -34,10 +35,10 @@ class CentralDifferenceState:
         count = self.arrays.counts
         return Statistics(
             steps=self.step,
-            contact_steps=int(count[kernel.CONTACT_STEPS]),
+            contact_steps=int(count[kernel_arrays.CONTACT_STEPS]),
             complementarity_residual=float(self.arrays.residual[0]),
-            pivots=int(count[kernel.LCP_PIVOTS]),
-            lcp_failures=int(count[kernel.LCP_FAILURES]),
+            pivots=int(count[kernel_arrays.LCP_PIVOTS]),
+            lcp_failures=int(count[kernel_arrays.LCP_FAILURES]),
         )
 
 
@@ -144,7 +145,7 @@ class CentralDifference:
             slots.append(layout.pack(np.array([before, x, np.zeros_like(x)])))
         return CentralDifferenceState(
             step=0,
-            arrays=kernel.State(
+            arrays=kernel_arrays.State(
                 rotor=slots[0],
                 casing=slots[1],
                 gap=initial_gap(problem),
@@ -152,7 +153,7 @@ class CentralDifference:
                 drag=np.zeros(tips),
                 touched=np.zeros(tips),
                 held=np.zeros(tips),
-                work=np.zeros(kernel.WORKS),
+                work=np.zeros(kernel_arrays.WORKS),
                 residual=np.zeros(1),
                 counts=np.zeros(4),
             ),
@@ -166,7 +167,7 @@ class CentralDifference:
         The state given stays as it was.
         """
         every = self._record_every if record_every is None else record_every
-        arrays = kernel.State(*(aligned_copy(array) for array in state.arrays))
+        arrays = kernel_arrays.State(*(aligned_copy(array) for array in state.arrays))
         records = self._make_records(steps // every + 2)
         scratch = make_scratch(
             self._rotor,
@@ -177,7 +178,7 @@ class CentralDifference:
             (self._rotor_layout, self._casing_layout),
             len(self._springs.nodal_diameter),
         )
-        status, reached, written = kernel.advance(
+        status, reached, written = advance(
             self._rotor,
             self._casing,
             self._rotor_body,
@@ -191,13 +192,13 @@ class CentralDifference:
             steps,
             every,
         )
-        end = EndReason.DIVERGENT if status == kernel.DIVERGED else None
+        end = EndReason.DIVERGENT if status == kernel_arrays.DIVERGED else None
         after = CentralDifferenceState(step=reached, arrays=arrays)
         return after, self._chunk(records, written), end
 
-    def _make_records(self, count: int) -> kernel.Records:
+    def _make_records(self, count: int) -> kernel_arrays.Records:
         tips = len(self._problem.rotor.tip_angle)
-        return kernel.Records(
+        return kernel_arrays.Records(
             step=np.zeros(count, dtype=np.int64),
             rotor=np.zeros((count, 2, self._rotor_layout.entries)),
             casing=np.zeros((count, 2, self._casing_layout.entries)),
@@ -207,11 +208,11 @@ class CentralDifference:
             touched=np.zeros((count, tips)),
             contacts=np.zeros(count),
             energy=np.zeros(count),
-            work=np.zeros((count, kernel.WORKS)),
+            work=np.zeros((count, kernel_arrays.WORKS)),
         )
 
-    def _chunk(self, records: kernel.Records, written: int) -> Chunk:
-        kept = kernel.Records(*(array[:written] for array in records))
+    def _chunk(self, records: kernel_arrays.Records, written: int) -> Chunk:
+        kept = kernel_arrays.Records(*(array[:written] for array in records))
         rotor = self._rotor_layout.unpack(kept.rotor)
         casing = self._casing_layout.unpack(kept.casing)
         return Chunk(
@@ -227,11 +228,11 @@ class CentralDifference:
             contact_steps=kept.touched.astype(np.int64),
             contacts=kept.contacts.astype(np.int64),
             energy=kept.energy,
-            external_work=kept.work[:, kernel.EXTERNAL],
-            normal_work=kept.work[:, kernel.NORMAL],
-            friction_work=kept.work[:, kernel.FRICTION],
-            damping_work=kept.work[:, kernel.DAMPING],
-            coupling_work=kept.work[:, kernel.PARAMETRIC],
+            external_work=kept.work[:, kernel_arrays.EXTERNAL],
+            normal_work=kept.work[:, kernel_arrays.NORMAL],
+            friction_work=kept.work[:, kernel_arrays.FRICTION],
+            damping_work=kept.work[:, kernel_arrays.DAMPING],
+            coupling_work=kept.work[:, kernel_arrays.PARAMETRIC],
         )
 
 
@@ -277,11 +278,11 @@ def _stack(loads: list[FloatArray], modes: int) -> FloatArray:
     return np.array(loads).reshape(len(loads), modes)
 
 
-def _march_scalars(problem: ContactProblem, dt: float) -> kernel.March:
+def _march_scalars(problem: ContactProblem, dt: float) -> kernel_arrays.March:
     rotor, casing = problem.rotor, problem.casing
     per_radian = len(casing.nodal) / (2.0 * np.pi)
     loads = [[load.end, load.ramp, load.frequency, load.phase] for load in problem.loads]
-    return kernel.March(
+    return kernel_arrays.March(
         time_step=dt,
         elements_per_step=problem.speed * dt * per_radian,
         friction=problem.friction,

@@ -7,8 +7,6 @@ code. The functions here name the registers: ``load`` and ``store`` move LANES c
 of an array, ``fma`` and ``total`` work on them. Machines with narrower registers get the same
 results, the compiler splits each operation. Arrays must be padded to whole registers; nothing is
 checked.
-
-numba's cache does not notice a change in this file: after one, touch the modules that use it.
 """
 
 # The code generators below speak to untyped interfaces of numba and llvmlite throughout.
@@ -199,6 +197,16 @@ def _splatter(width):
         return builder.shuffle_vector(first, blank, everywhere)
 
     return generate
+
+
+@intrinsic
+def plain(typing_context, value):
+    """An integer literal as any other integer: numba compiles a function anew for each literal."""
+
+    def generate(context, builder, signature, arguments):
+        return arguments[0]
+
+    return types.int64(types.int64), generate
 
 
 @intrinsic

@@ -13,7 +13,7 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.contact_problem import ReducedCasing, ReducedRotor
 from bladewhirl.models.coupling import Springs as ModalSprings
 from bladewhirl.models.cyclic import is_pair, nodal_diameter_of, real_dft
-from bladewhirl.solvers.kernel import (
+from bladewhirl.solvers.kernel_arrays import (
     U_KIND,
     U_SLOPE,
     W_KIND,

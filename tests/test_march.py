@@ -24,7 +24,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.contact_problem import ContactProblem, Load, Start
 from bladewhirl.models.timing import Timing
 from bladewhirl.solvers.central_difference import CentralDifference, CentralDifferenceState
-from bladewhirl.solvers.kernel import State
+from bladewhirl.solvers.kernel_arrays import State
 from bladewhirl.solvers.march import CHUNK_STEPS, Chunk, EndReason, march
 
 

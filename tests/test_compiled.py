@@ -1,0 +1,34 @@
+"""The compiled march's cache: numba itself looks at one file of several."""
+
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+from bladewhirl.solvers import compiled, kernel
+from bladewhirl.solvers.compiled import digest
+
+SOLVERS = Path(kernel.__file__).parent
+
+
+def module(path: Path, source: str) -> ModuleType:
+    """A module of that source."""
+    path.write_text(source)
+    made = ModuleType(path.stem)
+    made.__file__ = str(path)
+    return made
+
+
+def test_a_digest_changes_with_any_of_its_sources(tmp_path: Path) -> None:
+    first, second = module(tmp_path / "a.py", "x = 1\n"), module(tmp_path / "b.py", "y = 1\n")
+    before = digest(first, second)
+    assert digest(first, second) == before
+    Path(str(second.__file__)).write_text("y = 2\n")
+    assert digest(first, second) != before
+
+
+def test_the_cache_is_told_of_every_module_that_the_march_compiles() -> None:
+    names = sorted(["compiled", "lanes", *(path.stem for path in SOLVERS.glob("kernel_*.py"))])
+    sources = digest(*(import_module(f"bladewhirl.solvers.{name}") for name in names))
+    (cell,) = kernel.advance.py_func.__closure__  # type: ignore[attr-defined]
+    assert cell.cell_contents == sources
+    assert compiled.ENTRY["cache"] is True
