@@ -360,6 +360,7 @@ def pack_body(
         dt: time step [s].
     """
     inverse = scheme_inverse(frequency, damping_ratio, dt)
+    dampers = dampers[dampers.any(axis=1)]  # those without strength only cost time
     decay = damping_ratio * frequency / dt
     return Body(
         a=layout.pack(inverse * (2.0 / dt**2 - frequency**2)),
