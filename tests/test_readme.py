@@ -63,7 +63,7 @@ def test_the_two_commands_install_run_and_test() -> None:
 
 
 def test_python_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (code,) = blocks("python")
+    code, _ = blocks("python")
     assert code.count("march.duration=0.5") == 1
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
     monkeypatch.chdir(tmp_path)
@@ -75,6 +75,26 @@ def test_python_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert orbit[0] == "time,axis,rotating"
     assert len(list((run / "last" / "frames").iterdir())) == 2 * 48
     assert (run / "my_orbit.png").is_file()
+
+
+def test_the_sketch_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _, code = blocks("python")
+    assert code.count("100 ms") == 1
+    monkeypatch.chdir(tmp_path)
+    exec(compile(code.replace("100 ms", "20 ms"), "README.md", "exec"))
+    with xr.open_dataset(tmp_path / "runs" / "mine" / "result.nc") as result:
+        assert result.sizes["blade"] == 12
+        assert result.time[-1] == pytest.approx(0.02)
+
+
+def test_the_mapping_is_that_of_the_example() -> None:
+    (block,) = blocks("toml")
+    shown = tomllib.loads(block)["bladed_disk"]["mesh"]
+    example = tomllib.loads((ROOT / "examples" / "shrouded_fan.toml").read_text())
+    whole = example["bladed_disk"]["mesh"]
+    sections = shown.pop("sections")
+    assert shown.items() <= whole.items()
+    assert sections.items() <= whole["sections"].items()
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
