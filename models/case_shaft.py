@@ -48,7 +48,7 @@ class Shaft(Table):
     @property
     def stiffnesses(self) -> tuple[float, float]:
         """Constant stiffness along x and y of the rotating axes [N/m]."""
-        along_x, along_y = self._given
+        along_x, along_y = self.springs
         if self.frame == "rotating":
             return along_x, along_y
         mean = 0.5 * (along_x + along_y)
@@ -57,11 +57,12 @@ class Shaft(Table):
     @property
     def anisotropy(self) -> float:
         """Half the difference of the stiffnesses along the static x and y axes [N/m]."""
-        along_x, along_y = self._given
+        along_x, along_y = self.springs
         return 0.0 if self.frame == "rotating" else 0.5 * (along_x - along_y)
 
     @property
-    def _given(self) -> tuple[float, float]:
+    def springs(self) -> tuple[float, float]:
+        """Stiffness along x and y of the frame that the springs stand in [N/m]."""
         return self.stiffness, self.stiffness if self.stiffness_y is None else self.stiffness_y
 
     @property

@@ -58,6 +58,7 @@ class ModalStage:
             self.casing,
             self.casing_modes.expand(casing_modes),
             tuple(self.casing_modes.family[i] for i in casing_modes),
+            shaft=self.case.shaft,
             clearance=case_clearance(self.case)[:, 0],
         )
 

@@ -83,6 +83,7 @@ class Stage:
             self.casing,
             self.casing_modes.take(self.kept.casing),
             tuple(self.casing_family[mode] for mode in self.kept.casing),
+            shaft=self.case.shaft,
             clearance=self.reduced_casing.clearance[:, 0],
         )
 

@@ -35,6 +35,9 @@ class StageArrays:
     tip_node: IntArray  #: (blades,)
     tip_angle: FloatArray  #: from +x [rad], (blades,)
     centre_node: int
+    shaft_frame: str  #: that the shaft's springs stand in, "rotating" or "static"
+    shaft_stiffness: FloatArray  #: of them along its x and y, none at a held centre [N/m], (2,)
+    shaft_damping: FloatArray  #: of dampers along the rotating x and y, likewise [N s/m], (2,)
     casing_angle: FloatArray  #: of each node from +x [rad], (casing nodes,)
     casing_thickness: FloatArray  #: of element i, from node i to the next [m], (casing nodes,)
     casing_width: FloatArray  #: of the same, out of the plane [m], (casing nodes,)

@@ -9,6 +9,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.bladed_disk import BladedDisk
+from bladewhirl.models.case_shaft import Shaft
 from bladewhirl.models.casing import Casing
 from bladewhirl.models.casing_supports import U, W
 from bladewhirl.models.modes import Modes
@@ -23,6 +24,7 @@ def stage_arrays(
     casing_modes: Modes,
     casing_family: tuple[str, ...],
     *,
+    shaft: Shaft,
     clearance: FloatArray,
 ) -> StageArrays:
     """Describe two bodies by some of their modes.
@@ -34,6 +36,7 @@ def stage_arrays(
         casing: the casing.
         casing_modes: of it.
         casing_family: of each of them, (casing modes,).
+        shaft: what carries the bladed disk.
         clearance: at each casing node [m], (casing nodes,).
     """
     model, mesh, supports = disk.model, disk.mesh, casing.supports
@@ -59,6 +62,9 @@ def stage_arrays(
         tip_node=mesh.node_sets["tips"],
         tip_angle=disk.tip_angles,
         centre_node=int(mesh.node_sets["centre"][0]),
+        shaft_frame=shaft.frame,
+        shaft_stiffness=np.zeros(2) if shaft.clamped else np.array(shaft.springs),
+        shaft_damping=np.zeros(2) if shaft.clamped else np.array(shaft.dampings),
         casing_angle=casing.mesh.angles,
         casing_thickness=casing.properties.thickness,
         casing_width=casing.properties.width,

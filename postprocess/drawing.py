@@ -35,7 +35,13 @@ from bladewhirl.postprocess.fields import (
     rotate,
     turn,
 )
-from bladewhirl.postprocess.fittings import CasingFittings, RotorFittings, Symbols, together
+from bladewhirl.postprocess.fittings import (
+    CasingFittings,
+    RotorFittings,
+    ShaftFittings,
+    Symbols,
+    together,
+)
 from bladewhirl.postprocess.recess import recessed, tip_recess
 
 Frame = Literal["static", "rotating"]
@@ -140,6 +146,7 @@ class Drawing:
             )
         self.colouring = colouring(dataset, colour, records, Stations(BEAM_STATIONS, per_element))
         self._on_rotor = RotorFittings(dataset, self.tip_radius)
+        self._shaft = ShaftFittings(dataset, self.tip_radius)
         self._on_casing = CasingFittings(dataset, self.tip_radius)
         away = np.angle(np.exp(1j * (self._on_casing.angles[:, None] - self._angle)))
         self._feet = np.argmin(np.abs(away), axis=1)
@@ -176,6 +183,8 @@ class Drawing:
         half = self._thickness[:, None, None] / 2
         normal = _normals(line)
         wall, rest = self._wall_sides(index)
+        centre = self.exaggeration * shift
+        spring_turn = self._casing_turn[index] if self._shaft.static else turned
         return Picture(
             time=float(self.times[index]),
             rotor=Ribbon(
@@ -183,15 +192,17 @@ class Drawing:
                 values=self.colouring.rotor[index],
             ),
             casing=self._casing_ribbon(index, wall),
-            shaft=rotate(self.exaggeration * shift, turned),
+            shaft=rotate(centre, turned),
             tips=rotate(nodes[self._tips], turned),
             mark=rotate(line.reshape(-1, 2)[self._mark], turned),
             symbols=together(
                 (
                     self._on_casing.symbols(wall[self._feet, 1], rest[self._feet]),
+                    self._shaft.springs(rotate(centre, turned - spring_turn)),
+                    self._shaft.dampers(centre),
                     self._on_rotor.symbols(nodes),
                 ),
-                (self._casing_turn[index], turned),
+                (self._casing_turn[index], spring_turn, turned, turned),
             ),
             forces=self._forces[index],
         )

@@ -11,6 +11,7 @@ import xarray as xr
 
 from bladewhirl.postprocess.drawing import Picture
 from bladewhirl.postprocess.fields import Array, IntArray
+from bladewhirl.postprocess.fittings import KINDS, sample
 from bladewhirl.postprocess.scene import (
     CIRCLE,
     StageScene,
@@ -32,7 +33,7 @@ from bladewhirl.postprocess.stage_look import (
 SCALE_TOP, SCALE_FOOT = 0.455, 0.05  #: of colour scale or key, as shares of the window
 ORBIT_TOP, ORBIT_SIZE = 0.475, 0.17  #: of the inset; the scale then begins below it
 KEY_STEP = 0.034
-KEY_LETTERS = 29
+KEY_LETTERS, LINE_LETTERS = 29, 32
 
 
 class Panel:
@@ -162,6 +163,20 @@ def write_key(
         write(plotter, sign, height, 19, color=INK, indent=-0.0012)
         write(plotter, sign, height - 0.0015, 16, color=colour)
         write(plotter, _short(name), height - 0.005, 13, indent=0.025)
+
+
+def write_symbols(scene: StageScene, top: float) -> int:
+    """Name the symbols of springs, dampers and struts that are drawn, below `top`; how many."""
+    drawn = scene.drawing.picture(0).symbols
+    left, right, number = 0.018, 0.06, 0
+    for kind, (name, _) in KINDS.items():
+        if len(getattr(drawn, kind)):
+            height = top - KEY_STEP * number - 0.012
+            start, end = (scene.place(SQUARE + across, height) for across in (left, right))
+            scene.symbols(sample(kind, start, end))
+            write(scene.plotter, name, height + 0.007, 13, indent=right - 0.008)
+            number += 1
+    return number
 
 
 def write(

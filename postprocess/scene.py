@@ -7,7 +7,7 @@ from matplotlib.colors import ListedColormap
 
 from bladewhirl.postprocess.drawing import Drawing, Picture, arrows, widened
 from bladewhirl.postprocess.fields import Array, IntArray, rotate
-from bladewhirl.postprocess.fittings import MASS
+from bladewhirl.postprocess.fittings import MASS, Symbols
 from bladewhirl.postprocess.stage_look import (
     ARROW_WIDTH,
     BACKGROUND,
@@ -55,8 +55,8 @@ class StageScene:
             self._outlines.append(self._add(corners, quads, layer=0, color=INK))
             self._ribbons.append(self._add(corners, quads, layer=1))
         self._strokes = {
-            width: self._add(4 * len(strokes), _stroke_quads(len(strokes)), layer=2, color=colour)
-            for _, width, colour, strokes in strokes_of(first.symbols)
+            name: self._add(4 * len(strokes), _stroke_quads(len(strokes)), layer=2, color=colour)
+            for name, _, colour, strokes in strokes_of(first.symbols)
         }
         blades: IntArray = np.arange(len(first.tips))[:, None]
         disc = disc_triangles(1)
@@ -89,8 +89,8 @@ class StageScene:
             _move(outline, widened(ribbon.sides, OUTLINE * self._size))
             _move(mesh, ribbon.sides)
             mesh.point_data["value"][:] = self.drawing.colouring.scale * ribbon.values.ravel()
-        for _, width, _, strokes in strokes_of(picture.symbols):
-            _move(self._strokes[width], stroke_corners(strokes, width * self._size))
+        for name, width, _, strokes in strokes_of(picture.symbols):
+            _move(self._strokes[name], stroke_corners(strokes, width * self._size))
         for mesh, share in zip(self._masses, (MASS + OUTLINE, MASS), strict=True):
             _move(mesh, picture.symbols.masses[:, None] + share * circle)
         _move(self._hub, picture.shaft + HUB * circle)
@@ -106,6 +106,12 @@ class StageScene:
         for step, share, shade in ((0, size + OUTLINE, INK), (1, size, colour)):
             mesh = self._add(len(middles) * DISC_CORNERS, faces, layer=layer + step, color=shade)
             _move(mesh, middles[:, None] + share * self._size * CIRCLE)
+
+    def symbols(self, symbols: Symbols) -> None:
+        """Add symbols that stay."""
+        for _, width, colour, strokes in strokes_of(symbols):
+            mesh = self._add(4 * len(strokes), _stroke_quads(len(strokes)), layer=2, color=colour)
+            _move(mesh, stroke_corners(strokes, width * self._size))
 
     def look(self) -> None:
         """Look along the axis, the stage in the left part of the window, at a fixed scale."""

@@ -41,6 +41,7 @@ def strokes_of(symbols: Symbols) -> list[tuple[str, float, str, Array]]:
         ("struts", STRUT, INK, symbols.struts),
         ("ground", GROUND, FAINT, symbols.ground),
         ("springs", SPRING, INK, symbols.springs),
+        ("dampers", SPRING, INK, symbols.dampers),
     ]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,18 +13,16 @@ import xarray as xr
 
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.stage_arrays import StageArrays
-from bladewhirl.postprocess.colouring import length_unit
 from bladewhirl.postprocess.drawing import Drawing
 from bladewhirl.postprocess.mode_motion import stage_dataset
 from bladewhirl.postprocess.off_screen import off_screen_plotter, pixels_of
 from bladewhirl.postprocess.picture_file import checked_target, replacing
 from bladewhirl.postprocess.render import WINDOW
 from bladewhirl.postprocess.stage_look import FAINT
+from bladewhirl.postprocess.stage_words import count, holding_words, size_words, thickness_words
 from bladewhirl.solvers.recorder import HISTORY
 
 if TYPE_CHECKING:
-    import pyvista
-
     from bladewhirl.postprocess.scene import StageScene
 
 SET_COLOURS = ("#ffffff", "#20262e", "#f0e442", "#cc79a7", "#56b4e9", "#009e73")
@@ -83,7 +82,7 @@ def draw_stage(
 
         scene = StageScene(plotter, drawing, marks=False)
         _mark_sets(scene, dataset, node_sets)
-        _describe(plotter, drawing, dataset, node_sets)
+        _describe(scene, dataset, node_sets)
         scene.look()
         picture = pixels_of(plotter)
     with replacing(target) as draft:
@@ -98,93 +97,36 @@ def _mark_sets(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, I
         scene.dots(dataset["rotor_point"].values[nodes], size, colour, layer=8 + 2 * number)
 
 
-def _describe(
-    plotter: pyvista.Plotter,
-    drawing: Drawing,
-    dataset: xr.Dataset,
-    node_sets: Mapping[str, IntArray],
-) -> None:
-    """Parts and sets with their colours, and what else there is to say."""
+def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, IntArray]) -> None:
+    """Parts and sets with their colours, symbols, and what else there is to say."""
     from bladewhirl.postprocess.panel import (
         KEY_STEP,
+        LINE_LETTERS,
         write,
         write_key,
+        write_symbols,
         write_title,
     )
 
+    plotter, drawing = scene.plotter, scene.drawing
     write_title(plotter, dataset)
-    write(plotter, "\n".join(_sizes(dataset)), 0.885, 13)
+    write(plotter, "\n".join(size_words(dataset)), 0.885, 13)
     parts = drawing.colouring.parts or {}
     top = 0.76
-    key = {f"{name}, {_thickness(dataset, name)} thick": colour for name, colour in parts.items()}
+    key = {
+        f"{name}, {thickness_words(dataset, name)} thick": colour for name, colour in parts.items()
+    }
     write_key(plotter, key, top)
     top -= KEY_STEP * len(key) + 0.03
     dots = {
-        f"set “{name}”, {_count(len(nodes), 'node')}": colour
+        f"set “{name}”, {count(len(nodes), 'node')}": colour
         for (name, nodes), colour in zip(node_sets.items(), SET_COLOURS, strict=False)
     }
     write_key(plotter, dots, top, sign="\N{BLACK CIRCLE}")
     top -= KEY_STEP * len(dots) + 0.03
-    notes = [*_hangs(dataset)]
+    symbols = write_symbols(scene, top)
+    top -= KEY_STEP * symbols + 0.03 * (symbols > 0)
+    notes = [textwrap.fill(each, LINE_LETTERS) for each in holding_words(dataset)]
     if drawing.exaggeration != 1:
         notes.append(f"clearance drawn\n{drawing.exaggeration:g} times as large")
     write(plotter, "\n".join(notes), top, 13, color=FAINT)
-
-
-def _sizes(dataset: xr.Dataset) -> list[str]:
-    """Number of blades, radius and clearance, in words."""
-    clearance = dataset["clearance"].values
-    return [
-        f"{dataset.sizes['blade']} blades",
-        f"tip radius {_length(float(dataset.attrs['tip_radius']))}",
-        f"clearance {_range(clearance)}",
-    ]
-
-
-def _thickness(dataset: xr.Dataset, part: str) -> str:
-    """Thickness of a part, or the range of it."""
-    if part == "casing":
-        return _range(dataset["casing_thickness"].values)
-    names = dataset["rotor_part"].values.astype(str)
-    own = names == ("" if part == "other beams" and part not in names else part)
-    return _range(dataset["rotor_thickness"].values[own])
-
-
-def _hangs(dataset: xr.Dataset) -> list[str]:
-    """What holds the bodies and hangs on them, in words."""
-    clamped = int(dataset.attrs["clamped"])
-    lines = ["centre held" if clamped else "shaft on two springs"]
-    kinds = dataset["support_kind"].values.astype(str)
-    held = [
-        _count(int(np.sum(kinds == kind)), kind)
-        for kind in ("spring", "strut")
-        if np.any(kinds == kind)
-    ]
-    if float(dataset["casing_foundation"]) > 0:
-        held.insert(0, "elastic support")
-    lines.append("casing: " + (", ".join(held) if held else "free"))
-    masses = dataset["point_mass"].values
-    if len(masses):
-        lines.append(f"{_count(len(masses), 'point mass')}, {masses.sum():.4g} kg")
-    for name, what in (("rotor_spring", "spring"), ("rotor_link", "rigid link")):
-        if len(dataset[name]):
-            lines.append(f"{_count(len(dataset[name]), what)} on the bladed disk")
-    return lines
-
-
-def _count(number: int, what: str) -> str:
-    plural = "es" if what.endswith("s") else "s"
-    return f"{number} {what}{plural if number != 1 else ''}"
-
-
-def _range(lengths: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> str:
-    low, high = float(lengths.min()), float(lengths.max())
-    if high - low <= 1e-9 * high:
-        return _length(high)
-    unit, scale = length_unit(high)
-    return f"{scale * low:.3g} to {scale * high:.3g} {unit}"
-
-
-def _length(length: float) -> str:
-    unit, scale = length_unit(length)
-    return f"{scale * length:.4g} {unit}"

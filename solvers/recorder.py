@@ -113,6 +113,13 @@ STATIC: Mapping[str, Variable] = {
     "tip_node": Variable(("blade",), "1", "rotor node of each blade tip"),
     "tip_angle": Variable(("blade",), "rad", "angle of each tip from +x, rotating axes"),
     "centre_node": Variable((), "1", "rotor node of the shaft's centre"),
+    "shaft_frame": Variable((), "1", "frame that the shaft's springs stand in, rotating or static"),
+    "shaft_stiffness": Variable(
+        ("axis",), "N/m", "shaft springs along the axes of their frame, 0 where the centre is held"
+    ),
+    "shaft_damping": Variable(
+        ("axis",), "N s/m", "dampers beside them, along rotating axes, 0 where the centre is held"
+    ),
     "casing_angle": Variable(("casing_node",), "rad", "angle of each casing node from +x"),
     "casing_thickness": Variable(
         ("casing_node",), "m", "thickness of the element from each casing node to the next"

@@ -7,7 +7,8 @@ import xarray as xr
 
 from bladewhirl.postprocess.drawing import Drawing, Picture
 from bladewhirl.postprocess.fields import Array
-from bladewhirl.postprocess.fittings import FOUNDATION, HATCHES, TEETH
+from bladewhirl.postprocess.fittings import BESIDE, FOUNDATION, HATCHES, TEETH
+from bladewhirl.postprocess.stage_words import holding_words
 
 R = synthetic.TIP_RADIUS
 ZIGZAG, GROUND = TEETH + 1, HATCHES + 1  # strokes of one
@@ -121,3 +122,89 @@ def test_symbols_belong_to_the_axes_of_their_body(frame: str) -> None:
     moving, standing = (on_rotor, on_casing) if frame == "static" else (on_casing, on_rotor)
     assert np.abs(standing).max() < 1e-12
     assert np.abs(moving).max() > 0.01
+
+
+DASHPOT = 6  # strokes of a damper
+
+
+def damped(result: xr.Dataset) -> xr.Dataset:
+    """A damper in every support and one along the shaft's x."""
+    return result.assign(
+        support_radial_damping=("support", np.array([1e3, 0.0, 5e2])),
+        support_tangential_damping=("support", np.array([0.0, 1e3, 5e2])),
+        shaft_stiffness=("axis", np.array([3e7, 4e7])),
+        shaft_damping=("axis", np.array([1e3, 0.0])),
+        shaft_frame=((), "rotating"),
+    )
+
+
+def test_a_damper_stands_beside_its_spring_and_leads_the_same_way() -> None:
+    seen = picture(damped(supported())).symbols
+    dampers = seen.dampers.reshape(-1, DASHPOT, 2, 2)
+    start, end = dampers[:, 0, 0], dampers[:, -1, 1]
+    assert len(dampers) == 3 + 1
+    way = (end - start) / np.linalg.norm(end - start, axis=1)[:, None]
+    strut = np.array([-0.1, 0.05])
+    wanted = [[1, 0], [-1, 0], strut / np.linalg.norm(strut), [-1, 0]]
+    np.testing.assert_allclose(way, wanted, atol=1e-9)
+    np.testing.assert_allclose(end[2] - start[2], strut)
+    springs = seen.springs.reshape(-1, ZIGZAG, 2, 2)[:2, 0, 0]
+    aside = np.linalg.norm(np.vstack([springs, [seen.struts[-1, 0]]]) - start[:3], axis=1)
+    wall = np.linalg.norm(outer(supported(), 0.0))
+    np.testing.assert_allclose(aside, BESIDE * np.array([wall, R, wall]), rtol=0.1)
+    assert len(seen.ground.reshape(-1, GROUND, 2, 2)) == 3 + 3 + SHAFT + 1
+
+
+def test_a_piston_stays_inside_its_cup() -> None:
+    (damper,) = picture(damped(supported())).symbols.dampers.reshape(-1, DASHPOT, 2, 2)[-1:]
+    _, piston, side, bottom, other, _ = damper[:, :, 0]  # along x
+    assert bottom[0] == bottom[1] < piston.min()
+    assert piston.max() < min(side.max(), other.max())
+    width = np.ptp(damper[:, :, 1], axis=1)
+    assert 0.0 < width[1] < width[3]
+
+
+@pytest.mark.parametrize("stand", ["rotating", "static"])
+@pytest.mark.parametrize("frame", ["rotating", "static"])
+def test_bearings_that_stand_still_do_so_in_pictures(stand: str, frame: str) -> None:
+    """In their own frame they don't turn between two records; in the other by the rotor's angle.
+    Dampers turn with the bladed disk always."""
+    result = damped(supported()).assign(shaft_frame=((), stand))
+    first, later = (
+        Drawing(result, np.array([record]), exaggeration=20.0, frame=frame).picture(0).symbols  # type: ignore[arg-type]
+        for record in (0, 1)
+    )
+    springs = len(supported()["support"]) - 1  # those of the casing come first
+    angle = synthetic.SPEED * synthetic.RECORD_STEP
+
+    def turned(before: Array, after: Array, strokes: int) -> float:
+        way = [shape.reshape(-1, strokes, 2, 2)[:, -1, 1] for shape in (before, after)]
+        turns = [np.arctan2(each[:, 1], each[:, 0]) for each in way]
+        return float(np.mod(turns[1] - turns[0] + np.pi, 2 * np.pi).mean() - np.pi)
+
+    shaft = slice(springs * ZIGZAG, None)
+    by_springs = turned(first.springs[shaft], later.springs[shaft], ZIGZAG)
+    by_damper = turned(first.dampers[-DASHPOT:], later.dampers[-DASHPOT:], DASHPOT)
+    sign = {"static": 1.0, "rotating": -1.0}[frame]
+    assert by_springs == pytest.approx(0.0 if stand == frame else sign * angle, abs=1e-9)
+    assert by_damper == pytest.approx(0.0 if frame == "rotating" else angle, abs=1e-9)
+
+
+def test_springs_start_where_the_shaft_is_drawn_whatever_their_frame() -> None:
+    result = damped(supported(rotor=(5e-4, 2e-4, 0, 0, 0))).assign(shaft_frame=((), "static"))
+    seen = Drawing(result, np.array([1]), exaggeration=20.0).picture(0)
+    start = seen.symbols.springs.reshape(-1, ZIGZAG, 2, 2)[-SHAFT:, 0, 0]
+    np.testing.assert_allclose(start, [seen.shaft] * 2, atol=1e-12)
+
+
+def test_words_count_what_is_drawn() -> None:
+    at_rest = damped(supported()).isel(time=[0])
+    words = holding_words(at_rest)
+    assert words[0] == "shaft: 2 springs, 1 damper"
+    assert words[1:3] == ["of 30 MN/m and 40 MN/m,", "turning with the disk"]
+    assert words[3] == "casing: 2 springs, 1 strut, 3 dampers"
+    still = holding_words(at_rest.assign(shaft_frame=((), "static")))
+    assert still[2] == "standing still"
+    assert holding_words(at_rest.assign_attrs(clamped=1))[0] == "centre held"
+    plain = holding_words(synthetic.synthetic_result(records=1))
+    assert plain == ["shaft: 2 springs", "casing: free"]

@@ -159,3 +159,14 @@ def test_what_finite_elements_refuse_is_one_line(values: dict[str, object], line
         build_stage(with_values(Case(), values))
     [message] = found.value.lines
     assert message.startswith(line)
+
+
+def test_arrays_know_what_carries_the_shaft() -> None:
+    springs = {"stiffness": 2.8e7, "stiffness_y": 4e7, "frame": "static", "damping": 3e3}
+    arrays = build_stage(Case(shaft=springs, casing={"elements": 12})).arrays
+    assert arrays.shaft_frame == "static"
+    np.testing.assert_array_equal(arrays.shaft_stiffness, [2.8e7, 4e7])
+    np.testing.assert_array_equal(arrays.shaft_damping, [3e3, 3e3])
+    held = build_stage(Case(shaft={**springs, "clamped": True}, casing={"elements": 12})).arrays
+    assert not held.shaft_stiffness.any()
+    assert not held.shaft_damping.any()
