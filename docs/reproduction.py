@@ -1,7 +1,7 @@
-"""Writes reproduction.md, and the count in README.md, from what the two commands left.
+"""Writes reproduction.md with its picture, and the count in README.md, from what two commands left.
 
     bladewhirl reproduce -o REPRODUCTION
-    bladewhirl search -o SEARCH
+    bladewhirl search --sweeps -o SEARCH
     python docs/reproduction.py REPRODUCTION SEARCH
 
 Either folder may be left out: then its part of the page is, and the count without REPRODUCTION.
@@ -14,12 +14,16 @@ import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from shutil import copyfile
 from typing import Any
 
 DOCS = Path(__file__).parent
 PAGE, README = DOCS / "reproduction.md", DOCS.parent / "README.md"
 COUNT = re.compile(r"(?<=<!-- scorecard -->\n).*?(?=\n<!-- scorecard end -->)", re.DOTALL)
 """What README.md says of the scorecard."""
+
+ALTERNATIVE = "A row for each claim, a column for each single change of the default: the verdicts"
+"""Of the picture of all claims."""
 
 
 def main(arguments: list[str]) -> None:
@@ -37,7 +41,9 @@ def main(arguments: list[str]) -> None:
             README.write_text(text, encoding="utf-8")
         else:
             report = (folder / "report.md").read_text(encoding="utf-8")
-            lines += ["", "## Values that the paper leaves out", "", report.rstrip()]
+            lines += ["", "## Values that the paper leaves out", "", report.rstrip(), ""]
+            copyfile(folder / "sensitivity.png", PAGE.with_name("sensitivity.png"))
+            lines.append(f"![{ALTERNATIVE}](sensitivity.png)")
     PAGE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

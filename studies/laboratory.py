@@ -48,10 +48,15 @@ class Survey:
     changes: Mapping[str, Any] = field(default_factory=dict)  #: of the case, by dotted key
     over: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  #: beside the speed
 
-    def axes(self, *, quick: bool) -> dict[str, list[float]]:
-        """Values of all swept keys."""
-        first, last, step = self.speeds
-        step *= QUICK_COARSENESS if quick else 1.0
+    def axes(self, *, quick: bool, step: float | None = None) -> dict[str, list[float]]:
+        """Values of all swept keys.
+
+        Args:
+            quick: whether the steps over speed are `QUICK_COARSENESS` times as wide.
+            step: of the speed instead; its own when None.
+        """
+        first, last, own = self.speeds
+        step = step or own * (QUICK_COARSENESS if quick else 1.0)
         count = int((last - first) / step + 1e-9) + 1
         speeds = [round(first + step * number, 6) for number in range(count)]
         return {"march.speed": speeds, **{key: list(values) for key, values in self.over.items()}}
@@ -156,6 +161,7 @@ class Laboratory:
     changes: Mapping[str, Any] = field(default_factory=dict)  #: of all cases, by dotted key
     modal_changes: Mapping[str, Any] | None = None  #: of the modal case; as `changes` when None
     quick: bool = False
+    speed_step: float | None = None  #: of all sweeps over speed; their own when None
     repeat: int = 0  #: number of the repeat, whose force is perturbed
     _open: ExitStack = field(default_factory=ExitStack)
     _motions: dict[str, Motion] = field(default_factory=dict)
@@ -231,12 +237,11 @@ class Laboratory:
 
     def _swept(self, name: str, watch: Watch | None) -> xr.Dataset:
         survey = SURVEYS[name]
-        changes = {**self.changes, **survey.changes}
-        case = self._timed(changed(survey.load, changes), 1.0)
-        axes = survey.axes(quick=self.quick)
+        case = self._timed(changed(survey.load, {**self.changes, **survey.changes}), 1.0)
+        axes = survey.axes(quick=self.quick, step=self.speed_step)
         points = math.prod(len(values) for values in axes.values())
-        directory = self.directory / f"{name.replace(', ', '-').replace(' ', '-')}"
-        directory = directory.with_name(f"{directory.name}-{run_key(case)}-{points}")
+        slug = name.replace(", ", "-").replace(" ", "-")
+        directory = self.directory / f"{slug}-{run_key(case)}-{points}"
         options: dict[str, Any] = {
             "workers": self.store.workers,
             "scheduler": self.store.scheduler,

@@ -9,11 +9,14 @@ one file, so a search that was interrupted goes on where it was.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
+from itertools import chain
 from pathlib import Path
-from typing import get_args
+from shutil import rmtree
+from typing import Any, Literal, get_args
 
 from bladewhirl.models.faults import UserError
 from bladewhirl.studies import run_directory
@@ -35,13 +38,42 @@ BRIDGE = (6, 21, 33)
 SCREENING = {"march.time_step": 2e-6, "march.record_step": 4e-4}
 """Changes of the cases while screening: half of the steps, a quarter of the records."""
 
-CONFIRMED_REPEATS, CONFIRMED_SETS = 3, 2
-"""Repeats of a set that is confirmed, and how many of the best are."""
+SWEPT_CLAIMS = (18, 19, 27, 29, 36, 38, 40, 41)
+"""Claims that depend on what is searched and are judged by sweeps."""
+
+Level = Literal["screened", "swept", "confirmed"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scrutiny:
+    """How closely a set is looked at."""
+
+    claims: tuple[int, ...]  #: that marches or sweeps are made for
+    modal: bool = True  #: whether `MODAL_CLAIMS` are judged, too
+    changes: Mapping[str, float] = field(default_factory=dict)  #: of the cases
+    quick: bool = False  #: as in `Laboratory`
+    repeats: int = 1
+
+
+SCRUTINIES: Mapping[Level, Scrutiny] = {
+    "screened": Scrutiny(claims=CONTACT_CLAIMS, changes=SCREENING),
+    "swept": Scrutiny(claims=SWEPT_CLAIMS, modal=False, changes=SCREENING, quick=True),
+    "confirmed": Scrutiny(claims=CONTACT_CLAIMS, repeats=3),
+}
+"""By level."""
+
+CONFIRMED_SETS = 2
+"""How many of the best sets are confirmed, of those that keep every value that the paper gives and
+of the others."""
+
+SETS_AT_ONCE = 8
+"""Sets whose marches are made together; an interrupted search loses no more of them."""
 
 DEFAULT = "supported"
 """Start that the examples of the paper's two scenarios are."""
 
-FILE_NAME = "search.json"
+FILE_NAME, MARCHES = "search.json", "marches"
+"""In the folder of a search: what has been judged, and marches while they are needed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +81,7 @@ class Judged:
     """A set of parameters, and what the claims say of it."""
 
     values: ParameterSet
-    confirmed: bool  #: at the paper's time step over repeats; else screened
+    level: Level  #: of scrutiny
     verdicts: Mapping[int, Verdict]  #: by claim
     ours: Mapping[int, str]  #: our value, by claim
 
@@ -60,12 +92,20 @@ class Judged:
         return found.count("holds"), found.count("partly")
 
     @property
+    def faithful(self) -> bool:
+        """Whether it keeps every value that the paper gives."""
+        return not self.values.departures
+
+    @property
     def bridges(self) -> bool:
         """Whether it satisfies `BRIDGE`."""
         return all(self.verdicts.get(claim) == "holds" for claim in BRIDGE)
 
 
 Told = Callable[[Judged], None]
+
+Key = tuple[ParameterSet, Level]
+"""A set, and how closely it was looked at."""
 
 
 @dataclass(kw_only=True)
@@ -74,18 +114,22 @@ class Search:
 
     directory: Path
     scheduler: str | None = None  #: address of a dask scheduler; this process marches when None
+    faithful: bool = False  #: whether to try only sets that keep every value that the paper gives
     told: Told = lambda judged: None
-    judged: dict[tuple[ParameterSet, bool], Judged] = field(default_factory=dict)
+    judged: dict[Key, Judged] = field(default_factory=dict)
 
     def climb(self, start: ParameterSet, rounds: int) -> Judged:
         """The best set reached from a start in so many rounds; all on the way are judged."""
-        best = self.judge(start)
-        for _ in range(rounds):
-            near = [self.judge(values) for values in best.values.neighbours()]
-            better = max(near, key=lambda judged: judged.rank)
-            if better.rank <= best.rank:
-                break
-            best = better
+        with self._tidied():
+            (best,) = self.judge([start])
+            for _ in range(rounds):
+                near = self.judge(
+                    [v for v in best.values.neighbours() if not (self.faithful and v.departures)]
+                )
+                better = max(near, key=lambda judged: judged.rank)
+                if better.rank <= best.rank:
+                    break
+                best = better
         return best
 
     def confirm(self) -> list[Judged]:
@@ -93,54 +137,102 @@ class Search:
 
         That is done at the paper's time step over repeats.
         """
-        best = [judged.values for judged in self.best(CONFIRMED_SETS)]
-        return [
-            self.judge(values, confirmed=True) for values in dict.fromkeys([*best, STARTS[DEFAULT]])
+        best = [
+            judged.values
+            for faithful in (True, False)
+            for judged in self.best(CONFIRMED_SETS, faithful=faithful)
         ]
+        with self._tidied():
+            return self.judge(list(dict.fromkeys([*best, STARTS[DEFAULT]])), "confirmed")
 
-    def best(self, sets: int, *, confirmed: bool = False) -> list[Judged]:
-        """The best sets, the best first."""
-        found = [judged for judged in self.judged.values() if judged.confirmed == confirmed]
+    def sweep(self) -> list[Judged]:
+        """Judge claims on sweeps of the default and of what differs from it in one value."""
+        base = STARTS[DEFAULT]
+        kept = [values for values in (base, *base.neighbours()) if not values.departures]
+        with self._tidied():
+            return [self.judge([values], "swept")[0] for values in kept]
+
+    def best(
+        self, sets: int, level: Level = "screened", *, faithful: bool | None = None
+    ) -> list[Judged]:
+        """The best sets, the best first.
+
+        Args:
+            sets: how many.
+            level: of scrutiny.
+            faithful: of those that keep every value that the paper gives, or of those that do
+                not; of all when None.
+        """
+        found = [
+            judged
+            for judged in self.judged.values()
+            if judged.level == level and faithful in (None, judged.faithful)
+        ]
         return sorted(found, key=lambda judged: judged.rank, reverse=True)[:sets]
 
-    def judge(self, values: ParameterSet, *, confirmed: bool = False) -> Judged:
-        """Judge a set, if it has not been."""
-        key = values, confirmed
-        if key not in self.judged:
-            self.judged[key] = self._judge(values, confirmed=confirmed)
+    def judge(self, sets: Sequence[ParameterSet], level: Level = "screened") -> list[Judged]:
+        """Judge sets, those of them that have not been."""
+        left = [values for values in dict.fromkeys(sets) if (values, level) not in self.judged]
+        for first in range(0, len(left), SETS_AT_ONCE):
+            for judged in self._judge(left[first : first + SETS_AT_ONCE], level):
+                self.judged[judged.values, level] = judged
+                self.told(judged)
             self.write()
-            self.told(self.judged[key])
-        return self.judged[key]
+        return [self.judged[values, level] for values in sets]
 
-    def _judge(self, values: ParameterSet, *, confirmed: bool) -> Judged:
-        store = RunStore(directory=self.directory / "runs", workers=1, scheduler=self.scheduler)
-        changes = values.changes() | ({} if confirmed else SCREENING)
-        contact = [CLAIMS[number] for number in CONTACT_CLAIMS]
-        labs = [
-            Laboratory(directory=self.directory, store=store, changes=changes, repeat=repeat)
-            for repeat in range(CONFIRMED_REPEATS if confirmed else 1)
-        ]
-        cases = [case for lab in labs for case in lab.cases(needed_trials(contact))]
-        store.make(cases)
-        findings: dict[int, list[Finding]] = {number: [] for number in CONTACT_CLAIMS}
+    def _judge(self, sets: Sequence[ParameterSet], level: Level) -> list[Judged]:
+        """Make the marches of all sets, then judge one after the other."""
+        scrutiny = SCRUTINIES[level]
+        marches = self.directory / MARCHES
+        store = RunStore(directory=marches, workers=1, scheduler=self.scheduler)
+        labs = {
+            values: [
+                Laboratory(
+                    directory=marches,
+                    store=store,
+                    changes=values.changes() | dict(scrutiny.changes),
+                    quick=scrutiny.quick,
+                    repeat=repeat,
+                )
+                for repeat in range(scrutiny.repeats)
+            ]
+            for values in sets
+        }
+        claims = [CLAIMS[number] for number in scrutiny.claims]
+        names = needed_trials(claims)
+        store.make(
+            [case for lab in chain.from_iterable(labs.values()) for case in lab.cases(names)]
+        )
+        return [self._verdicts(values, own, level) for values, own in labs.items()]
+
+    @staticmethod
+    def _verdicts(values: ParameterSet, labs: Sequence[Laboratory], level: Level) -> Judged:
+        scrutiny = SCRUTINIES[level]
+        modal = modal_findings(_without_motion(values)) if scrutiny.modal else {}
+        findings = {number: [finding] for number, finding in modal.items()}
         for lab in labs:
             with lab:
-                for each in contact:
-                    findings[each.number].append(each.judge(lab))
-        for case in cases:  # what is known of them is in the file; there would be too many
-            store.path(case).unlink(missing_ok=True)
-        for number, finding in modal_findings(_without_motion(values)).items():
-            findings[number] = [finding]
+                for number in scrutiny.claims:
+                    findings.setdefault(number, []).append(CLAIMS[number].judge(lab))
         scores = {
             number: Score(claim=CLAIMS[number], findings=tuple(found))
             for number, found in sorted(findings.items())
         }
         return Judged(
             values=values,
-            confirmed=confirmed,
+            level=level,
             verdicts={number: score.verdict for number, score in scores.items()},
             ours={number: score.ours for number, score in scores.items()},
         )
+
+    @contextmanager
+    def _tidied(self) -> Iterator[None]:
+        """Marches and sweeps are shared by sets, and thrown away at the end.
+
+        What is known of them is in the file; there would be too many.
+        """
+        yield
+        rmtree(self.directory / MARCHES, ignore_errors=True)
 
     def write(self) -> None:
         """Write all that has been judged.
@@ -152,7 +244,7 @@ class Search:
             run_directory.PACKAGE: run_directory.version(),
             "sets": [
                 {
-                    "confirmed": judged.confirmed,
+                    "level": judged.level,
                     "values": asdict(judged.values),
                     "verdicts": judged.verdicts,
                     "ours": judged.ours,
@@ -169,14 +261,23 @@ class Search:
 
 
 def open_search(
-    directory: Path, *, scheduler: str | None = None, told: Told | None = None
+    directory: Path,
+    *,
+    scheduler: str | None = None,
+    faithful: bool = False,
+    told: Told | None = None,
 ) -> Search:
     """A search that goes on with what a folder has, or begins in it.
 
     Raises:
         UserError: the folder holds something else, or a search of another version.
     """
-    search = Search(directory=directory, scheduler=scheduler, told=told or (lambda judged: None))
+    search = Search(
+        directory=directory,
+        scheduler=scheduler,
+        faithful=faithful,
+        told=told or (lambda judged: None),
+    )
     path = directory / FILE_NAME
     if not path.exists():
         return search
@@ -186,11 +287,13 @@ def open_search(
         for row in document["sets"]:
             judged = Judged(
                 values=ParameterSet(**row["values"]),
-                confirmed=bool(row["confirmed"]),
-                verdicts={int(claim): _verdict(name) for claim, name in row["verdicts"].items()},
+                level=_named(row["level"], Level),
+                verdicts={
+                    int(claim): _named(name, Verdict) for claim, name in row["verdicts"].items()
+                },
                 ours={int(claim): str(text) for claim, text in row["ours"].items()},
             )
-            search.judged[judged.values, judged.confirmed] = judged
+            search.judged[judged.values, judged.level] = judged
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UserError(f"{path}: expected a search ({error!r})") from None
     if made_by != run_directory.version():
@@ -205,14 +308,16 @@ def search_parameters(search: Search, starts: Iterable[str], rounds: int) -> lis
     """Climb from starts by name, then confirm the best and the present default.
 
     Raises:
-        UserError: a start that there is not.
+        UserError: a start that there is not, or that changes what the paper gives.
     """
     names = list(starts)
     unknown = [name for name in names if name not in STARTS]
     if unknown:
         raise UserError(f"{', '.join(unknown)}: expected {', '.join(STARTS)}")
-    for name in names:
-        search.judge(STARTS[name])
+    changing = [name for name in names if STARTS[name].departures] if search.faithful else []
+    if changing:
+        raise UserError(f"--faithful {', '.join(changing)}: expected starts that change nothing")
+    search.judge([STARTS[name] for name in names])
     for name in names:
         search.climb(STARTS[name], rounds)
     return search.confirm()
@@ -237,10 +342,12 @@ def _without_motion(values: ParameterSet) -> ParameterSet:
         strain=values.strain,
         frequency=values.frequency,
         mass=values.mass,
+        tip_mass=values.tip_mass,
     )
 
 
-def _verdict(name: str) -> Verdict:
-    if name not in get_args(Verdict):
-        raise ValueError(f"no verdict: {name}")
-    return name  # type: ignore[return-value]
+def _named(name: str, kind: Any) -> Any:
+    """One of the names of a literal type."""
+    if name not in get_args(kind):
+        raise ValueError(f"{name}: expected {', '.join(get_args(kind))}")
+    return name

@@ -1,4 +1,8 @@
-"""Parameters that the paper leaves out, as sets of values, and the case that each set means."""
+"""Parameters that decide the motion, as sets of values, and the case that each set means.
+
+Most are left out by the paper. A few it gives, and are varied to see what they decide: a set knows
+which of them it changes.
+"""
 
 from __future__ import annotations
 
@@ -15,11 +19,12 @@ from bladewhirl.studies.paper_cases import CASES
 MODAL_FORCE = 3e4
 """Of the paper's Table 2 [N/kg^0.5]."""
 
-HOLD = 0.15
-"""How long a held push acts [s]."""
-
 SHORTEST = 5e-6
 """Shortest push [s]."""
+
+GIVEN: Mapping[str, Any] = {"wall": 0.01, "mass": 1.0, "friction": 0.1, "tip_mass": 0.0}
+"""Parameters whose value the paper gives: the section of its beams in Table 1 and the friction in
+Table 2; it has no masses at the tips."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,41 +37,59 @@ class ParameterSet:
     frequency: float = 0.055  #: of the casing as a rigid ring on its support, over ω₁
     mass: float = 1.0  #: of the casing, over that of Table 1's section
     damping: float = 0.005  #: ratio, of all modes
-    push: Literal["hit", "hold"] = "hit"  #: short, or held for `HOLD`
-    swing: float = 1.2  #: of the casing by the push, if nothing were in the way [clearances]
+    push: Literal["hit", "hold"] = "hit"  #: short, or the paper's force held
+    swing: float = 1.2  #: of the casing by a hit, if nothing were in the way [clearances]
+    hold: float = 0.15  #: how long a held push acts [s]
     ramp: float = 0.2  #: of the imbalance [s]
     sliding: Literal["permanent", "signed"] = "permanent"
     tip_rotation: bool = False
+    friction: float = 0.1  #: coefficient
+    tip_mass: float = 0.0  #: at each tip [kg]
 
     def changes(self) -> dict[str, Any]:
         """Changes of the paper's cases, by dotted key."""
         given = CASES["modal"]
         wall = given.casing.wall
         line_mass = given.material.density * wall.width * wall.thickness * self.mass
-        omega = self.frequency * reference_frequency(self.disk)
+        omega = self.frequency * reference_frequency(self.disk, self.tip_mass)
         radius = given.bladed_disk.tip_radius + given.casing.clearance
         # A ring that moves as a whole has the mode shape cos in radius and sin along it.
         ring_mass = 2.0 * pi * radius * line_mass
         swing = self.swing * given.casing.clearance * sqrt(ring_mass)
         return {
             "bladed_disk.disk.thickness": self.disk,
+            "bladed_disk.tip_mass": self.tip_mass,
             "casing.wall.thickness": self.wall,
             "casing.wall.width": wall.width * wall.thickness * self.mass / self.wall,
             "casing.curvature": self.strain,
             "casing.support": omega**2 * line_mass,
             "damping.ratio": self.damping,
+            "contact.friction": self.friction,
             "contact.sliding": self.sliding,
             "contact.tip_rotation": self.tip_rotation,
             "excitation.ramp": self.ramp,
-            **_push(self.push, swing, omega),
+            **(_held(self.hold) if self.push == "hold" else _hit(swing, omega)),
         }
+
+    @property
+    def departures(self) -> tuple[str, ...]:
+        """What of the paper's Tables 1 and 2 it changes, in words; empty if nothing."""
+        own = asdict(self)
+        changed = [PARAMETERS[name] for name, value in GIVEN.items() if own[name] != value]
+        if self.changes()["excitation.modal_force"] > MODAL_FORCE:
+            changed.append("modal force")
+        return tuple(changed)
+
+    def uses(self, name: str) -> bool:
+        """Whether a parameter matters: not how long a hit is held, nor how far a held push goes."""
+        return name != {"hit": "hold", "hold": "swing"}[self.push]
 
     def words(self, left_out: Container[str] = ()) -> str:
         """All values in a line, but for those of some parameters."""
         return ", ".join(
             f"{PARAMETERS[name]} {value}"
             for name, value in asdict(self).items()
-            if name not in left_out
+            if name not in left_out and self.uses(name)
         )
 
     def neighbours(self) -> Iterator[ParameterSet]:
@@ -74,7 +97,7 @@ class ParameterSet:
         own = asdict(self)
         for name, values in UNKNOWNS.items():
             for value in values:
-                if value != own[name]:
+                if value != own[name] and self.uses(name):
                     yield replace(self, **{name: value})
 
     def difference(self, other: ParameterSet) -> dict[str, Any]:
@@ -84,41 +107,47 @@ class ParameterSet:
 
 
 UNKNOWNS: Mapping[str, tuple[Any, ...]] = {
-    "swing": (1.1, 1.15, 1.2, 1.3, 1.5, 3.0, 5.9, 200.0),
-    "damping": (0.005, 0.01, 0.02, 0.03, 0.05),
-    "mass": (1.0, 20.0, 100.0, 200.0, 400.0, 700.0, 1200.0),
-    "wall": (0.005, 0.01, 0.02, 0.04, 0.06),
-    "frequency": (0.03, 0.055, 0.1, 1.0, 2.0, 4.0, 9.7),
-    "sliding": ("permanent", "signed"),
+    "swing": (1.15, 1.2, 1.3, 1.5, 3.0, 5.9),
+    "hold": (0.02, 0.027, 0.028, 0.05, 0.15, 3.0),
+    "damping": (0.0025, 0.005, 0.01, 0.02, 0.05),
+    "frequency": (0.055, 0.1, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 9.7),
+    "ramp": (0.0, 0.05, 0.2),
     "push": ("hit", "hold"),
+    "sliding": ("permanent", "signed"),
     "strain": ("exact", "shallow"),
-    "ramp": (0.0, 0.2),
-    "disk": (0.02, 0.03, 0.04),
+    "disk": (0.01, 0.02, 0.03, 0.04),
     "tip_rotation": (False, True),
+    "mass": (1.0, 20.0, 50.0, 100.0, 200.0, 400.0),
+    "wall": (0.005, 0.01, 0.02, 0.04),
+    "friction": (0.05, 0.1, 0.15, 0.2),
+    "tip_mass": (0.0, 0.1, 0.3),
 }
-"""What is tried of each; those that matter most come first."""
+"""What is tried of each; what the paper gives comes last."""
 
 PARAMETERS: Mapping[str, str] = {
     "swing": "push [clearances]",
+    "hold": "push held [s]",
     "damping": "damping ratio",
-    "mass": "casing mass over Table 1's",
-    "wall": "casing thickness [m]",
     "frequency": "casing frequency over ω₁",
-    "sliding": "friction",
-    "push": "kind of push",
-    "strain": "casing strain",
     "ramp": "ramp of the imbalance [s]",
+    "push": "kind of push",
+    "sliding": "sliding",
+    "strain": "casing strain",
     "disk": "disk beams [m]",
     "tip_rotation": "tip rotation",
+    "mass": "casing mass over Table 1's",
+    "wall": "casing thickness [m]",
+    "friction": "friction coefficient",
+    "tip_mass": "mass at each tip [kg]",
 }
 """In words."""
 
 STARTS: Mapping[str, ParameterSet] = {
     "soft": ParameterSet(swing=3.0),
-    "supported": ParameterSet(frequency=4.0, push="hold", swing=5.9),
+    "supported": ParameterSet(frequency=4.0, push="hold"),
     # A ring far above k_o / Omega^2, about 490 kg: it yields less to a rotating load than the
     # shaft does, however soft its support.
-    "heavy": ParameterSet(wall=0.04, mass=400.0, damping=0.02),
+    "heavy": ParameterSet(wall=0.04, mass=400.0, damping=0.02, swing=1.5),
 }
 """Where a search begins: the modal case, the supported casing, and one of large inertia."""
 
@@ -126,28 +155,33 @@ assert set(UNKNOWNS) == set(PARAMETERS) == {field.name for field in fields(Param
 
 
 @lru_cache
-def reference_frequency(disk: float) -> float:
-    """Lowest frequency of the bladed disk [rad/s] with disk beams of a thickness [m]."""
-    case = with_values(CASES["modal"], {"bladed_disk.disk.thickness": disk})
-    return modal_stage(case).reference_frequency
-
-
-def _push(push: str, swing: float, omega: float) -> dict[str, float]:
-    """Force and duration of a rectangular push of an oscillator.
-
-    After a time T it swings by 2 F / ω² sin(ω T / 2); held, it settles at F / ω². A hit that the
-    paper's force can't give takes a larger one for half a period.
+def reference_frequency(disk: float, tip_mass: float) -> float:
+    """Lowest frequency of the bladed disk [rad/s].
 
     Args:
-        push: "hit" or "hold".
+        disk: thickness of the disk's beams [m].
+        tip_mass: at each tip [kg].
+    """
+    changes = {"bladed_disk.disk.thickness": disk, "bladed_disk.tip_mass": tip_mass}
+    return modal_stage(with_values(CASES["modal"], changes)).reference_frequency
+
+
+def _held(duration: float) -> dict[str, float]:
+    return {"excitation.modal_force": MODAL_FORCE, "excitation.duration": duration}
+
+
+def _hit(swing: float, omega: float) -> dict[str, float]:
+    """Force and duration of a rectangular push of an oscillator, which is short.
+
+    After a time T it swings by 2 F / ω² sin(ω T / 2). A hit that the paper's force can't give
+    takes a larger one for half a period.
+
+    Args:
         swing: modal [m kg^0.5].
         omega: frequency of the oscillator [rad/s].
     """
-    if push == "hold":
-        force, duration = swing * omega**2, HOLD
-    else:
-        force = max(MODAL_FORCE, 0.5 * swing * omega**2)
-        duration = 2.0 / omega * asin(min(1.0, 0.5 * swing * omega**2 / force))
+    force = max(MODAL_FORCE, 0.5 * swing * omega**2)
+    duration = 2.0 / omega * asin(min(1.0, 0.5 * swing * omega**2 / force))
     return {
         "excitation.modal_force": float(f"{force:.6g}"),
         "excitation.duration": max(round(duration, 7), SHORTEST),

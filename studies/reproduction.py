@@ -18,7 +18,7 @@ from bladewhirl.studies import (  # noqa: F401 -- each registers its claims
     run_directory,
 )
 from bladewhirl.studies.claim import CLAIMS, Claim, Finding, NotTestableError
-from bladewhirl.studies.laboratory import PERTURBATION, TRIALS, Laboratory
+from bladewhirl.studies.laboratory import PERTURBATION, SURVEYS, TRIALS, Laboratory
 from bladewhirl.studies.paper_figures import draw_figures
 from bladewhirl.studies.run_store import RunStore
 from bladewhirl.studies.scorecard import Scorecard, joined
@@ -30,6 +30,9 @@ RUNS_NAME, FIGURES_NAME = "runs", "figures"
 
 CASES_IN_WORDS = "1 to 15: fan_stage; others: casing_distortion, imbalance"
 """Examples that decide each claim; they need not be of one stage."""
+
+SMALLEST_STEP = 1e-4
+"""Of a sweep over speed: 10,500 speeds."""
 
 REPEATS = 3
 """How often a claim on a march is judged, each time with a slightly different force."""
@@ -52,6 +55,30 @@ class Plan:
     modal_changes: Mapping[str, Any]  #: of the modal case
     quick: bool
     repeats: int
+    speed_step: float | None = None  #: of all sweeps over speed; their own when None
+
+    def __post_init__(self) -> None:
+        """Refuse steps that are none, or wider than the narrowest range.
+
+        Raises:
+            UserError: saying which are possible.
+        """
+        widest = min(last - first for first, last, _ in (s.speeds for s in SURVEYS.values()))
+        if self.speed_step is not None and not SMALLEST_STEP <= self.speed_step <= widest:
+            raise UserError(
+                f"--speed-step {self.speed_step:g}: expected {SMALLEST_STEP:g} to {widest:g},"
+                " multiples of the reference frequency"
+            )
+
+    @property
+    def sweeps(self) -> str:
+        """Sweeps over speed, in words."""
+        named = []
+        for name in needed_sweeps(self.claims):
+            speeds, *others = SURVEYS[name].axes(quick=self.quick, step=self.speed_step).values()
+            lines = f" by {len(others[0])}" if others else ""
+            named.append(f"{name}: {len(speeds)}{lines} from {speeds[0]:g} to {speeds[-1]:g}")
+        return "; ".join(named) or "none"
 
 
 def chosen_claims(numbers: Sequence[int]) -> tuple[Claim, ...]:
@@ -99,6 +126,7 @@ def reproduce_claims(
             changes=plan.changes,
             modal_changes=plan.modal_changes,
             quick=plan.quick,
+            speed_step=plan.speed_step,
             repeat=repeat,
         )
         for repeat in range(plan.repeats)
@@ -106,7 +134,7 @@ def reproduce_claims(
     first, *others = labs
     names = needed_trials(plan.claims)
     store.make([case for lab in labs for case in lab.cases(names)], told.marches)
-    for name in dict.fromkeys(name for claim in plan.claims for name in claim.sweeps):
+    for name in needed_sweeps(plan.claims):
         with suppress(NotTestableError):  # told of by the claims that need it
             first.sweep(name, told.sweep)
     findings = [{claim.number: claim.judge(first) for claim in plan.claims}]
@@ -119,6 +147,7 @@ def reproduce_claims(
             run_directory.PACKAGE: run_directory.version(),
             "cases": CASES_IN_WORDS,
             "quick": plan.quick,
+            "speeds": plan.sweeps,
             "repeats": plan.repeats,
             "perturbation": PERTURBATION,
             "changes": dict(plan.changes),
@@ -131,6 +160,11 @@ def reproduce_claims(
 def needed_trials(claims: Iterable[Claim]) -> list[str]:
     """Names of the marches that claims are judged by, each once."""
     return list(dict.fromkeys(name for claim in claims for name in claim.trials))
+
+
+def needed_sweeps(claims: Iterable[Claim]) -> list[str]:
+    """Names of the sweeps that claims are judged by, each once."""
+    return list(dict.fromkeys(name for claim in claims for name in claim.sweeps))
 
 
 def _repeated(claims: Iterable[Claim]) -> list[Claim]:

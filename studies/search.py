@@ -28,6 +28,16 @@ def search(
     rounds: Annotated[
         int, typer.Option(help="Steps from each start to a better neighbour.", min=0)
     ] = 1,
+    faithful: Annotated[
+        bool, typer.Option("--faithful", help="Keep every value that the paper gives.")
+    ] = False,
+    sweeps: Annotated[
+        bool,
+        typer.Option(
+            "--sweeps",
+            help="Judge claims on sweeps, too: of the examples' set and what differs in one value.",
+        ),
+    ] = False,
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="Folder of all that is judged.")
     ] = FOLDER,
@@ -45,9 +55,10 @@ def search(
     """Judge sets of the parameters that the source paper leaves out, and report the best.
 
     From each START the search tries every set that differs in one value, and goes to the best.
-    The best of all are judged again over repeats with a slightly different force. DIR gets
-    search.json, report.md, and for each claim that the best set misses a figure that shows which
-    value would meet it. An interrupted search goes on where it was.
+    The best, of those that keep every value that the paper gives and of the others, are judged
+    again over repeats with a slightly different force. DIR gets search.json, report.md, and for
+    each claim that the examples' set misses a figure that shows which value would meet it. An
+    interrupted search goes on where it was.
     """
     from dask.system import CPU_COUNT
 
@@ -60,8 +71,11 @@ def search(
         raise UserError("--scheduler, --workers: expected one of them; a scheduler has its workers")
     if not report:
         with _interruptible(output), _scheduler(scheduler, workers or CPU_COUNT) as address:
-            found = open_search(output, scheduler=address, told=_tell)
-            search_parameters(found, starts or list(STARTS), rounds)
+            found = open_search(output, scheduler=address, faithful=faithful, told=_tell)
+            kept = [name for name, start in STARTS.items() if not (faithful and start.departures)]
+            search_parameters(found, starts or kept, rounds)
+            if sweeps:
+                found.sweep()
     for path in write_report(open_search(output), output):
         typer.echo(f"Wrote {path}.")
 
@@ -80,8 +94,7 @@ def _scheduler(address: str | None, workers: int) -> Iterator[str | None]:
 
 def _tell(judged: Judged) -> None:
     holds, partly = judged.rank
-    level = "confirmed" if judged.confirmed else "screened"
-    typer.echo(f"{holds} hold, {partly} partly, {level}: {judged.values.words()}")
+    typer.echo(f"{holds} hold, {partly} partly, {judged.level}: {judged.values.words()}")
 
 
 @contextmanager

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, replace
 from pathlib import Path
 
 from bladewhirl.models.faults import UserError
-from bladewhirl.postprocess.sensitivity_figures import plot_sensitivity, sensitivity_dataset
+from bladewhirl.postprocess.sensitivity_figures import (
+    plot_overview,
+    plot_sensitivity,
+    sensitivity_dataset,
+)
 from bladewhirl.postprocess.style import save_figure
-from bladewhirl.studies.claim import CLAIMS
+from bladewhirl.studies.claim import CLAIMS, Verdict
 from bladewhirl.studies.figure_folder import written_to
 from bladewhirl.studies.laboratory import PERTURBATION
 from bladewhirl.studies.parameter_search import (
     BRIDGE,
-    CONTACT_CLAIMS,
-    MODAL_CLAIMS,
+    DEFAULT,
+    SCRUTINIES,
     Judged,
+    Level,
     Search,
 )
 from bladewhirl.studies.parameter_sets import PARAMETERS, STARTS, UNKNOWNS, ParameterSet
@@ -24,65 +29,116 @@ from bladewhirl.studies.sweep_store import write_whole
 
 REPORT_NAME = "report.md"
 
-LISTED = 8
-"""Sets in the table of the best."""
+OVERVIEW_NAME = "sensitivity"
+"""Picture of all claims and all single changes of the default."""
+
+LISTED = 6
+"""Screened sets in each table of the best."""
 
 
 def write_report(search: Search, directory: Path) -> list[Path]:
-    """Write report.md and the sensitivity figures of claims that the best set misses.
+    """Write report.md and the sensitivity figures of claims that the default misses.
 
     Raises:
-        UserError: nothing has been judged, or the folder can't be written.
+        UserError: the default has not been judged, or the folder can't be written.
     """
-    screened = search.best(LISTED)
-    if not screened:
-        raise UserError(f"{directory}: expected sets that have been judged, found none")
-    best = screened[0]
+    base = STARTS[DEFAULT]
+    if (base, "screened") not in search.judged:
+        raise UserError(f'{directory}: expected a search from the start "{DEFAULT}", found none')
+    verdicts = found_by_claim(search, base)
     paths = [directory / REPORT_NAME]
     with written_to(directory):
         write_whole(paths[0], report_text(search))
-        for claim in missed(best):
-            data = sensitivity_dataset(*_rows(search, best, claim))
-            paths += save_figure(
-                plot_sensitivity(data), directory / f"sensitivity-claim-{claim}", data
-            )[:1]
+        for claim, (verdict, _) in verdicts.items():
+            if verdict != "holds":
+                data = sensitivity_dataset(*_rows(search, base, claim))
+                name = f"sensitivity-claim-{claim}"
+                paths += save_figure(plot_sensitivity(data), directory / name, data)[:1]
+        data = sensitivity_dataset(*_rows(search, base, *verdicts))
+        paths += save_figure(plot_overview(data), directory / OVERVIEW_NAME, data)[:1]
     return paths
 
 
 def report_text(search: Search) -> str:
     """The report as Markdown."""
-    screened, confirmed = search.best(LISTED), search.best(LISTED, confirmed=True)
-    best = screened[0]
-    judged = [each for each in search.judged.values() if not each.confirmed]
-    bridging = [each for each in judged if each.bridges]
-    listed = [("confirmed", each) for each in confirmed]
-    listed += [("screened", each) for each in screened]
+    base = STARTS[DEFAULT]
+    screened = [each for each in search.judged.values() if each.level == "screened"]
+    faithful = [each for each in screened if each.faithful]
+    claims = sorted(screened[0].verdicts)
+    return "\n".join(
+        [
+            f"{len(screened)} sets were screened by {len(claims)} claims, {_numbers(claims)};"
+            f" {len(faithful)} of them keep every value that the paper gives. The best of these and"
+            f" of the others were confirmed at the paper's time step over"
+            f" {SCRUTINIES['confirmed'].repeats} repeats whose force differs by {PERTURBATION:g}: a"
+            " claim holds that holds in all of them.",
+            "",
+            *_table(search, faithful=True),
+            *_table(search, faithful=False),
+            *_bridges(screened),
+            *_flips(search, base, f'the default of the paper\'s two cases, "{DEFAULT}",'),
+        ]
+    )
+
+
+def _table(search: Search, *, faithful: bool) -> Iterator[str]:
+    """The best sets of a group: first those that were confirmed."""
+    yield (
+        "### Sets that keep every value that the paper gives"
+        if faithful
+        else ("### Sets that change a value that the paper gives")
+    )
+    yield ""
+    listed = [
+        *search.best(len(search.judged), "confirmed", faithful=faithful),
+        *search.best(LISTED, faithful=faithful),
+    ]
     listed += [
-        (f'screened, "{name}"', search.judged[start, False])
-        for name, start in STARTS.items()
-        if (start, False) in search.judged
+        each
+        for start in STARTS.values()
+        if (each := search.judged.get((start, "screened")))
+        and each.faithful == faithful
+        and each not in listed
     ]
-    shared = _shared([each.values for _, each in listed])
-    claims = (*MODAL_CLAIMS, *CONTACT_CLAIMS)
-    lines = [
-        f"{len(judged)} sets were screened by {len(claims)} claims, {_numbers(claims)};"
-        f" {len(confirmed)} were confirmed at the paper's time step over repeats whose force"
-        f" differs by {PERTURBATION:g}.",
-        "",
-        f"Claims {_numbers(BRIDGE)} together hold in {len(bridging)} of the screened sets"
-        + (f", the best of them: {max(bridging, key=_rank).values.words()}." if bridging else "."),
-        "",
-        "| | hold | partly | that hold | set |",
-        "|---|---|---|---|---|",
-        *(_row(name, each, shared) for name, each in listed),
-        "",
-        f"All of them have {best.values.words(set(PARAMETERS) - shared)}." if shared else "",
-        "",
-        "What single change of the best screened set turns a claim that it misses:",
-        "",
-        *(_flips(search, best, claim) for claim in missed(best)),
-    ]
-    return "\n".join(lines) + "\n"
+    if not listed:
+        yield "None was tried."
+        yield ""
+        return
+    shared = _shared([each.values for each in listed])
+    yield from ("| | hold | partly | that hold | set |", "|---|---|---|---|---|")
+    names = {start: f', "{name}"' for name, start in STARTS.items()}
+    for each in listed:
+        holds, partly = each.rank
+        yield (
+            f"| {each.level}{names.get(each.values, '')} | {holds} | {partly} | {_met(each)} |"
+            f" {each.values.words(shared)} |"
+        )
+    yield ""
+    if shared:
+        yield f"All of them have {listed[0].values.words(set(PARAMETERS) - shared)}."
+        yield ""
+
+
+def _bridges(screened: list[Judged]) -> Iterator[str]:
+    """Which sets satisfy the claims that soft and supported casings satisfy by turns."""
+    found = [each for each in screened if each.bridges]
+    kept = sum(each.faithful for each in found)
+    words = f"Claims {_numbers(BRIDGE)} together hold in {len(found)} of the screened sets"
+    if not found:
+        yield f"{words}."
+    else:
+        common = [
+            name
+            for name in found[0].values.departures
+            if all(name in each.values.departures for each in found)
+        ]
+        price = f"; all of them change {' and '.join(common)}" if common else ""
+        best = max(found, key=lambda each: each.rank)
+        yield (
+            f"{words}, {kept} of which keep what the paper gives{price}. The best of them:"
+            f" {best.values.words()}."
+        )
+    yield ""
 
 
 def _shared(sets: list[ParameterSet]) -> set[str]:
@@ -91,52 +147,72 @@ def _shared(sets: list[ParameterSet]) -> set[str]:
     return {name for name in PARAMETERS if len({row[name] for row in rows}) == 1}
 
 
-def missed(judged: Judged) -> list[int]:
-    """Claims that a set does not meet in full."""
-    return [claim for claim, verdict in judged.verdicts.items() if verdict != "holds"]
+def found_by_claim(search: Search, base: ParameterSet) -> dict[int, tuple[Verdict, str]]:
+    """Verdict and value of ours, by claim, of a set that was screened and perhaps swept."""
+    return {
+        claim: (verdict, judged.ours[claim])
+        for level in _CHANGED_ONE_BY_ONE
+        if (judged := search.judged.get((base, level)))
+        for claim, verdict in judged.verdicts.items()
+    }
 
 
-def _flips(search: Search, best: Judged, claim: int) -> str:
-    """In words: which values of which parameter meet a claim."""
-    found = []
-    for name, values in UNKNOWNS.items():
-        met = [value for value in values if _verdict(search, best, name, value, claim) == "holds"]
-        if met:
-            own = asdict(best.values)[name]
-            found.append(f"{PARAMETERS[name]} {', '.join(map(str, met))} instead of {own}")
-    verdict = best.verdicts[claim]
-    words = "; ".join(found) or "none that was tried"
-    return f"* {claim} ({verdict}: {best.ours[claim]}): {words}."
+def _flips(search: Search, base: ParameterSet, name: str) -> Iterator[str]:
+    """In words: which values of which parameter meet a claim that the base misses."""
+    yield from (f"What single change of {name} turns a claim that it misses:", "")
+    swept = set(search.judged[base, "swept"].verdicts) if (base, "swept") in search.judged else ()
+    for claim, (verdict, ours) in found_by_claim(search, base).items():
+        if verdict == "holds":
+            continue
+        found = []
+        for parameter, values in UNKNOWNS.items():
+            met = [v for v in values if _verdict(search, base, parameter, v, claim) == "holds"]
+            if met:
+                own = asdict(base)[parameter]
+                instead = f" instead of {own}" if base.uses(parameter) else ""
+                found.append(f"{PARAMETERS[parameter]} {', '.join(map(str, met))}{instead}")
+        words = "; ".join(found) or "none that was tried"
+        by = ", by quick sweeps" if claim in swept else ""
+        yield f"* {claim} ({verdict}: {ours}{by}): {words}."
+    yield ""
 
 
 def _rows(
-    search: Search, best: Judged, claim: int
-) -> tuple[str, dict[str, list[tuple[str, str]]], dict[str, str]]:
+    search: Search, base: ParameterSet, *claims: int
+) -> tuple[dict[int, str], dict[str, list[tuple[str, list[str]]]], dict[str, str]]:
+    """Claims in words; for each parameter its values with the verdict on each claim; the base."""
     rows = {
         PARAMETERS[name]: [
-            (str(value), _verdict(search, best, name, value, claim)) for value in values
+            (_shown(value), [_verdict(search, base, name, value, claim) for claim in claims])
+            for value in values
         ]
         for name, values in UNKNOWNS.items()
+        if base.uses(name)
     }
-    base = {PARAMETERS[name]: str(value) for name, value in asdict(best.values).items()}
-    return f"Claim {claim}: {CLAIMS[claim].text}", rows, base
+    own = {PARAMETERS[name]: _shown(value) for name, value in asdict(base).items()}
+    return {claim: CLAIMS[claim].text for claim in claims}, rows, own
 
 
-def _verdict(search: Search, best: Judged, name: str, value: object, claim: int) -> str:
-    """What a claim says where one value of the best set is another; empty if not tried."""
-    values = replace(best.values, **{name: value})  # type: ignore[arg-type]
-    judged = search.judged.get((values, False))
-    return judged.verdicts[claim] if judged else ""
+def _verdict(search: Search, base: ParameterSet, name: str, value: object, claim: int) -> str:
+    """What a claim says where one value of a set is another; empty if not tried."""
+    values = replace(base, **{name: value})  # type: ignore[arg-type]
+    for level in _CHANGED_ONE_BY_ONE:
+        judged = search.judged.get((values, level))
+        if judged and claim in judged.verdicts:
+            return judged.verdicts[claim]
+    return ""
 
 
-def _row(name: str, judged: Judged, shared: set[str]) -> str:
-    holds, partly = judged.rank
-    met = _numbers(claim for claim, verdict in judged.verdicts.items() if verdict == "holds")
-    return f"| {name} | {holds} | {partly} | {met} | {judged.values.words(shared)} |"
+_CHANGED_ONE_BY_ONE: tuple[Level, ...] = ("screened", "swept")
+"""Levels at which neighbours of a set are judged."""
 
 
-def _rank(judged: Judged) -> tuple[int, int]:
-    return judged.rank
+def _shown(value: object) -> str:
+    return ("no", "yes")[value] if isinstance(value, bool) else str(value)
+
+
+def _met(judged: Judged) -> str:
+    return _numbers(claim for claim, verdict in judged.verdicts.items() if verdict == "holds")
 
 
 def _numbers(claims: Iterable[int]) -> str:

@@ -231,6 +231,22 @@ def test_a_quick_sweep_is_coarser_in_speed_alone() -> None:
     assert quick["coupling.stiffness"] == full["coupling.stiffness"] == list(KAPPAS)
 
 
+def test_the_step_of_all_sweeps_can_be_chosen() -> None:
+    plan = Plan(
+        claims=chosen_claims([29, 36]),
+        changes={},
+        modal_changes={},
+        quick=True,
+        repeats=1,
+        speed_step=0.005,
+    )
+    assert len(SURVEYS["distortion"].axes(quick=True, step=0.005)["march.speed"]) == 211
+    assert plan.sweeps == (
+        "distortion: 211 from 0.95 to 2; imbalance: 211 from 0.95 to 2;"
+        " six modes, distortion: 121 by 3 from 0.9 to 1.5"
+    )
+
+
 def test_main_frequency_of_a_known_motion() -> None:
     """The closed form whirls at -70 rad/s in rotating axes."""
     motion = Motion(synthetic_result())
@@ -317,6 +333,8 @@ def test_a_changed_case_changes_the_verdict(tmp_path: Path) -> None:
         (["47"], "claim 47: expected numbers from 1 to"),
         (["1", "--set", "speed"], "--set speed: expected KEY=VALUE"),
         (["1", "--set", "damping.ratio=-1"], "damping.ratio = -1: expected"),
+        (["29", "--speed-step", "0"], "--speed-step 0: expected 0.0001 to 0.6"),
+        (["29", "--speed-step", "nan"], "--speed-step nan: expected 0.0001 to 0.6"),
         (["1", "--workers", "1", "--scheduler", "tcp://x:1"], "--scheduler, --workers"),
     ],
 )
@@ -378,6 +396,7 @@ def test_the_page_and_the_readme_say_what_was_computed(
     search_folder.mkdir()
     (card_folder / "scorecard.json").write_text(card.to_json())
     (search_folder / "report.md").write_text("5 sets were screened.\n")
+    (search_folder / "sensitivity.png").write_bytes(b"a picture")
     readme = tmp_path / "README.md"
     readme.write_text("before\n<!-- scorecard -->\nold\n<!-- scorecard end -->\nafter\n")
     monkeypatch.setattr(maker, "README", readme)
@@ -391,7 +410,8 @@ def test_the_page_and_the_readme_say_what_was_computed(
     assert count in page
     assert "| a \\| b | partly |" in page
     assert "* 1, partly: not met: False; met: True." in page
-    assert page.endswith("5 sets were screened.\n")
+    assert re.search(r"5 sets were screened\.\n\n!\[.+\]\(sensitivity\.png\)\n$", page)
+    assert (tmp_path / "sensitivity.png").read_bytes() == b"a picture"
 
 
 def test_the_readme_counts_what_its_page_lists() -> None:

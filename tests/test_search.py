@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from collections.abc import Sequence
+from dataclasses import asdict, replace
 from math import pi
 from operator import attrgetter
 from pathlib import Path
@@ -10,13 +11,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgba
+from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from typer.testing import CliRunner
 
+from bladewhirl.models.case import Case
 from bladewhirl.models.faults import UserError
 from bladewhirl.models.modal_stage import modal_stage
-from bladewhirl.postprocess.sensitivity_figures import plot_sensitivity, sensitivity_dataset
-from bladewhirl.studies import parameter_search
+from bladewhirl.postprocess.sensitivity_figures import (
+    VERDICT_COLOURS,
+    plot_overview,
+    plot_sensitivity,
+    sensitivity_dataset,
+)
+from bladewhirl.studies import laboratory
 from bladewhirl.studies.claim import Verdict
 from bladewhirl.studies.cli import app
 from bladewhirl.studies.paper_cases import CASES, changed
@@ -26,13 +35,17 @@ from bladewhirl.studies.parameter_search import (
     CONTACT_CLAIMS,
     DEFAULT,
     MODAL_CLAIMS,
-    SCREENING,
+    SCRUTINIES,
+    SWEPT_CLAIMS,
     Judged,
+    Level,
     Search,
     open_search,
+    search_parameters,
 )
-from bladewhirl.studies.parameter_sets import HOLD, STARTS, UNKNOWNS, ParameterSet
-from bladewhirl.studies.search_report import report_text, write_report
+from bladewhirl.studies.parameter_sets import GIVEN, STARTS, UNKNOWNS, ParameterSet
+from bladewhirl.studies.run_store import RunStore
+from bladewhirl.studies.search_report import found_by_claim, report_text, write_report
 
 RUNNER = CliRunner()
 
@@ -50,24 +63,57 @@ def test_a_set_gives_the_casing_its_frequency_and_mass(start: str) -> None:
 
 
 @pytest.mark.parametrize("frequency", [0.055, 1.0, 9.7])
-@pytest.mark.parametrize("push", ["hit", "hold"])
-def test_a_push_swings_a_free_ring_as_far_as_it_says(frequency: float, push: str) -> None:
-    """Integrated numerically: m a + k w = F while it acts, its largest or its settled place."""
-    values = ParameterSet(frequency=frequency, push=push, swing=2.0, mass=50.0)  # type: ignore[arg-type]
+def test_a_hit_swings_a_free_ring_as_far_as_it_says(frequency: float) -> None:
+    """Integrated numerically: m a + k w = F while it acts, its largest place."""
+    values = ParameterSet(frequency=frequency, push="hit", swing=2.0, mass=50.0)
     case = changed("distortion", values.changes())
     load = case.excitation
     assert load.type == "casing-distortion"
     omega = frequency * modal_stage(CASES["modal"]).reference_frequency
     mass = 2 * pi * 0.501 * 7800.0 * 50.0 * 1e-3
-    if push == "hold":
-        assert load.duration == HOLD
-        assert load.modal_force / omega**2 / np.sqrt(mass) == pytest.approx(2e-3, rel=1e-4)
-        return
     time = np.linspace(0.0, load.duration + 2 * pi / omega, 200_001)
     forced = load.modal_force / omega**2 * (1 - np.cos(omega * time))
     after = forced - load.modal_force / omega**2 * (1 - np.cos(omega * (time - load.duration)))
     place = np.where(time <= load.duration, forced, after) / np.sqrt(mass)
     assert np.abs(place).max() == pytest.approx(2e-3, rel=0.01)
+
+
+def test_a_held_push_is_of_the_papers_force() -> None:
+    for frequency in (0.055, 9.7):
+        load = changed(
+            "distortion", ParameterSet(push="hold", hold=0.3, frequency=frequency).changes()
+        ).excitation
+        assert load.type == "casing-distortion"
+        assert (load.modal_force, load.duration) == (3e4, 0.3)
+
+
+@pytest.mark.parametrize(
+    ("values", "changed_names"),
+    [
+        (ParameterSet(), ()),
+        (ParameterSet(frequency=9.7, push="hold", damping=0.02, ramp=0.0, disk=0.01), ()),
+        (
+            ParameterSet(friction=0.2, tip_mass=0.1),
+            ("friction coefficient", "mass at each tip [kg]"),
+        ),
+        (ParameterSet(wall=0.04), ("casing thickness [m]",)),
+        (ParameterSet(frequency=9.7, swing=1.5), ()),
+        (ParameterSet(frequency=9.7, swing=3.0), ("modal force",)),
+    ],
+)
+def test_a_set_knows_what_of_the_paper_it_changes(
+    values: ParameterSet, changed_names: tuple[str, ...]
+) -> None:
+    """The paper's force moves a casing of 9.7 by 1 mm, suddenly applied by twice that."""
+    assert values.departures == changed_names
+
+
+def test_what_the_paper_gives_is_in_the_default_cases() -> None:
+    case = CASES["distortion"]
+    assert GIVEN["wall"] == case.casing.wall.thickness
+    assert GIVEN["friction"] == case.contact.friction
+    assert GIVEN["tip_mass"] == case.bladed_disk.tip_mass
+    assert all(not start.departures for name, start in STARTS.items() if name != "heavy")
 
 
 @pytest.mark.parametrize("scenario", ["distortion", "imbalance"])
@@ -82,22 +128,40 @@ def test_the_default_is_that_of_the_examples(scenario: Any) -> None:
 
 
 def test_the_best_and_the_default_are_confirmed(climbed: Search) -> None:
+    """The best of each group: a mass of 400 changes the paper's section."""
     confirmed = climbed.confirm()
     assert [each.values for each in confirmed][-1] == STARTS[DEFAULT]
-    assert len(confirmed) == 1 + CONFIRMED_SETS
+    assert len(confirmed) == 1 + 2 * CONFIRMED_SETS
+    assert {each.level for each in confirmed} == {"confirmed"}
+    groups = [each.faithful for each in confirmed]
+    assert groups == [True] * CONFIRMED_SETS + [False] * CONFIRMED_SETS + [True]
+
+
+def test_a_faithful_climb_changes_nothing_that_the_paper_gives(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Search, "_judge", judge_by_hill)
+    search = open_search(tmp_path, faithful=True)
+    best = search.climb(ParameterSet(), rounds=5)
+    assert best.values == ParameterSet(damping=0.02)
+    assert all(each.faithful for each in search.judged.values())
+    with pytest.raises(UserError, match="--faithful heavy: expected starts that change nothing"):
+        search_parameters(search, ["heavy"], rounds=1)
 
 
 def test_neighbours_differ_in_one_value() -> None:
     start = STARTS["heavy"]
     near = list(start.neighbours())
-    tried = sum(len(values) for values in UNKNOWNS.values())
-    off_grid = sum(asdict(start)[name] not in values for name, values in UNKNOWNS.items())
-    assert len(near) == tried - len(UNKNOWNS) + off_grid
+    used = [name for name in UNKNOWNS if start.uses(name)]
+    assert set(UNKNOWNS) - set(used) == {"hold"}  # a hit is not held
+    tried = sum(len(UNKNOWNS[name]) for name in used)
+    off_grid = sum(asdict(start)[name] not in UNKNOWNS[name] for name in used)
+    assert len(near) == tried - len(used) + off_grid
     assert all(len(each.difference(start)) == 1 for each in near)
     assert len(set(near)) == len(near)
 
 
-def hill(values: ParameterSet, *, confirmed: bool = False) -> Judged:
+def hill(values: ParameterSet, level: Level = "screened") -> Judged:
     """More claims hold the nearer a set is to damping 0.02 and a mass of 400."""
     near = [values.damping == 0.02, values.mass == 400.0]
     verdicts: dict[int, Verdict] = {
@@ -106,12 +170,16 @@ def hill(values: ParameterSet, *, confirmed: bool = False) -> Judged:
     for claim, met in zip(BRIDGE, [True, *near], strict=True):
         verdicts[claim] = "holds" if met else "partly"
     ours = {claim: f"ours of {claim}" for claim in verdicts}
-    return Judged(values=values, confirmed=confirmed, verdicts=verdicts, ours=ours)
+    return Judged(values=values, level=level, verdicts=verdicts, ours=ours)
+
+
+def judge_by_hill(self: Search, sets: list[ParameterSet], level: Level) -> list[Judged]:
+    return [hill(values, level) for values in sets]
 
 
 @pytest.fixture
 def climbed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Search:
-    monkeypatch.setattr(Search, "_judge", lambda self, values, confirmed: hill(values))
+    monkeypatch.setattr(Search, "_judge", judge_by_hill)
     search = open_search(tmp_path)
     search.climb(ParameterSet(), rounds=5)
     return search
@@ -130,67 +198,148 @@ def test_a_search_goes_on_where_it_was(climbed: Search, monkeypatch: pytest.Monk
     again = open_search(climbed.directory)
     assert again.judged == climbed.judged
 
-    def refuse(self: Search, values: ParameterSet, *, confirmed: bool) -> Judged:
-        raise AssertionError(f"judged again: {values}")
+    def refuse(self: Search, sets: list[ParameterSet], level: Level) -> list[Judged]:
+        raise AssertionError(f"judged again: {sets}")
 
     monkeypatch.setattr(Search, "_judge", refuse)
     assert again.climb(ParameterSet(), rounds=5) == climbed.best(1)[0]
 
 
-def test_the_report_names_what_flips_a_claim(tmp_path: Path) -> None:
-    base, other = ParameterSet(mass=400.0), ParameterSet(mass=400.0, damping=0.02)
-    search = Search(directory=tmp_path)
-    for values, held in ((base, (6, 33, 22)), (other, (6, 21))):
-        verdicts: dict[int, Verdict] = {
-            claim: "holds" if claim in held else "does not hold" for claim in (*BRIDGE, 22)
-        }
-        ours = {claim: f"ours of {claim}" for claim in verdicts}
-        search.judged[values, False] = Judged(
-            values=values, confirmed=False, verdicts=verdicts, ours=ours
-        )
-    text = report_text(search)
-    assert "* 21 (does not hold: ours of 21): damping ratio 0.02 instead of 0.005." in text
-    assert "Claims 6, 21, 33 together hold in 0 of the screened sets." in text
-    assert "| screened | 3 | 0 | 6, 33, 22 | damping ratio 0.005 |" in text
-    assert "| screened | 2 | 0 | 6, 21 | damping ratio 0.02 |" in text
-    assert f"All of them have {base.words({'damping'})}." in text
-
-
-def test_figures_of_missed_claims(climbed: Search) -> None:
-    paths = write_report(climbed, climbed.directory)
-    assert paths[0].read_text(encoding="utf-8") == report_text(climbed)
-    missed = set(hill(ParameterSet()).verdicts) - set(BRIDGE)
-    assert {path.name for path in paths[1:]} == {
-        f"sensitivity-claim-{claim}.png" for claim in missed
+def judged_so(values: ParameterSet, held: tuple[int, ...], level: Level = "screened") -> Judged:
+    claims = (29,) if level == "swept" else (*BRIDGE, 22)
+    verdicts: dict[int, Verdict] = {
+        claim: "holds" if claim in held else "does not hold" for claim in claims
     }
+    ours = {claim: f"ours of {claim}" for claim in verdicts}
+    return Judged(values=values, level=level, verdicts=verdicts, ours=ours)
+
+
+def small_search(directory: Path) -> Search:
+    base = STARTS[DEFAULT]
+    damped, heavy = replace(base, damping=0.02), replace(base, mass=400.0)
+    return Search(
+        directory=directory,
+        judged={
+            (each.values, each.level): each
+            for each in (
+                judged_so(base, (33, 22)),
+                judged_so(damped, (6, 21)),
+                judged_so(heavy, BRIDGE),
+                judged_so(base, (), "swept"),
+                judged_so(damped, (29,), "swept"),
+                judged_so(base, (33,), "confirmed"),
+            )
+        },
+    )
+
+
+def test_the_report_names_what_flips_a_claim(tmp_path: Path) -> None:
+    text = report_text(small_search(tmp_path))
+    assert "3 sets were screened by 4 claims, 6, 21, 22, 33; 2 of them keep every value" in text
+    assert "* 21 (does not hold: ours of 21): damping ratio 0.02 instead of 0.005;" in text
+    assert "casing mass over Table 1's 400.0 instead of 1.0." in text
+    assert (
+        "* 29 (does not hold: ours of 29, by quick sweeps): damping ratio 0.02 instead of 0.005."
+    ) in text
+    assert "* 22" not in text  # which the base meets
+    assert (
+        "Claims 6, 21, 33 together hold in 1 of the screened sets, 0 of which keep what the paper"
+        " gives; all of them change casing mass over Table 1's."
+    ) in text
+    kept, changing = text.split("### ")[1:]
+    assert '| confirmed, "supported" | 1 | 0 | 33 | damping ratio 0.005 |' in kept
+    assert "| screened | 2 | 0 | 6, 21 | damping ratio 0.02 |" in kept
+    assert "400" not in kept
+    assert "| screened | 3 | 0 | 6, 21, 33 |" in changing
+
+
+def test_figures_of_missed_claims(tmp_path: Path) -> None:
+    search = small_search(tmp_path)
+    paths = write_report(search, tmp_path)
+    assert paths[0].read_text(encoding="utf-8") == report_text(search)
+    assert [path.name for path in paths[1:]] == [
+        *(f"sensitivity-claim-{claim}.png" for claim in (6, 21, 29)),
+        "sensitivity.png",
+    ]
+    assert set(found_by_claim(search, STARTS[DEFAULT])) == {*BRIDGE, 22, 29}
+
+
+def cells(figure: Figure) -> list[Rectangle]:
+    return [patch for patch in figure.axes[0].patches if isinstance(patch, Rectangle)]
 
 
 def test_cells_of_a_sensitivity_figure() -> None:
-    rows = {"a": [("1", "holds"), ("2", "partly")], "b": [("x", "")]}
-    data = sensitivity_dataset("Claim", rows, {"a": "2", "b": "x"})
-    cells = [
-        patch for patch in plot_sensitivity(data).axes[0].patches if isinstance(patch, Rectangle)
-    ]
-    assert len(cells) == 3
-    assert [cell.get_linewidth() > 1.0 for cell in cells] == [False, True, True]
+    rows = {"a": [("1", ["holds"]), ("2", ["partly"])], "b": [("x", [""])]}
+    data = sensitivity_dataset({5: "Claim."}, rows, {"a": "2", "b": "x"})
+    figure = plot_sensitivity(data)
+    assert [cell.get_linewidth() > 1.0 for cell in cells(figure)] == [False, True, True]
+    assert figure.axes[0].get_title() == "Claim 5: Claim."
+
+
+def test_columns_of_the_overview() -> None:
+    """The base set once, then what differs from it and was tried."""
+    rows = {
+        "a": [("1", ["holds", ""]), ("2", ["partly", "holds"])],
+        "b": [("x", ["partly", "holds"]), ("y", ["", ""]), ("z", ["", "not testable"])],
+    }
+    data = sensitivity_dataset({5: "Five.", 6: "Six."}, rows, {"a": "2", "b": "x"})
+    figure = plot_overview(data)
+    labels = [label.get_text() for label in figure.axes[0].get_xticklabels()]
+    assert labels == ["base set", "a 1", "b z"]
+    wanted = ["partly", "holds", "holds", "", "", "not testable"]  # column by column
+    colours = [to_rgba(VERDICT_COLOURS[verdict]) for verdict in wanted]
+    assert [cell.get_facecolor() for cell in cells(figure)] == colours
 
 
 def test_a_set_is_judged_by_marches(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two milliseconds: nothing has diverged yet, and the soft casing meets 6 and 7."""
-    monkeypatch.setattr(parameter_search, "SCREENING", SCREENING | {"march.duration": 2e-3})
-    judged = Search(directory=tmp_path).judge(STARTS["soft"])
+    """Two milliseconds: nothing has diverged yet, and the soft casing meets 6 and 7.
+
+    Another hit is no other imbalance: what that says is not asked again.
+    """
+    short = replace(SCRUTINIES["screened"], changes={"march.duration": 2e-3})
+    monkeypatch.setitem(SCRUTINIES, "screened", short)  # type: ignore[arg-type]
+    search = Search(directory=tmp_path)
+    marched: list[int] = []
+    make = RunStore.make
+
+    def counted(self: RunStore, cases: Sequence[Case], *_: object) -> None:
+        marched.extend(1 for _ in self.missing(cases))
+        make(self, cases)
+
+    monkeypatch.setattr(RunStore, "make", counted)
+    soft, harder = STARTS["soft"], replace(STARTS["soft"], swing=5.9)
+    (judged,) = search.judge([soft])
     assert judged.verdicts[6] == judged.verdicts[7] == "holds"
     assert judged.verdicts[20] == "does not hold"
     assert set(judged.verdicts) == {*MODAL_CLAIMS, *CONTACT_CLAIMS}
-    assert open_search(tmp_path).judged == {(STARTS["soft"], False): judged}
-    assert not list((tmp_path / "runs").glob("*.nc"))
+    assert open_search(tmp_path).judged == {(soft, "screened"): judged}
+    assert len(marched) == 3
+    search.judge([harder])
+    assert len(marched) == 3 + 2
+    search.climb(soft, rounds=0)
+    assert [path.name for path in tmp_path.iterdir()] == ["search.json"]
+
+
+def test_claims_on_sweeps_are_judged_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(laboratory, "QUICK_DURATION", 1e-3)
+    monkeypatch.setattr(laboratory, "QUICK_COARSENESS", 7.0)
+    monkeypatch.setattr(ParameterSet, "neighbours", lambda self: iter(()))
+    assert set(SWEPT_CLAIMS) == set(SCRUTINIES["swept"].claims)
+    monkeypatch.setitem(
+        SCRUTINIES,  # type: ignore[arg-type]
+        "swept",
+        replace(SCRUTINIES["swept"], claims=(36,)),
+    )
+    (judged,) = Search(directory=tmp_path).sweep()
+    assert judged.verdicts == {36: "does not hold"}  # nothing diverges in a millisecond
+    assert [path.name for path in tmp_path.iterdir()] == ["search.json"]
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["hard"], "hard: expected soft, supported, heavy"),
-        (["--report"], "expected sets that have been judged"),
+        (["--report"], 'expected a search from the start "supported"'),
         (["--workers", "1", "--scheduler", "tcp://x:1"], "--scheduler, --workers"),
     ],
 )
