@@ -172,4 +172,4 @@ def _add_legend(figure: Figure, seen: Container[str]) -> None:
         if word in seen
     ]
     framed = Patch(facecolor="white", edgecolor="black", linewidth=1.6, label="base set")
-    figure.legend(handles=[*handles, framed], loc="outside lower center", ncols=5)
+    figure.legend(handles=[*handles, framed], loc="outside lower center", ncols=6)

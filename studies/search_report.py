@@ -65,13 +65,17 @@ def report_text(search: Search) -> str:
     screened = [each for each in search.judged.values() if each.level == "screened"]
     faithful = [each for each in screened if each.faithful]
     claims = sorted(screened[0].verdicts)
+    confirmed = search.best(len(search.judged), "confirmed")
+    how = (
+        f" {len(confirmed)} were confirmed at the paper's time step over"
+        f" {SCRUTINIES['confirmed'].repeats} repeats whose force differs by {PERTURBATION:g}: there"
+        " a claim holds that holds in all of them."
+    )
     return "\n".join(
         [
             f"{len(screened)} sets were screened by {len(claims)} claims, {_numbers(claims)};"
-            f" {len(faithful)} of them keep every value that the paper gives. The best of these and"
-            f" of the others were confirmed at the paper's time step over"
-            f" {SCRUTINIES['confirmed'].repeats} repeats whose force differs by {PERTURBATION:g}: a"
-            " claim holds that holds in all of them.",
+            f" {len(faithful)} of them keep every value that the paper gives."
+            + (how if confirmed else ""),
             "",
             *_table(search, faithful=True),
             *_table(search, faithful=False),
@@ -149,12 +153,13 @@ def _shared(sets: list[ParameterSet]) -> set[str]:
 
 def found_by_claim(search: Search, base: ParameterSet) -> dict[int, tuple[Verdict, str]]:
     """Verdict and value of ours, by claim, of a set that was screened and perhaps swept."""
-    return {
+    found = {
         claim: (verdict, judged.ours[claim])
         for level in _CHANGED_ONE_BY_ONE
         if (judged := search.judged.get((base, level)))
         for claim, verdict in judged.verdicts.items()
     }
+    return dict(sorted(found.items()))
 
 
 def _flips(search: Search, base: ParameterSet, name: str) -> Iterator[str]:
