@@ -25,6 +25,10 @@ from bladewhirl.models.sections import Section
 from bladewhirl.models.sketch import Sketch
 from bladewhirl.models.sketch_build import build_sketch
 
+LOST = 100.0
+"""An eigenvalue of less than this many times the rounding error of the largest has no two digits
+that can be trusted."""
+
 
 def case_bladed_disk(case: Case, *, clamped: bool) -> BladedDisk:
     """Assemble the bladed disk of a case, with a free or a clamped centre."""
@@ -99,14 +103,18 @@ def tip_in_sector(disk: BladedDisk) -> tuple[int, int]:
     return first.index(disk.tip_radial[0]), first.index(disk.tip_tangential[0])
 
 
-def lowest_frequency(frequencies: Iterable[float]) -> float:
+def lowest_frequency(disk: BladedDisk, frequencies: Iterable[float]) -> float:
     """Lowest of a bladed disk's frequencies [rad/s].
+
+    An eigenvalue has the rounding error of the largest one. That one is at least the largest
+    ratio of stiffness to mass at a single degree of freedom.
 
     Raises:
         FloatingPointError: it is lost in rounding.
     """
-    lowest = float(min(frequencies))
-    if not lowest > 0.0:
+    structure, lowest = disk.structure, float(min(frequencies))
+    largest_square = np.max(structure.stiffness.diagonal() / structure.mass.diagonal())
+    if not lowest > np.sqrt(LOST * np.finfo(np.float64).eps * largest_square):
         raise FloatingPointError("the lowest frequency of the bladed disk is lost in rounding")
     return lowest
 

@@ -101,14 +101,14 @@ def build_stage(case: Case) -> Stage:
         casing = case_casing(case)
         tip, wall = tip_in_sector(disk), (RADIAL, TANGENTIAL)
         full = lowest_frequencies(disk.structure, FULL_FREQUENCIES)
-        reference = _reference_frequency(case, full)
+        reference = _reference_frequency(case, disk, full)
         reduction = craig_bampton(
             disk.structure,
             np.concatenate([*boundary_sets(disk).values()]),
             case.reduction.fixed_interface_modes,
             tip,
         )
-        lowest_frequency(reduction.modes.frequency)  # not lost in the reduction
+        lowest_frequency(disk, reduction.modes.frequency)  # not lost in the reduction
         casing_modes = structure_modes(casing.structure, wall)
         disk_family = mode_families(disk.structure, reduction.modes, tip, "bladed-disk")
         casing_family = mode_families(casing.structure, casing_modes, wall, "casing")
@@ -144,7 +144,7 @@ def boundary_sets(disk: BladedDisk) -> dict[str, IntArray]:
     }
 
 
-def _reference_frequency(case: Case, full: Frequencies) -> float:
+def _reference_frequency(case: Case, disk: BladedDisk, full: Frequencies) -> float:
     """Lowest frequency of the full bladed disk with a free centre [rad/s].
 
     Raises:
@@ -152,8 +152,8 @@ def _reference_frequency(case: Case, full: Frequencies) -> float:
     """
     if case.shaft.clamped:
         free = case_bladed_disk(case, clamped=False)
-        full = lowest_frequencies(free.structure, FULL_FREQUENCIES)
-    return lowest_frequency(found[0] for found in full.values())
+        disk, full = free, lowest_frequencies(free.structure, FULL_FREQUENCIES)
+    return lowest_frequency(disk, (found[0] for found in full.values()))
 
 
 def _reduced_rotor(case: Case, disk: BladedDisk, modes: Modes) -> ReducedRotor:
