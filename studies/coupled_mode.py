@@ -21,6 +21,7 @@ from bladewhirl.postprocess.result import RESULT_NAME
 from bladewhirl.postprocess.style import save_figure
 from bladewhirl.postprocess.vtk_series import write_vtk
 from bladewhirl.solvers.coupled_modes import CoupledMode, CoupledMotion, coupled_motion
+from bladewhirl.studies.run_directory import CASE_NAME, case_files
 
 ANIMATION = "animation.gif"
 
@@ -55,7 +56,6 @@ def draw_coupled_mode(
     folder: Path,
     *,
     reference: float,
-    case: str,
     films: bool,
 ) -> CoupledMotion:
     """Write all that shows a growing coupled mode in time into an existing folder.
@@ -66,7 +66,6 @@ def draw_coupled_mode(
         springs: that couple these modes.
         folder: where to.
         reference: frequency that speeds are multiples of [rad/s].
-        case: the case file's text.
         films: write a VTK series and a GIF too.
     """
     given = stage.modal.case
@@ -76,7 +75,11 @@ def draw_coupled_mode(
         shapes=radial_shapes(stage),
         clearance=given.casing.clearance or SHARE_OF_RADIUS * given.tip_radius,
     )
-    result = coupled_mode_result(stage, motion, springs, reference=reference, case=case)
+    files = case_files(given)
+    text = files.pop(CASE_NAME).decode()
+    for name, content in files.items():  # the mesh file that the text names
+        (folder / name).write_bytes(content)
+    result = coupled_mode_result(stage, motion, springs, reference=reference, case=text)
     result.to_netcdf(folder / RESULT_NAME, engine="h5netcdf")
     measured = motion_dataset(motion, reference=reference)
     save_figure(plot_phases(measured), folder / "phases", measured)

@@ -8,7 +8,6 @@ from difflib import get_close_matches
 import numpy as np
 
 from bladewhirl.models.case import Case
-from bladewhirl.models.case_text import dumps_case
 from bladewhirl.models.coupling import CouplingModes, IntArray
 from bladewhirl.models.faults import UserError
 from bladewhirl.models.modal_stage import ModalStage, modal_stage
@@ -25,7 +24,6 @@ class System:
     damped: bool
     physical: bool
     reference: float  #: frequency that speeds are multiples of [rad/s]
-    case: str  #: the resolved case file
 
     @property
     def modes(self) -> CouplingModes:
@@ -76,9 +74,8 @@ def couple_modes(
     modal: ModalStage, *, chosen: str, damped: bool, with_pi: bool, physical: bool
 ) -> System:
     """Couple modes of a full stage; see `couple`."""
-    case = modal.case
     try:
-        whole = stage_modes(modal, damping_ratio=case.damping.ratio if damped else 0.0)
+        whole = stage_modes(modal, damping_ratio=modal.case.damping.ratio if damped else 0.0)
     except ValueError as error:
         raise UserError(f"stability: {error}") from None
     stage = choose(whole, chosen)
@@ -89,7 +86,6 @@ def couple_modes(
         damped=damped,
         physical=physical,
         reference=modal.reference_frequency,
-        case=dumps_case(case),
     )
 
 

@@ -132,7 +132,6 @@ def _draw_chart(lab: Laboratory, folder: Path) -> None:
 
 
 def _draw_coupled_mode(lab: Laboratory, folder: Path) -> None:
-    from bladewhirl.models.case_file import dumps_case
     from bladewhirl.studies.coupled_mode import draw_coupled_mode  # takes long to load
 
     system = lab.system
@@ -150,7 +149,6 @@ def _draw_coupled_mode(lab: Laboratory, folder: Path) -> None:
         system.stage.springs(EXAMPLE["kappa"], with_pi=system.with_pi),
         folder,
         reference=system.reference,
-        case=dumps_case(lab.modal_case),
         films=False,
     )
 

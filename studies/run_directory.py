@@ -7,14 +7,16 @@ import re
 import sys
 from collections.abc import Iterator
 from datetime import UTC, datetime
+from hashlib import sha256
 from importlib import metadata
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from platform import platform
 from tempfile import TemporaryDirectory
 
 from bladewhirl.meshes.mesh_file import READERS as MESH_SUFFIXES
 from bladewhirl.models.case import Case
 from bladewhirl.models.case_file import dumps_case
+from bladewhirl.models.case_mesh import MeshTable
 from bladewhirl.models.faults import UserError
 from bladewhirl.solvers.recorder import RESULT_NAME
 from bladewhirl.studies.render import FILES as PICTURES
@@ -91,18 +93,32 @@ def case_files(case: Case) -> dict[str, bytes]:
     To be read before `clear`: the mesh file may be that of the run to be replaced.
     """
     mesh = case.bladed_disk.mesh
+    files = {CASE_NAME: portable_case(case).encode()}
+    return files if mesh is None else files | {_copy_name(mesh): Path(mesh.file).read_bytes()}
+
+
+def portable_case(case: Case, folder: str = "") -> str:
+    """Text of a case that names the copy of its mesh file, not the file itself.
+
+    Args:
+        case: the case.
+        folder: of the copy, as seen from where the text will lie.
+    """
+    mesh = case.bladed_disk.mesh
     if mesh is None:
-        return {CASE_NAME: dumps_case(case).encode()}
-    path = Path(mesh.file)
-    name = MESH_NAME + path.suffix.lower()
-    beside = mesh.model_copy(update={"file": name})
-    disk = case.bladed_disk.model_copy(update={"mesh": beside})
-    text = dumps_case(case.model_copy(update={"bladed_disk": disk}))
-    return {CASE_NAME: text.encode(), name: path.read_bytes()}
+        return dumps_case(case)
+    copy = mesh.model_copy(update={"file": str(PurePosixPath(folder) / _copy_name(mesh))})
+    disk = case.bladed_disk.model_copy(update={"mesh": copy})
+    return dumps_case(case.model_copy(update={"bladed_disk": disk}))
 
 
-def write_provenance(directory: Path) -> None:
-    """Write what made the run: versions, date, machine."""
+def _copy_name(mesh: MeshTable) -> str:
+    return MESH_NAME + Path(mesh.file).suffix.lower()
+
+
+def write_provenance(directory: Path, case: Case) -> None:
+    """Write what made the run: versions, date, machine, and the mesh file that was copied."""
+    mesh = case.bladed_disk.mesh
     provenance = {
         PACKAGE: version(),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -110,6 +126,9 @@ def write_provenance(directory: Path) -> None:
         "platform": platform(),
         "dependencies": dict(_dependencies()),
     }
+    if mesh is not None:
+        digest = sha256((directory / _copy_name(mesh)).read_bytes()).hexdigest()
+        provenance["mesh"] = {"file": mesh.file, "sha256": digest}
     text = json.dumps(provenance, indent=2, ensure_ascii=False) + "\n"
     (directory / PROVENANCE_NAME).write_text(text, encoding="utf-8")
 

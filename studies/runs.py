@@ -17,7 +17,6 @@ import numpy as np
 
 from bladewhirl.models.case import Case
 from bladewhirl.models.case_bodies import numbers_within_reach
-from bladewhirl.models.case_file import dumps_case
 from bladewhirl.models.contact_problem import ContactProblem
 from bladewhirl.models.faults import UserError
 from bladewhirl.models.march_problem import contact_problem
@@ -140,9 +139,9 @@ def run_case(
         _check_room(directory, _expected_bytes(prepared))
         files = folder.case_files(case)
         folder.clear(directory)
-        folder.write_provenance(directory)
         for name, content in files.items():
             (directory / name).write_bytes(content)
+        folder.write_provenance(directory, case)
         report = march_to_file(prepared, directory / RESULT_NAME, progress)
         return write_up(directory, report, window)
     except OSError as error:
@@ -162,12 +161,19 @@ def _no_collection() -> Iterator[None]:
 
 
 def march_to_file(
-    prepared: Prepared, path: Path, progress: Progress | None = None
+    prepared: Prepared, path: Path, progress: Progress | None = None, *, mesh_folder: str = ""
 ) -> dict[str, float]:
-    """March and record; returns what the march alone knows of its quality."""
+    """March and record; returns what the march alone knows of its quality.
+
+    Args:
+        prepared: the case to march.
+        path: of the result.
+        progress: called with what is being done, steps done and steps in all.
+        mesh_folder: where a copy of the case's mesh file lies, as seen from the result.
+    """
     timing, residual, unsolved = prepared.timing, 0.0, 0
     reason, message = EndReason.COMPLETED.value, ""
-    with Recorder(path, prepared.stage.arrays, _attributes(prepared)) as recorder:
+    with Recorder(path, prepared.stage.arrays, _attributes(prepared, mesh_folder)) as recorder:
         began = time.perf_counter()
         try:
             with _interrupt() as interrupted:
@@ -225,7 +231,7 @@ def _check_room(directory: Path, needed: int) -> None:
         )
 
 
-def _attributes(prepared: Prepared) -> dict[str, Attribute]:
+def _attributes(prepared: Prepared, mesh_folder: str) -> dict[str, Attribute]:
     stage = prepared.stage
     case = stage.case
     return {
@@ -242,7 +248,7 @@ def _attributes(prepared: Prepared) -> dict[str, Attribute]:
         "symmetry": "; ".join(
             f"{body.replace('_', ' ')}: {found}" for body, found in stage.symmetry.items()
         ),
-        "case": dumps_case(case),
+        "case": folder.portable_case(case, mesh_folder),
     }
 
 

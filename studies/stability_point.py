@@ -109,7 +109,6 @@ def _draw(system: System, omega: float, kappa: float, folder: Path, films: bool)
         part.springs(kappa, with_pi=system.with_pi),
         folder,
         reference=system.reference,
-        case=system.case,
         films=films,
     )
 

@@ -103,7 +103,7 @@ def _march_point(work: Work, case: Case, name: str | None) -> Digest:
     folder = work.histories if name is not None else None
     with TemporaryDirectory(prefix=".point-", dir=folder) as scratch:
         path = Path(scratch) / RESULT_NAME
-        report = march_to_file(prepared, path)
+        report = march_to_file(prepared, path, mesh_folder=os.pardir)
         with open_result(path) as result:
             kept = digest(result, report, work.layout)
         if name is not None:

@@ -100,8 +100,8 @@ def run_sweep(
     watch.planned(plan)
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        folder.write_provenance(directory)
         write_plan(plan, directory)
+        folder.write_provenance(directory, plan.case)
     except OSError as error:
         raise UserError(f"{directory}: cannot be written ({error})") from None
     return _carry_out(plan, directory, scheduler, workers, watch)
@@ -148,7 +148,7 @@ def _carry_out(
     if plan.histories:
         histories.mkdir(exist_ok=True)
     if not (directory / SWEEP_NAME).exists():
-        attributes = {"title": plan.case.title, "case": dumps_case(plan.case)}
+        attributes = {"title": plan.case.title, "case": folder.portable_case(plan.case)}
         attributes["version"] = folder.version()
         create(directory, plan.grid, plan.coordinates, plan.layout, attributes)
     with Store(directory, plan.grid) as store:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +13,7 @@ from typer.testing import CliRunner
 
 from bladewhirl.models import Case, CaseError, Section, Sketch, read_case
 from bladewhirl.models.stage import build_stage
+from bladewhirl.postprocess.result import open_result
 from bladewhirl.studies.cli import app
 from bladewhirl.studies.runs import run_case
 
@@ -151,3 +155,32 @@ def test_pictures_of_modes_without_nodal_diameters(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["modes", str(path), "-o", str(folder), "--no-films"])
     assert done.exit_code == 0, done.output
     assert (folder / "bladed-disk-shapes.png").is_file()
+
+
+def test_a_run_of_a_mesh_moves_to_another_place(tmp_path: Path) -> None:
+    """Its folder alone is enough to run it again: neither case nor result names the first place."""
+    first = tmp_path / "first"
+    first.mkdir()
+    source = Path(__file__).parents[1] / "examples" / "shrouded_fan"
+    for suffix in (".toml", ".msh"):
+        shutil.copy(source.with_suffix(suffix), first)
+    short = ["march.duration=0.5e-3", "reduction.fixed_interface_modes=20"]
+    run_case(read_case(first / "shrouded_fan.toml", short), first / "run", frames=0)
+    provenance = json.loads((first / "run" / "provenance.json").read_text())
+    content = (first / "shrouded_fan.msh").read_bytes()
+    assert provenance["mesh"] == {
+        "file": str(first / "shrouded_fan.msh"),
+        "sha256": hashlib.sha256(content).hexdigest(),
+    }
+    moved = tmp_path / "moved"
+    shutil.move(first / "run", moved)
+    shutil.rmtree(first)
+    with open_result(moved) as result:
+        text = result.attrs["case"]
+        assert 'file = "mesh.msh"' in text
+        assert str(tmp_path) not in text
+        (moved / "again.toml").write_text(text)
+        for name in ("case.toml", "again.toml"):
+            again = run_case(read_case(moved / name), tmp_path / name, frames=0)
+            with again.open() as other:
+                np.testing.assert_array_equal(result.rotor_displacement, other.rotor_displacement)
