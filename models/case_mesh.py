@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import os
 import re
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, StrictStr
+from pydantic import (
+    BeforeValidator,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    StrictStr,
+    TypeAdapter,
+    ValidationError,
+)
 
-from bladewhirl.models.case_fields import Length, expectation
+from bladewhirl.models.case_fields import EXPECTED, Length, expectation
 from bladewhirl.models.case_section import BeamSection
 from bladewhirl.models.case_table import Table
 
@@ -20,9 +28,34 @@ def _path(value: object) -> str:
     return os.path.abspath(value)
 
 
-def _unit(value: object) -> object:
+class LengthUnit(float):
+    """A unit of length [m] that knows how the user wrote it, as messages and files have it."""
+
+    given: object
+
+    def __new__(cls, metres: float, given: object) -> LengthUnit:
+        """The unit of so many metres."""
+        unit = super().__new__(cls, metres)
+        unit.given = given
+        return unit
+
+    def __getnewargs__(self) -> Any:
+        """What a copy is made of."""
+        return float(self), self.given
+
+
+_LENGTH = TypeAdapter[float](Length)
+
+
+def _unit(value: object) -> LengthUnit:
     """ "mm" is "1 mm"."""
-    return f"1 {value}" if isinstance(value, str) and re.match(r"\s*[A-Za-zµ]", value) else value
+    if isinstance(value, LengthUnit):
+        return value
+    named = isinstance(value, str) and re.match(r"\s*[A-Za-zµ]", value)
+    try:
+        return LengthUnit(_LENGTH.validate_python(f"1 {value}" if named else value), value)
+    except ValidationError as error:
+        raise expectation(error.errors()[0]["ctx"][EXPECTED]) from None
 
 
 class MeshSection(BeamSection):
@@ -41,8 +74,8 @@ class MeshTable(Table):
     file: Annotated[str, BeforeValidator(_path)] = Field(
         description="Gmsh's .msh, .vtu or Abaqus's .inp; its path from the case file's folder."
     )
-    unit: Annotated[Length, BeforeValidator(_unit)] = Field(
-        default=1.0, description='Unit of length in the file, such as "mm" [m].'
+    unit: Annotated[float, PlainValidator(_unit), PlainSerializer(lambda unit: unit.given)] = Field(
+        default=LengthUnit(1.0, 1.0), description='Unit of length in the file, such as "mm" [m].'
     )
     tips: StrictStr = Field(
         default="tips",

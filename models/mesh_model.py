@@ -18,7 +18,7 @@ from bladewhirl.meshes.mesh_file import read_line_mesh
 from bladewhirl.meshes.rotational_symmetry import rotational_sectors, symmetric_points
 from bladewhirl.models.beam_model import BeamModel
 from bladewhirl.models.beam_model_check import AT_ORIGIN, check_model
-from bladewhirl.models.case_mesh import MeshTable
+from bladewhirl.models.case_mesh import LengthUnit, MeshTable
 from bladewhirl.models.case_section import Material
 from bladewhirl.models.faults import LONGEST_VALUE, CaseError, Fault, shown
 from bladewhirl.models.mesh_data import point_masses, rigid_links, springs
@@ -258,6 +258,7 @@ def _name(table: MeshTable) -> str:
 def _fault(table: MeshTable, key: str, expected: str) -> Fault:
     values = {"file": _short(table.file), "sections": None}
     value = values.get(key, getattr(table, key))
+    value = value.given if isinstance(value, LengthUnit) else value
     return Fault(key=f"{KEY}.{key}", value=value, expected=expected)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import re
 import shutil
 import tomllib
@@ -194,6 +195,8 @@ def test_a_case_finds_its_mesh_beside_it_and_keeps_it(tmp_path: Path) -> None:
     assert case.blades == 12
     assert case.tip_radius == pytest.approx(0.4, rel=1e-9)
     assert loads(dumps_case(case)) == case
+    assert 'unit = "mm"' in dumps_case(case)  # as it was given
+    assert pickle.loads(pickle.dumps(case)) == case
     assert "elements_per_blade" not in dumps_case(case)
     thick = with_values(case, {"bladed_disk.mesh.sections.blades.thickness": "8 mm"})
     assert case_beam_model(thick).mass > case_beam_model(case).mass
@@ -252,6 +255,7 @@ def same(lines: GroupedLines) -> GroupedLines:
 
 TOML = 'bladed_disk.mesh = {{ file = "a.vtu"{} }}'
 SECTION = "{ width = 0.1, thickness = 0.01 }"
+PARTS = ("blades", "spokes", "rim")
 
 BAD: list[tuple[Callable[[GroupedLines], GroupedLines], str, str]] = [
     (same, ', tips = "tip"', 'mesh.tips = "tip": expected a group of nodes of a.vtu: "centre", "'),
@@ -286,6 +290,12 @@ BAD: list[tuple[Callable[[GroupedLines], GroupedLines], str, str]] = [
         "mesh.unit = 1.0: expected a unit that puts the tips at 0.001 m to 10 m, not at 500 m",
     ),
     (
+        lambda lines: replace(lines, points=1e6 * lines.points),
+        f', unit = "1 mm", sections = {{ {", ".join(f"{k} = {SECTION}" for k in PARTS)} }}',
+        'mesh.unit = "1 mm": expected a unit that puts the tips at 0.001 m to 10 m, not at 500 m',
+    ),
+    (same, ', unit = "mx"', 'mesh.unit = "mx": expected a positive number in m, or text with'),
+    (
         lambda lines: replace(lines, points=lines.points + 0.1),
         "",
         "mesh: expected the centre at the origin, not at (0.1, 0.1) m",
@@ -299,7 +309,7 @@ BAD: list[tuple[Callable[[GroupedLines], GroupedLines], str, str]] = [
     (
         lambda lines: replace(lines, node_data={"mass": np.full(len(lines.points), 0.1)}),
         f', unit = "cm", sections = {{ blades = {SECTION}, spokes = {SECTION}, rim = {SECTION} }}',
-        'mesh.unit = 0.01: expected "m" for a file with point masses, which count in SI; a.vtu has',
+        'mesh.unit = "cm": expected "m" for a file with point masses, which count in SI; a.vtu has',
     ),
     (
         lambda lines: replace(lines, line_data={"spring_radial": np.full(12, -1.0)}),
