@@ -29,6 +29,7 @@ from bladewhirl.postprocess.stage_picture import draw_stage, stage_at_rest
 from bladewhirl.postprocess.stresses import plot_stress, stress_history
 from bladewhirl.postprocess.style import save_figure
 from bladewhirl.postprocess.summary import Summary, summarise, summary_table, write_summary
+from bladewhirl.postprocess.sweep_figures import LEFT_BY_A_SWEEP, SWEEP_FIGURES, SweepFigures
 from bladewhirl.postprocess.sweep_result import SweepError, open_sweep
 from bladewhirl.postprocess.vtk_series import SeriesWriter, undeformed_mesh, write_vtk
 from bladewhirl.postprocess.web_page import render_page
@@ -37,6 +38,8 @@ from bladewhirl.postprocess.windows import late_part, select_window
 
 __all__ = [
     "FIGURES",
+    "LEFT_BY_A_SWEEP",
+    "SWEEP_FIGURES",
     "Drawing",
     "Growth",
     "OffScreenError",
@@ -46,6 +49,7 @@ __all__ = [
     "SeriesWriter",
     "Summary",
     "SweepError",
+    "SweepFigures",
     "ViewError",
     "Whirl",
     "animation_records",

@@ -10,10 +10,19 @@ from scipy.signal import zoom_fft
 
 from bladewhirl.postprocess.energies import strain_energies
 from bladewhirl.postprocess.fields import Array
+from bladewhirl.postprocess.late_motion import late_motion
 from bladewhirl.postprocess.orbits import shaft_orbit
 from bladewhirl.postprocess.regimes import classify
 from bladewhirl.postprocess.summary import energy_residual
-from bladewhirl.postprocess.sweep_result import MODE_LINES, VARIABLES, WINDOW_SHARE, Layout, flag
+from bladewhirl.postprocess.sweep_result import (
+    FLAGS,
+    MODE_LINES,
+    SECTIONS,
+    VARIABLES,
+    WINDOW_SHARE,
+    Layout,
+    flag,
+)
 
 FEWEST_RECORDS = 16
 """Records in a window, below which there is no spectrum."""
@@ -45,8 +54,8 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
     motion = orbit["rotating"].values @ np.array([1.0, 1.0j])
     touched = dataset["contact_steps"].sum("time").values / max(steps, 1)
     values = {
-        "regime": flag("regime", regime.name),
-        "end_reason": flag("end_reason", dataset.attrs["end_reason"]),
+        "regime": regime.name,
+        "end_reason": dataset.attrs["end_reason"],
         "end_time": time[-1],
         "steps": steps,
         "rotation_speed": dataset.attrs["speed"],
@@ -57,6 +66,8 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
         "shaft_radius_final": radius[-1],
         "strain_energy_max": energies["total"].max(),
         "contact_share": _padded(touched, layout.blades),
+        "smallest_clearance": orbit.attrs["smallest_clearance"],
+        **_late(dataset, orbit, layout),
         "gap_violation_max": max(0.0, -float(dataset["gap"].min())),
         "energy_residual": energy_residual(dataset),
         "complementarity_residual": report["complementarity_residual"],
@@ -72,7 +83,10 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
         "energy_max": groups.max(axis=0),
         **_thinned(time, motion, groups, layout.samples),
     }
-    return {name: np.asarray(values[name], dtype=VARIABLES[name].kind) for name in VARIABLES}
+    numbers = {
+        name: flag(name, str(value)) if name in FLAGS else value for name, value in values.items()
+    }
+    return {name: np.asarray(numbers[name], dtype=VARIABLES[name].kind) for name in VARIABLES}
 
 
 def complex_spectrum(motion: Array, step: float, frequency: Array) -> Array:
@@ -98,6 +112,19 @@ def complex_spectrum(motion: Array, step: float, frequency: Array) -> Array:
     span = frequency[-1] - frequency[0]
     found = zoom_fft(turned, [0.0, span], m=len(frequency), fs=1.0 / step, endpoint=True)
     return np.asarray(np.abs(found) / window.sum())
+
+
+def _late(dataset: xr.Dataset, orbit: xr.Dataset, layout: Layout) -> dict[str, object]:
+    """What is kept of the late motion, arrays padded to their room."""
+    late = late_motion(dataset, orbit)
+    section = late["section"].values[-SECTIONS:]
+    return {
+        **{str(name): values.item() for name, values in late.data_vars.items() if not values.ndim},
+        "late_contact_share": _padded(late["late_contact_share"].values, layout.blades),
+        "section_x": _padded(section[:, 0], SECTIONS),
+        "section_y": _padded(section[:, 1], SECTIONS),
+        "radius_peak": _padded(late["radius_peak"].values[-SECTIONS:], SECTIONS),
+    }
 
 
 def _groups(energies: xr.Dataset, layout: Layout) -> Array:

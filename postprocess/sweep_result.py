@@ -24,10 +24,19 @@ SWEEP_NAME = "sweep.nc"
 MISSING, DONE, FAILED = 0, 1, 2
 """`state` of a point."""
 
+FORMAT = 2
+"""Of what is kept of a point. Sweeps of format 1 have nothing of the late motion, see
+`late_motion`; they can be read, but not resumed."""
+
+_WHIRLS = ("unknown", "none", "backward", "forward")
+
 FLAGS: Mapping[str, tuple[str, ...]] = {
     "state": ("missing", "done", "failed"),
     "regime": ("unknown", "divergent", "no-contact", "damped", "sustained"),
     "end_reason": ("unknown", "completed", "divergent"),
+    "whirl_rotating": _WHIRLS,
+    "whirl_static": _WHIRLS,
+    "scenario": ("unknown", "at-rest", "standard", "inverted", "unsteady"),
 }
 """Meanings of the numbers of variables that name something, from 0 on."""
 
@@ -45,8 +54,11 @@ class PointVariable(NamedTuple):
     long_name: str
 
 
-LINE, GROUP, SAMPLE = "mode", "energy_group", "sample"
-_GROUPS, _SAMPLES = (GROUP,), (SAMPLE,)
+LINE, GROUP, SAMPLE, SECTION = "mode", "energy_group", "sample", "section"
+_GROUPS, _SAMPLES, _SECTIONS = (GROUP,), (SAMPLE,), (SECTION,)
+
+SECTIONS = 64
+"""Points of a Poincaré map, and local maxima, kept of a march at most: the last ones."""
 
 VARIABLES: Mapping[str, PointVariable] = {
     "regime": PointVariable((), "i1", "1", "regime of the motion, see `criterion`"),
@@ -68,6 +80,37 @@ VARIABLES: Mapping[str, PointVariable] = {
     ),
     "contact_share": PointVariable(
         ("blade",), "f8", "1", "share of all steps with contact, of each blade"
+    ),
+    "smallest_clearance": PointVariable((), "f8", "m", "smallest clearance at rest"),
+    "late_radius": PointVariable(
+        (), "f8", "m", "displacement of the centre, root mean square over the last third"
+    ),
+    "whirl_rotating": PointVariable((), "i1", "1", "whirl over the last third, rotating frame"),
+    "whirl_static": PointVariable((), "i1", "1", "whirl over the last third, static frame"),
+    "whirl_frequency": PointVariable(
+        (), "f8", "Hz", "of the whirl over the last third, rotating frame; forward is positive"
+    ),
+    "whirl_scatter": PointVariable(
+        (), "f8", "Hz", "standard deviation of whirl_frequency over spans of the last third"
+    ),
+    "scenario": PointVariable((), "i1", "1", "contact scenario over the last third"),
+    "shaft_lead": PointVariable(
+        (), "f8", "rad", "angle of the shaft less that of contact, mean over the last third"
+    ),
+    "lead_steadiness": PointVariable(
+        (), "f8", "1", "length of the mean direction of shaft_lead: 1 where it is constant"
+    ),
+    "late_contact_share": PointVariable(
+        ("blade",), "f8", "1", "share of the steps of the last third with contact, of each blade"
+    ),
+    "section_x": PointVariable(
+        _SECTIONS, "f4", "m", "x of the centre whenever blade 0 lies on +x, in the last third"
+    ),
+    "section_y": PointVariable(
+        _SECTIONS, "f4", "m", "y of the centre whenever blade 0 lies on +x, in the last third"
+    ),
+    "radius_peak": PointVariable(
+        _SECTIONS, "f4", "m", "local maxima of the displacement of the centre, in the last third"
     ),
     "gap_violation_max": PointVariable((), "f8", "m", "deepest penetration"),
     "energy_residual": PointVariable((), "f8", "1", "of the energy ledger, over its largest term"),
@@ -138,6 +181,7 @@ class Layout:
             SAMPLE: self.samples,
             GROUP: len(self.groups),
             LINE: len(MODE_LINES),
+            SECTION: SECTIONS,
             "blade": self.blades,
         }
 
@@ -167,7 +211,8 @@ class SweepError(UserError):
 def open_sweep(path: str | Path) -> xr.Dataset:
     """Open the dataset of a sweep, or of the folder that holds it; arrays are read when used.
 
-    ``state``, ``regime`` and ``end_reason`` are text. Close it, or use ``with``.
+    Variables of `FLAGS` are text. What is read is not kept, so that going through the histories of
+    many points takes the memory of one. Close it, or use ``with``.
 
     Raises:
         SweepError: nothing there, or not a sweep.
@@ -177,7 +222,7 @@ def open_sweep(path: str | Path) -> xr.Dataset:
     if not file.is_file():
         raise SweepError(f"{file}: expected a sweep (or its folder), found no such file")
     try:
-        dataset = xr.open_dataset(file, engine="h5netcdf", decode_times=False)
+        dataset = xr.open_dataset(file, engine="h5netcdf", decode_times=False, cache=False)
     except (OSError, ValueError, KeyError) as error:
         raise SweepError(f"{file}: expected a sweep, could not read it: {error}") from None
     if "over" not in dataset.attrs or "state" not in dataset:
@@ -186,6 +231,7 @@ def open_sweep(path: str | Path) -> xr.Dataset:
     named = {
         name: (dataset[name].dims, np.array(meanings)[dataset[name].values])
         for name, meanings in FLAGS.items()
+        if name in dataset
     }
     opened = dataset.assign(named)
     opened.set_close(dataset.close)

@@ -13,12 +13,7 @@ from bladewhirl.models.faults import UserError
 from bladewhirl.postprocess.run_figures import RunFigures
 from bladewhirl.postprocess.stability_figures import chart_dataset, plot_chart
 from bladewhirl.postprocess.style import save_figure
-from bladewhirl.postprocess.sweep_figures import (
-    frequency_map,
-    plot_frequency_map,
-    plot_shaft_radius,
-    shaft_radius,
-)
+from bladewhirl.postprocess.sweep_figures import SweepFigures
 from bladewhirl.solvers.coupled_modes import coupled_modes
 from bladewhirl.solvers.stability import is_unstable, stability_chart
 from bladewhirl.studies.campbell_diagrams import draw_campbell, find_coincidences
@@ -32,8 +27,6 @@ from bladewhirl.studies.veering_diagrams import draw_veering, spring_stiffnesses
 
 CHART_SPEEDS, CHART_KAPPAS = np.linspace(*RANGE, 241), np.linspace(0.0, 1000.0, 101)
 """Normalised speeds and stiffnesses [N/m] of the chart."""
-
-SPEED = "march_speed"
 
 Draw = Callable[[Laboratory, Path], None]
 """Leaves pictures with their data in a folder that is there."""
@@ -158,14 +151,9 @@ def _draw_run(trial: str, name: str, lab: Laboratory, folder: Path) -> None:
     save_figure(figure, folder / name, data)
 
 
-def _draw_map(survey: str, lab: Laboratory, folder: Path) -> None:
-    line = frequency_map(lab.sweep(survey), SPEED)
-    save_figure(plot_frequency_map(line), folder / "map", line)
-
-
-def _draw_radius(survey: str, lab: Laboratory, folder: Path) -> None:
-    radius = shaft_radius(lab.sweep(survey), SPEED)
-    save_figure(plot_shaft_radius(radius), folder / "radius", radius)
+def _draw_sweep(survey: str, name: str, lab: Laboratory, folder: Path) -> None:
+    figure, data = SweepFigures(lab.sweep(survey)).draw(name)
+    save_figure(figure, folder / name, data)
 
 
 def _slug(text: str) -> str:
@@ -179,9 +167,12 @@ def _run(trial: str, name: str, caption: str) -> Panel:
 
 
 def _sweep(survey: str, name: str, caption: str) -> Panel:
-    draw = {"map": _draw_map, "radius": _draw_radius}[name]
-    folder = f"sweep-{_slug(survey)}"
-    return Panel(caption=caption, folder=folder, name=name, draw=partial(draw, survey))
+    return Panel(
+        caption=caption,
+        folder=f"sweep-{_slug(survey)}",
+        name=name,
+        draw=partial(_draw_sweep, survey, name),
+    )
 
 
 def _modal(name: str, caption: str) -> Panel:
@@ -245,8 +236,8 @@ PAPER_FIGURES: Mapping[str, PaperFigure] = {
     "15": PaperFigure(
         caption="Response to casing distortion over speed",
         panels=(
-            _sweep("distortion", "map", "spectrum of the shaft"),
-            _sweep("distortion", "radius", "largest displacement"),
+            _sweep("distortion", "frequency-map", "spectrum of the shaft"),
+            _sweep("distortion", "shaft-radius", "largest displacement"),
         ),
     ),
     "16": PaperFigure(
@@ -269,8 +260,8 @@ PAPER_FIGURES: Mapping[str, PaperFigure] = {
     "19": PaperFigure(
         caption="Response to imbalance over speed",
         panels=(
-            _sweep("imbalance", "map", "spectrum of the shaft"),
-            _sweep("imbalance", "radius", "largest displacement"),
+            _sweep("imbalance", "frequency-map", "spectrum of the shaft"),
+            _sweep("imbalance", "shaft-radius", "largest displacement"),
         ),
     ),
     "20": PaperFigure(
@@ -301,7 +292,7 @@ PAPER_FIGURES: Mapping[str, PaperFigure] = {
     ),
     "24": PaperFigure(
         caption="Six modes: largest displacement over speed and coupling",
-        panels=(_sweep("six modes, distortion", "radius", "a line for each coupling"),),
+        panels=(_sweep("six modes, distortion", "shaft-radius", "a line for each coupling"),),
     ),
     "25": PaperFigure(
         caption="Six modes, imbalance at 1.05",
@@ -312,7 +303,7 @@ PAPER_FIGURES: Mapping[str, PaperFigure] = {
     ),
     "26": PaperFigure(
         caption="Six modes, imbalance over speed and coupling",
-        panels=(_sweep("six modes, imbalance", "radius", "a line for each coupling"),),
+        panels=(_sweep("six modes, imbalance", "shaft-radius", "a line for each coupling"),),
     ),
 }
 """By number in the paper."""

@@ -1,4 +1,4 @@
-"""`bladewhirl plot`: figures of a run, by name."""
+"""`bladewhirl plot`: figures of a run or a sweep, by name."""
 
 from __future__ import annotations
 
@@ -24,29 +24,41 @@ NAMES = {
     "contact-phase": "of shaft and smallest clearance, and the contact scenario",
     "stress": "of blades, disk and casing over time, and the extremes of every blade",
 }
-"""The figures, and what they show."""
+"""The figures of a run, and what they show."""
+
+SWEEP_NAMES = {
+    "frequency-map": "spectrum of the shaft over the swept key, engine orders, lines of modes",
+    "shaft-radius": "largest and final displacement of the shaft",
+    "regimes": "regime of each point, and growth rate with its uncertainty",
+}
+"""The figures of a sweep, and what they show."""
 
 ALL = "all"
 PLOTS = "plots"
-"""Folder in that of the run where figures go."""
+"""Folder in that of the run or the sweep where figures go."""
 
 
 def plot(
     directory: Annotated[
-        Path, typer.Argument(metavar="DIR", help="Folder of a run, or its result.nc.")
+        Path,
+        typer.Argument(
+            metavar="DIR", help="Folder of a run or a sweep, or its result.nc or sweep.nc."
+        ),
     ],
     names: Annotated[
         list[str],
         typer.Argument(
             metavar="NAME",
-            help="Figures, or all:\n\n"
-            + "\n\n".join(f"{name}: {about}." for name, about in NAMES.items()),
+            help="Figures, or all. Of a run:\n\n"
+            + "\n\n".join(f"{name}: {about}." for name, about in NAMES.items())
+            + "\n\nOf a sweep:\n\n"
+            + "\n\n".join(f"{name}: {about}." for name, about in SWEEP_NAMES.items()),
         ),
     ],
     start: Annotated[
         str | None,
         typer.Option(
-            "--from", help='Start of the window: seconds, or "0.8 ms"; of the run if none.'
+            "--from", help='Start of the window of a run: seconds, or "0.8 ms"; its start if none.'
         ),
     ] = None,
     end: Annotated[str | None, typer.Option("--to", help="End of the window.")] = None,
@@ -55,27 +67,34 @@ def plot(
         typer.Option("--output", "-o", help=f"Folder for the figures; DIR/{PLOTS} if none."),
     ] = None,
 ) -> None:
-    """Draw figures of a run as PNG and PDF, with the data behind each as netCDF.
+    """Draw figures of a run or a sweep as PNG and PDF, with the data behind each as netCDF.
 
-    Without a window, spectrum and contact-classes are of the last third of the time.
+    Without a window, a run's spectrum and contact-classes are of the last third of the time.
     """
     from bladewhirl.models.faults import UserError
     from bladewhirl.postprocess.fields import ViewError
     from bladewhirl.postprocess.result import open_result
     from bladewhirl.postprocess.run_figures import RunFigures
     from bladewhirl.postprocess.style import save_figure
+    from bladewhirl.postprocess.sweep_figures import SweepFigures
+    from bladewhirl.postprocess.sweep_result import open_sweep
     from bladewhirl.studies.times import parse_time
 
-    unknown = [name for name in names if name not in (*NAMES, ALL)]
+    of_sweep = _is_sweep(directory)
+    known = SWEEP_NAMES if of_sweep else NAMES
+    unknown = [name for name in names if name not in (*known, ALL)]
     if unknown:
-        raise UserError(f"{', '.join(unknown)}: expected {', '.join(NAMES)} or {ALL}")
+        kind = "a sweep has" if of_sweep else "a run has"
+        raise UserError(f"{', '.join(unknown)}: {kind} {', '.join(known)}; or {ALL}")
+    if of_sweep and (start is not None or end is not None):
+        raise UserError(f"{directory}: expected no --from and --to with a sweep")
     folder = output or (directory if directory.is_dir() else directory.parent) / PLOTS
     window = (parse_time("--from", start), parse_time("--to", end))
-    with open_result(directory) as result:
-        figures = RunFigures(result, *window)
-        for name in NAMES if ALL in names else dict.fromkeys(names):
+    with open_sweep(directory) if of_sweep else open_result(directory) as data:
+        figures = SweepFigures(data) if of_sweep else RunFigures(data, *window)
+        for name in known if ALL in names else dict.fromkeys(names):
             try:
-                figure, data = figures.draw(name)
+                figure, drawn = figures.draw(name)
             except ViewError as error:
                 if ALL not in names:
                     raise
@@ -83,7 +102,14 @@ def plot(
                 continue
             try:
                 folder.mkdir(parents=True, exist_ok=True)
-                save_figure(figure, folder / name, data)
+                save_figure(figure, folder / name, drawn)
             except OSError as error:
                 raise UserError(f"{folder}: cannot be written ({error.strerror})") from None
             typer.echo(f"Wrote {folder / name}.png, .pdf and .nc.")
+
+
+def _is_sweep(path: Path) -> bool:
+    """Whether a folder is that of a sweep, or a file its dataset."""
+    from bladewhirl.postprocess.sweep_result import SWEEP_NAME
+
+    return (path / SWEEP_NAME).is_file() if path.is_dir() else path.name == SWEEP_NAME

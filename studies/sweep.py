@@ -163,6 +163,8 @@ def _report(done: Sweep, *, as_json: bool) -> None:
         )
     for point, reason in sorted(done.failures.items())[:SHOWN_FAILURES]:
         typer.echo(f"failed: {done.grid.label(point)}: {reason}", err=True)
+    for name, reason in done.left_out.items():
+        typer.echo(f"{name} left out: {reason}", err=True)
     if done.failed > SHOWN_FAILURES:
         typer.echo(f"failed: {done.failed - SHOWN_FAILURES} more, see failures.json", err=True)
 

@@ -15,7 +15,7 @@ from bladewhirl.models.case import Case
 from bladewhirl.models.case_file import loads, with_values
 from bladewhirl.models.faults import UserError
 from bladewhirl.models.march_problem import march_faults
-from bladewhirl.postprocess.sweep_result import DONE, Layout
+from bladewhirl.postprocess.sweep_result import DONE, FORMAT, Layout
 from bladewhirl.studies import run_directory as folder
 from bladewhirl.studies.sweep_axes import (
     OVER,
@@ -116,6 +116,7 @@ def write_plan(plan: Plan, directory: Path) -> None:
     files = folder.case_files(plan.case)
     document = {
         folder.PACKAGE: folder.version(),
+        "format": FORMAT,
         "case": files.pop(folder.CASE_NAME).decode(),
         "over": {axis.key: axis.values for axis in plan.grid.axes},
         "histories": plan.histories,
@@ -131,7 +132,7 @@ def read_plan(directory: Path) -> Plan:
     """The plan of a sweep that was begun.
 
     Raises:
-        UserError: there is none, or it is another version's.
+        UserError: there is none, or it is another version's or of another format.
     """
     path = directory / PLAN_NAME
     try:
@@ -146,6 +147,11 @@ def read_plan(directory: Path) -> Plan:
         raise UserError(
             f"{path}: expected a sweep of bladewhirl {folder.version()}, this one is of {made_by};"
             " its points would not agree to the last bit"
+        )
+    if document.get("format") != FORMAT:
+        raise UserError(
+            f"{path}: expected a sweep of format {FORMAT}, this one is of"
+            f" {document.get('format', 1)} and keeps other quantities; sweep anew into a new folder"
         )
     case = loads(text, file=str(path))
     return plan_sweep(

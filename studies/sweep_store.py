@@ -27,6 +27,7 @@ from bladewhirl.postprocess.sweep_result import (
     DONE,
     FAILED,
     FLAGS,
+    FORMAT,
     GROUP,
     LINE,
     MODE_LINES,
@@ -83,6 +84,7 @@ def create(
             file[name].attrs["flag_values"] = np.arange(len(meanings), dtype="i1")
             file[name].attrs["flag_meanings"] = " ".join(meanings)
         file.attrs["over"] = json.dumps({axis.key: axis.values for axis in grid.axes})
+        file.attrs["format"] = FORMAT
         file.attrs["criterion"] = CRITERION
         file.attrs["window"] = (
             f"spectra and mean energies are over the last {layout.window:.6g} s of each march,"

@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from bladewhirl.models.case import Case
@@ -48,6 +48,7 @@ class Sweep:
     grid: Grid
     wall_time: float  #: of this call [s]
     marched: int  #: points marched by this call
+    left_out: Mapping[str, str] = field(default_factory=dict)  #: figures not drawn, and why
 
     @property
     def failed(self) -> int:
@@ -141,7 +142,7 @@ def _carry_out(
     watch: Watch,
 ) -> Sweep:
     """March every group that is not done yet."""
-    from bladewhirl.postprocess.sweep_figures import draw_sweep
+    from bladewhirl.postprocess.sweep_figures import leave_figures
 
     began = time.perf_counter()
     histories = directory.absolute() / HISTORIES_NAME
@@ -173,9 +174,7 @@ def _carry_out(
             wall_time=time.perf_counter() - began,
             marched=marched,
         )
-    if swept.done:
-        draw_sweep(directory)
-    return swept
+    return replace(swept, left_out=leave_figures(directory))
 
 
 def _compile(case: Case, values: Mapping[str, Value]) -> None:

@@ -11,8 +11,9 @@ import xarray as xr
 from typer.testing import CliRunner, Result
 
 from bladewhirl.postprocess.run_figures import FIGURES
+from bladewhirl.postprocess.sweep_figures import SWEEP_FIGURES
 from bladewhirl.studies.cli import app
-from bladewhirl.studies.plot import NAMES
+from bladewhirl.studies.plot import NAMES, SWEEP_NAMES
 
 
 def plot(*arguments: str | Path) -> Result:
@@ -35,8 +36,9 @@ def made(folder: Path, speed: float) -> Path:
 
 def test_the_help_names_every_figure() -> None:
     assert list(NAMES) == list(FIGURES)
+    assert list(SWEEP_NAMES) == list(SWEEP_FIGURES)
     shown = plot("--help").stdout
-    assert all(f"{name}:" in shown for name in NAMES)
+    assert all(f"{name}:" in shown for name in (*NAMES, *SWEEP_NAMES))
 
 
 def test_all_figures_come_with_their_data(directory: Path) -> None:
@@ -65,7 +67,7 @@ def test_a_window_and_a_folder(directory: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["waterfall", "orbit", "bode"], "waterfall, bode: expected orbit, whirl, "),
+        (["waterfall", "orbit", "bode"], "waterfall, bode: a run has orbit, whirl, "),
         (["orbit", "--from", "0.3", "--to", "0.1"], "window [0.3, 0.1] s must be ordered"),
         (["orbit", "--to", "soon"], "--to soon: expected a time"),
     ],

@@ -24,12 +24,15 @@ from bladewhirl.models.case import Case, March
 from bladewhirl.models.case_file import dumps_case
 from bladewhirl.models.excitation import Imbalance
 from bladewhirl.models.faults import UserError
+from bladewhirl.postprocess.late_motion import late_motion
+from bladewhirl.postprocess.orbits import shaft_orbit
 from bladewhirl.postprocess.result import open_result
+from bladewhirl.postprocess.sweep_figures import LEFT_BY_A_SWEEP
 from bladewhirl.postprocess.sweep_result import DONE, Layout, SweepError, open_sweep
 from bladewhirl.studies import sweep_cluster, sweep_plan
 from bladewhirl.studies.cli import app
 from bladewhirl.studies.runs import run_case
-from bladewhirl.studies.sweep_plan import PLAN_NAME
+from bladewhirl.studies.sweep_plan import PLAN_NAME, read_plan
 from bladewhirl.studies.sweep_points import Failure, Group, Outcome, Work
 from bladewhirl.studies.sweeps import resume_sweep, run_sweep
 
@@ -73,6 +76,11 @@ def test_a_point_is_what_a_run_of_its_case_says(swept: Path, tmp_path: Path) -> 
         assert float(history.sel(energy_group="suspension")) == pytest.approx(
             held["suspension"], rel=1e-6
         )
+        late = late_motion(result, shaft_orbit(result))
+        assert point["whirl_frequency"].item() == late["whirl_frequency"].item()
+        assert point["whirl_static"].item() == late["whirl_static"].item()
+        assert point["scenario"].item() == late["scenario"].item()
+        np.testing.assert_array_equal(point["late_contact_share"], late["late_contact_share"])
         assert point["rotation_speed"].item() == result.attrs["speed"]
 
 
@@ -96,7 +104,7 @@ def test_full_histories_are_runs(swept: Path) -> None:
 
 def test_figures_are_left(swept: Path) -> None:
     names = {path.name for path in swept.iterdir()}
-    for stem in ("frequency_map_00", "frequency_map_01", "shaft_radius"):
+    for stem in LEFT_BY_A_SWEEP:
         assert {f"{stem}.png", f"{stem}.pdf", f"{stem}.nc"} <= names
 
 
@@ -269,6 +277,20 @@ def test_a_folder_in_use_is_refused(swept: Path) -> None:
         with pytest.raises(UserError, match="still running"):
             resume_sweep(swept)
         other.communicate(b"\n")
+
+
+def test_a_sweep_of_another_format_is_not_mixed(swept: Path, tmp_path: Path) -> None:
+    plan = json.loads((swept / PLAN_NAME).read_text())
+    del plan["format"]
+    (tmp_path / PLAN_NAME).write_text(json.dumps(plan))
+    with pytest.raises(UserError, match="format 2, this one is of 1"):
+        resume_sweep(tmp_path)
+
+
+def test_the_size_is_told_right(swept: Path) -> None:
+    estimate = read_plan(swept).dataset_bytes
+    actual = (swept / "sweep.nc").stat().st_size
+    assert estimate <= actual <= estimate + 100_000  # names, attributes, frequencies
 
 
 def test_a_sweep_of_another_version_is_not_mixed(swept: Path, tmp_path: Path) -> None:

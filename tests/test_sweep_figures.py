@@ -1,0 +1,226 @@
+"""Figures of sweeps and what is behind them: closed-form motions, failed points, two keys."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.text import Annotation
+from synthetic_sweep import synthetic_sweep
+from typer.testing import CliRunner, Result
+
+from bladewhirl.postprocess import frequency_map as map_module
+from bladewhirl.postprocess.fields import ViewError
+from bladewhirl.postprocess.frequency_map import frequency_map, plot_frequency_map
+from bladewhirl.postprocess.sweep_figures import SWEEP_FIGURES, SweepFigures
+from bladewhirl.postprocess.sweep_quantities import (
+    cell_edges,
+    contact_sides,
+    regimes,
+    shaft_radius,
+    whirls,
+)
+from bladewhirl.postprocess.sweep_result import open_sweep
+from bladewhirl.studies.cli import app
+
+REFERENCE = 75.0  # rad/s
+WHIRL = -70.0 / (2 * np.pi)  # Hz in rotating axes
+SPEEDS = (1.2, 0.8, 1.0)
+RADII = (0.4e-3, 0.2e-3, 1.3e-3)
+
+
+@pytest.fixture(scope="module")
+def one(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three speeds out of order, one of which failed, and one at rest."""
+    motions = [
+        *({"speed": REFERENCE * s, "shaft_radius": r} for s, r in zip(SPEEDS, RADII, strict=True)),
+        None,
+        {"speed": REFERENCE * 1.6, "shaft_radius": 0.0, "bending": 0.0},
+    ]
+    over = {"march.speed": (*SPEEDS, 1.4, 1.6)}
+    return synthetic_sweep(tmp_path_factory.mktemp("sweeps") / "one", over, motions)
+
+
+@pytest.fixture(scope="module")
+def two(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two speeds and three frictions, the radius growing with both."""
+    motions = [
+        {"speed": REFERENCE * s, "shaft_radius": (s + f) * 1e-4}
+        for s in (1.0, 2.0)
+        for f in (0.0, 0.1, 0.2)
+    ]
+    over = {"march.speed": (1.0, 2.0), "contact.friction": (0.0, 0.1, 0.2)}
+    return synthetic_sweep(tmp_path_factory.mktemp("sweeps") / "two", over, motions)
+
+
+@pytest.fixture
+def none(tmp_path: Path) -> Path:
+    """Two points, both failed."""
+    return synthetic_sweep(tmp_path / "none", {"march.speed": (1.0, 2.0)}, [None, None])
+
+
+def plot(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, ["plot", *map(str, arguments)])
+
+
+def test_points_are_put_in_order(one: Path) -> None:
+    with open_sweep(one) as sweep:
+        found = shaft_radius(sweep, "march_speed")
+        np.testing.assert_array_equal(found["march_speed"], [0.8, 1.0, 1.2, 1.4, 1.6])
+        expected = [0.2e-3, 1.3e-3, 0.4e-3, np.nan, 0.0]
+        np.testing.assert_allclose(found["shaft_radius_max"].values, [expected], rtol=1e-12)
+        assert regimes(sweep, "march_speed")["regime"].values.tolist() == [
+            ["no-contact", "sustained", "no-contact", "unknown", "no-contact"]
+        ]
+
+
+def test_a_whirl_has_its_frequency_and_rest_has_none(one: Path) -> None:
+    with open_sweep(one) as sweep:
+        found = whirls(sweep, "march_speed").isel(line=0)
+        sides = contact_sides(sweep, "march_speed").isel(line=0)
+    moving, resting = slice(0, 3), slice(3, 5)
+    rotating = found["frequency"].sel(frame="rotating").values
+    np.testing.assert_allclose(rotating[moving], WHIRL, rtol=1e-9)
+    assert np.isnan(rotating[resting]).all()
+    speeds = REFERENCE * found["march_speed"].values / (2 * np.pi)
+    static = found["frequency"].sel(frame="static").values
+    np.testing.assert_allclose(static[moving], WHIRL + speeds[moving], rtol=1e-9)
+    assert found["direction"].sel(frame="rotating").values.tolist() == [
+        *["backward"] * 3,
+        "unknown",
+        "at rest",
+    ]
+    assert found["direction"].sel(frame="static").values[:3].tolist() == [
+        "backward",  # 60 against 70 rad/s
+        "forward",
+        "forward",
+    ]
+    assert sides["scenario"].values[3:].tolist() == ["unknown", "at-rest"]
+    assert np.isnan(sides["shaft_lead"].values[3:]).all()
+
+
+def test_a_map_peaks_at_the_whirl(one: Path) -> None:
+    with open_sweep(one) as sweep:
+        maps = frequency_map(sweep, "march_speed").isel(line=0)
+    assert maps["amplitude"].dims == ("march_speed", "frequency")
+    assert maps["frequency"].attrs["units"] == "1"
+    done = maps["amplitude"].isel(march_speed=[0, 1, 2])
+    peak = maps["frequency"].values[done.argmax("frequency").values]
+    resolution = np.diff(maps["frequency"].values)[0]
+    np.testing.assert_allclose(peak, -70.0 / REFERENCE, atol=0.51 * resolution)
+    assert np.isnan(maps["amplitude"].isel(march_speed=3)).all()
+    orders = maps["engine_order"].sel(order=2).values[:3]
+    np.testing.assert_allclose(orders, [1.6, 2.0, 2.4], rtol=1e-12)
+    casing = maps["mode_line"].sel(mode="casing k=1", direction="forward").values[:3]
+    np.testing.assert_allclose(casing, 5.0 / REFERENCE - np.array([0.8, 1.0, 1.2]), rtol=1e-12)
+
+
+def test_many_points_share_columns(one: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Five points in two columns, read two at a time: the largest of each is seen."""
+    with open_sweep(one) as sweep:
+        every = frequency_map(sweep, "march_speed")["amplitude"].values[0]
+        monkeypatch.setattr(map_module, "MOST_COLUMNS", 2)
+        monkeypatch.setattr(map_module, "PORTION", 2)
+        few = frequency_map(sweep, "march_speed")
+    np.testing.assert_array_equal(few["march_speed"], [0.8, 1.4])
+    np.testing.assert_array_equal(few["amplitude"].values[0, 0], every[:3].max(axis=0))
+    np.testing.assert_array_equal(few["amplitude"].values[0, 1], every[4])
+    assert few.attrs["points_per_column"] == 3
+
+
+@pytest.mark.parametrize("key", ["march_speed", "contact_friction"])
+def test_two_keys_give_a_line_for_each_value_of_the_other(two: Path, key: str) -> None:
+    other = {"march_speed": "contact_friction", "contact_friction": "march_speed"}[key]
+    with open_sweep(two) as sweep:
+        found = shaft_radius(sweep, key)
+        maps = frequency_map(sweep, key)
+    assert found["shaft_radius_max"].dims == ("line", key)
+    expected = found["march_speed"] + found["contact_friction"]
+    np.testing.assert_allclose(found["shaft_radius_max"], 1e-4 * expected.transpose("line", key))
+    assert found[other].dims == ("line",)
+    top = maps["amplitude"].max("frequency").transpose("line", key)
+    assert (np.diff(top.values, axis=0) > 0).all()
+    assert (np.diff(top.values, axis=1) > 0).all()
+
+
+def test_names_of_engine_orders_stay_inside_and_apart(one: Path) -> None:
+    with open_sweep(one) as sweep:
+        figure = plot_frequency_map(frequency_map(sweep, "march_speed"))
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    frame = axes.get_window_extent()
+    boxes = [
+        text.get_window_extent()
+        for text in axes.texts
+        if isinstance(text, Annotation) and text.get_text()
+    ]
+    assert len(boxes) >= 4
+    for number, box in enumerate(boxes):
+        assert frame.x0 < box.x0
+        assert box.x1 < frame.x1
+        assert frame.y0 < box.y0
+        assert box.y1 < frame.y1
+        assert not any(box.overlaps(other) for other in boxes[:number])
+
+
+def test_cells_reach_midway_to_their_neighbours() -> None:
+    np.testing.assert_allclose(
+        cell_edges(np.array([1.0, 2, 4]), logarithmic=False), [0.5, 1.5, 3, 5]
+    )
+    np.testing.assert_allclose(
+        cell_edges(np.array([1.0, 4, 16]), logarithmic=True), [0.5, 2, 8, 32], rtol=1e-12
+    )
+    np.testing.assert_allclose(cell_edges(np.array([3.0]), logarithmic=False), [2.5, 3.5])
+
+
+@pytest.mark.parametrize("which", ["one", "two"])
+def test_all_figures_come_with_their_data(
+    which: str, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    folder = request.getfixturevalue(which)
+    result = plot(folder, "all", "-o", tmp_path)
+    assert result.exit_code == 0, result.stderr
+    told = {line.split(" left out")[0] for line in result.stderr.splitlines()}
+    drawn = set(SWEEP_FIGURES) - told
+    assert told == ({"maps"} & set(SWEEP_FIGURES) if which == "one" else set())
+    assert {path.name for path in tmp_path.iterdir()} == {
+        f"{name}.{kind}" for name in drawn for kind in ("png", "pdf", "nc")
+    }
+    for name in drawn:
+        with xr.open_dataset(tmp_path / f"{name}.nc", engine="h5netcdf") as data:
+            assert "march_speed" in data.coords
+
+
+def test_a_sweep_without_points_says_so(none: Path) -> None:
+    with open_sweep(none) as sweep:
+        for name in SWEEP_FIGURES:
+            with pytest.raises(ViewError, match=r"no point of the sweep is done|two swept keys"):
+                SweepFigures(sweep).draw(name)
+    assert plot(none, "regimes").exit_code == 2
+    assert plot(none, "all").exit_code == 0
+
+
+def test_a_sweep_of_the_first_format_says_what_it_lacks(one: Path) -> None:
+    with open_sweep(one) as sweep:
+        old = sweep.drop_vars(["whirl_frequency", "whirl_rotating"]).assign_attrs(format=1)
+        with pytest.raises(ViewError, match="whirl_frequency, whirl_rotating: not in this sweep"):
+            whirls(old, "march_speed")
+        assert shaft_radius(old, "march_speed").sizes["march_speed"] == 5
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["orbit"], "orbit: a sweep has frequency-map, shaft-radius, regimes"),
+        (["regimes", "--from", "0.1"], "expected no --from and --to with a sweep"),
+    ],
+)
+def test_what_a_sweep_has_not_is_said_in_one_line(
+    one: Path, arguments: list[str], complaint: str
+) -> None:
+    result = plot(one, *arguments)
+    assert result.exit_code == 2
+    assert complaint in result.stderr
+    assert result.stderr.count("\n") == 1
