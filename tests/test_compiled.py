@@ -4,8 +4,10 @@ from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
+from numba import njit
+
 from bladewhirl.solvers import compiled, kernel
-from bladewhirl.solvers.compiled import digest
+from bladewhirl.solvers.compiled import COMPILE, ENTRY, digest
 
 SOLVERS = Path(kernel.__file__).parent
 
@@ -32,3 +34,19 @@ def test_the_cache_is_told_of_every_module_that_the_march_compiles() -> None:
     (cell,) = kernel.advance.py_func.__closure__  # type: ignore[attr-defined]
     assert cell.cell_contents == sources
     assert compiled.ENTRY["cache"] is True
+
+
+def test_a_part_is_made_into_machine_code_only_with_what_calls_it() -> None:
+    @njit(**COMPILE)  # type: ignore[untyped-decorator]
+    def part(x: float) -> float:
+        return 3.0 * x
+
+    @njit(**ENTRY | {"cache": False})  # type: ignore[untyped-decorator]
+    def entry(x: float) -> float:
+        return part(x) + part(2.0 * x)  # type: ignore[no-any-return]
+
+    assert entry(1.5) == 13.5
+    (made,) = part.overloads.values()
+    assert made.library.get_pointer_to_function(made.fndesc.llvm_func_name) == 0
+    (made,) = entry.overloads.values()
+    assert made.library.get_pointer_to_function(made.fndesc.llvm_func_name) != 0
