@@ -16,6 +16,7 @@ from bladewhirl.solvers.packing import (
     make_scratch,
     pack_body,
     pack_casing,
+    pack_dampers,
     pack_rotor,
     pack_springs,
     scheme_inverse,
@@ -85,7 +86,6 @@ class CentralDifference:
         self._rotor_body = pack_body(
             rotor.frequency,
             rotor.damping_ratio,
-            rotor.dampers,
             rotor_loads,
             self._rotor_layout,
             time_step,
@@ -93,9 +93,15 @@ class CentralDifference:
         self._casing_body = pack_body(
             casing.frequency,
             casing.damping_ratio,
-            casing.dampers,
             casing_loads,
             self._casing_layout,
+            time_step,
+        )
+        self._dampers = pack_dampers(
+            rotor.dampers,
+            casing.dampers,
+            (self._rotor_body, self._casing_body),
+            (self._rotor_layout, self._casing_layout),
             time_step,
         )
         self._springs = pack_springs(
@@ -105,6 +111,8 @@ class CentralDifference:
             self._casing_layout,
             problem.speed * time_step,
         )
+        signed = problem.sliding == "signed"
+        self._wheel_speed = rotor.tip_radius * problem.speed if signed else None
         self._march = _march_scalars(problem, time_step)
 
     def init(self) -> CentralDifferenceState:
@@ -174,9 +182,9 @@ class CentralDifference:
             self._casing,
             len(self._problem.rotor.tip_angle),
             len(self._problem.loads),
-            max(len(self._problem.rotor.dampers), len(self._problem.casing.dampers)),
             (self._rotor_layout, self._casing_layout),
-            len(self._springs.nodal_diameter),
+            self._springs,
+            self._dampers,
         )
         status, reached, written = advance(
             self._rotor,
@@ -184,6 +192,8 @@ class CentralDifference:
             self._rotor_body,
             self._casing_body,
             self._springs,
+            self._dampers,
+            self._wheel_speed,
             self._march,
             arrays,
             records,
@@ -286,9 +296,7 @@ def _march_scalars(problem: ContactProblem, dt: float) -> kernel_arrays.March:
         time_step=dt,
         elements_per_step=problem.speed * dt * per_radian,
         friction=problem.friction,
-        signed=problem.sliding == "signed",
         sliding=float(np.sign(problem.speed)),
-        wheel_speed=rotor.tip_radius * problem.speed,
         elements_per_metre=per_radian / rotor.tip_radius if problem.tip_rotation else 0.0,
         displacement_limit=problem.displacement_limit,
         gap_scale=float(casing.clearance[:, 0].min()),

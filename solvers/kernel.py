@@ -58,6 +58,7 @@ from bladewhirl.solvers.kernel_arrays import (
     W_SLOPE,
     Body,
     Casing,
+    Dampers,
     March,
     Records,
     Rotor,
@@ -123,7 +124,9 @@ def _advance(sources: int) -> Callable[..., tuple[int, int, int]]:
         casing: Casing,
         rotor_body: Body,
         casing_body: Body,
-        springs: Springs,
+        springs: Springs | None,
+        dampers: Dampers | None,
+        wheel_speed: float | None,
         march: March,
         state: State,
         records: Records,
@@ -138,6 +141,9 @@ def _advance(sources: int) -> Callable[..., tuple[int, int, int]]:
         (x_{n+1} - x_{n-1}) / (2 dt). Before the first step, slot 0 of the state holds x_{n-1} and
         slot 1 x_n; the same holds on return.
 
+        What a march does not have is None, and is then not compiled: ``springs``, ``dampers``,
+        ``wheel_speed`` R Omega [m/s] where sliding is permanent.
+
         Returns:
             status (RUNNING or DIVERGED), the step reached, and the number of records written. On
             divergence the last state within the displacement limit is recorded, its velocity a
@@ -146,7 +152,7 @@ def _advance(sources: int) -> Callable[..., tuple[int, int, int]]:
         _ = sources
         dt, friction, limit = march.time_step, march.friction, march.displacement_limit
         per_step, per_metre = march.elements_per_step, march.elements_per_metre
-        signed, wheel_speed, gap_scale = march.signed, march.wheel_speed, march.gap_scale
+        gap_scale = march.gap_scale
         spacing, nodes, length = casing.spacing, casing.nodes, casing.element_length
         loads, factors = bare(march.loads), bare(s.load)
         xs, ys = bare(state.rotor), bare(state.casing)
@@ -183,30 +189,30 @@ def _advance(sources: int) -> Callable[..., tuple[int, int, int]]:
         work, count, residual = bare(state.work), bare(state.counts), bare(state.residual)
         smallest, impulse = bare(state.gap), bare(state.impulse)
         drag, touched = bare(state.drag), bare(state.touched)
-        diameter, spring = bare(springs.nodal_diameter), bare(springs.factor)
-        r_place, c_place = bare(springs.rotor_place), bare(springs.casing_place)
-        r_wave, c_wave = bare(springs.rotor_wave), bare(springs.casing_wave)
-        r_amplitude, c_amplitude = bare(springs.rotor_amplitude), bare(springs.casing_amplitude)
-        r_waves, c_waves = bare(s.rotor_waves), bare(s.casing_waves)
-        stretch, pull, turn = bare(s.stretch), bare(s.spring_force), springs.angle_per_step
-
-        r_damper, r_solve = bare(rotor_body.damper), bare(rotor_body.damper_solve)
-        c_damper, c_solve = bare(casing_body.damper), bare(casing_body.damper_solve)
-        stroke, damper_force = bare(s.stroke), bare(s.damper_force)
+        zero, one, two = plain(0), plain(1), plain(2)
+        earlier, later_waves, spring_energy, parametric = zero, one, 0.0, 0.0
+        if springs is not None:
+            diameter, spring = bare(springs.nodal_diameter), bare(springs.factor)
+            r_place, c_place = bare(springs.rotor_place), bare(springs.casing_place)
+            r_wave, c_wave = bare(springs.rotor_wave), bare(springs.casing_wave)
+            r_amplitude = bare(springs.rotor_amplitude)
+            c_amplitude = bare(springs.casing_amplitude)
+            r_waves, c_waves = bare(s.rotor_waves), bare(s.casing_waves)
+            stretch, pull, turn = bare(s.stretch), bare(s.spring_force), springs.angle_per_step
+            spring_waves(r_place, r_wave, r_amplitude, xs, zero, r_waves, earlier)
+            spring_waves(c_place, c_wave, c_amplitude, ys, zero, c_waves, earlier)
+        if dampers is not None:
+            r_damper, r_solve = bare(dampers.rotor), bare(dampers.rotor_solve)
+            c_damper, c_solve = bare(dampers.casing), bare(dampers.casing_solve)
+            stroke, damper_force = bare(s.stroke), bare(s.damper_force)
         for j in range(len(sign)):
             sign[j], known[0, j] = march.sliding, -1
-        zero, one, two = plain(0), plain(1), plain(2)
         tips, written, status = len(element), zero, RUNNING
-        old, now, new = zero, one, two
-        end, coupled = step + steps, len(spring) > 0
-        earlier, later_waves, spring_energy, parametric = zero, one, 0.0, 0.0
-        if coupled:
-            spring_waves(r_place, r_wave, r_amplitude, xs, old, r_waves, earlier)
-            spring_waves(c_place, c_wave, c_amplitude, ys, old, c_waves, earlier)
+        old, now, new, end = zero, one, two, step + steps
         while step < end:
             recording = step % record_every == 0
             loaded = load_factors(loads, step * dt, factors)
-            if coupled:
+            if springs is not None:
                 angle, last_angle = turn * step, turn * (step - 1)
                 spring_waves(r_place, r_wave, r_amplitude, xs, now, r_waves, later_waves)
                 spring_waves(c_place, c_wave, c_amplitude, ys, now, c_waves, later_waves)
@@ -228,12 +234,11 @@ def _advance(sources: int) -> Callable[..., tuple[int, int, int]]:
                     if loaded:
                         add_load(r_load, r_loaded, factors, rc, xs, new)
                         add_load(c_load, c_loaded, factors, cc, ys, new)
-                    if coupled:
+                    if springs is not None:
                         add_springs(r_place, r_wave, r_amplitude, pull, zero, rc, xs, new)
                         add_springs(c_place, c_wave, c_amplitude, pull, one, cc, ys, new)
-                    if len(r_damper) > 0:
+                    if dampers is not None:
                         damp(r_damper, r_solve, rc, xs, old, new, stroke, damper_force, zero)
-                    if len(c_damper) > 0:
                         damp(c_damper, c_solve, cc, ys, old, new, stroke, damper_force, one)
 
                 if trial == 0:
@@ -289,7 +294,7 @@ def _advance(sources: int) -> Callable[..., tuple[int, int, int]]:
                     penetrating = propose_contacts(free_gap, held)
                     if penetrating == 0:
                         break
-                    if signed:
+                    if wheel_speed is not None:
                         step_difference(xs, now, old, moved, zero)
                         step_difference(ys, now, old, moved, one)
                         tip_tangential(
@@ -345,10 +350,10 @@ def _advance(sources: int) -> Callable[..., tuple[int, int, int]]:
             work[DAMPING] += (
                 damping_loss(r_damping, xs, old, new) + damping_loss(c_damping, ys, old, new)
             ) / dt
-            work[PARAMETRIC] += parametric
-            if len(r_damper) > 0:
+            if springs is not None:
+                work[PARAMETRIC] += parametric
+            if dampers is not None:
                 work[DAMPING] += damper_loss(r_damper, xs, old, new, stroke, damper_force, zero)
-            if len(c_damper) > 0:
                 work[DAMPING] += damper_loss(c_damper, ys, old, new, stroke, damper_force, one)
             old, now, new = now, new, old
             step += 1

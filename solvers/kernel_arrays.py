@@ -25,8 +25,15 @@ class Body(NamedTuple):
     damping: Array  #: 2 xi omega [rad/s]
     load: Array  #: load patterns, (patterns, entries)
     loaded: Array  #: registers of each pattern that are not zero, then -1, (patterns, most + 1)
-    damper: Array  #: G, motion of each damper times the root of its strength, (dampers, entries)
-    damper_solve: Array  #: (2 dt + G c G^T)^-1, (dampers, dampers)
+
+
+class Dampers(NamedTuple):
+    """Dampers at points of both bodies."""
+
+    rotor: Array  #: G, motion of each damper times the root of its strength, (dampers, entries)
+    rotor_solve: Array  #: (2 dt + G c G^T)^-1, (dampers, dampers)
+    casing: Array
+    casing_solve: Array
 
 
 class KindArrays(NamedTuple):
@@ -73,7 +80,7 @@ class Casing(NamedTuple):
 
 
 class Springs(NamedTuple):
-    """Springs between the bodies, by nodal diameter (harmonic); without any, arrays are empty.
+    """Springs between the bodies, by nodal diameter (harmonic).
 
     A wave is the cosine or sine part of a body's radial displacement in one harmonic. Springs under
     the shaft are a harmonic of their own, with one nodal diameter and no mode of the casing.
@@ -96,9 +103,7 @@ class March(NamedTuple):
     time_step: float  #: [s]
     elements_per_step: float  #: turn of the rotor a step, in casing elements
     friction: float
-    signed: bool  #: whether the direction of sliding follows the relative velocity
     sliding: float  #: sign of permanent sliding
-    wheel_speed: float  #: R Omega [m/s], for the true sign
     elements_per_metre: float  #: tip rotation: casing elements a metre of u_t; 0 when neglected
     displacement_limit: float  #: of a tip, or of the casing radially [m]
     gap_scale: float  #: smallest scale of the complementarity residual [m]

@@ -20,6 +20,7 @@ from bladewhirl.solvers.kernel_arrays import (
     W_SLOPE,
     Body,
     Casing,
+    Dampers,
     KindArrays,
     Rotor,
     Scratch,
@@ -344,7 +345,6 @@ def pack_casing(
 def pack_body(
     frequency: FloatArray,
     damping_ratio: FloatArray,
-    dampers: FloatArray,
     loads: FloatArray,
     layout: Layout,
     dt: float,
@@ -354,13 +354,11 @@ def pack_body(
     Args:
         frequency: [rad/s], (modes,).
         damping_ratio: (modes,).
-        dampers: rows G of the damping G^T G at points [s^-1/2], (dampers, modes).
         loads: modal forces of the load patterns, (patterns, modes).
         layout: arrangement of the body's modes.
         dt: time step [s].
     """
     inverse = scheme_inverse(frequency, damping_ratio, dt)
-    dampers = dampers[dampers.any(axis=1)]  # those without strength only cost time
     decay = damping_ratio * frequency / dt
     return Body(
         a=layout.pack(inverse * (2.0 / dt**2 - frequency**2)),
@@ -370,9 +368,33 @@ def pack_body(
         damping=layout.pack(2.0 * damping_ratio * frequency),
         load=layout.pack(loads),
         loaded=_registers_in_use(layout.pack(loads)),
-        damper=layout.pack(dampers),
-        damper_solve=np.linalg.inv(2.0 * dt * np.eye(len(dampers)) + dampers * inverse @ dampers.T),
     )
+
+
+def pack_dampers(
+    rotor: FloatArray,
+    casing: FloatArray,
+    bodies: tuple[Body, Body],
+    layouts: tuple[Layout, Layout],
+    dt: float,
+) -> Dampers | None:
+    """Damping at points of both bodies; None without any.
+
+    Args:
+        rotor: rows G of the rotor's damping G^T G [s^-1/2], (dampers, modes).
+        casing: the same for the casing.
+        bodies: rotor and casing.
+        layouts: arrangement of the modes of each.
+        dt: time step [s].
+    """
+    packed = []
+    for rows, body, layout in zip((rotor, casing), bodies, layouts, strict=True):
+        strong = layout.pack(rows[rows.any(axis=1)])  # those without strength only cost time
+        packed += [
+            strong,
+            np.linalg.inv(2.0 * dt * np.eye(len(strong)) + strong * body.c @ strong.T),
+        ]
+    return Dampers(*packed) if any(map(len, packed)) else None
 
 
 def pack_springs(
@@ -381,8 +403,8 @@ def pack_springs(
     rotor: Layout,
     casing: Layout,
     angle_per_step: float,
-) -> Springs:
-    """Springs between the bodies and under the shaft, by harmonic.
+) -> Springs | None:
+    """Springs between the bodies and under the shaft, by harmonic; None without any.
 
     Args:
         springs: between the bodies; None for bodies without.
@@ -393,7 +415,7 @@ def pack_springs(
     """
     between = _springs_between(springs, rotor, casing, angle_per_step)
     if carried.anisotropy == 0.0:
-        return between
+        return between if springs is not None else None
     first, modes = len(between.factor), np.arange(len(carried.frequency))
     return between._replace(
         nodal_diameter=np.append(between.nodal_diameter, 1.0),
@@ -449,11 +471,13 @@ def make_scratch(
     casing: Casing,
     tips: int,
     loads: int,
-    dampers: int,
     layouts: tuple[Layout, Layout],
-    harmonics: int,
+    springs: Springs | None,
+    dampers: Dampers | None,
 ) -> Scratch:
-    """Working arrays for one march; ``harmonics`` are those of springs between the bodies."""
+    """Working arrays for one march."""
+    harmonics = len(springs.nodal_diameter) if springs is not None else 0
+    strokes = max(len(dampers.rotor), len(dampers.casing)) if dampers is not None else 0
     # Columns, the first half of them once more, and what the last register runs over.
     columns = _padded(max(layout.columns + layout.half + LANES for layout in layouts))
     padded = len(rotor.position)
@@ -486,6 +510,6 @@ def make_scratch(
         casing_waves=np.zeros((2, 2 * harmonics)),
         stretch=np.zeros((4, 2 * harmonics)),
         spring_force=np.zeros((2, 2 * harmonics)),
-        stroke=np.zeros(dampers),
-        damper_force=np.zeros((2, dampers)),
+        stroke=np.zeros(strokes),
+        damper_force=np.zeros((2, strokes)),
     )
