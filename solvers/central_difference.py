@@ -10,9 +10,9 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.contact_problem import ContactProblem
 from bladewhirl.solvers import kernel_arrays
 from bladewhirl.solvers.kernel import advance
+from bladewhirl.solvers.layout import aligned_copy
 from bladewhirl.solvers.march import Chunk, EndReason, Statistics, check_time_step
 from bladewhirl.solvers.packing import (
-    aligned_copy,
     make_scratch,
     pack_body,
     pack_casing,

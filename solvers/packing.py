@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from math import prod
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.contact_problem import ReducedCasing, ReducedRotor
 from bladewhirl.models.coupling import Springs as ModalSprings
-from bladewhirl.models.cyclic import is_pair, nodal_diameter_of, real_dft
 from bladewhirl.solvers.kernel_arrays import (
     U_KIND,
     U_SLOPE,
@@ -27,89 +23,20 @@ from bladewhirl.solvers.kernel_arrays import (
     Springs,
 )
 from bladewhirl.solvers.lanes import HALF, LANES
-
-BoolArray = NDArray[np.bool_]
-
-PAIR = 2 * LANES  # the kernel takes a casing's columns two registers at a time
-CACHE_LINE = 64  # bytes
-FIT = 1e-9  # largest relative misfit of a cyclic body's rows to its DFT columns
-
-
-@dataclass(frozen=True, kw_only=True)
-class Layout:
-    """Where each mode stands in a (rows, columns) arrangement.
-
-    On a cyclic body each column has a partner ``half`` columns on, or back: the sine of a cosine
-    and the reverse. Columns that differ by the parity of their nodal diameter stand apart when
-    ``parts`` is 2: the first ``used`` of each half are even, the next odd.
-    """
-
-    rows: int
-    columns: int
-    entry: IntArray  #: place of each mode in the flat arrangement, (modes,)
-    half: int = 0  #: columns from one to its partner; 0 without partners
-    parts: int = 1
-    used: int  #: columns in use of each part of each half
-
-    @property
-    def entries(self) -> int:
-        """Length of the flat arrangement."""
-        return self.rows * self.columns
-
-    def columns_of(self, part: int) -> IntArray:
-        """Columns in use of a part, cosines first."""
-        first = part * self.used + np.arange(self.used)
-        return np.concatenate([first, self.half + first]) if self.half else first
-
-    def pack(self, values: FloatArray) -> FloatArray:
-        """Spread values of modes (..., modes) over the arrangement (..., entries)."""
-        packed = aligned((*values.shape[:-1], self.entries))
-        packed[..., self.entry] = values
-        return packed
-
-    def unpack(self, packed: FloatArray) -> FloatArray:
-        """Read the values of modes back, (..., modes)."""
-        return np.ascontiguousarray(packed[..., self.entry])
-
-
-def _padded(size: int, unit: int = LANES) -> int:
-    return -(-size // unit) * unit
-
-
-def dense_layout(modes: int) -> Layout:
-    """One row, a column a mode."""
-    used = max(modes, 1)
-    return Layout(rows=1, columns=_padded(used, PAIR), entry=np.arange(modes), used=used)
-
-
-def _couples(points: int, parity: int | None) -> list[tuple[int, ...]]:
-    """DFT columns of one parity (or all) two by two: cosine and sine, singles with each other."""
-    wanted = [c for c in range(points) if parity in (None, nodal_diameter_of(c) % 2)]
-    paired = [c for c in wanted if is_pair(nodal_diameter_of(c), points)]
-    single = [c for c in wanted if not is_pair(nodal_diameter_of(c), points)]
-    both = [*zip(paired[::2], paired[1::2], strict=True)]
-    return [*both, tuple(single)] if single else list(both)
-
-
-def aligned(shape: int | tuple[int, ...]) -> FloatArray:
-    """Zeros that start on a cache line."""
-    count = prod(shape) if isinstance(shape, tuple) else shape
-    raw = np.zeros(count + CACHE_LINE // 8)
-    address = raw.ctypes.data
-    first = -(address // 8) % (CACHE_LINE // 8)
-    return raw[first : first + count].reshape(shape)
-
-
-def aligned_copy(values: FloatArray) -> FloatArray:
-    """Copy that starts on a cache line."""
-    out = aligned(values.shape)
-    out[...] = values
-    return out
+from bladewhirl.solvers.layout import (
+    FIT,
+    Harmonics,
+    Layout,
+    aligned,
+    aligned_copy,
+    dense_layout,
+    padded,
+)
 
 
 def _lengthened(values: FloatArray) -> FloatArray:
     """Vector padded to whole registers."""
-    out = aligned(_padded(len(values)))
+    out = aligned(padded(len(values)))
     out[: len(values)] = values
     return out
 
@@ -117,7 +44,7 @@ def _lengthened(values: FloatArray) -> FloatArray:
 def _by_column(shape: FloatArray, layout: Layout) -> FloatArray:
     """Shape (points, columns) as (columns to the last in use, padded points)."""
     used = layout.half + layout.parts * layout.used
-    out = aligned((used, _padded(len(shape))))
+    out = aligned((used, padded(len(shape))))
     out[:, : len(shape)] = shape[:, :used].T
     return out
 
@@ -129,7 +56,7 @@ def _folded(shape: FloatArray, layout: Layout) -> FloatArray:
     of a quarter reach over half of the circle.
     """
     nodes = len(shape)
-    width = _padded(nodes // 4 + 1)
+    width = padded(nodes // 4 + 1)
     if layout.parts == 1 or width - 1 > nodes // 2:
         return aligned((0, LANES))
     own = shape[:width]
@@ -143,65 +70,6 @@ def _folded(shape: FloatArray, layout: Layout) -> FloatArray:
 def _by_sliding(pressed: FloatArray, dragged: FloatArray, friction: float) -> FloatArray:
     """Response to a normal force with its friction, for sliding backward, none, and forward."""
     return np.array([pressed + s * friction * dragged for s in (-1.0, 0.0, 1.0)])
-
-
-class _Harmonics:
-    """DFT columns of a cyclic body and where they stand among its arrangement's.
-
-    Args:
-        points: of the body's circumference.
-        fold: keep columns of even and odd nodal diameter apart, so that the kernel can use that
-            opposite points are equal in the former and opposite in the latter (even numbers of
-            points only).
-        unit: each half is padded to a multiple of it.
-    """
-
-    def __init__(self, points: int, *, fold: bool, unit: int) -> None:
-        self.parts = 2 if fold and points % 2 == 0 else 1
-        couples = [
-            _couples(points, part if self.parts == 2 else None) for part in range(self.parts)
-        ]
-        self.used = max(map(len, couples))
-        self.half = _padded(self.parts * self.used, unit)
-        self.place = np.zeros(points, dtype=np.int64)  # of each DFT column
-        for part, own in enumerate(couples):
-            for slot, couple in enumerate(own):
-                for block, column in enumerate(couple):
-                    self.place[column] = block * self.half + part * self.used + slot
-        self.single = np.array([not is_pair(nodal_diameter_of(c), points) for c in range(points)])
-        self.basis = real_dft(points)
-        self.shape = np.zeros((points, 2 * self.half))  # in the arrangement's columns
-        self.shape[:, self.place] = self.basis
-        self.crossed = np.roll(self.shape, self.half, axis=1)  # each column's partner
-
-    def amplitudes(self, rows: FloatArray, column: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Amplitude of each mode on its own column and on the partner, (modes,) each."""
-        own = np.einsum("pm,pm->m", self.basis[:, column], rows)
-        partner = self.crossed[:, self.place[column]]
-        other = np.where(self.single[column], 0.0, np.einsum("pm,pm->m", partner, rows))
-        fitted = self.basis[:, column] * own + partner * other
-        if not np.abs(fitted - rows).max(initial=0.0) <= FIT * np.abs(rows).max(initial=0.0):
-            raise ValueError(
-                "modes carry DFT columns that their displacements do not follow; give column -1 "
-                "to modes without cyclic symmetry"
-            )
-        return own, other
-
-    def layout(self, place: IntArray) -> Layout:
-        """Arrangement with each mode in the column given, (modes,), rows by rank."""
-        columns = 2 * self.half
-        rank = np.zeros(len(place), dtype=np.int64)
-        for c in range(columns):
-            own = place == c
-            rank[own] = np.arange(np.count_nonzero(own))
-        return Layout(
-            rows=int(rank.max(initial=0)) + 1,
-            columns=columns,
-            entry=rank * columns + place,
-            half=self.half,
-            parts=self.parts,
-            used=self.used,
-        )
 
 
 def pack_rotor(
@@ -223,7 +91,7 @@ def pack_rotor(
     """
     tips, modes = rotor.tip_radial.shape
     if cyclic:
-        harmonics = _Harmonics(tips, fold=False, unit=HALF)
+        harmonics = Harmonics(tips, fold=False, unit=HALF)
         layout = harmonics.layout(harmonics.place[rotor.column])
         radial, across = harmonics.amplitudes(rotor.tip_radial, rotor.column)
         if not np.abs(across).max(initial=0.0) <= FIT * np.abs(radial).max(initial=0.0):
@@ -268,7 +136,7 @@ def _cyclic_casing(casing: ReducedCasing) -> tuple[Layout, FloatArray, list[Floa
     and u stands in the partner's place.
     """
     column, nodal = casing.column, casing.nodal
-    harmonics = _Harmonics(len(nodal), fold=True, unit=LANES)
+    harmonics = Harmonics(len(nodal), fold=True, unit=LANES)
     single = harmonics.single[column]
     kinds = range(nodal.shape[1])
     pairs = [harmonics.amplitudes(nodal[:, kind], column) for kind in kinds]
@@ -319,7 +187,7 @@ def pack_casing(
     blocks = _by_sliding(pressed, dragged, friction)
     if cyclic:  # by the distance of two elements, from -nodes to nodes - 1
         blocks = np.tile(blocks[:, :, 0], (1, 2, 1, 1))
-    clearance = aligned((2, _padded(nodes + 1)))
+    clearance = aligned((2, padded(nodes + 1)))
     clearance[:, : nodes + 1] = casing.clearance[np.append(np.arange(nodes), 0)].T
 
     def by_kind(make: Callable[[FloatArray], FloatArray]) -> list[FloatArray]:
@@ -479,26 +347,26 @@ def make_scratch(
     harmonics = len(springs.nodal_diameter) if springs is not None else 0
     strokes = max(len(dampers.rotor), len(dampers.casing)) if dampers is not None else 0
     # Columns, the first half of them once more, and what the last register runs over.
-    columns = _padded(max(layout.columns + layout.half + LANES for layout in layouts))
-    padded = len(rotor.position)
+    columns = padded(max(layout.columns + layout.half + LANES for layout in layouts))
+    wide = len(rotor.position)
     return Scratch(
         columns=aligned((3, columns)),
         forces=aligned((6, columns)),
         nodal=aligned((2, casing.clearance.shape[1])),
-        tip=aligned((4, padded)),
-        gap=aligned((2, padded)),
-        hermite=aligned((4, padded)),
+        tip=aligned((4, wide)),
+        gap=aligned((2, wide)),
+        hermite=aligned((4, wide)),
         element=np.zeros(tips, dtype=np.int64),
         difference=aligned((2, max(layouts[0].entries, layouts[1].entries))),
         load=np.zeros(loads),
-        rows=np.zeros(2 * padded, dtype=np.int64),
-        factor=aligned((6, 2 * padded)),
+        rows=np.zeros(2 * wide, dtype=np.int64),
+        factor=aligned((6, 2 * wide)),
         active=np.zeros(tips, dtype=np.int64),
         known=np.zeros((2, tips), dtype=np.int64),
-        on_rotor=aligned((tips, padded)),
-        ends=aligned(HALF * padded),
-        solve=aligned((tips + 1, padded)),
-        others=aligned_copy(1.0 - np.eye(tips, padded)),
+        on_rotor=aligned((tips, wide)),
+        ends=aligned(HALF * wide),
+        solve=aligned((tips + 1, wide)),
+        others=aligned_copy(1.0 - np.eye(tips, wide)),
         diagonal=np.zeros(tips),
         solution=np.zeros(tips),
         multiplier=np.zeros(tips),
