@@ -119,7 +119,10 @@ def save_figure(
         beside = path.with_name(f"{name}.csv")
         _write_columns(beside, data)
     figure.savefig(png)
+    arrangement = figure.get_layout_engine()
+    figure.set_layout_engine("none")  # the PNG's stays, and need not be found again
     figure.savefig(pdf)
+    figure.set_layout_engine(arrangement)
     return [png, pdf, beside]
 
 
