@@ -56,6 +56,10 @@ class ImbalanceFigures:
     force: float  #: m e Omega^2 [N]
 
 
+MARCHES = {True: "harmonic by harmonic", False: "by dense products"}
+"""How a body is marched, by whether the march uses its cyclic symmetry."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class DistortionFigures:
     """The casing mode that a distortion loads."""

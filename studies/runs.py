@@ -33,6 +33,7 @@ from bladewhirl.solvers.recorder import (
     result_bytes,
 )
 from bladewhirl.studies import run_directory as folder
+from bladewhirl.studies.derived import MARCHES
 from bladewhirl.studies.write_up import Run, Window, write_up
 
 __all__ = [
@@ -246,7 +247,10 @@ def _attributes(prepared: Prepared, mesh_folder: str) -> dict[str, Attribute]:
         "record_step": prepared.timing.record_step,
         "clamped": int(case.shaft.clamped),
         "symmetry": "; ".join(
-            f"{body.replace('_', ' ')}: {found}" for body, found in stage.symmetry.items()
+            f"{body.replace('_', ' ')}: {found}, march {MARCHES[cyclic]}"
+            for (body, found), cyclic in zip(
+                stage.symmetry.items(), prepared.scheme.cyclic, strict=True
+            )
         ),
         "case": folder.portable_case(case, mesh_folder),
     }

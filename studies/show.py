@@ -100,6 +100,8 @@ def _figures(derived: Derived) -> Table:
 
 
 def _rows(derived: Derived) -> Iterator[tuple[str, str]]:
+    from bladewhirl.studies.derived import MARCHES
+
     reduction = derived.reduction
     yield "bladed disk", f"{derived.bladed_disk_mass:.5g} kg"
     yield "casing", f"{derived.casing_mass:.5g} kg"
@@ -127,8 +129,8 @@ def _rows(derived: Derived) -> Iterator[tuple[str, str]]:
     for body, found in derived.symmetry.items():
         yield f"symmetry, {body.replace('_', ' ')}", found
     for body, cyclic in derived.cyclic.items():
-        how = "harmonic by harmonic (cyclic)" if cyclic else "by dense products"
-        yield f"march, {body.replace('_', ' ')}", f"{reduction.marched[body]} modes, {how}"
+        count = reduction.marched[body]
+        yield f"march, {body.replace('_', ' ')}", f"{count} modes, {MARCHES[cyclic]}"
     yield (
         "critical time step",
         f"{derived.critical_time_step:.4g} s, time step / critical {derived.dt_over_critical:.3g}",

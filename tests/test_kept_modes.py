@@ -189,3 +189,16 @@ def test_a_run_in_six_modes_leaves_what_any_run_does(tmp_path: Path) -> None:
     with done.open() as result:
         assert (result.sizes["rotor_mode"], result.sizes["casing_mode"]) == (4, 2)
         assert float(result.gap.min()) < case.casing.clearance
+
+
+@pytest.mark.parametrize(
+    ("modes", "march"), [("six", "by dense products"), ("all", "harmonic by harmonic")]
+)
+def test_a_run_says_how_it_was_marched(tmp_path: Path, modes: str, march: str) -> None:
+    """Symmetry is found all the same; with six modes it does not pay."""
+    values = [*CONTACT, "march.duration=2e-4", f"reduction.modes={modes}"]
+    done = run_case(loads("", overrides=values), tmp_path / "run", frames=0)
+    assert done.symmetry == (
+        f"bladed disk: 22 equal sectors: cyclic path, march {march}; "
+        f"casing: 20 equal sectors: cyclic path, march {march}"
+    )
