@@ -41,6 +41,8 @@ class Structure:
         if self.layout is None:
             return "no sectors: dense path"
         if not self.is_cyclic:
+            if self.layout.is_symmetry_of(self.mass, self.stiffness - self.springs):
+                return f"{self.layout.sectors} equal sectors on springs that differ: dense path"
             return f"{self.layout.sectors} sectors that differ: dense path"
         return f"{self.layout.sectors} equal sectors: cyclic path"
 

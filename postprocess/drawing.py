@@ -113,10 +113,11 @@ class Drawing:
         self._thickness = dataset["rotor_thickness"].values
         q = history(dataset, "rotor_displacement", records)
         self._rotor = combine(q, rows.reshape(-1, 2, rows.shape[-1]))
-        self._nodes = dataset["rotor_point"].values
+        #: the rotor's nodes at rest, as drawn (rotor_node, 2) [m]
+        self.nodes = dataset["rotor_point"].values
         self._node = combine(q, dataset["rotor_shape"].values[:, :2])
         self._tips = dataset["tip_node"].values
-        from_mark = self._stations.reshape(-1, 2) - MARK * self._nodes[self._tips[0]]
+        from_mark = self._stations.reshape(-1, 2) - MARK * self.nodes[self._tips[0]]
         self._mark = int(np.argmin(np.sum(from_mark**2, axis=1)))
         self._centre = self._node[:, int(dataset["centre_node"])]
 
@@ -141,7 +142,7 @@ class Drawing:
         )
         self._inner_radius = self.tip_radius + self.exaggeration * clearance
         if recess.any():
-            self._nodes, self._stations = recessed(
+            self.nodes, self._stations = recessed(
                 dataset, self._stations, (self.exaggeration - 1.0) * recess
             )
         self.colouring = colouring(dataset, colour, records, Stations(BEAM_STATIONS, per_element))
@@ -179,7 +180,7 @@ class Drawing:
         flat = self._stations.reshape(-1, 2)
         line = magnify(flat, self._rotor[index], shift, self.exaggeration)
         line = line.reshape(*self._line_shape, 2)
-        nodes = magnify(self._nodes, self._node[index], shift, self.exaggeration)
+        nodes = magnify(self.nodes, self._node[index], shift, self.exaggeration)
         half = self._thickness[:, None, None] / 2
         normal = _normals(line)
         wall, rest = self._wall_sides(index)

@@ -81,7 +81,7 @@ def draw_stage(
         from bladewhirl.postprocess.scene import StageScene
 
         scene = StageScene(plotter, drawing, marks=False)
-        _mark_sets(scene, dataset, node_sets)
+        _mark_sets(scene, node_sets)
         _describe(scene, dataset, node_sets)
         scene.look()
         picture = pixels_of(plotter)
@@ -90,11 +90,11 @@ def draw_stage(
     return target
 
 
-def _mark_sets(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, IntArray]) -> None:
+def _mark_sets(scene: StageScene, node_sets: Mapping[str, IntArray]) -> None:
     """Dots at the nodes of every set; where sets share a node they are rings in each other."""
     for number, (nodes, colour) in enumerate(zip(node_sets.values(), SET_COLOURS, strict=False)):
         size = DOT * (1.0 - number / (len(SET_COLOURS) + 1))
-        scene.dots(dataset["rotor_point"].values[nodes], size, colour, layer=8 + 2 * number)
+        scene.dots(scene.drawing.nodes[nodes], size, colour, layer=8 + 2 * number)
 
 
 def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, IntArray]) -> None:

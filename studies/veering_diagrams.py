@@ -149,7 +149,11 @@ def _over_shaft(stage: ModalStage, springs: FloatArray) -> ShaftVeering:
     structure = stage.free_disk.structure
     layout = structure.layout
     if layout is None or not structure.is_cyclic:
-        raise UserError("veering: expected a stage with cyclic symmetry; this one has none")
+        found = structure.symmetry.partition(":")[0]
+        raise UserError(
+            "veering: expected equal sectors on equal shaft springs, whose modes with one nodal"
+            f" diameter stand apart, not {found}; bladewhirl modes lists the frequencies"
+        )
     basis = layout.basis(1)
     held = structure.stiffness - structure.springs
     stiffness, mass = (

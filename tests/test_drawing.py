@@ -172,6 +172,7 @@ def test_a_short_blade_touches_where_it_does_in_the_run() -> None:
     expected = np.full(22, FACTOR * synthetic.CLEARANCE)
     expected[blade] += FACTOR * recess
     np.testing.assert_allclose(gaps, expected)
+    np.testing.assert_allclose(draw(result).nodes[result["tip_node"].values], rest.tips)
     result["rotor_displacement"][:, :2] = (synthetic.CLEARANCE + recess) * unit
     touching = draw(result).picture(0)
     assert np.linalg.norm(touching.tips[blade]) == pytest.approx(inner)

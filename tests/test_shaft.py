@@ -57,6 +57,13 @@ def test_the_suspension_pair_parts_by_its_share_in_the_springs() -> None:
     np.testing.assert_allclose(change, np.array([-e, e]) * share, rtol=1e-3)
 
 
+def test_what_differs_is_said() -> None:
+    """Blades alike on a shaft that is not round are no blades that differ."""
+    assert stage(3.4e7, 1.1e7).symmetry["bladed_disk"] == (
+        "8 equal sectors on springs that differ: dense path"
+    )
+
+
 def test_equal_springs_keep_the_cyclic_path() -> None:
     """Symmetry is found: the same stiffness twice is none that differs."""
     same, unequal = stage(2e7, 2e7), stage(2e7, 2.0001e7)
