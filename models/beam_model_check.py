@@ -25,7 +25,12 @@ def check_model(model: BeamModel, key: str) -> None:
     Raises:
         CaseError: with all faults, each naming the part.
     """
-    faults = [*_sets(model, key), *_links(model, key), *_massless(model, key)]
+    faults = [
+        *_sets(model, key),
+        *_links(model, key),
+        *_massless(model, key),
+        *_doubled(model, key),
+    ]
     faults = faults or [*_loose_parts(model, key)]
     if faults:
         raise CaseError(faults)
@@ -80,6 +85,26 @@ def _massless(model: BeamModel, key: str) -> Iterator[Fault]:
     for node in np.flatnonzero(bare & ((mass <= 0.0) | (inertia <= 0.0))):
         expected = f"a beam, or a mass with rotary inertia, at {_node(model, int(node))}"
         yield Fault(key=key, expected=expected)
+
+
+def _doubled(model: BeamModel, key: str) -> Iterator[Fault]:
+    """Lines that lie on others: their mass would count twice."""
+    parts = np.array(model.mesh.line_parts)
+    ends = np.sort(model.mesh.lines, axis=1)
+    _, first, number = np.unique(ends, axis=0, return_index=True, return_inverse=True)
+    told: set[tuple[str, str]] = set()
+    for line in np.flatnonzero(first[number.ravel()] != np.arange(len(ends))):
+        names = str(parts[first[number.ravel()[line]]]), str(parts[line])
+        if names in told:
+            continue
+        told.add(names)
+        between = " and ".join(_node(model, int(node)) for node in ends[line])
+        which = (
+            f"parts {names[0]!r} and {names[1]!r} both lie"
+            if len({*names}) == 2
+            else (f"two of part {names[0]!r} lie")
+        )
+        yield Fault(key=key, expected=f"one beam between two nodes; {which} between {between}")
 
 
 def _loose_parts(model: BeamModel, key: str) -> Iterator[Fault]:

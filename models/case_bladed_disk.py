@@ -169,6 +169,10 @@ class BladedDisk(Table):
         if not all(mass.radius == 0.0 or root <= mass.radius <= tip for mass in self.point_masses):
             expected = f"radii of 0 or from disk_radius = {root!r} to tip_radius = {tip!r}"
             yield Inconsistency("point_masses", expected, ("disk_radius", "tip_radius"))
+        if any(mass.radius == 0.0 and mass.blades is not None for mass in self.point_masses):
+            yield Inconsistency(
+                "point_masses", "no blades for a mass at radius = 0, the centre", ()
+            )
         radii = [ring.radius for ring in self.disk_rings]
         if not all(radius < root for radius in radii) or len(set(radii)) < len(radii):
             expected = f"different radii below bladed_disk.disk_radius = {root!r}"

@@ -24,8 +24,10 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
 ComplexArray = NDArray[np.complex128]
 
-SYMMETRY_TOLERANCE = 1e-9
-"""Largest relative change of a matrix under a turn by one sector that still counts as symmetric."""
+SYMMETRY_TOLERANCE = 1e-12
+"""Largest change of a matrix under a turn by one sector that still counts as symmetric: of each
+entry over the largest of the diagonal's in its row and column, so that a soft spring beside stiff
+beams is seen."""
 
 
 def real_dft(sectors: int) -> FloatArray:
@@ -121,10 +123,13 @@ class SectorLayout:
     def is_symmetry_of(self, *matrices: sp.csr_array) -> bool:
         """Whether the matrices stay the same under a turn by one sector."""
         turn = self.turn()
-        return all(
-            abs(turn @ matrix @ turn.T - matrix).max() <= SYMMETRY_TOLERANCE * abs(matrix).max()
-            for matrix in matrices
-        )
+        for matrix in matrices:
+            change = (turn @ matrix @ turn.T - matrix).tocoo()
+            diagonal = np.abs(matrix.diagonal())
+            scale = np.maximum(diagonal[change.row], diagonal[change.col])
+            if np.any(np.abs(change.data) > SYMMETRY_TOLERANCE * scale):
+                return False
+        return True
 
     def blocks(self, *matrices: sp.csr_array) -> Iterator[tuple[int, tuple[ComplexArray, ...]]]:
         """The matrices' dense Hermitian blocks, nodal diameter by nodal diameter."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.faults import Fault
-from bladewhirl.models.sketch_parts import SketchTable, split_reference
+from bladewhirl.models.sketch_parts import SketchSpring, SketchTable, split_reference
 
 NEEDED_SETS = ("centre", "tips")
 
@@ -25,6 +25,8 @@ def sketch_faults(sketch: SketchTable) -> Iterator[Fault]:
             yield Fault(key=place, expected="a section")
         if member.section is not None and member.stations:
             yield Fault(key=place, expected="either a section or stations")
+    yield from _shared_parts(sketch)
+    yield from _edits(sketch)
     yield from _lengths(sketch)
 
 
@@ -33,6 +35,7 @@ def _names(sketch: SketchTable) -> Iterator[Fault]:
     for kind, names in (
         ("node", [node.name for node in sketch.nodes]),
         ("member", [member.name for member in sketch.members]),
+        ("set", [named.name for named in sketch.sets]),
     ):
         for name, times in Counter(names).items():
             if times > 1:
@@ -64,6 +67,50 @@ def _names(sketch: SketchTable) -> Iterator[Fault]:
             yield Fault(key=place, expected=f"where node {edit.node!r} is to be")
 
 
+def _shared_parts(sketch: SketchTable) -> Iterator[Fault]:
+    """Parts between shared nodes are there once: sectors given for them say nothing."""
+    for place, references, sectors in (
+        *((f"member {m.name!r}", (m.first, m.second), m.sectors) for m in sketch.members),
+        *((f"mass at {m.node!r}", (m.node,), m.sectors) for m in sketch.masses),
+        *((f"spring at {s.node!r}", _ends(s), s.sectors) for s in sketch.springs),
+        *((f"link of {k.led!r}", (k.leader, k.led), k.sectors) for k in sketch.links),
+    ):
+        if sectors is not None and _is_shared(sketch, references):
+            expected = "no sectors: its nodes are shared, so that it is there once"
+            yield Fault(key=f"sketch: {place}", expected=expected)
+
+
+def _edits(sketch: SketchTable) -> Iterator[Fault]:
+    """Edits that would have no effect, or undo one another."""
+    shared = {node.name for node in sketch.nodes if node.shared}
+    members = {member.name: member for member in sketch.members}
+    seen: Counter[tuple[int, str]] = Counter()
+    for edit in sketch.edits:
+        part = f"node {edit.node!r}" if edit.node is not None else f"member {edit.member!r}"
+        place = f"sketch: edit of {part} in sector {edit.sector}"
+        seen[edit.sector, part] += 1
+        if seen[edit.sector, part] == 2:
+            yield Fault(key=place, expected="one edit of a part in a sector, with all that differs")
+        member = members.get(edit.member or "")
+        is_shared = edit.node in shared or (
+            member is not None and _is_shared(sketch, (member.first, member.second))
+        )
+        if is_shared and edit.sector != 0:
+            yield Fault(key=place, expected="sector 0, which shared parts belong to")
+        if member is not None and member.sectors is not None and edit.sector not in member.sectors:
+            found = ", ".join(map(str, member.sectors)) or "none"
+            yield Fault(key=place, expected=f"a sector that has it ({found})")
+
+
+def _is_shared(sketch: SketchTable, references: tuple[str, ...]) -> bool:
+    shared = {node.name for node in sketch.nodes if node.shared}
+    return all(split_reference(reference)[0] in shared for reference in references)
+
+
+def _ends(spring: SketchSpring) -> tuple[str, ...]:
+    return (spring.node,) if spring.other is None else (spring.node, spring.other)
+
+
 def _bare_nodes(sketch: SketchTable) -> Iterator[Fault]:
     """Nodes that nothing holds."""
     met = {
@@ -84,7 +131,7 @@ def _references(sketch: SketchTable) -> Iterator[tuple[str, tuple[str, ...]]]:
     for mass in sketch.masses:
         yield "mass", (mass.node,)
     for spring in sketch.springs:
-        yield "spring", (spring.node, *([] if spring.other is None else [spring.other]))
+        yield "spring", _ends(spring)
     for link in sketch.links:
         yield "link", (link.leader, link.led)
     for name, references in sketch.node_sets.items():

@@ -14,11 +14,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from scipy.optimize import minimize_scalar
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case import Case
 from bladewhirl.models.case_file import with_values
-from bladewhirl.models.faults import UserError
+from bladewhirl.models.faults import CaseError, Fault, UserError
 from bladewhirl.models.march_problem import contact_problem
 from bladewhirl.models.stage import Stage, build_stage
 from bladewhirl.postprocess.result import open_result
@@ -28,7 +29,8 @@ from bladewhirl.studies.run_store import Progress, RunStore, run_key
 TIME_STEP, MODES = "march.time_step", "reduction.fixed_interface_modes"
 
 REFINEMENTS = (4.0, 2.0, 1.0, 0.5)
-"""Time steps looked at where none are given, times that of the case; those below the critical."""
+"""Time steps looked at where none are given, times that of the case; those below the critical of
+which the time between records is a multiple."""
 
 SECTORS = (2, 3, 4, 5, 6)
 """Fixed-interface modes of a blade looked at where no numbers are given."""
@@ -50,29 +52,39 @@ class Convergence:
 
 
 def default_time_steps(case: Case) -> list[float]:
-    """Time steps to look at, descending [s]: `REFINEMENTS` of the case's, below the critical.
+    """Time steps to look at, descending [s]: those of the `REFINEMENTS` that can be marched.
 
     Raises:
         CaseError: all faults that stand in the way of a march of the case itself.
     """
     limit = contact_problem(build_stage(case)).critical_time_step
-    return [
-        scale * case.march.time_step
-        for scale in REFINEMENTS
-        if scale * case.march.time_step < limit
-    ]
+    steps = [scale * case.march.time_step for scale in REFINEMENTS]
+    return [step for step in steps if step < limit and _divides(step, case.march.record_step)]
+
+
+def _divides(step: float, whole: float) -> bool:
+    ratio = whole / step
+    return ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6 * ratio
 
 
 def default_modes(case: Case) -> list[int]:
-    """Numbers of fixed-interface modes to look at, ascending: `SECTORS` for each blade."""
+    """Numbers of fixed-interface modes to look at, ascending: `SECTORS` for each blade.
+
+    Raises:
+        CaseError: the bladed disk has degrees of freedom for fewer than two of them.
+    """
     stage = build_stage(case)
     boundary = sum(map(len, stage.boundary_sets.values()))
-    blades = case.bladed_disk.blades
-    return [
-        count * blades
-        for count in SECTORS
-        if count * blades <= stage.disk.structure.size - boundary
-    ]
+    blades = case.blades
+    inner = stage.disk.structure.size - boundary
+    counts = [count * blades for count in SECTORS if count * blades <= inner]
+    if len(counts) < 2:
+        expected = (
+            f"elements for {SECTORS[1] * blades} fixed-interface modes or more, to compare numbers "
+            f"of them; with {inner} inner degrees of freedom name them by --modes"
+        )
+        raise CaseError([Fault(key="bladed_disk", expected=expected)])
+    return counts
 
 
 def time_step_convergence(
@@ -92,10 +104,10 @@ def time_step_convergence(
         to the finest (both zero there, the latter NaN without contact); `step_distance` and
         `step_impulse_error`, the same from the next finer (NaN at the finest), and
         `free_step_distance`, that of the orbits up to the first contact of any run. Attributes
-        `free_until` [s], that time, and `displacement_order`, `impulse_order` and `free_order`:
-        slopes of the last three over the time step in logarithms, NaN with fewer than two values
-        above zero. Without contact the order is two; where contacts make the motion chaotic,
-        differences stop falling, and the order over the whole march tells so by being near zero.
+        `free_until` [s], that time, and `displacement_order`, `impulse_order` and `free_order`: of
+        the last three, see `observed_order`, NaN with fewer than two values above zero. Without
+        contact the order is two; where contacts make the motion chaotic, differences stop falling,
+        and the order over the whole march tells so by being near zero.
 
     Raises:
         UserError: a march that can't be made.
@@ -150,11 +162,29 @@ def mode_convergence(
 
 
 def observed_order(size: FloatArray, change: FloatArray) -> float:
-    """Slope of changes over sizes in logarithms; NaN with fewer than two changes above zero."""
-    there = change > 0.0  # False for NaN
+    """Order p with which results approach the limit of a size going to zero.
+
+    An error C size^p makes neighbours differ by C (size_i^p - size_(i+1)^p), whatever the ratios
+    of the sizes; p is where the logarithms of the changes lie closest to that.
+
+    Args:
+        size: descending, such as time steps, (sizes,).
+        change: of the result from each size to the next, (sizes,); the last one counts for nothing.
+
+    Returns:
+        p, between -8 and 8; NaN with fewer than two changes above zero.
+    """
+    there = change[:-1] > 0.0  # False for NaN
     if np.count_nonzero(there) < 2:
         return float("nan")
-    return float(np.polyfit(np.log(size[there]), np.log(change[there]), 1)[0])
+    seen, finer = np.log(change[:-1][there]), np.log(size[1:][there])
+    ratio = np.log(size[:-1] / size[1:])[there]
+
+    def scatter(order: float) -> float:
+        grown = ratio if order == 0.0 else np.expm1(order * ratio) / order
+        return float(np.var(seen - order * finer - np.log(grown)))
+
+    return float(minimize_scalar(scatter, bounds=(-8.0, 8.0), options={"xatol": 1e-9}).x)
 
 
 def _compared(

@@ -9,11 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from stages import steel
 from typer.testing import CliRunner
 
+from bladewhirl.models import Sketch
 from bladewhirl.models.case import Case
 from bladewhirl.models.case_file import dumps_case, loads, with_values
-from bladewhirl.models.faults import UserError
+from bladewhirl.models.faults import CaseError, UserError
 from bladewhirl.studies.cli import app
 from bladewhirl.studies.convergence_study import MODES as MODES_KEPT
 from bladewhirl.studies.convergence_study import (
@@ -68,6 +70,15 @@ def test_order_of_a_power_law() -> None:
     assert np.isnan(observed_order(size, np.array([1.0, 0.0, 0.0, np.nan])))
 
 
+@pytest.mark.parametrize("order", [-1.0, 1.0, 2.0])
+@pytest.mark.parametrize("size", [[4.0, 3.0, 1.0, 0.5], [4.0, 1.0, 0.5], [4.0, 2.0, 1.0, 0.5]])
+def test_the_order_is_found_whatever_the_steps(size: list[float], order: float) -> None:
+    steps = np.array(size)
+    error = 0.3 * steps**order
+    change = np.abs(np.append(np.diff(error), np.nan))
+    assert observed_order(steps, change) == pytest.approx(order, abs=1e-6)
+
+
 def test_second_order_without_contact(store: RunStore) -> None:
     found = time_step_convergence(FREE, STEPS, store)
     assert found["regime"].values.tolist() == ["no-contact"] * 3
@@ -98,14 +109,34 @@ def test_modes(store: RunStore) -> None:
     assert found["distance"].values[-1] == 0.0
     assert (found["distance"].values[:-1] > 0.0).all()
     assert (np.diff(found["frequency_error"].values) < 0.0).all()
-    assert found.attrs["motion_converged"] == int(len(set(found["regime"].values)) == 1)
+    assert len(set(found["regime"].values)) == 1
+    assert found.attrs["motion_converged"] == 1
 
 
 def test_what_is_looked_at_by_default() -> None:
     case = small()
     assert default_modes(case) == [12, 18, 24, 30, 36]
-    assert default_time_steps(case)[-2:] == [4e-6, 2e-6]
     assert max(default_time_steps(small("march.time_step=1e-5"))) <= 4e-5
+    # Of 1.6e-5 and 8e-6 s a record step of 1e-4 s is no multiple.
+    assert default_time_steps(case) == [4e-6, 2e-6]
+    assert default_time_steps(small("march.record_step=8e-5")) == [8e-6, 4e-6, 2e-6]
+
+
+def drawn(blades: int, elements: int) -> Case:
+    """Blades on a hub, by a sketch."""
+    sketch = Sketch(blades)
+    sketch.node("hub", 0.0, 0.0, shared=True)
+    sketch.node("tip", 0.5)
+    sketch.member("blades", "hub", "tip", steel(0.01), elements=elements)
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    return sketch.case(reduction={"fixed_interface_modes": 3})
+
+
+def test_the_blades_of_a_sketch_count() -> None:
+    assert default_modes(drawn(12, 5)) == [24, 36, 48, 60, 72]
+    with pytest.raises(CaseError, match="elements for 9 fixed-interface modes or more"):
+        default_modes(drawn(3, 1))
 
 
 def test_a_march_that_cannot_be_made(store: RunStore) -> None:

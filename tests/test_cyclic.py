@@ -150,6 +150,15 @@ def test_symmetry_is_found_not_assumed() -> None:
     assert not replace(disk.structure, springs=uneven.tocsr()).is_cyclic
 
 
+@pytest.mark.parametrize("stiffness", [1e-2, 30.0])
+def test_a_soft_spring_at_one_tip_breaks_symmetry(stiffness: float) -> None:
+    """Beside beams whose entries reach 1e10 N/m."""
+    disk = bladed_disk(elements=4)
+    held = disk.structure.stiffness.copy().tolil()
+    held[disk.tip_tangential[0], disk.tip_tangential[0]] += stiffness
+    assert not replace(disk.structure, stiffness=held.tocsr()).is_cyclic
+
+
 def test_shares_of_a_field_of_several_waves() -> None:
     layout = SectorLayout(sector_dofs=np.arange(7)[:, None], centre_dofs=np.full(3, -1))
     angle = 2.0 * np.pi * np.arange(7) / 7

@@ -236,6 +236,31 @@ def _loose(sketch: Sketch) -> None:
     sketch.member("debris", "a", "b", steel(0.01))
 
 
+def _twice_changed(sketch: Sketch) -> None:
+    sketch.change(0, "blades", stiffness=1.1)
+    sketch.change(0, "blades", mass=1.2)
+
+
+def _twice_moved(sketch: Sketch) -> None:
+    sketch.move(1, "tip", 0.49)
+    sketch.move(1, "tip", 0.48)
+
+
+def _changed_where_it_is_not(sketch: Sketch) -> None:
+    sketch.member("rim", "root", "root+1", steel(0.01), sectors=[0, 2])
+    sketch.change(1, "rim", mass=2.0)
+
+
+def _shaft(sketch: Sketch, **more: Any) -> None:
+    sketch.node("hub", 0.01, shared=True)
+    sketch.member("shaft", "centre", "hub", steel(0.01), **more)
+
+
+def _changed_shaft(sketch: Sketch) -> None:
+    _shaft(sketch)
+    sketch.change(2, "shaft", stiffness=5.0)
+
+
 BAD: list[tuple[Callable[[Sketch], object], str]] = [
     (_loose, r"joined to the centre; part 'debris' at \(0\.3, 0\.1\) m is not"),
     (lambda s: s.node("spare", 0.2), "node 'spare': expected a member, a link or a spring at it"),
@@ -255,11 +280,22 @@ BAD: list[tuple[Callable[[Sketch], object], str]] = [
     (lambda s: s.move(7, "tip", 0.4), "edit of sector 7: expected a sector from 0 to 4"),
     (lambda s: s.change(1, "blade"), "expected a member of the sketch, not 'blade'"),
     (lambda s: s.set("tips", "end"), "set 'tips': expected a node of the sketch"),
-    (lambda s: s.set("centre", "tip"), 'expected one node in the set "centre", not 5'),
     (lambda s: s.link("root", "tip"), 'of the set "tips", to be led by none'),
     (
         lambda s: s.member("rim", "root", "root+1", steel(0.01), sectors=[0, 0]),
         "members 'rim': expected sectors from 0 to 4, each once",
+    ),
+    (_twice_changed, "edit of member 'blades' in sector 0: expected one edit of a part in"),
+    (_twice_moved, "edit of node 'tip' in sector 1: expected one edit of a part in a sector"),
+    (lambda s: s.set("tips", "root"), "set 'tips': expected one of that name, not 2"),
+    (lambda s: s.move(2, "centre", 0.1), "'centre' in sector 2: expected sector 0, which shared"),
+    (_changed_where_it_is_not, r"'rim' in sector 1: expected a sector that has it \(0, 2\)"),
+    (lambda s: s.mass("centre", 1.0, sectors=[1, 2]), "mass at 'centre': expected no sectors"),
+    (lambda s: _shaft(s, sectors=[3]), "member 'shaft': expected no sectors: its nodes are"),
+    (_changed_shaft, "member 'shaft' in sector 2: expected sector 0, which shared parts"),
+    (
+        lambda s: s.member("again", "centre", "root", steel(0.01)),
+        r"one beam between two nodes; parts 'spokes' and 'again' both lie between node",
     ),
     (lambda s: s.node("1", 0.1), "nodes '1'.name = \"1\": expected a name of letters"),
     (lambda s: s.node("a", "1 kg"), r"at\.0 = \"1 kg\": expected a finite number in m"),
@@ -277,6 +313,17 @@ def test_faults_name_the_part(spoil: Callable[[Sketch], object], message: str) -
     with pytest.raises(CaseError, match=message) as caught:
         build()
     assert all("\n" not in line for line in caught.value.lines)
+
+
+def test_one_node_is_the_centre() -> None:
+    sketch = Sketch(5)
+    sketch.node("centre", 0.0, 0.0, shared=True)
+    sketch.node("tip", 0.5)
+    sketch.member("blades", "centre", "tip", steel(0.01))
+    sketch.set("centre", "tip")
+    sketch.set("tips", "tip")
+    with pytest.raises(CaseError, match='expected one node in the set "centre", not 5'):
+        sketch.build()
 
 
 def test_sectors_of_two_blades_are_found_to_be_two_sectors() -> None:
