@@ -21,6 +21,7 @@ from bladewhirl.models.casing_supports import Support, spring, strut
 from bladewhirl.models.casing_wall import Wall
 from bladewhirl.models.faults import CaseError, Fault
 from bladewhirl.models.mesh_model import mesh_beam_model
+from bladewhirl.models.plausibility import unusual_values
 from bladewhirl.models.sections import Section
 from bladewhirl.models.sketch import Sketch
 from bladewhirl.models.sketch_build import build_sketch
@@ -152,12 +153,12 @@ def _section(case: Case, section: BeamSection) -> Section:
 
 
 @contextmanager
-def numbers_within_reach() -> Iterator[None]:
+def numbers_within_reach(case: Case) -> Iterator[None]:
     """Turn the floating point's limits into a fault of the case.
 
     Raises:
         CaseError: sizes or material so extreme that matrices overflow, are singular to rounding
-            or lose definiteness.
+            or lose definiteness; it names those that no machine has, if there are any.
     """
     try:
         with np.errstate(over="raise", invalid="raise", divide="raise"), warnings.catch_warnings():
@@ -165,4 +166,4 @@ def numbers_within_reach() -> Iterator[None]:
             yield
     except (ArithmeticError, ValueError, la.LinAlgError, la.LinAlgWarning) as error:
         expected = f"sizes, material and springs within reach of double precision ({error})"
-        raise CaseError([Fault(expected=expected)]) from None
+        raise CaseError([*unusual_values(case)] or [Fault(expected=expected)]) from None

@@ -30,7 +30,7 @@ def contact_problem(stage: Stage) -> ContactProblem:
     if faults:
         raise CaseError(faults)
     case, kept = stage.case, stage.kept
-    with numbers_within_reach():
+    with numbers_within_reach(case):
         rotor, casing = marched_bodies(stage)
         return ContactProblem(
             rotor=rotor,

@@ -29,6 +29,9 @@ KEY = "bladed_disk.mesh"
 SAME_PLACE = 1e-6
 """Nodes nearer to each other than this, over the size of the mesh, are one node twice."""
 
+UNITS = {1.0: "m", 1e-2: "cm", 1e-3: "mm", 1e-6: "µm", 0.0254: "inch", 0.3048: "foot"}
+"""Names of units of length, by their size [m]."""
+
 TIP_RADII = (1e-3, 10.0)
 """Smallest and largest tip radius [m]; beyond them a unit of length was mistaken."""
 
@@ -39,7 +42,7 @@ def mesh_tips(table: MeshTable) -> FloatArray:
     Raises:
         CaseError: the file can't be read, or the mapping does not fit it.
     """
-    mesh = _lines_only(_read(table))
+    mesh = _checked(table)
     points = mesh.points * table.unit
     return points[_tips(table, mesh, points)]
 
@@ -58,7 +61,7 @@ def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
         CaseError: the file can't be read, the mapping does not fit it, or what it gives can be no
             bladed disk.
     """
-    mesh = _lines_only(_read(table))
+    mesh = _checked(table)
     points = mesh.points * table.unit
     faults = [*_double_parts(mesh)]
     if faults:
@@ -99,6 +102,41 @@ def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
     )
     check_model(model, KEY)
     return model
+
+
+def _checked(table: MeshTable) -> GroupedLines:
+    """The lines of a case's mesh, with the groups that its sections and tips ask for.
+
+    Raises:
+        CaseError: the file can't be read, has no lines for a section, or none at a tip.
+    """
+    mesh = _read(table)
+    faults = [
+        Fault(
+            key=f"{KEY}.sections.{name}",
+            value=section.model_dump(exclude_none=True),
+            expected=_one_of(table, "lines", mesh.line_groups),
+        )
+        for name, section in table.sections.items()
+        if name not in mesh.line_groups
+    ] or [*_bare_tips(table, mesh)]
+    if faults:
+        raise CaseError(faults)
+    return _lines_only(mesh)
+
+
+def _bare_tips(table: MeshTable, mesh: GroupedLines) -> Iterator[Fault]:
+    """Tips that no line leads to, where it leads to others: their blades are missing."""
+    tips = np.unique(mesh.node_groups.get(table.tips, np.zeros(0, np.int64)))
+    bare = np.setdiff1d(tips, mesh.lines)
+    if 0 < len(bare) < len(tips):
+        x, y = (mesh.points[bare[0]] * table.unit).tolist()
+        yield _fault(
+            table,
+            "tips",
+            f"a line to every node of the group; {len(bare)} of {len(tips)} in {_name(table)}"
+            f" {'have' if len(bare) > 1 else 'has'} none, first that at ({x:.4g}, {y:.4g}) m",
+        )
 
 
 def _read(table: MeshTable) -> GroupedLines:
@@ -176,17 +214,6 @@ def _group(table: MeshTable, mesh: GroupedLines, key: str) -> IntArray:
 
 
 def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> LineProperties:
-    faults = [
-        Fault(
-            key=f"{KEY}.sections.{name}",
-            value=section.model_dump(exclude_none=True),
-            expected=_one_of(table, "lines", mesh.line_groups),
-        )
-        for name, section in table.sections.items()
-        if name not in mesh.line_groups
-    ]
-    if faults:
-        raise CaseError(faults)
     count = len(mesh.lines)
     values = np.full((len(QUANTITIES), count), np.nan)
     if table.unit == 1.0:  # what else would the file's numbers mean, and its moduli?
@@ -256,10 +283,15 @@ def _name(table: MeshTable) -> str:
 
 
 def _fault(table: MeshTable, key: str, expected: str) -> Fault:
-    values = {"file": _short(table.file), "sections": None}
+    values = {"file": _short(table.file), "sections": None, "unit": _unit_name(table.unit)}
     value = values.get(key, getattr(table, key))
     value = value.given if isinstance(value, LengthUnit) else value
     return Fault(key=f"{KEY}.{key}", value=value, expected=expected)
+
+
+def _unit_name(unit: float) -> str:
+    """A unit of length [m] by its name, or as a length."""
+    return UNITS.get(unit, f"{unit:.6g} m")
 
 
 def _short(path: str) -> str:

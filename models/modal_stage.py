@@ -73,7 +73,7 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
     Raises:
         CaseError: numbers that finite elements can't be made of.
     """
-    with numbers_within_reach():
+    with numbers_within_reach(case):
         free, clamped = case_bladed_disk(case, clamped=False), case_bladed_disk(case, clamped=True)
         casing = case_casing(case)
         tip = tip_in_sector(free)

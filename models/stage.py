@@ -95,7 +95,7 @@ def build_stage(case: Case) -> Stage:
         CaseError: more fixed-interface modes than internal degrees of freedom, a stage too large,
             modes to keep that it does not have, or numbers that finite elements can't be made of.
     """
-    with numbers_within_reach():
+    with numbers_within_reach(case):
         disk = case_bladed_disk(case, clamped=case.shaft.clamped)
         _check_reduction(case, disk)
         casing = case_casing(case)

@@ -97,7 +97,7 @@ def derive(stage: Stage) -> Derived:
     Raises:
         CaseError: some are beyond the largest float.
     """
-    with numbers_within_reach():
+    with numbers_within_reach(stage.case):
         return _derive(stage)
 
 

@@ -9,7 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -21,6 +21,7 @@ from bladewhirl.models.contact_problem import ContactProblem
 from bladewhirl.models.faults import UserError
 from bladewhirl.models.march_problem import contact_problem
 from bladewhirl.models.stage import Stage, build_stage
+from bladewhirl.models.stage_hints import stage_hints
 from bladewhirl.models.timing import Timing
 from bladewhirl.solvers.central_difference import CentralDifference
 from bladewhirl.solvers.march import Chunk, EndReason, march
@@ -89,7 +90,7 @@ def prepare_stage(stage: Stage) -> Prepared:
     """
     problem, case = contact_problem(stage), stage.case
     timing = case.march.timing
-    with numbers_within_reach():
+    with numbers_within_reach(case):
         scheme = CentralDifference(problem, timing.time_step, timing.record_every)
         begin = scheme.init()
     with _no_collection():  # compiles, so that the march's clock does not count it
@@ -144,7 +145,8 @@ def run_case(
             (directory / name).write_bytes(content)
         folder.write_provenance(directory, case)
         report = march_to_file(prepared, directory / RESULT_NAME, progress)
-        return write_up(directory, report, window)
+        run = write_up(directory, report, window)
+        return replace(run, hints=(*stage_hints(prepared.stage), *run.hints))
     except OSError as error:
         raise UserError(f"{directory}: cannot be written ({error})") from None
 

@@ -45,6 +45,7 @@ def show(
     from bladewhirl.models.faults import CaseError, UserError
     from bladewhirl.models.march_problem import time_step_faults
     from bladewhirl.models.stage import build_stage
+    from bladewhirl.models.stage_hints import stage_hints
     from bladewhirl.studies.derived import derive
 
     if output is not None and not png:
@@ -57,6 +58,8 @@ def show(
         if faults:
             raise CaseError(faults)
         derived = derive(stage)
+    for hint in stage_hints(stage):
+        typer.echo(f"Hint: {hint}.", err=True)
     if png:
         _draw(stage, output or Path(f"{case.stem}.png"))
     if json:

@@ -183,6 +183,7 @@ def _progress_bar(console: Console) -> Iterator[Watch]:
     """Points done and failed and the time left, on a terminal; the size on any."""
     from rich import progress as bars
 
+    from bladewhirl.models.plausibility import case_hints
     from bladewhirl.studies.sweeps import Watch
 
     with bars.Progress(
@@ -201,6 +202,8 @@ def _progress_bar(console: Console) -> Iterator[Watch]:
             bar.update(task, completed=done + failed, total=points, done=done, failed=failed)
 
         def planned(plan: Plan) -> None:
+            for hint in case_hints(plan.case):
+                console.print(f"Hint: {hint}.", markup=False, highlight=False, soft_wrap=True)
             console.print(_estimated(plan), highlight=False)
 
         yield Watch(planned=planned, progress=progress)

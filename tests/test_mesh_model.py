@@ -249,6 +249,22 @@ def doubled(lines: GroupedLines) -> GroupedLines:
     return replace(lines, points=np.vstack([lines.points, lines.points[:1]]), lines=ends)
 
 
+def lines_of(lines: GroupedLines, chosen: slice) -> GroupedLines:
+    """A mesh without the other lines, as Gmsh saves one whose lines are in no physical group."""
+    kept = np.arange(len(lines.lines))[chosen]
+    groups = {
+        name: members - kept[0]
+        for name, members in lines.line_groups.items()
+        if np.isin(members, kept).all()
+    }
+    return replace(
+        lines,
+        lines=lines.lines[kept],
+        line_groups=groups,
+        line_data={name: values[kept] for name, values in lines.line_data.items()},
+    )
+
+
 def same(lines: GroupedLines) -> GroupedLines:
     return lines
 
@@ -265,6 +281,19 @@ BAD: list[tuple[Callable[[GroupedLines], GroupedLines], str, str]] = [
         f", sections.wings = {SECTION}",
         'mesh.sections.wings = { width = 0.1, thickness = 0.01 }: expected a group of lines of a.vt'
         'u: "blades", "spokes", "rim"',
+    ),
+    (
+        lambda lines: replace(lines, points=np.vstack([lines.points, [[0.0, 0.4]]]), node_groups={
+            **lines.node_groups, "tips": np.append(lines.node_groups["tips"], len(lines.points))}),
+        "",
+        'mesh.tips = "tips": expected a line to every node of the group; 1 of 4 in a.vtu has none,'
+        " first that at (0, 0.4) m",
+    ),
+    (
+        lambda lines: lines_of(lines, slice(6, None)),
+        f", sections.blades = {SECTION}",
+        "mesh.sections.blades = { width = 0.1, thickness = 0.01 }: expected a group of lines of a.v"
+        'tu: "spokes", "rim"',
     ),
     (same, ', unit = "cm"', "mesh.sections: expected a section for all lines; 12 of 12 have none"),
     (
@@ -287,7 +316,7 @@ BAD: list[tuple[Callable[[GroupedLines], GroupedLines], str, str]] = [
     (
         lambda lines: replace(lines, points=1e3 * lines.points),
         "",
-        "mesh.unit = 1.0: expected a unit that puts the tips at 0.001 m to 10 m, not at 500 m",
+        'mesh.unit = "m": expected a unit that puts the tips at 0.001 m to 10 m, not at 500 m',
     ),
     (
         lambda lines: replace(lines, points=1e6 * lines.points),
