@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import signal
 import uuid
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import chain, islice
+from multiprocessing import resource_tracker
 
 import dask
 from dask.system import CPU_COUNT
@@ -113,15 +115,29 @@ def _client(scheduler: str | None, workers: int) -> Iterator[Client]:
 
 @contextmanager
 def local_cluster(workers: int) -> Iterator[LocalCluster]:
-    """A cluster on this machine, one process a worker."""
-    with (
-        dask.config.set(LOCAL),
-        LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            processes=True,
-            dashboard_address=":0",
-            silence_logs="CRITICAL",
-        ) as cluster,
-    ):
-        yield cluster
+    """A cluster on this machine, one process a worker; Ctrl-C waits until they have started.
+
+    dask can't end a cluster in order whose workers are still starting.
+    """
+    with dask.config.set(LOCAL):
+        with _interrupts_held():
+            cluster = LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                dashboard_address=":0",
+                silence_logs="CRITICAL",
+            )
+        with cluster:
+            yield cluster
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Let Ctrl-C wait; for ever in what is started here: a terminal sends it to all processes."""
+    resource_tracker.ensure_running()  # starting it later would let the signal through again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

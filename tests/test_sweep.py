@@ -121,7 +121,9 @@ def test_an_existing_scheduler_gives_the_same_bits(swept: Path, tmp_path: Path) 
     assert same_bits(swept, tmp_path / "other")
 
 
-def start(folder: Path, tmp_path: Path) -> subprocess.Popen[bytes]:
+def start(
+    folder: Path, tmp_path: Path, *, errors: int = subprocess.DEVNULL
+) -> subprocess.Popen[bytes]:
     """The same sweep as a process of its own, by one worker."""
     case = tmp_path / "case.toml"
     case.write_text(dumps_case(CASE))
@@ -130,7 +132,7 @@ def start(folder: Path, tmp_path: Path) -> subprocess.Popen[bytes]:
     return subprocess.Popen(
         [sys.executable, "-c", code, "sweep", case, *options, "-o", folder, "--workers", "1"],
         stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
+        stderr=errors,
         start_new_session=True,
     )
 
@@ -178,6 +180,20 @@ def test_an_ended_sweep_is_finished_with_the_same_bits(
 
 
 @pytest.mark.slow
+def test_ctrl_c_while_workers_start_is_one_line(tmp_path: Path) -> None:
+    folder = tmp_path / "ended"
+    process = start(folder, tmp_path, errors=subprocess.PIPE)
+    parent = psutil.Process(process.pid)
+    # Beside workers there is the process that tracks what they share.
+    wait_for(lambda: len(parent.children(recursive=True)) > 1, process)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+    _, errors = process.communicate()
+    assert process.returncode == 130
+    size, told = errors.decode().splitlines()
+    assert size.startswith("4 points")
+    assert told == f"interrupted; bladewhirl sweep --resume {folder} finishes it"
+
+
 def test_a_killed_worker_costs_its_point_a_second_march(swept: Path, tmp_path: Path) -> None:
     folder = tmp_path / "worker"
     process = start(folder, tmp_path)
