@@ -29,9 +29,6 @@ KEY = "bladed_disk.mesh"
 SAME_PLACE = 1e-6
 """Nodes nearer to each other than this, over the size of the mesh, are one node twice."""
 
-UNITS = {1.0: "m", 1e-2: "cm", 1e-3: "mm", 1e-6: "µm", 0.0254: "inch", 0.3048: "foot"}
-"""Names of units of length, by their size [m]."""
-
 TIP_RADII = (1e-3, 10.0)
 """Smallest and largest tip radius [m]; beyond them a unit of length was mistaken."""
 
@@ -283,15 +280,10 @@ def _name(table: MeshTable) -> str:
 
 
 def _fault(table: MeshTable, key: str, expected: str) -> Fault:
-    values = {"file": _short(table.file), "sections": None, "unit": _unit_name(table.unit)}
+    values = {"file": _short(table.file), "sections": None}
     value = values.get(key, getattr(table, key))
     value = value.given if isinstance(value, LengthUnit) else value
     return Fault(key=f"{KEY}.{key}", value=value, expected=expected)
-
-
-def _unit_name(unit: float) -> str:
-    """A unit of length [m] by its name, or as a length."""
-    return UNITS.get(unit, f"{unit:.6g} m")
 
 
 def _short(path: str) -> str:

@@ -316,7 +316,7 @@ BAD: list[tuple[Callable[[GroupedLines], GroupedLines], str, str]] = [
     (
         lambda lines: replace(lines, points=1e3 * lines.points),
         "",
-        'mesh.unit = "m": expected a unit that puts the tips at 0.001 m to 10 m, not at 500 m',
+        "mesh.unit = 1.0: expected a unit that puts the tips at 0.001 m to 10 m, not at 500 m",
     ),
     (
         lambda lines: replace(lines, points=1e6 * lines.points),

@@ -179,7 +179,6 @@ def test_an_ended_sweep_is_finished_with_the_same_bits(
     assert resume_sweep(folder).marched == 0
 
 
-@pytest.mark.slow
 def test_ctrl_c_while_workers_start_is_one_line(tmp_path: Path) -> None:
     folder = tmp_path / "ended"
     process = start(folder, tmp_path, errors=subprocess.PIPE)
@@ -194,6 +193,7 @@ def test_ctrl_c_while_workers_start_is_one_line(tmp_path: Path) -> None:
     assert told == f"interrupted; bladewhirl sweep --resume {folder} finishes it"
 
 
+@pytest.mark.slow
 def test_a_killed_worker_costs_its_point_a_second_march(swept: Path, tmp_path: Path) -> None:
     folder = tmp_path / "worker"
     process = start(folder, tmp_path)
