@@ -297,7 +297,7 @@ def test_a_set_is_judged_by_marches(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     Another hit is no other imbalance: what that says is not asked again.
     """
     short = replace(SCRUTINIES["screened"], changes={"march.duration": 2e-3})
-    monkeypatch.setitem(SCRUTINIES, "screened", short)  # type: ignore[arg-type]
+    monkeypatch.setitem(SCRUTINIES, "screened", short)
     search = Search(directory=tmp_path)
     marched: list[int] = []
     make = RunStore.make
@@ -326,7 +326,7 @@ def test_claims_on_sweeps_are_judged_too(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.setattr(ParameterSet, "neighbours", lambda self: iter(()))
     assert set(SWEPT_CLAIMS) == set(SCRUTINIES["swept"].claims)
     monkeypatch.setitem(
-        SCRUTINIES,  # type: ignore[arg-type]
+        SCRUTINIES,
         "swept",
         replace(SCRUTINIES["swept"], claims=(36,)),
     )
