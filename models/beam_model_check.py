@@ -14,6 +14,9 @@ from bladewhirl.models.faults import CaseError, Fault
 AT_ORIGIN = 1e-9
 """Largest distance of the centre from the origin, in tip radii."""
 
+ROUNDING = 1e-9
+"""What a node may lie beyond a radius, as a share of it."""
+
 
 def check_model(model: BeamModel, key: str) -> None:
     """See that a beam model can be a bladed disk.
@@ -128,6 +131,18 @@ def _loose_parts(model: BeamModel, key: str) -> Iterator[Fault]:
             where = _node(model, first) if what == "node" else f"{what} at {_at(model, first)}"
             expected = f"all parts joined to the centre; {where} is not"
             yield Fault(key=key, expected=expected)
+
+
+def part_outside(model: BeamModel, radius: float) -> str | None:
+    """The part that reaches farthest beyond a radius [m] and where; None where none does."""
+    mesh, away = model.mesh, np.linalg.norm(model.mesh.points, axis=1)
+    node = int(away.argmax())
+    if away[node] <= radius * (1.0 + ROUNDING):
+        return None
+    lines = np.flatnonzero((mesh.lines == node).any(axis=1))
+    names = [mesh.line_parts[line] for line in lines if mesh.line_parts[line]]
+    where = f"part {names[0]!r} at {_at(model, node)}" if names else _node(model, node)
+    return f"{where} is outside by {away[node] - radius:.3g} m"
 
 
 def _node(model: BeamModel, node: int) -> str:

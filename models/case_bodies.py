@@ -12,6 +12,7 @@ import scipy.linalg as la
 from bladewhirl.meshes import RingMesh
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.beam_model import BeamModel
+from bladewhirl.models.beam_model_check import part_outside
 from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
 from bladewhirl.models.bladed_disk_sketch import bladed_disk_sketch
 from bladewhirl.models.case import BeamSection, Case
@@ -59,6 +60,10 @@ def case_beam_model(case: Case) -> BeamModel:
             + ("is outside" if outside else "reaches into its lobes")
             + f" by {-room[tight]:.3g} m where the casing is narrowest"
         )
+        raise CaseError([case_fault(case, "casing.clearance", expected)])
+    beyond = part_outside(model, model.tip_radius + case.casing.clearance_profile.smallest)
+    if beyond is not None:
+        expected = f"all parts inside the casing where it is narrowest; {beyond}"
         raise CaseError([case_fault(case, "casing.clearance", expected)])
     return model
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from bladewhirl.models import Case, CaseError, Section, Sketch, read_case
+from bladewhirl.models import Case, CaseError, Section, Sketch, read_case, with_values
 from bladewhirl.models.stage import build_stage
 from bladewhirl.postprocess.result import open_result
 from bladewhirl.studies.cli import app
@@ -130,6 +130,23 @@ def test_tips_outside_the_casing_are_named() -> None:
     sketch.set("tips", "tip")
     with pytest.raises(CaseError, match=r"blade 0, at radius 0.4 m, is outside by 0.0096 m"):
         build_stage(case(sketch))
+
+
+def test_parts_beyond_the_tips_are_named() -> None:
+    """A blade that goes on behind what was called its tip would stand in the casing's wall."""
+    sketch = Sketch(4)
+    sketch.node("hub", 0.0, shared=True)
+    sketch.node("tip", 0.4)
+    sketch.node("end", 0.41)
+    steel = Section(width=0.1, thickness=0.01, **STEEL)
+    sketch.member("blades", "hub", "tip", steel)
+    sketch.member("hooks", "tip", "end", steel)
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    message = r"narrowest; part 'hooks' at \(0.41, 0\) m is outside by 0.0096 m"
+    with pytest.raises(CaseError, match=message):
+        build_stage(case(sketch))
+    build_stage(with_values(case(sketch), {"casing.clearance": "11 mm"}))
 
 
 def test_a_drawn_stage_takes_no_other_bladed_disk() -> None:
