@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bladewhirl.models import Case, read_case, with_values
+from bladewhirl.models.modal_stage import modal_stage
 from bladewhirl.studies.runs import Run, run_case
 
 ROOT = Path(__file__).parents[1]
@@ -92,3 +93,16 @@ def test_springs_let_six_modes_grow_until_they_touch(tmp_path: Path) -> None:
         rate = np.polyfit(time[growing], np.log(size[growing]), 1)[0]
         assert rate == pytest.approx(6.8654, rel=1e-3)
         assert result["coupling_work"].values[-1] > 0.0
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_lowest_modes_solve_the_eigenproblem(path: Path) -> None:
+    stage = modal_stage(read_case(path), 6)
+    bodies = ((stage.disk, stage.disk_modes), (stage.casing, stage.casing_modes))
+    for body, modes in bodies:
+        structure, shapes = body.structure, modes.fields(np.arange(6))
+        square = modes.frequency[:6] ** 2
+        assert np.all(np.diff(square) >= 0.0)
+        np.testing.assert_allclose(shapes.T @ structure.mass @ shapes, np.eye(6), atol=1e-8)
+        strain = shapes.T @ structure.stiffness @ shapes
+        np.testing.assert_allclose(strain, np.diag(square), atol=1e-6 * square[-1])
