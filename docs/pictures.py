@@ -34,6 +34,10 @@ GALLERY = {
     "stiffened_casing": "stiffened casing",
     "casing_on_struts": "casing on struts",
     "spoked_disk": "disk of spokes",
+    "mistuned_blades": "mistuned blades",
+    "unequal_shaft": "unequal shaft",
+    "unequal_bearings": "unequal bearings",
+    "damped_supports": "springs and dampers",
 }
 """Examples in the gallery, and what is written above them."""
 
