@@ -246,9 +246,11 @@ class Recorder:
         finite = _finite_records(history)
         first, last = self._records, self._records + finite
         if finite:
-            self._file.resize_dimension(TIME, last)
             for name, values in history.items():
-                self._file.variables[name][first:last] = values[:finite]
+                # Each by its name: h5netcdf resizes what the dimension lists as its users, and
+                # one march in some hundreds was lost to a variable that was left as it was.
+                self._h5[name].resize(last, axis=0)
+                self._h5[name][first:last] = values[:finite]
             self._records, self._steps = last, int(chunk.step[finite - 1])
             self._h5.attrs.modify("steps", np.int64(self._steps))
         self.flush()

@@ -26,6 +26,9 @@ LIMIT = 1.52
 """Normalised speed above which the paper's truncated space diverges under imbalance."""
 
 DISTORTED = [f"six modes, distortion at 1.05, kappa {kappa:g}" for kappa in KAPPAS]
+DIVERGING = "six modes, imbalance at 1.65, kappa 0"
+"""Of the paper's Fig. 26."""
+
 UNBALANCED = [f"six modes, imbalance at 1.05, kappa {kappa:g}" for kappa in KAPPAS]
 
 
@@ -121,10 +124,11 @@ def coupling_does_not_matter_to_imbalance(lab: Laboratory) -> Finding:
 
 @claim(
     38,
-    "With six modes the imbalance diverges above 1.52, whatever the coupling.",
-    paper="above 1.52",
+    "With six modes the imbalance diverges above 1.52, whatever the coupling, led by 1F with k = 1.",
+    paper="above 1.52, k = 1",
     section="4.3.3",
     figures=["26"],
+    trials=[DIVERGING],
     sweeps=["six modes, imbalance"],
 )
 def truncated_space_diverges_under_imbalance(lab: Laboratory) -> Finding:
@@ -132,12 +136,16 @@ def truncated_space_diverges_under_imbalance(lab: Laboratory) -> Finding:
     divergent = (sweep["regime"] == "divergent").transpose("march_speed", ...).values
     above = sweep["march_speed"].values > LIMIT
     shares = [float(100 * divergent[chosen].mean()) for chosen in (above, ~above)]
+    motion = lab.motion(DIVERGING)
+    held = motion.share(*motion.late)
+    leader = max(held, key=lambda name: held[name])
     return Finding(
         ours=f"divergent at {shares[0]:.0f} % of the points above {LIMIT:g}, at"
-        f" {shares[1]:.0f} % below",
+        f" {shares[1]:.0f} % below; {leader} leads at 1.65",
         checks=(
             at_least("share of divergent points above", shares[0], 90.0, " %"),
             at_most("share of divergent points below", shares[1], 10.0, " %"),
+            is_so("leader at 1.65", leader, "k = 1"),
         ),
     )
 

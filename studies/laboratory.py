@@ -76,7 +76,7 @@ SURVEYS: Mapping[str, Survey] = {
     ),
     "six modes, imbalance": Survey(
         load="imbalance",
-        speeds=(0.95, 2.0, 0.15),
+        speeds=(0.95, 2.0, 0.35),
         changes=SIX,
         over={"coupling.stiffness": KAPPAS},
     ),
@@ -140,6 +140,11 @@ TRIALS: Mapping[str, Trial] = {
         for load, speed in COUPLED
         for kappa in KAPPAS
     },
+    "six modes, imbalance at 1.65, kappa 0": Trial(
+        load="imbalance",
+        changes={**SIX, "march.speed": 1.65, "coupling.stiffness": 0.0},
+        repeated=False,
+    ),
     **{
         f"{count} modes": Trial(
             load="imbalance",
@@ -281,7 +286,8 @@ def perturbed(case: Case, repeat: int) -> Case:
 
 
 def _is_complete(directory: Path) -> bool:
+    """Whether every point has a result; what failed is tried again."""
     if not (directory / SWEEP_NAME).exists():
         return False
     with open_sweep(directory) as dataset:
-        return bool((dataset["state"] != "missing").all())
+        return bool((dataset["state"] == "done").all())

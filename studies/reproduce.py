@@ -33,7 +33,7 @@ def reproduce(
         typer.Option(
             "--speed-step",
             help="Step of all sweeps over speed; the paper's maps have 0.005. Their own is 0.05,"
-            " but 0.15 for six modes under imbalance.",
+            " but 0.35 for six modes under imbalance.",
         ),
     ] = None,
     output: Annotated[

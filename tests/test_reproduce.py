@@ -226,8 +226,8 @@ def test_critical_speeds_of_a_sweep() -> None:
 def test_a_quick_sweep_is_coarser_in_speed_alone() -> None:
     survey = SURVEYS["six modes, imbalance"]
     full, quick = (survey.axes(quick=quick) for quick in (False, True))
-    assert full["march.speed"] == [0.95, 1.1, 1.25, 1.4, 1.55, 1.7, 1.85, 2.0]
-    assert quick["march.speed"] == [0.95, 1.4, 1.85]
+    assert full["march.speed"] == [0.95, 1.3, 1.65, 2.0]
+    assert quick["march.speed"] == [0.95, 2.0]
     assert quick["coupling.stiffness"] == full["coupling.stiffness"] == list(KAPPAS)
 
 
