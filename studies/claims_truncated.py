@@ -124,7 +124,8 @@ def coupling_does_not_matter_to_imbalance(lab: Laboratory) -> Finding:
 
 @claim(
     38,
-    "With six modes the imbalance diverges above 1.52, whatever the coupling, led by 1F with k = 1.",
+    "With six modes the imbalance diverges above 1.52, whatever the coupling, and 1F with k = 1"
+    " leads.",
     paper="above 1.52, k = 1",
     section="4.3.3",
     figures=["26"],

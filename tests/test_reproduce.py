@@ -6,6 +6,7 @@ import importlib.util
 import json
 import re
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,8 @@ from typer.testing import CliRunner
 from bladewhirl.models.case_file import read_case, with_values
 from bladewhirl.models.faults import UserError
 from bladewhirl.postprocess.result import open_result
+from bladewhirl.postprocess.sweep_result import SWEEP_NAME
+from bladewhirl.studies import laboratory
 from bladewhirl.studies.claim import (
     CLAIMS,
     VERDICTS,
@@ -221,6 +224,18 @@ def test_critical_speeds_of_a_sweep() -> None:
     assert middle_of_divergence(sweep, 500.0) == pytest.approx(1.5)
     assert np.isnan(middle_of_divergence(sweep, 1000.0))
     assert done_points(sweep)["march_speed"].values.tolist() == pytest.approx([1.2, 1.4, 1.6])
+
+
+def test_a_sweep_with_a_failed_point_is_not_complete(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert not laboratory._is_complete(tmp_path)
+    (tmp_path / SWEEP_NAME).touch()
+    sweep = swept([[True] * 3, [True] * 3])
+    monkeypatch.setattr(laboratory, "open_sweep", lambda directory: nullcontext(sweep))
+    assert not laboratory._is_complete(tmp_path)
+    sweep["state"][0, 0] = "done"
+    assert laboratory._is_complete(tmp_path)
 
 
 def test_a_quick_sweep_is_coarser_in_speed_alone() -> None:
