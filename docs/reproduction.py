@@ -4,7 +4,7 @@
     bladewhirl search --sweeps -o SEARCH
     python docs/reproduction.py REPRODUCTION SEARCH
 
-Either folder may be left out: then its part of the page is, and the count without REPRODUCTION.
+A folder that is left out leaves its part of the page as it is, and the count without REPRODUCTION.
 """
 
 from __future__ import annotations
@@ -22,17 +22,24 @@ PAGE, README = DOCS / "reproduction.md", DOCS.parent / "README.md"
 COUNT = re.compile(r"(?<=<!-- scorecard -->\n).*?(?=\n<!-- scorecard end -->)", re.DOTALL)
 """What README.md says of the scorecard."""
 
+TITLE, SCORECARD, VALUES = (
+    "# What holds of the paper",
+    "Scorecard",
+    "Values that the paper leaves out",
+)
+"""Headings of the page."""
+
 ALTERNATIVE = "A row for each claim, a column for each single change of the default: the verdicts"
 """Of the picture of all claims."""
 
 
 def main(arguments: list[str]) -> None:
     """Write both."""
-    lines = ["# What holds of the paper"]
+    parts = present(PAGE.read_text(encoding="utf-8")) if PAGE.exists() else {}
     for folder in map(Path, arguments):
         if (folder / "scorecard.json").exists():
             scorecard = json.loads((folder / "scorecard.json").read_text(encoding="utf-8"))
-            lines += scored(scorecard)
+            parts[SCORECARD] = "\n".join(scored(scorecard))
             text = README.read_text(encoding="utf-8")
             count = COUNT.search(text)
             if count is None:
@@ -41,10 +48,19 @@ def main(arguments: list[str]) -> None:
             README.write_text(text, encoding="utf-8")
         else:
             report = (folder / "report.md").read_text(encoding="utf-8")
-            lines += ["", "## Values that the paper leaves out", "", report.rstrip(), ""]
             copyfile(folder / "sensitivity.png", PAGE.with_name("sensitivity.png"))
-            lines.append(f"![{ALTERNATIVE}](sensitivity.png)")
-    PAGE.write_text("\n".join(lines) + "\n", encoding="utf-8")
+            parts[VALUES] = f"{report.rstrip()}\n\n![{ALTERNATIVE}](sensitivity.png)"
+    lines = [
+        TITLE,
+        *(f"## {name}\n\n{parts[name]}" for name in (SCORECARD, VALUES) if name in parts),
+    ]
+    PAGE.write_text("\n\n".join(lines) + "\n", encoding="utf-8")
+
+
+def present(page: str) -> dict[str, str]:
+    """Parts of the page by heading."""
+    _, *found = re.split(r"^## (.+)\n", page, flags=re.MULTILINE)
+    return {name: text.strip() for name, text in zip(found[::2], found[1::2], strict=True)}
 
 
 def sentence(scorecard: dict[str, Any]) -> str:
@@ -58,7 +74,7 @@ def sentence(scorecard: dict[str, Any]) -> str:
 
 def scored(scorecard: dict[str, Any]) -> Iterator[str]:
     """The scorecard as Markdown."""
-    yield from ("", "## Scorecard", "", sentence(scorecard).split(";")[0] + ".", "")
+    yield from (sentence(scorecard).split(";")[0] + ".", "")
     yield from ("| condition | |", "|---|---|")
     for name, value in scorecard["conditions"].items():
         yield f"| {name.replace('_', ' ')} | {value if value != {} else 'none'} |"

@@ -427,6 +427,12 @@ def test_the_page_and_the_readme_say_what_was_computed(
     assert "* 1, partly: not met: False; met: True." in page
     assert re.search(r"5 sets were screened\.\n\n!\[.+\]\(sensitivity\.png\)\n$", page)
     assert (tmp_path / "sensitivity.png").read_bytes() == b"a picture"
+    again = card_of(lambda: Finding(ours="c", checks=checks(True)))
+    (card_folder / "scorecard.json").write_text(again.to_json())
+    maker.main([str(card_folder)])
+    newer = (tmp_path / "reproduction.md").read_text()
+    assert "| c | holds |" in newer
+    assert newer.split("## Values")[1] == page.split("## Values")[1]
 
 
 def test_the_readme_counts_what_its_page_lists() -> None:
