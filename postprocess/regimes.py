@@ -41,6 +41,16 @@ CRITERION = (
 
 
 @dataclass(frozen=True, kw_only=True)
+class Windows:
+    """The amplitude in equal windows of time, three thirds with as many windows each."""
+
+    begin: Array  #: of each window [s], (window,)
+    length: float  #: of a window [s]
+    amplitude: Array  #: root of the mean strain energy in it [J^0.5], (window,)
+    late: int  #: first window of the last third
+
+
+@dataclass(frozen=True, kw_only=True)
 class Growth:
     """Exponential growth of the amplitude over the last third of a run."""
 
@@ -93,8 +103,8 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
     return regime("sustained", f"contact up to {last:.6g} s; {grown}")
 
 
-def measure_growth(time: Array, strain_energy: Array, shortest_window: float) -> Growth | None:
-    """Fit the growth over the last third of a history; None where it cannot be judged.
+def windowed_amplitude(time: Array, strain_energy: Array, shortest_window: float) -> Windows | None:
+    """Root of the mean strain energy in equal windows; None where growth cannot be judged by it.
 
     That is a history at rest, one with fewer than eight windows in its last third, or one with
     fewer than three records in some window.
@@ -118,12 +128,25 @@ def measure_growth(time: Array, strain_energy: Array, shortest_window: float) ->
     mean = np.add.reduceat(strain_energy, first) / counts
     if mean[2 * windows :].min() <= 0:
         return None
-    amplitude = np.sqrt(mean)
-    before, last = amplitude[: 2 * windows], np.log(amplitude[2 * windows :])
-    rate, error = _fitted_slope(last, length)
-    half = windows // 2
-    early, _ = _fitted_slope(last[:half], length)
-    late, late_error = _fitted_slope(last[-half:], length)
+    return Windows(begin=edges, length=length, amplitude=np.sqrt(mean), late=2 * windows)
+
+
+def measure_growth(time: Array, strain_energy: Array, shortest_window: float) -> Growth | None:
+    """Fit the growth over the last third of a history; None where it cannot be judged.
+
+    Args:
+        time: as `windowed_amplitude` takes it, and so the others.
+        strain_energy: see there.
+        shortest_window: see there.
+    """
+    found = windowed_amplitude(time, strain_energy, shortest_window)
+    if found is None:
+        return None
+    before, last = found.amplitude[: found.late], np.log(found.amplitude[found.late :])
+    rate, error = _fitted_slope(last, found.length)
+    half = len(last) // 2
+    early, _ = _fitted_slope(last[:half], found.length)
+    late, late_error = _fitted_slope(last[-half:], found.length)
     return Growth(
         rate=rate,
         error=error,

@@ -22,6 +22,7 @@ from bladewhirl.postprocess.family_energies import (
     mean_energies,
     plot_family_energies,
 )
+from bladewhirl.postprocess.growth_figures import amplitude_growth, plot_growth
 from bladewhirl.postprocess.orbits import Frame, plot_orbit, shaft_orbit
 from bladewhirl.postprocess.poincare import plot_state_space, poincare_map, state_space
 from bladewhirl.postprocess.spectra import (
@@ -117,6 +118,10 @@ class RunFigures:
         phases = contact_phase(self._result, self._orbit)
         return plot_contact_phase(phases), phases
 
+    def _draw_regime(self) -> Drawn:
+        growth = amplitude_growth(self._result)
+        return plot_growth(growth), growth
+
     def _draw_stress(self) -> Drawn:
         history = stress_history(self._result)
         return plot_stress(history), history
@@ -138,5 +143,6 @@ FIGURES: Mapping[str, Callable[[RunFigures], Drawn]] = {
     "contact-classes": RunFigures._draw_contact_classes,
     "contact-phase": RunFigures._draw_contact_phase,
     "stress": RunFigures._draw_stress,
+    "regime": RunFigures._draw_regime,
 }
 """The figures of a run."""

@@ -23,6 +23,7 @@ NAMES = {
     "contact-classes": "blades in permanent or intermittent contact, and free ones",
     "contact-phase": "of shaft and smallest clearance, and the contact scenario",
     "stress": "of blades, disk and casing over time, and the extremes of every blade",
+    "regime": "the amplitude over time, and its growth rate with its uncertainty",
 }
 """The figures of a run, and what they show."""
 

@@ -1,0 +1,114 @@
+"""The amplitude over time, and the growth rate that a regime is judged by with its uncertainty."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bladewhirl.postprocess.energies import strain_energies
+from bladewhirl.postprocess.fields import ViewError
+from bladewhirl.postprocess.regimes import (
+    CERTAINTY,
+    classify,
+    longest_half_period,
+    windowed_amplitude,
+)
+from bladewhirl.postprocess.style import COLOURS, new_figure, speed_label, styled
+from bladewhirl.postprocess.windows import few_time_ticks
+
+
+def amplitude_growth(dataset: xr.Dataset) -> xr.Dataset:
+    """The amplitude in equal windows, and the exponential fitted to the last third of them.
+
+    Args:
+        dataset: a result, of the time that is wanted.
+
+    Returns:
+        over time, the middle of each window [s]: `amplitude`, root of the mean strain energy of
+        bladed disk and shaft springs [J^0.5]; `fit` with `low` and `high`, two standard errors of
+        the rate from it, nan before the last third. Attributes `rate` and `error` [1/s], `regime`
+        and `reason`.
+
+    Raises:
+        ViewError: too short a history to judge growth by, or at rest.
+    """
+    energy = strain_energies(dataset)["total"].values
+    time = dataset["time"].values
+    windows = windowed_amplitude(time, energy, longest_half_period(dataset))
+    regime = classify(dataset, energy)
+    if windows is None or regime.growth is None:
+        raise ViewError("too short a history to judge growth, or at rest")
+    rate, error = regime.growth.rate, regime.growth.error
+    middle = windows.begin + windows.length / 2
+    late = middle[windows.late :]
+    level = np.log(windows.amplitude[windows.late :]).mean()
+
+    def fitted(slope: float) -> tuple[str, np.ndarray, dict[str, str]]:
+        line = np.full(len(middle), np.nan)
+        line[windows.late :] = np.exp(level + slope * (late - late.mean()))
+        return "time", line, {"units": "J^0.5"}
+
+    return xr.Dataset(
+        {
+            "amplitude": ("time", windows.amplitude, {"units": "J^0.5"}),
+            "fit": fitted(rate),
+            "low": fitted(rate - CERTAINTY * error),
+            "high": fitted(rate + CERTAINTY * error),
+        },
+        coords={"time": ("time", middle, {"units": "s"})},
+        attrs={
+            "title": "amplitude of the bladed disk, and its growth",
+            "rate": rate,
+            "error": error,
+            "regime": regime.name,
+            "reason": regime.reason,
+            "window": windows.length,
+            **{name: dataset.attrs[name] for name in ("speed", "reference_frequency")},
+        },
+    )
+
+
+@styled
+def plot_growth(growth: xr.Dataset) -> Figure:
+    """Draw the amplitude over time, and over the last third the fitted growth with its band.
+
+    Args:
+        growth: from `amplitude_growth`.
+    """
+    figure = new_figure(height=0.06)
+    axes = figure.add_subplot()
+    time = growth["time"].values
+    axes.plot(
+        time,
+        growth["amplitude"],
+        "o-",
+        color=COLOURS["rotor"],
+        markersize=2.5,
+        linewidth=0.6,
+        label=f"means over {1e3 * growth.attrs['window']:.3g} ms",
+    )
+    axes.fill_between(
+        time,
+        growth["low"],
+        growth["high"],
+        color=COLOURS["k = 1"],
+        alpha=0.3,
+        linewidth=0,
+        label=f"± {CERTAINTY:g} standard errors",
+    )
+    axes.plot(time, growth["fit"], color=COLOURS["k = 1"], label="fit, last third")
+    largest = float(growth["amplitude"].max())
+    if float(growth["amplitude"].min()) > 0 and largest > 10 * float(growth["amplitude"].min()):
+        axes.set_yscale("log")
+    else:
+        axes.set_ylim(0.0, 1.15 * largest)
+    axes.set(xlabel="time [s]", ylabel="root of strain energy [J$^{1/2}$]")
+    few_time_ticks(axes)
+    rate, error = growth.attrs["rate"], growth.attrs["error"]
+    axes.set_title(
+        f"{growth.attrs['regime']}, growth rate {rate:.3g} ± {error:.2g} 1/s\n"
+        f"{speed_label(growth)}"
+    )
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
