@@ -153,10 +153,7 @@ def plot_forces(maps: xr.Dataset) -> Figure:
     """
     figure, axes = _map_axes(maps)
     force = maps["force"].values
-    pushed = force[force > 0]
-    largest = float(pushed.max()) if len(pushed) else 1.0
-    usual = float(np.percentile(pushed, BRIGHTEST)) if len(pushed) else 1.0
-    top = usual if largest > PEAK * usual else largest
+    largest, top = float(force.max()), force_limit(force)
     unit, scale = ("kN", 1e-3) if top >= 1e3 else ("N", 1.0)
     picture = axes.pcolormesh(
         maps["edge"],
@@ -195,6 +192,17 @@ def plot_contact_classes(classes: xr.Dataset) -> Figure:
     axes.set_title(f"{speed_label(classes)}, {classes.attrs['window']}")
     figure.legend(loc="outside lower center", ncols=3)
     return figure
+
+
+def force_limit(force: Array) -> float:
+    """The force that gets the brightest colour, in the unit of the forces; 1 where there are none:
+    the largest, unless a few peaks would leave the rest dark.
+    """
+    pushed = force[force > 0]
+    if not len(pushed):
+        return 1.0
+    largest, usual = float(pushed.max()), float(np.percentile(pushed, BRIGHTEST))
+    return usual if largest > PEAK * usual else largest
 
 
 def _map_axes(maps: xr.Dataset) -> tuple[Figure, Axes]:

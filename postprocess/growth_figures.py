@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.energies import strain_energies
-from bladewhirl.postprocess.fields import ViewError
+from bladewhirl.postprocess.fields import Array, ViewError
 from bladewhirl.postprocess.regimes import (
     CERTAINTY,
     classify,
@@ -44,17 +44,19 @@ def amplitude_growth(dataset: xr.Dataset) -> xr.Dataset:
     late = middle[windows.late :]
     level = np.log(windows.amplitude[windows.late :]).mean()
 
-    def fitted(slope: float) -> tuple[str, np.ndarray, dict[str, str]]:
-        line = np.full(len(middle), np.nan)
-        line[windows.late :] = np.exp(level + slope * (late - late.mean()))
-        return "time", line, {"units": "J^0.5"}
+    def at_late(line: Array) -> tuple[str, Array, dict[str, str]]:
+        return "time", np.append(np.full(windows.late, np.nan), line), {"units": "J^0.5"}
 
+    def fitted(slope: float) -> Array:
+        return np.asarray(np.exp(level + slope * (late - late.mean())))
+
+    slow, fast = fitted(rate - CERTAINTY * error), fitted(rate + CERTAINTY * error)
     return xr.Dataset(
         {
             "amplitude": ("time", windows.amplitude, {"units": "J^0.5"}),
-            "fit": fitted(rate),
-            "low": fitted(rate - CERTAINTY * error),
-            "high": fitted(rate + CERTAINTY * error),
+            "fit": at_late(fitted(rate)),
+            "low": at_late(np.minimum(slow, fast)),
+            "high": at_late(np.maximum(slow, fast)),
         },
         coords={"time": ("time", middle, {"units": "s"})},
         attrs={
@@ -107,8 +109,7 @@ def plot_growth(growth: xr.Dataset) -> Figure:
     few_time_ticks(axes)
     rate, error = growth.attrs["rate"], growth.attrs["error"]
     axes.set_title(
-        f"{growth.attrs['regime']}, growth rate {rate:.3g} ± {error:.2g} 1/s\n"
-        f"{speed_label(growth)}"
+        f"{growth.attrs['regime']}, growth rate {rate:.3g} ± {error:.2g} 1/s\n{speed_label(growth)}"
     )
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure

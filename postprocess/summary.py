@@ -129,8 +129,8 @@ def write_summary(summary: Summary, path: str | Path) -> Path:
     return path
 
 
-def summary_table(summary: Summary) -> Table:
-    """The summary as a table to read: rounded, in handy units, the blades counted."""
+def summary_rows(summary: Summary) -> dict[str, str]:
+    """The summary in words: rounded, in handy units, the blades counted."""
     held = summary.strain_energy_final
     family = held["1F"]
     total = held["suspension"] + sum(family.values()) + held["rest"]
@@ -144,8 +144,8 @@ def summary_table(summary: Summary) -> Table:
     def part(energy: float) -> str:
         return f"{energy:.4g} J ({100 * energy / total:.1f} %)" if total else "0 J"
 
-    rows = {
-        "regime": f"[bold]{summary.regime}[/]",
+    return {
+        "regime": summary.regime,
         "because": summary.regime_criterion.rpartition("Here: ")[2],
         "end time": f"{summary.end_time:.6g} s",
         "shaft radius, largest": f"{1e3 * summary.shaft_radius_max:.4g} mm",
@@ -165,11 +165,15 @@ def summary_table(summary: Summary) -> Table:
         "steps": f"{summary.steps}",
         "wall time": f"{summary.wall_time:.3g} s ({summary.us_per_step:.3g} µs a step)",
     }
+
+
+def summary_table(summary: Summary) -> Table:
+    """The summary as a table to read."""
     table = Table(show_header=False, box=None, pad_edge=False)
     table.add_column(style="cyan", no_wrap=True)
     table.add_column(overflow="fold")
-    for name, value in rows.items():
-        table.add_row(name, value)
+    for name, value in summary_rows(summary).items():
+        table.add_row(name, f"[bold]{value}[/]" if name == "regime" else value)
     return table
 
 

@@ -23,6 +23,7 @@ from bladewhirl.studies.modes import modes
 from bladewhirl.studies.new import new
 from bladewhirl.studies.plot import plot
 from bladewhirl.studies.render import render
+from bladewhirl.studies.report import report
 from bladewhirl.studies.reproduce import reproduce
 from bladewhirl.studies.run import run
 from bladewhirl.studies.search import search
@@ -67,6 +68,7 @@ app.command()(modes)
 app.command()(new)
 app.command()(plot)
 app.command()(render)
+app.command()(report)
 app.command()(reproduce)
 app.command()(run)
 app.command()(search)

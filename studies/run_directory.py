@@ -20,6 +20,7 @@ from bladewhirl.models.case_mesh import MeshTable
 from bladewhirl.models.faults import UserError
 from bladewhirl.solvers.recorder import RESULT_NAME
 from bladewhirl.studies.render import FILES as PICTURES
+from bladewhirl.studies.report import REPORT_NAME
 
 CASE_NAME = "case.toml"
 PROVENANCE_NAME = "provenance.json"
@@ -147,8 +148,8 @@ def _dependencies() -> Iterator[tuple[str, str]]:
 
 
 def _own_files(directory: Path) -> Iterator[Path]:
-    for name in (CASE_NAME, RESULT_NAME, SUMMARY_NAME, PROVENANCE_NAME, *PICTURES.values()):
-        yield directory / name
+    made = (CASE_NAME, RESULT_NAME, SUMMARY_NAME, PROVENANCE_NAME, REPORT_NAME)
+    yield from (directory / name for name in (*made, *PICTURES.values()))
     yield from (directory / f"{MESH_NAME}{suffix}" for suffix in MESH_SUFFIXES)
     for figure in (Path(ORBIT_NAME), Path(ENERGY_NAME)):
         yield from (directory / f"{figure.stem}{suffix}" for suffix in (".png", ".pdf", ".nc"))
