@@ -111,3 +111,24 @@ ENERGIES: Mapping[str, FigureWords] = {
         wide=True,
     ),
 }
+
+SWEEP: Mapping[str, FigureWords] = {
+    "regimes": FigureWords(
+        title="Regimes and growth rates",
+        caption="Above, the regime of every point; below, the growth rate of its amplitude [1/s] "
+        "over the last third with two standard errors. Look for where the rate crosses zero.",
+        wide=True,
+    ),
+    "frequency-map": FigureWords(
+        title="Frequency map, to print",
+        caption="Amplitude of the shaft [mm] over the swept key and frequency, rotating frame, "
+        "forward upwards, with engine orders (dotted) and modes of one nodal diameter (dashed).",
+        wide=True,
+    ),
+    "shaft-radius": FigureWords(
+        title="Displacement of the shaft",
+        caption="Largest and final displacement of the shaft's centre [mm] over the swept key. "
+        "Peaks are critical speeds; a divergent point was ended, and would have gone further.",
+        wide=True,
+    ),
+}

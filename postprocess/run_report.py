@@ -126,7 +126,7 @@ def run_report(
     ]
     return Page(
         title=str(dataset.attrs.get("title", "")) or "Run",
-        subject=", ".join(filter(None, [name, _made(dataset, provenance)])),
+        subject=", ".join(filter(None, [name, made_by(dataset, provenance)])),
         verdict=_sentence(regime.name).rstrip(".") + ("" if ended else " so far"),
         tone=TONES[regime.name] if ended else "open",
         reason=f"{_sentence(MEANINGS[regime.name])} {_sentence(regime.reason)}",
@@ -185,10 +185,15 @@ def _drawn(figures: RunFigures, plans: Mapping[str, FigureWords]) -> Iterator[Re
         )
 
 
+def criterion_rows(criterion: str) -> list[tuple[str, str]]:
+    """The rule by which regimes are told apart, by name of the regime."""
+    rules = [rule.partition(": ") for rule in criterion.split("; ")]
+    return [(name, words) for name, colon, words in rules if colon]
+
+
 def _criterion(regime: Regime) -> Table:
     """The rule by which regimes are told apart, its line that applied marked."""
-    rules = [rule.partition(": ") for rule in CRITERION.split("; ")]
-    named = [(name, words) for name, colon, words in rules if colon]
+    named = criterion_rows(CRITERION)
     return Table(
         name="criterion",
         title="Criterion",
@@ -311,7 +316,8 @@ def _split(label: str) -> tuple[str, str]:
     return value, rest.rstrip(")")
 
 
-def _made(dataset: xr.Dataset, provenance: Mapping[str, object] | None) -> str:
+def made_by(dataset: xr.Dataset, provenance: Mapping[str, object] | None) -> str:
+    """Program and date of a result, in words."""
     date = str((provenance or {}).get("date", ""))[:16].replace("T", " ")
     version = dataset.attrs.get("version", "")
     return f"bladewhirl {version}" + (f", {date} UTC" if date else "")

@@ -1,4 +1,4 @@
-"""`bladewhirl report`: a run as one HTML file."""
+"""`bladewhirl report`: a run or a sweep as one HTML file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ REPORT_NAME = "report.html"
 
 def report(
     directory: Annotated[
-        Path, typer.Argument(metavar="DIR", help="Folder of a run, finished or not.")
+        Path, typer.Argument(metavar="DIR", help="Folder of a run or a sweep, finished or not.")
     ],
     output: Annotated[
         Path | None,
@@ -22,7 +22,7 @@ def report(
 ) -> None:
     """Write a report as one HTML file that any browser shows without a network.
 
-    It holds the regime and why, the figures of `bladewhirl plot` with words, a map to point at, the
+    It holds the regime and why, the figures of `bladewhirl plot` with words, maps to point at, the
     numbers, the resolved case and what made it. An older report is replaced.
     """
     from bladewhirl.studies.reports import write_report

@@ -1,0 +1,294 @@
+"""The report of a sweep: which regimes where, its maps, its points, its case."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields import ViewError
+from bladewhirl.postprocess.frequency_map import frequency_map
+from bladewhirl.postprocess.orbits import MILLI
+from bladewhirl.postprocess.regimes import CRITERION
+from bladewhirl.postprocess.report_page import (
+    Explorer,
+    Page,
+    ReportFigure,
+    Section,
+    Table,
+    as_png,
+)
+from bladewhirl.postprocess.report_words import SWEEP
+from bladewhirl.postprocess.run_report import case_text, criterion_rows, made_by, provenance_tables
+from bladewhirl.postprocess.sweep_drawing import REGIME_COLOURS, line_label
+from bladewhirl.postprocess.sweep_explorer import (
+    frequency_explorer,
+    points_explorer,
+    regime_explorer,
+)
+from bladewhirl.postprocess.sweep_figures import SweepFigures
+from bladewhirl.postprocess.sweep_quantities import LINE, along, main_key
+from bladewhirl.postprocess.sweep_result import swept
+
+MOST_POINTS = 2000
+"""Points in the table of a page: more make it slow, and are in the dataset."""
+
+WORST_FIRST = tuple(reversed(list(REGIME_COLOURS)))
+
+TONES = {"divergent": "bad", "sustained": "fair", "damped": "good", "no-contact": "good"}
+
+NAMES = {
+    "divergent": "Divergent",
+    "sustained": "Sustained contact",
+    "damped": "Damped",
+    "no-contact": "No contact",
+}
+
+WORDS = {
+    "divergent": "diverges",
+    "sustained": "stays in contact",
+    "damped": "touches and comes free again",
+    "no-contact": "never touches",
+}
+
+
+def sweep_report(
+    dataset: xr.Dataset,
+    provenance: Mapping[str, object] | None = None,
+    failures: Sequence[tuple[str, str]] = (),
+    *,
+    name: str = "",
+) -> Page:
+    """The report of a sweep, to be written by `report_page.write_page`.
+
+    A sweep that is not finished, or has failed points, is reported with what there is.
+
+    Args:
+        dataset: from `open_sweep`.
+        provenance: what made the sweep, as in provenance.json.
+        failures: points that failed: their values in words, and why.
+        name: of the sweep, such as its folder.
+    """
+    state = dataset["state"].values
+    done, failed = int((state == "done").sum()), int((state == "failed").sum())
+    points = _points(dataset) if done else None
+    counts = _counts(points)
+    verdict, tone = _verdict(counts, state.size, done, failed)
+    keys = [str(dataset[key].attrs["long_name"]) for key in swept(dataset)]
+    sections = [
+        Section(
+            name="regimes",
+            title="Regimes",
+            words="",
+            blocks=[*_regime_maps(dataset, points), *_drawn(dataset, ("regimes",)), _criterion()],
+        ),
+        Section(
+            name="frequencies",
+            title="Frequencies",
+            words="",
+            blocks=[*_frequency_maps(dataset, done), *_drawn(dataset, ("frequency-map",))],
+        ),
+        Section(
+            name="motion",
+            title="Motion and contact",
+            words="",
+            blocks=list(_drawn(dataset, [n for n in SWEEP if n not in _PLACED])),
+        ),
+        Section(
+            name="points",
+            title="Points",
+            words="",
+            blocks=[*_failures(failures), *_point_table(points)],
+        ),
+        Section(
+            name="case",
+            title="Case and provenance",
+            words=str(dataset.attrs.get("window", "")),
+            blocks=[case_text(dataset), *provenance_tables(dataset, provenance)],
+        ),
+    ]
+    return Page(
+        title=(str(dataset.attrs.get("title", "")) or "Sweep") + ", sweep",
+        subject=", ".join(filter(None, [name, made_by(dataset, provenance)])),
+        verdict=verdict,
+        tone=tone,
+        reason=_where(points, counts, ", ".join(keys)),
+        warnings=_warnings(state.size, done, failed),
+        figures=_glance(dataset, counts, done),
+        sections=[part for part in sections if part.blocks],
+    )
+
+
+_PLACED = ("regimes", "frequency-map")
+
+
+def _points(dataset: xr.Dataset) -> xr.Dataset:
+    """What the maps and tables tell of every point, over (line, key)."""
+    names = ["regime", "shaft_radius_max", "growth_rate", "growth_error", "end_time"]
+    found = along(dataset, main_key(dataset), [*names, "contact_share"])
+    touched = (found["contact_share"] > 0).sum("blade")
+    regime = found["regime"].where(found["state"] == "done", "no result")
+    return found.assign(touched=touched, regime=regime).drop_vars("contact_share")
+
+
+def _counts(points: xr.Dataset | None) -> dict[str, int]:
+    if points is None:
+        return {}
+    found = {name: int((points["regime"].values == name).sum()) for name in WORST_FIRST}
+    return {name: count for name, count in found.items() if count}
+
+
+def _verdict(counts: Mapping[str, int], points: int, done: int, failed: int) -> tuple[str, str]:
+    """The worst regime there is, and how often; and its tone."""
+    if not counts:
+        return "No result yet" if points > failed else "No result", "open"
+    worst = next(iter(counts))
+    where = f"{counts[worst]} of {done} points" if counts[worst] < done else f"all {done} points"
+    so_far = " so far" if done + failed < points else ""
+    return f"{NAMES[worst]} at {where}{so_far}", TONES[worst]
+
+
+def _where(points: xr.Dataset | None, counts: Mapping[str, int], keys: str) -> str:
+    """Where along the keys which regime is."""
+    if points is None:
+        return f"Swept: {keys}. No point is done."
+    key = points[str(points.attrs["along"])]
+    own = str(key.attrs["long_name"])
+    words = []
+    for name in counts:
+        is_so = (points["regime"].values == name).any(axis=0)
+        words.append(f"{WORDS[name]} at {own} {_ranges(key.values, is_so)}")
+    several = " (at some value of the others)" if points.sizes[LINE] > 1 else ""
+    return f"Swept: {keys}. The stage " + "; ".join(words) + several + "."
+
+
+def _ranges(values: np.ndarray, chosen: np.ndarray, most: int = 5) -> str:
+    """Runs of neighbouring values, in words."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
+    runs = [(values[a], values[b - 1]) for a, b in edges.reshape(-1, 2)]
+    said = [f"{a:.5g}" if a == b else f"{a:.5g} to {b:.5g}" for a, b in runs[:most]]
+    if len(runs) > most:
+        said.append(f"{len(runs) - most} more ranges")
+    return ", ".join(said)
+
+
+def _warnings(points: int, done: int, failed: int) -> list[str]:
+    missing = points - done - failed
+    found = []
+    if missing:
+        found.append(
+            f"The sweep is unfinished: {missing} of {points} points are missing; bladewhirl sweep "
+            "--resume finishes it."
+        )
+    if failed:
+        found.append(f"{failed} of {points} points failed; the reasons are listed under Points.")
+    return found
+
+
+def _glance(
+    dataset: xr.Dataset, counts: Mapping[str, int], done: int
+) -> list[tuple[str, str, str]]:
+    found = [("points done", f"{done} of {dataset['state'].size}", "")]
+    for key in swept(dataset):
+        values = dataset[key].values
+        unit = str(dataset[key].attrs["units"])
+        words = f"{values.min():.5g} to {values.max():.5g}" if len(values) > 1 else f"{values[0]:g}"
+        remark = f"{len(values)} values" + ("" if unit == "1" else f", {unit}")
+        found.append((str(dataset[key].attrs["long_name"]), words, remark))
+    found += [(name, str(count), f"{100 * count / done:.3g} %") for name, count in counts.items()]
+    return found
+
+
+def _drawn(dataset: xr.Dataset, names: Sequence[str]) -> Iterator[ReportFigure]:
+    figures = SweepFigures(dataset)
+    for name in names:
+        words, picture, obstacle = SWEEP[name], None, ""
+        try:
+            picture = as_png(figures.draw(name)[0])
+        except ViewError as error:
+            obstacle = str(error)
+        yield ReportFigure(
+            name=name,
+            title=words.title,
+            caption=words.caption,
+            picture=picture,
+            obstacle=obstacle,
+            wide=words.wide,
+        )
+
+
+def _regime_maps(dataset: xr.Dataset, points: xr.Dataset | None) -> Iterator[Explorer]:
+    if points is None:
+        return
+    others = [name for name in swept(dataset) if name != points.attrs["along"]]
+    if len(others) == 1 and points.sizes[LINE] > 1:
+        yield regime_explorer(points, others[0])
+    yield points_explorer(points)
+
+
+def _frequency_maps(dataset: xr.Dataset, done: int) -> Iterator[Explorer]:
+    if done:
+        yield frequency_explorer(frequency_map(dataset, main_key(dataset)))
+
+
+def _criterion() -> Table:
+    return Table(
+        name="criterion",
+        title="Criterion of the regimes",
+        caption="Applied from above: the first line that fits is the regime.",
+        rows=criterion_rows(CRITERION),
+        folded=True,
+    )
+
+
+def _failures(failures: Sequence[tuple[str, str]]) -> Iterator[Table]:
+    if failures:
+        yield Table(name="failures", title="Failed points", head=("point", "reason"), rows=failures)
+
+
+def _point_table(points: xr.Dataset | None) -> Iterator[Table]:
+    if points is None:
+        return
+    key = points[str(points.attrs["along"])]
+    rows = []
+    for line in range(points.sizes[LINE]):
+        one = points.isel({LINE: line})
+        label = line_label(one)
+        column = {name: one[name].values for name in one.data_vars}
+        rows += [
+            (
+                f"{at:.6g}" + (f", {label}" if label else ""),
+                str(column["regime"][n]) if column["state"][n] == "done" else column["state"][n],
+                _number(MILLI * column["shaft_radius_max"][n]),
+                _rate(column["growth_rate"][n], column["growth_error"][n]),
+                _number(column["touched"][n] if column["state"][n] == "done" else np.nan),
+                _number(column["end_time"][n]),
+            )
+            for n, at in enumerate(key.values)
+        ]
+    left_out = len(rows) - MOST_POINTS
+    yield Table(
+        name="all-points",
+        title=f"All points ({len(rows)})",
+        caption=f"The first {MOST_POINTS}; the others are in the dataset." if left_out > 0 else "",
+        head=(
+            str(key.attrs["long_name"]),
+            "regime",
+            "largest shaft displacement [mm]",
+            "growth rate [1/s]",
+            "blades that touched",
+            "end [s]",
+        ),
+        rows=rows[:MOST_POINTS],
+        numbers=True,
+        folded=True,
+    )
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if np.isfinite(value) else "–"
+
+
+def _rate(rate: float, error: float) -> str:
+    return f"{rate:.3g} ± {error:.2g}" if np.isfinite(rate) else "–"

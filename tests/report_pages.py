@@ -1,0 +1,59 @@
+"""Pages of reports, taken apart for tests."""
+
+from __future__ import annotations
+
+import json
+import re
+from html.parser import HTMLParser
+from typing import Any
+
+LOADING = {"src", "srcset", "data", "poster", "action", "background", "formaction"}
+
+
+class Parsed(HTMLParser):
+    """What a page refers to, its pictures by figure, its text and its data for plots."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.references: list[str] = []
+        self.pictures: dict[str, str] = {}
+        self.tags: list[str] = []
+        self.plots: list[dict[str, Any]] = []
+        self.marked: list[list[list[float]]] = []
+        self.words = ""
+        self.styles = ""
+        self._open = ""
+        self._figure = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = {name: value or "" for name, value in attrs}
+        self.tags.append(tag)
+        self._open = given.get("class", tag)
+        if tag == "figure":
+            self._figure = given["id"]
+        self.references += [given[name] for name in LOADING & given.keys()]
+        if "href" in given:
+            self.references.append(given["href"])
+        if tag == "img":
+            self.pictures[self._figure] = given["src"]
+
+    def handle_endtag(self, tag: str) -> None:
+        self._open = ""
+
+    def handle_data(self, data: str) -> None:
+        if self._open == "plot-data":
+            self.plots.append(json.loads(data))
+        elif self._open == "marked":
+            self.marked = json.loads(data)
+        elif self._open == "style":
+            self.styles += data
+        elif self._open != "script":
+            self.words += f" {data}"
+
+    def outside(self) -> list[str]:
+        """What a browser would have to load from elsewhere."""
+        own = r"#[\w-]+$|data:image/png;base64,"
+        loading = [tag for tag in self.tags if tag in ("link", "iframe", "object", "embed", "base")]
+        imported = re.findall(r"url\(|@import", self.styles)
+        return [*(text for text in self.references if not re.match(own, text)), *loading, *imported]
