@@ -39,15 +39,14 @@ def campbell(
     inside --speeds; JSON has those of every nodal diameter and family. With --json and no -o
     nothing is written.
     """
-    from bladewhirl.models.case_file import faults_from, read_case
     from bladewhirl.models.faults import UserError
-    from bladewhirl.models.modal_stage import modal_stage
     from bladewhirl.studies.campbell_diagrams import (
         coincidence_list,
         draw_campbell,
         find_coincidences,
         print_coincidences,
     )
+    from bladewhirl.studies.case_modes import modes_of_case
     from bladewhirl.studies.figure_folder import check_figure_folder
     from bladewhirl.studies.ranges import parse_interval
 
@@ -57,9 +56,7 @@ def campbell(
         raise UserError(f"--families {families}: expected a whole number of one or more")
     folder = output if output is not None or json else Path(f"{case.stem}-campbell")
     check_figure_folder(folder, overwrite=overwrite)
-    checked = read_case(case, overrides or [])
-    with faults_from(case, overrides or []):
-        stage = modal_stage(checked)
+    stage = modes_of_case(case, overrides)
     found = find_coincidences(stage, families=families, speeds=shown, operating=operated)
     if folder is not None:
         draw_campbell(found, folder)

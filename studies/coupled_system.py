@@ -11,6 +11,7 @@ from bladewhirl.models.case import Case
 from bladewhirl.models.coupling import CouplingModes, IntArray
 from bladewhirl.models.faults import UserError
 from bladewhirl.models.modal_stage import ModalStage, modal_stage
+from bladewhirl.models.mode_choice import ALL, SIX, family_and_diameter
 from bladewhirl.models.stage_coupling import StageModes, stage_modes
 
 
@@ -95,9 +96,9 @@ def choose(whole: StageModes, text: str) -> StageModes:
     Raises:
         UserError: an unknown family, or a nodal diameter that the family does not have.
     """
-    if text == "all":
+    if text == ALL:
         return whole
-    if text == "six":
+    if text == SIX:
         try:
             return whole.six_modes()
         except ValueError as error:
@@ -107,17 +108,17 @@ def choose(whole: StageModes, text: str) -> StageModes:
 
 
 def _entries(whole: StageModes, word: str) -> IntArray:
-    family, colon, number = word.partition(":")
+    family, number = family_and_diameter(word)
     known = list(dict.fromkeys(whole.family))
     if family not in known:
         near = get_close_matches(family, known, n=1)
         hint = f" (did you mean {near[0]}?)" if near else ""
         listed = ", ".join(["six", "all", *known])
         raise UserError(f"--modes {word or chr(34) * 2}: expected one of {listed}{hint}")
-    if not colon:
+    if number is None:
         return whole.find(family)
     diameters = [int(k) for k in whole.modes.nodal_diameter[whole.find(family)]]
-    if not number.isdecimal() or int(number) not in diameters:
+    if number not in diameters:
         listed = ", ".join(map(str, diameters))
         raise UserError(f"--modes {word}: expected a nodal diameter of {family}: {listed}")
-    return whole.find(family, int(number))
+    return whole.find(family, number)

@@ -16,13 +16,14 @@ from bladewhirl.models.coupling import BoolArray, CouplingModes, FloatArray
 from bladewhirl.models.dense_coupling import DenseModes, dense_modes
 from bladewhirl.models.faults import UserError
 from bladewhirl.models.modal_stage import ModalStage
+from bladewhirl.models.mode_choice import ALL, CASING, SIX, family_and_diameter
 from bladewhirl.solvers.stability import StabilityChart, is_unstable
 from bladewhirl.solvers.zones import UnstableZones
 
 if TYPE_CHECKING:
     import xarray as xr
 
-SIX = "1F,suspension,casing:1"
+SIX_FAMILIES = "1F,suspension,casing:1"
 """What stands for the paper's six modes where every mode of 1F has one nodal diameter in it."""
 
 
@@ -66,7 +67,8 @@ def couple_densely(
     Args:
         modal: finite element models with all their modes.
         chosen: families with or without ":k" as in `coupled_system.choose`; k is the nodal
-            diameter that holds most of a mode. "six" is all of `SIX`.
+            diameter that holds most of a mode. "six" is all of
+            `SIX_FAMILIES`.
         damped: with the damping of the case, or none.
         with_pi: keep the factor pi of Eq. (8).
         physical: with the modes' own amplitudes, which there must be.
@@ -86,7 +88,7 @@ def couple_densely(
     except ValueError as error:
         raise UserError(f"stability: {error}") from None
     return DenseSystem(
-        modes=_choose(whole, SIX if chosen == "six" else chosen),
+        modes=_choose(whole, SIX_FAMILIES if chosen == SIX else chosen),
         with_pi=with_pi,
         damped=damped,
         reference=modal.reference_frequency,
@@ -94,19 +96,18 @@ def couple_densely(
 
 
 def _choose(whole: DenseModes, text: str) -> DenseModes:
-    if text == "all":
+    if text == ALL:
         return whole
     names = np.array(whole.family)
     rotor, casing = np.zeros(len(names), np.bool_), np.zeros(len(whole.casing_diameter), np.bool_)
     for word in text.split(","):
-        family, colon, number = word.strip().partition(":")
-        k = int(number) if number.isdecimal() else None
-        if family == "casing":
-            found: BoolArray = np.full(len(casing), not colon) | (whole.casing_diameter == k)
+        family, k = family_and_diameter(word.strip())
+        if family == CASING:
+            found: BoolArray = np.full(len(casing), k is None) | (whole.casing_diameter == k)
             casing |= found
         else:
             found = names == family
-            if colon:
+            if k is not None:
                 found &= whole.nodal_diameter == k
             rotor |= found
         if not found.any() and family != "suspension":  # a clamped centre has none

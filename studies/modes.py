@@ -51,9 +51,8 @@ def modes(
     share of a mode that its nodal diameter holds: 1 where blades are alike. With -o: mode shapes,
     contact scenarios of the first k = 1 mode, and films. With --json and no -o nothing is written.
     """
-    from bladewhirl.models.case_file import faults_from, read_case
     from bladewhirl.models.faults import UserError
-    from bladewhirl.models.modal_stage import modal_stage
+    from bladewhirl.studies.case_modes import modes_of_case
     from bladewhirl.studies.figure_folder import check_figure_folder
     from bladewhirl.studies.mode_pictures import draw_modes, plan_pictures
     from bladewhirl.studies.mode_tables import mode_lists, print_modes
@@ -65,9 +64,7 @@ def modes(
     if output is None and unused:
         raise UserError(f"{unused[0]}: for pictures; expected a folder for them, -o DIR")
     check_figure_folder(output, overwrite=overwrite)
-    checked = read_case(case, overrides or [])
-    with faults_from(case, overrides or []):
-        stage = modal_stage(checked)
+    stage = modes_of_case(case, overrides)
     if output is not None:
         plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
     if json:

@@ -69,9 +69,8 @@ def stability(
     has no borders of zones. Uneven casings, unequal bearings and, with --damped, dampers are
     looked at one point at a time, by the monodromy matrix of a turn.
     """
-    from bladewhirl.models.case_file import faults_from, read_case
     from bladewhirl.models.faults import UserError
-    from bladewhirl.models.modal_stage import modal_stage
+    from bladewhirl.studies.case_modes import modes_of_case
     from bladewhirl.studies.coupled_system import couple_modes
     from bladewhirl.studies.dense_stability import (
         couple_densely,
@@ -79,6 +78,7 @@ def stability(
         make_dense_chart,
         report_point,
     )
+    from bladewhirl.studies.figure_folder import check_figure_folder
     from bladewhirl.studies.ranges import not_negative, parse_range
     from bladewhirl.studies.stability_point import given_speed
     from bladewhirl.studies.uneven_point import (
@@ -96,13 +96,10 @@ def stability(
     folder = output
     if output is None and speed is None and not json:
         folder = Path(f"{case.stem}-stability")
-    if folder is not None and folder.exists() and not overwrite:
-        raise UserError(f"{folder}: already exists; --overwrite writes into it")
-    checked = read_case(case, overrides or [])
-    with faults_from(case, overrides or []):
-        modal = modal_stage(checked)
-        choice: dict[str, Any] = {"chosen": modes, "damped": damped, "physical": physical}
-        choice["with_pi"] = not no_pi
+    check_figure_folder(folder, overwrite=overwrite)
+    modal = modes_of_case(case, overrides)
+    choice: dict[str, Any] = {"chosen": modes, "damped": damped, "physical": physical}
+    choice["with_pi"] = not no_pi
     if speed is None or kappa is None:
         refuse_chart(modal, damped=damped)
     elif not stands_still(modal, damped=damped):

@@ -41,9 +41,8 @@ def veering(
     diameter over the stiffness of the shaft springs, where the suspension pair hands its character
     from branch to branch. With --json and no -o nothing is written.
     """
-    from bladewhirl.models.case_file import faults_from, read_case
     from bladewhirl.models.faults import UserError
-    from bladewhirl.models.modal_stage import modal_stage
+    from bladewhirl.studies.case_modes import modes_of_case
     from bladewhirl.studies.figure_folder import check_figure_folder
     from bladewhirl.studies.ranges import parse_interval
     from bladewhirl.studies.veering_diagrams import draw_veering, spring_stiffnesses, veering_report
@@ -55,10 +54,8 @@ def veering(
         raise UserError(f"--stiffnesses {stiffnesses}: expected a START above zero")
     folder = output if output is not None or json else Path(f"{case.stem}-veering")
     check_figure_folder(folder, overwrite=overwrite)
-    checked = read_case(case, overrides or [])
-    with faults_from(case, overrides or []):
-        stage = modal_stage(checked)
-    springs = spring_stiffnesses(checked, interval)
+    stage = modes_of_case(case, overrides)
+    springs = spring_stiffnesses(stage.case, interval)
     diagrams = veering_report(stage, families=families, springs=springs)
     if folder is not None:
         draw_veering(diagrams, folder)

@@ -194,6 +194,8 @@ def test_stable_point_has_no_divergent_mode(tmp_path: Path) -> None:
         (["--modes", "suspensoin"], "(did you mean suspension?)"),
         (["--modes", "1F:99"], "--modes 1F:99: expected a nodal diameter of 1F: 1, 2,"),
         (["--modes", "1F,"], '--modes "": expected one of six, all, casing'),
+        (["--modes", "1F:one"], "--modes 1F:one: expected one of six, all, casing"),
+        (["--modes", "casing:1F:1"], "--modes casing:1F:1: expected one of six, all, casing"),
         (["--set", "shaft.clamped=true"], "--modes six: the stage has no suspension pair"),
         (["--damped", "--set", "shaft.damping=10"], "with --damped no dampers"),
         (
