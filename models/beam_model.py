@@ -101,4 +101,4 @@ class BeamModel:
     @property
     def mass(self) -> float:
         """Mass of all parts [kg]."""
-        return float(self.properties.line_mass @ self.mesh.lengths + self.masses.mass.sum())
+        return float(self.properties.mean_line_mass @ self.mesh.lengths + self.masses.mass.sum())

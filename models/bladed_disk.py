@@ -98,6 +98,9 @@ def assemble_bladed_disk(
 ) -> BladedDisk:
     """Assemble a bladed disk.
 
+    Stiffness and mass are integrated with the section at the quadrature points, so tapered beams
+    converge as prismatic ones do, with the fourth order in the frequencies of bending.
+
     Args:
         model: beams, masses, springs and links.
         shaft_stiffness: of each of the two springs at the centre, or of those in x and y [N/m].
@@ -106,13 +109,14 @@ def assemble_bladed_disk(
     mesh, properties = model.mesh, model.properties
     assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
     transform = _nodal_to_line_axes(mesh)
+    sections = properties.at(assembler.points)
     elastic = assembler.matrix(
         straight_stiffness,
         transform,
-        EA=properties.axial_stiffness,
-        EI=properties.bending_stiffness,
+        EA=sections.axial_stiffness,
+        EI=sections.bending_stiffness,
     )
-    inertial = assembler.matrix(mass, transform, rho_A=properties.line_mass)
+    inertial = assembler.matrix(mass, transform, rho_A=sections.line_mass)
     centre = assembler.node_dofs[model.centre]
     held = centre if clamped else centre[ROTATION:]
     spring = np.zeros(inertial.shape[0])

@@ -19,6 +19,9 @@ from bladewhirl.models.sketch import Sketch
 FINE = 400
 """Points along a curved centre line between which its angle is interpolated."""
 
+FINE_STATIONS = 32
+"""Stations for each element of a piece of a tapered blade, whose own need not be among them."""
+
 BETWEEN = np.arange(1, 8) / 8.0
 """Shares of a curved piece, or of an arc, at which its path is given."""
 
@@ -180,10 +183,10 @@ def _draw_blades(sketch: Sketch, given: BladedDisk, blade: _Blade, section: Make
 
 
 def _piece_of(taper: list[Section], start: float, end: float, elements: int) -> list[Section]:
-    """Stations of a piece, at the ends and the middle of each of its elements."""
-    if not taper:
-        return []
-    shares = np.linspace(start, end, 2 * elements + 1)
+    """Stations of a piece: those of the whole blade, or so many that none of them is missed."""
+    if not taper or (start, end) == (0.0, 1.0):
+        return taper
+    shares = np.linspace(start, end, FINE_STATIONS * elements + 1)
     return [
         Section(**dict(zip(QUANTITIES, column.tolist(), strict=True)))
         for column in along(taper, shares).T

@@ -1,10 +1,11 @@
 """A beam model as lines with groups and data, as mesh files hold them, and back.
 
-Lines are beams, with the data ``width``, ``thickness``, ``young_modulus`` and ``density``; or
-springs, with ``spring_radial``, ``spring_tangential`` and ``spring_rotation``; or rigid links from
-leader to led node, with ``rigid`` = 1. Nodes have ``mass`` and ``inertia`` and, where a spring
-leads to the rotating frame, ``ground_radial``, ``ground_tangential``, ``ground_rotation``. All are
-SI; what a line or node has not is not a number.
+Lines are beams, with the data ``width``, ``thickness``, ``young_modulus`` and ``density`` at their
+middle and, where sections change along lines, ``width_change`` and so on from the first node of a
+line to its second; or springs, with ``spring_radial``, ``spring_tangential`` and
+``spring_rotation``; or rigid links from leader to led node, with ``rigid`` = 1. Nodes have ``mass``
+and ``inertia`` and, where a spring leads to the rotating frame, ``ground_radial``,
+``ground_tangential``, ``ground_rotation``. All are SI; what a line or node has not is not a number.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 from bladewhirl.meshes.grouped_lines import RIGID, SPRING, GroupedLines
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.beam_model import GROUND, BeamModel, PointMasses, RigidLinks, Springs
-from bladewhirl.models.sections import QUANTITIES
+from bladewhirl.models.sections import CHANGES, QUANTITIES
 
 MASSES = ("mass", "inertia")
 GROUNDED = tuple(name.replace("spring", "ground") for name in SPRING)
@@ -31,6 +32,9 @@ def grouped_lines(model: BeamModel) -> GroupedLines:
     rigid = np.column_stack([links.leader, links.led])
     beams = np.arange(len(mesh.lines))
     data = {name: (beams, getattr(model.properties, name)) for name in QUANTITIES}
+    for name in CHANGES:
+        if getattr(model.properties, name).any():
+            data[name] = (beams, getattr(model.properties, name))
     own = len(beams) + np.arange(len(joints))
     for name, stiffness in zip(SPRING, springs.stiffness[between].T, strict=True):
         data[name] = (own, stiffness)

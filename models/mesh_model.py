@@ -22,7 +22,7 @@ from bladewhirl.models.case_mesh import LengthUnit, MeshTable
 from bladewhirl.models.case_section import Material
 from bladewhirl.models.faults import LONGEST_VALUE, CaseError, Fault, shown
 from bladewhirl.models.mesh_data import point_masses, rigid_links, springs
-from bladewhirl.models.sections import QUANTITIES, LineProperties, Section, along
+from bladewhirl.models.sections import CHANGES, QUANTITIES, LineProperties, Section, along
 
 KEY = "bladed_disk.mesh"
 
@@ -217,11 +217,16 @@ def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> Lin
         for row, name in zip(values, QUANTITIES, strict=True):
             own = mesh.line_data.get(name, row)
             row[:] = np.where(np.isfinite(own), own, getattr(material, name, np.nan))
+    changes = np.zeros_like(values)
+    if table.unit == 1.0:
+        for row, name in zip(changes, CHANGES, strict=True):
+            row[:] = np.nan_to_num(mesh.line_data.get(name, row))
     given = Counter[int]()
     for name, section in table.sections.items():
         lines = mesh.line_groups[name]
         given.update(lines.tolist())
         made_of = material.find(section.material)
+        changes[:, lines] = 0.0
         values[:, lines] = along(
             Section(
                 width=section.width,
@@ -237,10 +242,17 @@ def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> Lin
         both = " and ".join(map(repr, groups))
         expected = f"one section a line; {both} share {len(twice)} of the lines"
         raise CaseError([_fault(table, "sections", expected)])
+    thin = np.flatnonzero((np.abs(changes) >= 2.0 * values).any(axis=0) & (values > 0).all(axis=0))
+    if len(thin):
+        quantity = int(np.argmax(np.abs(changes[:, thin[0]]) / values[:, thin[0]]))
+        name, found = CHANGES[quantity], changes[quantity, thin[0]]
+        expected = f"sections above zero all along lines; line {thin[0]} has {name} {found:g}"
+        raise CaseError([_fault(table, "file", expected)])
     bare = np.flatnonzero(~(np.isfinite(values) & (values > 0.0)).all(axis=0))
     if len(bare):
         raise CaseError([_fault(table, "sections", _wanted(mesh, bare))])
-    return LineProperties(**dict(zip(QUANTITIES, values, strict=True)))
+    names = (*QUANTITIES, *CHANGES)
+    return LineProperties(**dict(zip(names, np.vstack([values, changes]), strict=True)))
 
 
 def _wanted(mesh: GroupedLines, bare: IntArray) -> str:

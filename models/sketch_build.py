@@ -14,7 +14,7 @@ from bladewhirl.meshes.rotational_symmetry import rotational_sectors
 from bladewhirl.models.beam_model import GROUND, BeamModel, PointMasses, RigidLinks, Springs
 from bladewhirl.models.beam_model_check import check_model
 from bladewhirl.models.faults import CaseError
-from bladewhirl.models.sections import QUANTITIES, LineProperties, along
+from bladewhirl.models.sections import CHANGES, QUANTITIES, LineProperties, along_elements
 from bladewhirl.models.sketch_check import sketch_faults
 from bladewhirl.models.sketch_parts import (
     SketchEdit,
@@ -75,6 +75,7 @@ class _Drawing:
         self._axis: list[float] = []
         self._lines: dict[str, list[tuple[int, int]]] = {}
         self._sections: dict[str, list[FloatArray]] = {}
+        self._tables = {each.name: _table(each, each.elements) for each in sketch.members}
         self._shared: list[tuple[int, Key]] = []
         self._own: list[list[Key]] = [[] for _ in range(sketch.sectors)]
         for sector in range(sketch.sectors):
@@ -104,9 +105,10 @@ class _Drawing:
         )
 
     def properties(self) -> LineProperties:
-        """Sections of all lines, those at the middle of each."""
+        """Sections of all lines."""
         found = [s for member in self._sketch.members for s in self._sections.get(member.name, [])]
-        return LineProperties(**dict(zip(QUANTITIES, np.hstack(found), strict=True)))
+        names = (*QUANTITIES, *CHANGES)
+        return LineProperties(**dict(zip(names, np.hstack(found), strict=True)))
 
     def masses(self) -> PointMasses:
         """Point masses of all sectors."""
@@ -181,13 +183,13 @@ class _Drawing:
         ]
         self._lines.setdefault(member.name, []).extend(pairwise(chain))
         edit = self._changed.get((sector, member.name))
-        sections = _sections(member)
         if edit is not None and _sections(edit):
-            sections = _sections(edit)
-        table = along(sections, (np.arange(member.elements) + 0.5) / member.elements)
+            table = _table(edit, member.elements)
+        else:
+            table = self._tables[member.name].copy()
         if edit is not None:
-            table[QUANTITIES.index("young_modulus")] *= edit.stiffness
-            table[QUANTITIES.index("density")] *= edit.mass
+            for name, factor in (("young_modulus", edit.stiffness), ("density", edit.mass)):
+                table[[QUANTITIES.index(name), len(QUANTITIES) + QUANTITIES.index(name)]] *= factor
         self._sections.setdefault(member.name, []).append(table)
 
     def _line_of(self, member: SketchMember, sector: int) -> FloatArray:
@@ -251,6 +253,11 @@ class _Drawing:
 
 def _sections(part: SketchMember | SketchEdit) -> tuple:  # type: ignore[type-arg]
     return part.stations or (() if part.section is None else (part.section,))
+
+
+def _table(part: SketchMember | SketchEdit, elements: int) -> FloatArray:
+    """Sections of equal elements, quantities above their changes, (8, elements)."""
+    return np.vstack(along_elements(_sections(part), elements))
 
 
 def _turned(point: tuple[float, float], angle: float) -> FloatArray:

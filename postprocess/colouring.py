@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.beam_sections import rotor_sections
 from bladewhirl.postprocess.fields import (
     Array,
     IntArray,
@@ -140,8 +141,8 @@ def _strained(dataset: xr.Dataset, field: str, records: IntArray, stations: Stat
         casing_strain_rows(dataset, stations.per_element),
     )
     both = [
-        _at_surfaces(rotor, field, dataset["rotor_young_modulus"].values),
-        _at_surfaces(wall, field, dataset["casing_young_modulus"].values)[:, :, :-1],
+        _at_surfaces(rotor, field, rotor_sections(dataset, "young_modulus", stations.per_line)),
+        _at_surfaces(wall, field, dataset["casing_young_modulus"].values[:, None])[:, :, :-1],
     ]
     largest = float(max(np.abs(values).max() for values in both))
     unit, scale = stress_unit(largest) if field == "stress" else strain_unit(largest)
@@ -163,7 +164,7 @@ def _at_surfaces(strains: Strains, field: str, modulus: Array) -> Array:
         return np.asarray(bend)
     if field == "axial-strain":
         return np.asarray(axial)
-    return np.asarray(modulus[:, None, None] * (axial + bend))
+    return np.asarray(modulus[..., None] * (axial + bend))
 
 
 def _gap(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colouring:

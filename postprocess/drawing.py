@@ -20,6 +20,7 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.beam_sections import rotor_sections
 from bladewhirl.postprocess.colouring import Field, Stations, colouring
 from bladewhirl.postprocess.fields import (
     Array,
@@ -110,7 +111,7 @@ class Drawing:
 
         self._stations, rows = line_rows(dataset, BEAM_STATIONS)
         self._line_shape = (len(rows), BEAM_STATIONS + 1)
-        self._thickness = dataset["rotor_thickness"].values
+        self._thickness = rotor_sections(dataset, "thickness", BEAM_STATIONS)
         q = history(dataset, "rotor_displacement", records)
         self._rotor = combine(q, rows.reshape(-1, 2, rows.shape[-1]))
         #: the rotor's nodes at rest, as drawn (rotor_node, 2) [m]
@@ -181,7 +182,7 @@ class Drawing:
         line = magnify(flat, self._rotor[index], shift, self.exaggeration)
         line = line.reshape(*self._line_shape, 2)
         nodes = magnify(self.nodes, self._node[index], shift, self.exaggeration)
-        half = self._thickness[:, None, None] / 2
+        half = self._thickness[..., None] / 2
         normal = _normals(line)
         wall, rest = self._wall_sides(index)
         centre = self.exaggeration * shift

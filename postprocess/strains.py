@@ -7,7 +7,8 @@ beam's direction, on the casing outward. What is called bending strain here is k
 value at the right (on the casing: the inner) surface; at the left (outer) it is the opposite.
 
 Rods make eps constant in an element and cubics make kappa linear, so the ends of an element hold
-a straight beam's extremes. Both jump from one element to the next: stations are an element's own.
+the extremes of a straight prismatic beam; the thickness of a tapered one is that at the place. Both
+jump from one element to the next: stations are an element's own.
 """
 
 from typing import NamedTuple
@@ -15,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.beam_sections import rotor_sections
 from bladewhirl.postprocess.fields import (
     Array,
     cubic_weights,
@@ -60,7 +62,7 @@ def rotor_strain_rows(dataset: xr.Dataset, per_line: int = 1) -> StrainRows:
     axial = (local[:, 1, 0] - local[:, 0, 0])[:, None] / length
     curvature = np.einsum("es,lem->lsm", curvature_weights(x)[::2], local[:, :, 1]) / length**2
     curvature += np.einsum("es,lem->lsm", curvature_weights(x)[1::2], rotation) / length
-    half = dataset["rotor_thickness"].values[:, None, None] / 2
+    half = rotor_sections(dataset, "thickness", per_line)[..., None] / 2
     return StrainRows(np.repeat(axial, len(x), axis=1), half * curvature)
 
 

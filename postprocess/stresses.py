@@ -14,6 +14,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bladewhirl.postprocess.beam_sections import rotor_sections
 from bladewhirl.postprocess.fields import Array, IntArray, station_angles
 from bladewhirl.postprocess.members import member_names
 from bladewhirl.postprocess.result import ResultError, portions
@@ -54,7 +55,7 @@ class _Body(NamedTuple):
 
     history: str
     rows: StrainRows
-    modulus: Array  #: (element,) [Pa]
+    modulus: Array  #: (element, station or 1) [Pa]
     place: Array  #: of each station, undeformed (element, station, 2) [m]
     member: IntArray  #: (element,), sorted
 
@@ -88,7 +89,7 @@ def stress_history(dataset: xr.Dataset) -> xr.Dataset:
         for portion in portions(dataset, _records_together(body)):
             strains = Strains.of(dataset[body.history].isel(time=portion).values, body.rows)
             axial, bending = strains.axial, np.abs(strains.bending)
-            modulus = body.modulus[:, None]
+            modulus = body.modulus
             found = {
                 "axial_strain": _largest(axial, starts),
                 "axial_stress": _largest(modulus * axial, starts),
@@ -142,14 +143,14 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
         _Body(
             "rotor_displacement",
             StrainRows(*(row[order] for row in rotor)),
-            dataset["rotor_young_modulus"].values[order],
+            rotor_sections(dataset, "young_modulus", 1)[order],
             ends[order],
             member[order],
         ),
         _Body(
             "casing_displacement",
             casing_strain_rows(dataset, CASING_PIECES),
-            dataset["casing_young_modulus"].values,
+            dataset["casing_young_modulus"].values[:, None],
             ring,
             np.zeros(nodes, dtype=np.int64),
         ),
@@ -184,7 +185,7 @@ def _note_peaks(
     bending: Array,
 ) -> None:
     """Bring the extremes of all times up to date with those of a portion of records."""
-    size = body.modulus[:, None] * (np.abs(axial) + bending)
+    size = body.modulus * (np.abs(axial) + bending)
     for column, (first, end) in zip(
         range(columns.start, columns.stop), _ranges(starts, size.shape[1]), strict=True
     ):

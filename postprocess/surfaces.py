@@ -12,6 +12,7 @@ import meshio
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.beam_sections import rotor_sections
 from bladewhirl.postprocess.fields import (
     Array,
     IntArray,
@@ -49,8 +50,8 @@ class Boxes:
     line: Array  #: stations (element, station, 2) [m]
     normal: Array  #: across the line, to its left or, on the casing, outward (as `line`)
     offset: Array  #: of the right (inner) and left (outer) side along it (as `line`) [m]
-    width: Array  #: (element,) [m]
-    modulus: Array  #: (element,) [Pa]
+    width: Array  #: (element, station or 1) [m]
+    modulus: Array  #: (element, station or 1) [Pa]
     rows: Array  #: displacement for unit coordinates (element, station, 2, mode)
     turn_rows: Array  #: rotation of the cross-section, counter-clockwise (element, station, mode)
     strain_rows: StrainRows
@@ -63,7 +64,7 @@ class Boxes:
     def points(self) -> Array:
         """Corners (element * station * 4, 3) [m]."""
         place = self.line[:, :, None] + self._beside()
-        height = np.broadcast_to(ENDS * self.width[:, None, None], place.shape[:-1])
+        height = np.broadcast_to(ENDS * self.width[..., None], place.shape[:-1])
         return np.concatenate([place, height[..., None]], axis=-1).reshape(-1, 3)
 
     def quads(self) -> IntArray:
@@ -109,14 +110,14 @@ def rotor_boxes(dataset: xr.Dataset, pieces: int = BEAM_PIECES) -> Boxes:
     line, rows = line_rows(dataset, pieces)
     along = (line[:, -1] - line[:, 0])[:, None]
     normal = rotate(along / np.linalg.norm(along, axis=-1)[..., None], np.pi / 2)
-    half = dataset["rotor_thickness"].values[:, None, None] / 2
+    half = rotor_sections(dataset, "thickness", pieces)[..., None] / 2
     return Boxes(
         body="rotor",
         line=line,
         normal=np.broadcast_to(normal, line.shape),
         offset=np.broadcast_to(half * np.array([-1.0, 1.0]), line.shape),
-        width=dataset["rotor_width"].values,
-        modulus=dataset["rotor_young_modulus"].values,
+        width=rotor_sections(dataset, "width", pieces),
+        modulus=rotor_sections(dataset, "young_modulus", pieces),
         rows=rows,
         turn_rows=line_slope_rows(dataset, pieces),
         strain_rows=rotor_strain_rows(dataset, pieces),
@@ -140,8 +141,8 @@ def casing_boxes(dataset: xr.Dataset, arc_points: int = ARC_POINTS) -> Boxes:
         line=radius[..., None] * outward,
         normal=outward,
         offset=np.stack([np.zeros_like(wall), wall], axis=-1),
-        width=dataset["casing_width"].values,
-        modulus=dataset["casing_young_modulus"].values,
+        width=dataset["casing_width"].values[:, None],
+        modulus=dataset["casing_young_modulus"].values[:, None],
         rows=np.moveaxis(rotate(np.moveaxis(polar, 2, -1), angle[..., None]), -1, 2),
         turn_rows=polar[:, :, 1] / float(dataset.attrs["casing_radius"]) - slope,
         strain_rows=casing_strain_rows(dataset, pieces),
@@ -174,7 +175,7 @@ class SurfaceSeries:
         radius = np.linalg.norm(self._points[:, :2], axis=1)
         outward = self._points[:, :2] / np.where(radius > 0, radius, 1.0)[:, None]
         strains = boxes.strains(self._dataset, records)
-        modulus = boxes.modulus[:, None]
+        modulus = boxes.modulus
         bend = np.where(SIDES == 0, 1.0, -1.0)  # bending strain is that of the right side
         surface = strains.axial[..., None] + strains.bending[..., None] * bend
         fields: dict[str, Array] = {

@@ -16,6 +16,7 @@ import meshio
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.beam_sections import rotor_sections
 from bladewhirl.postprocess.fields import (
     Array,
     IntArray,
@@ -236,7 +237,7 @@ def _rotor_meshes(dataset: xr.Dataset, records: IntArray, rotating: bool) -> lis
     return _meshes(
         points,
         ("line", dataset["rotor_line"].values),
-        _cell_strains(strains, dataset["rotor_young_modulus"].values),
+        _cell_strains(strains, rotor_sections(dataset, "young_modulus", 1)),
         displacement=_in_space(displacement),
         velocity=_in_space(rotor_field(dataset, "velocity", records, rotating=rotating)),
         radial_displacement=radial_part(displacement, points),
@@ -255,7 +256,7 @@ def _casing_meshes(dataset: xr.Dataset, records: IntArray, rotating: bool) -> li
     return _meshes(
         casing_points(dataset, records, angle, rotating=rotating),
         ("line", _closed_lines(len(angle))),
-        _cell_strains(strains, dataset["casing_young_modulus"].values),
+        _cell_strains(strains, dataset["casing_young_modulus"].values[:, None]),
         displacement=_in_space(displacement),
         velocity=_in_space(velocity),
         radial_displacement=casing_polar_field(dataset, "displacement", records, angle)[..., 0],
@@ -284,13 +285,16 @@ def _contact_meshes(dataset: xr.Dataset, records: IntArray, rotating: bool) -> l
 
 
 def _cell_strains(strains: Strains, modulus: Array) -> dict[str, Array]:
-    """Strains and stresses of the pieces of every element (record, cell): the larger end's."""
+    """Strains and stresses of the pieces of every element (record, cell): the larger end's.
+
+    The modulus is (element, station), or (element, 1) where it is the same along each.
+    """
     fields = {}
     for name, values in (("axial", strains.axial), ("bending", strains.bending)):
-        begin, end = values[..., :-1], values[..., 1:]
-        strain = np.where(np.abs(begin) >= np.abs(end), begin, end)
-        fields[f"{name}_strain"] = strain.reshape(len(strain), -1)
-        fields[f"{name}_stress"] = (modulus[:, None] * strain).reshape(len(strain), -1)
+        for kind, own in (("strain", values), ("stress", modulus * values)):
+            begin, end = own[..., :-1], own[..., 1:]
+            larger = np.where(np.abs(begin) >= np.abs(end), begin, end)
+            fields[f"{name}_{kind}"] = larger.reshape(len(larger), -1)
     return fields
 
 

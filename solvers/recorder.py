@@ -93,9 +93,24 @@ STATIC: Mapping[str, Variable] = {
         ("rotor_node", "axis"), "m", "undeformed rotor node, rotating axes at angle 0"
     ),
     "rotor_line": Variable(("rotor_line", "end"), "1", "rotor nodes at the ends of each line"),
-    "rotor_thickness": Variable(("rotor_line",), "m", "thickness of each line in the plane"),
-    "rotor_width": Variable(("rotor_line",), "m", "width of each line out of the plane"),
-    "rotor_young_modulus": Variable(("rotor_line",), "Pa", "Young's modulus of each line"),
+    "rotor_thickness": Variable(
+        ("rotor_line",), "m", "thickness of each line in the plane, at its middle"
+    ),
+    "rotor_width": Variable(
+        ("rotor_line",), "m", "width of each line out of the plane, at its middle"
+    ),
+    "rotor_young_modulus": Variable(
+        ("rotor_line",), "Pa", "Young's modulus of each line at its middle"
+    ),
+    "rotor_thickness_change": Variable(
+        ("rotor_line",), "m", "change of the thickness from the first to the second end, linear"
+    ),
+    "rotor_width_change": Variable(
+        ("rotor_line",), "m", "change of the width from the first to the second end, linear"
+    ),
+    "rotor_young_modulus_change": Variable(
+        ("rotor_line",), "Pa", "change of Young's modulus from the first to the second end, linear"
+    ),
     "rotor_part": Variable(("rotor_line",), "1", "part that each line belongs to"),
     "rotor_shape": Variable(
         ("rotor_node", "rotor_component", "rotor_mode"),

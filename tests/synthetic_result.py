@@ -168,6 +168,10 @@ def synthetic_result(
                 "rotor_line",
                 np.where(np.array(parts) == "blades", 0.010, 0.030),
             ),
+            **{
+                f"rotor_{name}_change": ("rotor_line", np.zeros(len(lines)))
+                for name in ("thickness", "width", "young_modulus")
+            },
             "rotor_width": ("rotor_line", np.full(len(lines), 0.1)),
             "rotor_young_modulus": ("rotor_line", np.full(len(lines), YOUNG_MODULUS)),
             "rotor_part": ("rotor_line", np.array(parts, dtype=object)),

@@ -102,9 +102,9 @@ def test_a_wedge_vibrates_as_kirchhoff_found() -> None:
     assert factor == pytest.approx(5.315, abs=1e-3)  # as tabulated
     section = steel(0.05)
     exact = factor * np.sqrt(section.bending_stiffness / section.line_mass)
-    errors = np.array([abs(wedge(n) / exact - 1.0) for n in (10, 20, 40, 80)])
-    assert errors[-1] < 1e-3
-    np.testing.assert_allclose(observed_order(errors), 2.0, atol=0.3)
+    errors = np.array([abs(wedge(n) / exact - 1.0) for n in (5, 10, 20, 40)])
+    assert errors[1] < 1e-5
+    np.testing.assert_allclose(observed_order(errors), 4.0, atol=0.3)
 
 
 def test_a_taper_runs_from_root_to_tip_through_cuts() -> None:
@@ -117,11 +117,10 @@ def test_a_taper_runs_from_root_to_tip_through_cuts() -> None:
         elements_per_blade=9,
         point_masses=[{"radius": 0.2, "mass": 0.0}],
     )
-    # Midpoint rule for the quadratic A(s): exact up to h^2 A''/24 = (-0.04)(-0.008)/12 / n^2.
     area = 0.1 * 0.014 + 0.5 * (0.1 * -0.008 - 0.04 * 0.014) + (0.04 * 0.008) / 3.0
     whole = 6 * 0.45 * 7800.0 * area
-    assert plain.mass == pytest.approx(whole, rel=1e-3)
-    assert cut.mass == pytest.approx(whole, rel=1e-3)
+    assert plain.mass == pytest.approx(whole, rel=1e-12)
+    assert cut.mass == pytest.approx(whole, rel=1e-12)
     first = plain.properties.thickness[plain.mesh.line_sets["blades"]].reshape(6, 9)
     np.testing.assert_allclose(first[0], 0.014 - 0.008 * (np.arange(9) + 0.5) / 9)
 

@@ -447,3 +447,36 @@ def test_the_document_shows_the_example() -> None:
     assert tomllib.loads(shown)["bladed_disk"] == example["bladed_disk"]
     [code] = re.findall(r"^```python\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
     exec(compile(code.replace("examples/", f"{EXAMPLES}/"), "meshes.md", "exec"))
+
+
+@pytest.mark.parametrize("suffix", [".vtu", ".msh", ".inp"])
+def test_sections_that_change_along_lines(tmp_path: Path, suffix: str) -> None:
+    """Held as numbers of the lines, where the format has such: .inp holds those of the middle."""
+    drawn = varied(heavy_tip=False)
+    lines, path = grouped_lines(drawn), tmp_path / f"a{suffix}"
+    assert [name for name in lines.line_data if name.endswith("_change")] == ["thickness_change"]
+    write_line_mesh(path, lines)
+    found = from_file(path).properties
+    kept = drawn.properties.thickness_change if suffix != ".inp" else np.zeros(7 * 8)
+    order = np.argsort(drawn.properties.thickness, kind="stable")
+    again = np.argsort(found.thickness, kind="stable")
+    np.testing.assert_array_equal(found.thickness[again], drawn.properties.thickness[order])
+    np.testing.assert_array_equal(found.thickness_change[again], kept[order])
+    assert ("thickness_change" in left_out(path, lines)) == (suffix == ".inp")
+
+
+def test_a_section_in_the_case_is_one_along_its_lines(tmp_path: Path) -> None:
+    write_line_mesh(tmp_path / "a.vtu", grouped_lines(varied(heavy_tip=False)))
+    own = {"blades": MeshSection(width=0.08, thickness=0.006)}
+    found = from_file(tmp_path / "a.vtu", sections=own).properties
+    assert not found.thickness_change.any()
+
+
+def test_sections_that_fall_below_zero_along_a_line(tmp_path: Path) -> None:
+    lines = grouped_lines(varied(heavy_tip=False))
+    change = lines.line_data["thickness_change"].copy()
+    change[20] = -2.5 * lines.line_data["thickness"][20]
+    broken = replace(lines, line_data={**lines.line_data, "thickness_change": change})
+    write_line_mesh(tmp_path / "a.vtu", broken)
+    with pytest.raises(CaseError, match=r"above zero all along lines; line 20 has thickness_chan"):
+        from_file(tmp_path / "a.vtu")
