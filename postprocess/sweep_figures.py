@@ -7,14 +7,25 @@ from pathlib import Path
 
 import xarray as xr
 
+from bladewhirl.postprocess.bifurcation import bifurcation, plot_bifurcation
 from bladewhirl.postprocess.fields import ViewError
 from bladewhirl.postprocess.frequency_map import frequency_map, plot_frequency_map
 from bladewhirl.postprocess.run_figures import Drawn
 from bladewhirl.postprocess.shaft_radius import plot_shaft_radius
 from bladewhirl.postprocess.style import save_figure
-from bladewhirl.postprocess.sweep_quantities import main_key, regimes, shaft_radius
+from bladewhirl.postprocess.sweep_blades import blade_contacts, plot_blade_contacts
+from bladewhirl.postprocess.sweep_energies import plot_point_energies, point_energies
+from bladewhirl.postprocess.sweep_maps import plot_sweep_maps, sweep_maps
+from bladewhirl.postprocess.sweep_quantities import (
+    contact_sides,
+    main_key,
+    regimes,
+    shaft_radius,
+    whirls,
+)
 from bladewhirl.postprocess.sweep_regimes import plot_regimes
 from bladewhirl.postprocess.sweep_result import open_sweep
+from bladewhirl.postprocess.sweep_whirl import plot_contact_sides, plot_whirls
 
 
 class SweepFigures:
@@ -45,11 +56,41 @@ class SweepFigures:
         found = regimes(self._sweep, self._key)
         return plot_regimes(found), found
 
+    def _draw_whirl(self) -> Drawn:
+        found = whirls(self._sweep, self._key)
+        return plot_whirls(found), found
+
+    def _draw_contact_phase(self) -> Drawn:
+        found = contact_sides(self._sweep, self._key)
+        return plot_contact_sides(found), found
+
+    def _draw_contact_classes(self) -> Drawn:
+        found = blade_contacts(self._sweep, self._key)
+        return plot_blade_contacts(found), found
+
+    def _draw_energy_families(self) -> Drawn:
+        found = point_energies(self._sweep, self._key)
+        return plot_point_energies(found), found
+
+    def _draw_bifurcation(self) -> Drawn:
+        found = bifurcation(self._sweep, self._key)
+        return plot_bifurcation(found), found
+
+    def _draw_maps(self) -> Drawn:
+        maps = sweep_maps(self._sweep, self._key)
+        return plot_sweep_maps(maps), maps
+
 
 SWEEP_FIGURES: Mapping[str, Callable[[SweepFigures], Drawn]] = {
     "frequency-map": SweepFigures._draw_frequency_map,
     "shaft-radius": SweepFigures._draw_shaft_radius,
     "regimes": SweepFigures._draw_regimes,
+    "whirl": SweepFigures._draw_whirl,
+    "contact-phase": SweepFigures._draw_contact_phase,
+    "contact-classes": SweepFigures._draw_contact_classes,
+    "energy-families": SweepFigures._draw_energy_families,
+    "bifurcation": SweepFigures._draw_bifurcation,
+    "maps": SweepFigures._draw_maps,
 }
 """The figures of a sweep."""
 

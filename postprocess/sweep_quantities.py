@@ -43,6 +43,21 @@ def along(dataset: xr.Dataset, key: str, names: Sequence[str]) -> xr.Dataset:
     Raises:
         ViewError: no point is done, or the sweep is of a format that has not all of these.
     """
+    others = [name for name in swept(dataset) if name != key]
+    found = as_lines(in_order(dataset, names), others)
+    return found.transpose(LINE, key, ...).assign_attrs(along=key)
+
+
+def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
+    """Some variables and `state` over the swept keys, all ascending, loaded; see `along`.
+
+    Args:
+        dataset: from `open_sweep`.
+        names: of variables.
+
+    Raises:
+        ViewError: as of `along`.
+    """
     missing = [name for name in names if name not in dataset]
     if missing:
         raise ViewError(
@@ -51,22 +66,27 @@ def along(dataset: xr.Dataset, key: str, names: Sequence[str]) -> xr.Dataset:
         )
     if not (dataset["state"] == "done").any():
         raise ViewError("no point of the sweep is done: there is nothing to draw")
-    keys = swept(dataset)
-    others = [name for name in keys if name != key]
-    chosen = dataset[[*names, "state"]].compute().sortby(keys)
+    chosen = dataset[[*names, "state"]].compute().sortby(swept(dataset))
     done = chosen["state"] == "done"
     for name in names:
         if chosen[name].dtype.kind == "f":
             chosen[name] = chosen[name].where(done).assign_attrs(dataset[name].attrs)
-    attributes = {name: chosen[name].attrs for name in others}
-    if others:
-        chosen = chosen.stack({LINE: others}).reset_index(LINE)
-    else:
-        chosen = chosen.expand_dims(LINE)
-    for name in others:
-        chosen[name].attrs.update(attributes[name])
-    chosen.attrs = {"along": key}
-    return chosen.transpose(LINE, key, ...)
+    return chosen.drop_attrs(deep=False)
+
+
+def as_lines(found: xr.Dataset, keys: Sequence[str]) -> xr.Dataset:
+    """Put swept keys into the one dimension `LINE`, a combination of them each; one if none.
+
+    Args:
+        found: from `in_order`.
+        keys: that become coordinates of `LINE`.
+    """
+    if not keys:
+        return found.expand_dims(LINE)
+    lines = found.stack({LINE: keys}).reset_index(LINE)
+    for name in keys:
+        lines[name].attrs.update(found[name].attrs)
+    return lines
 
 
 def shaft_radius(dataset: xr.Dataset, key: str) -> xr.Dataset:

@@ -31,6 +31,12 @@ SWEEP_NAMES = {
     "frequency-map": "spectrum of the shaft over the swept key, engine orders, lines of modes",
     "shaft-radius": "largest and final displacement of the shaft",
     "regimes": "regime of each point, and growth rate with its uncertainty",
+    "whirl": "direction and frequency of the whirl with its scatter, in both frames",
+    "contact-phase": "of the shaft against the contact: standard or inverted scenario",
+    "contact-classes": "time in contact of each blade; permanent, intermittent and free blades",
+    "energy-families": "strain energy by family and nodal diameter",
+    "bifurcation": "Poincaré sections and local maxima of the late motion",
+    "maps": "regime, displacement and growth over two swept keys",
 }
 """The figures of a sweep, and what they show."""
 

@@ -8,13 +8,18 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.text import Annotation
+from synthetic_result import synthetic_result
 from synthetic_sweep import synthetic_sweep
 from typer.testing import CliRunner, Result
 
 from bladewhirl.postprocess import frequency_map as map_module
+from bladewhirl.postprocess.bifurcation import bifurcation
 from bladewhirl.postprocess.fields import ViewError
 from bladewhirl.postprocess.frequency_map import frequency_map, plot_frequency_map
+from bladewhirl.postprocess.sweep_blades import blade_contacts
+from bladewhirl.postprocess.sweep_energies import point_energies
 from bladewhirl.postprocess.sweep_figures import SWEEP_FIGURES, SweepFigures
+from bladewhirl.postprocess.sweep_maps import plot_sweep_maps, sweep_maps
 from bladewhirl.postprocess.sweep_quantities import (
     cell_edges,
     contact_sides,
@@ -143,6 +148,93 @@ def test_two_keys_give_a_line_for_each_value_of_the_other(two: Path, key: str) -
     top = maps["amplitude"].max("frequency").transpose("line", key)
     assert (np.diff(top.values, axis=0) > 0).all()
     assert (np.diff(top.values, axis=1) > 0).all()
+
+
+def test_a_bifurcation_diagram_tells_periods_apart(tmp_path: Path) -> None:
+    """Circles that go round once, or once and a half in a revolution, and out of step with it."""
+    turns = (1.0, 1.5, np.sqrt(2.0))
+    motions = [whirling(2 * np.pi * 10.0, share) for share in turns]
+    folder = synthetic_sweep(tmp_path / "b", {"shaft.stiffness": (1.0, 2.0, 3.0)}, motions)
+    with open_sweep(folder) as sweep:
+        found = bifurcation(sweep, "shaft_stiffness").isel(line=0)
+    x = [values[np.isfinite(values)] for values in found["section_x"].values]
+    assert [len(values) for values in x] == [10, 10, 10]  # of a second, the last third
+    np.testing.assert_allclose(x[0], 1e-3, rtol=1e-3)
+    np.testing.assert_allclose(np.sort(x[1]), np.repeat([-1e-3, 1e-3], 5), rtol=1e-2)
+    assert len(np.unique(x[2].round(5))) == 10
+    radius = found["section_radius"].values
+    np.testing.assert_allclose(radius[np.isfinite(radius)], 1e-3, rtol=1e-3)
+
+
+def whirling(speed: float, share: float) -> xr.Dataset:
+    """Three seconds of a circle of 1 mm, `share` of a turn in static axes each revolution."""
+    result = synthetic_result(records=3011, speed=speed, bending=0.0)
+    time = result["time"].values
+    rate = (share - 1.0) * speed
+    angle = rate * time
+    result["rotor_displacement"][:, :2] = 1e-3 * np.column_stack([np.cos(angle), np.sin(angle)])
+    turned = np.column_stack([-np.sin(angle), np.cos(angle)])
+    result["rotor_velocity"][:, :2] = 1e-3 * rate * turned
+    return result
+
+
+def test_blades_are_counted_by_their_share_of_contact(one: Path) -> None:
+    with open_sweep(one) as sweep:
+        share = np.zeros((5, 22))
+        share[0, :4], share[0, 4:10] = 1.0, 0.3  # of speed 1.2
+        changed = sweep.assign(late_contact_share=(("march_speed", "blade"), share))
+        found = blade_contacts(changed, "march_speed").isel(line=0)
+    classes = ("permanent", "intermittent", "free")
+    assert [found[name].values[2] for name in classes] == [4, 6, 12]
+    assert [found[name].values[0] for name in classes] == [0, 0, 22]
+    assert np.isnan(found["free"].values[3])  # it failed
+
+
+def test_energies_are_those_of_the_modes(one: Path) -> None:
+    """Two modes in quadrature hold 1/2 omega^2 q^2 together at any time."""
+    with open_sweep(one) as sweep:
+        found = point_energies(sweep, "march_speed").isel(line=0)
+    radii = np.array([0.2e-3, 1.3e-3, 0.4e-3])
+    np.testing.assert_allclose(found["suspension"][:3], 0.5 * 190.0**2 * radii**2, rtol=1e-9)
+    family = found["first_family"].sel(nodal_diameter=1).values
+    np.testing.assert_allclose(family[:3], 0.5 * 75.0**2 * 0.3e-3**2, rtol=1e-9)
+    np.testing.assert_allclose(
+        found["total"][:3], (found["suspension"] + found["rest"])[:3] + family[:3], rtol=1e-12
+    )
+    assert np.isnan(found["total"].values[3])
+
+
+def test_maps_have_the_values_of_both_keys_in_place(two: Path) -> None:
+    with open_sweep(two) as sweep:
+        maps = sweep_maps(sweep, "march_speed")
+    assert maps["shaft_radius_max"].dims == ("line", "contact_friction", "march_speed")
+    expected = 1e-4 * np.add.outer([0.0, 0.1, 0.2], [1.0, 2.0])
+    np.testing.assert_allclose(maps["shaft_radius_max"].values[0], expected, rtol=1e-12)
+    axes = plot_sweep_maps(maps).axes
+    assert len(axes) == 3  # regime, radius and its colours: the marches are too short for growth
+
+
+def test_a_third_key_makes_rows_of_maps(tmp_path: Path) -> None:
+    over = {"march.speed": (1.0, 2.0), "contact.friction": (0.1, 0.0), "casing.support": (5.0, 3.0)}
+    motions = [
+        {"speed": REFERENCE * s, "shaft_radius": (s + f + k) * 1e-5}
+        for s in (1.0, 2.0)
+        for f in (0.1, 0.0)
+        for k in (5.0, 3.0)
+    ]
+    with open_sweep(synthetic_sweep(tmp_path / "three", over, motions)) as sweep:
+        maps = sweep_maps(sweep, "march_speed")
+        radius = shaft_radius(sweep, "march_speed")
+        top = frequency_map(sweep, "march_speed")["amplitude"].max("frequency")
+    for found in (maps, radius):
+        names = ("march_speed", "contact_friction", "casing_support")
+        expected = 1e-5 * sum((found[name] for name in names), xr.DataArray(0.0))
+        size = found["shaft_radius_max"]
+        np.testing.assert_allclose(size, expected.transpose(*size.dims), rtol=1e-12)
+    np.testing.assert_allclose(maps["casing_support"], [3.0, 5.0])
+    ratio = top.values / radius["shaft_radius_max"].values
+    np.testing.assert_allclose(ratio, ratio[0, 0], rtol=1e-6)
+    assert len(plot_sweep_maps(maps).axes) == 2 * 2 + 1
 
 
 def test_names_of_engine_orders_stay_inside_and_apart(one: Path) -> None:
