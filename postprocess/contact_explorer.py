@@ -96,7 +96,7 @@ def _map(maps: xr.Dataset) -> go.Figure:
     import plotly.graph_objects as go
 
     force, friction = maps["force"].values.T, maps["friction"].values.T
-    gap, touched = MILLI * maps["gap"].values.T, maps["touched"].values.T
+    gap, touched = MILLI * np.maximum(maps["gap"].values.T, 0.0), maps["touched"].values.T
     pointed = _rounded(np.stack([force, friction, gap], axis=-1))
     common = {
         "x": maps["time"].values,
