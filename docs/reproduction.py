@@ -17,6 +17,8 @@ from pathlib import Path
 from shutil import copyfile
 from typing import Any
 
+from bladewhirl.studies.scorecard import counted
+
 DOCS = Path(__file__).parent
 PAGE, README = DOCS / "reproduction.md", DOCS.parent / "README.md"
 COUNT = re.compile(r"(?<=<!-- scorecard -->\n).*?(?=\n<!-- scorecard end -->)", re.DOTALL)
@@ -65,7 +67,7 @@ def present(page: str) -> dict[str, str]:
 
 def sentence(scorecard: dict[str, Any]) -> str:
     """The count in words."""
-    counts = ", ".join(f"{number} {verdict}" for verdict, number in scorecard["counts"].items())
+    counts = ", ".join(counted(verdict, number) for verdict, number in scorecard["counts"].items())
     return (
         f"`bladewhirl reproduce`: of {len(scorecard['claims'])} claims {counts};"
         " [each of them](docs/reproduction.md)."

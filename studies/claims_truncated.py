@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.spectra import shaft_spectrum
-from bladewhirl.postprocess.windows import late_part
 from bladewhirl.studies.claim import (
     Check,
     Finding,
@@ -20,12 +18,14 @@ from bladewhirl.studies.claim import (
 )
 from bladewhirl.studies.claims_imbalance import MILLI, done_points
 from bladewhirl.studies.laboratory import KAPPAS, Laboratory
-from bladewhirl.studies.motion import Motion
 
 LIMIT = 1.52
 """Normalised speed above which the paper's truncated space diverges under imbalance."""
 
 DISTORTED = [f"six modes, distortion at 1.05, kappa {kappa:g}" for kappa in KAPPAS]
+ROUNDING = 1e-9
+"""Of normalised speeds, whose differences are compared with a step."""
+
 DIVERGING = "six modes, imbalance at 1.65, kappa 0"
 """Of the paper's Fig. 26."""
 
@@ -70,7 +70,10 @@ def truncated_space_diverges(lab: Laboratory) -> Finding:
     sweeps=["six modes, distortion"],
 )
 def coupling_shifts_the_critical_speed(lab: Laboratory) -> Finding:
-    """Critical is the middle of the speeds that diverge: their peaks end at the same limit."""
+    """Critical is the middle of the speeds that diverge: their peaks end at the same limit.
+
+    It is known no better than to the step between the speeds, so a shift has to be larger.
+    """
     sweep = lab.sweep("six modes, distortion")
     critical = {kappa: middle_of_divergence(sweep, kappa) for kappa in KAPPAS}
     missing = [kappa for kappa, speed in critical.items() if np.isnan(speed)]
@@ -80,11 +83,19 @@ def coupling_shifts_the_critical_speed(lab: Laboratory) -> Finding:
         return Finding(ours=text, checks=(Check(text=text, met=False),))
     words = ", ".join(f"{speed:.4g} at {kappa:g} N/m" for kappa, speed in critical.items())
     rises = np.diff([critical[kappa] for kappa in KAPPAS])
+    grid = float(np.diff(sweep["march_speed"].values).max()) + ROUNDING
+    if not any(abs(rises) > grid):
+        raise NotTestableError(
+            f"critical speeds {words} differ by less than the step of the sweep, {grid:.3g}"
+        )
     steps = zip(KAPPAS[:-1], KAPPAS[1:], rises, strict=True)
     return Finding(
         ours=words,
         checks=tuple(
-            Check(text=f"shift from {a:g} to {b:g} N/m {rise:.3g}, wanted above 0", met=rise > 0)
+            Check(
+                text=f"shift from {a:g} to {b:g} N/m {rise:.3g}, wanted more than {grid:.3g}",
+                met=rise > grid,
+            )
             for a, b, rise in steps
         ),
     )
@@ -163,22 +174,16 @@ def coupling_does_not_change_the_motion(lab: Laboratory) -> Finding:
     quiet = [m for m in motions if not m.touched]
     if quiet:
         raise NotTestableError("without contact there is no side of it")
-    lines = [main_frequency(motion) / motion.reference for motion in motions]
+    rates = [motion.late_whirl("rotating").rate / motion.reference for motion in motions]
     shares = np.array([list(motion.share(*motion.late).values()) for motion in motions])
     moved = float(np.abs(shares - shares[0]).max())
     sides = [motion.scenario for motion in motions]
     return Finding(
-        ours=f"main frequencies {', '.join(f'{line:.3g}' for line in lines)}, energy shares at most"
+        ours=f"whirl {', '.join(f'{rate:.3g}' for rate in rates)} ω₁, energy shares at most"
         f" {100 * moved:.2g} points apart, contact {', '.join(sides)}",
         checks=(
-            at_most("difference of the main frequencies over ω₁", float(np.ptp(lines)), 0.05),
+            at_most("difference of the whirl in rotating axes over ω₁", float(np.ptp(rates)), 0.05),
             at_most("difference of energy shares", 100 * moved, 10.0, " points"),
             is_so("contact sides", len(set(sides)), 1),
         ),
     )
-
-
-def main_frequency(motion: Motion) -> float:
-    """Where the spectrum of the shaft is largest in rotating axes, over the last third [rad/s]."""
-    spectrum = shaft_spectrum(late_part(motion.orbit), "rotating")
-    return float(spectrum["frequency"].values[int(spectrum["amplitude"].values.argmax())])

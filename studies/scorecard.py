@@ -22,6 +22,15 @@ STYLES: Mapping[Verdict, str] = {
 }
 
 
+PLURALS: Mapping[str, str] = {"holds": "hold", "does not hold": "do not hold"}
+"""Verdicts of several claims, where they read otherwise."""
+
+
+def counted(verdict: str, count: int) -> str:
+    """So many claims have a verdict, in words."""
+    return f"{count} {verdict if count == 1 else PLURALS.get(verdict, verdict)}"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Score:
     """A claim and what came out of it, once for each repeat."""
@@ -66,7 +75,7 @@ class Scorecard:
     @property
     def summary(self) -> str:
         """The counts in words."""
-        named = ", ".join(f"{count} {verdict}" for verdict, count in self.counts.items())
+        named = ", ".join(counted(verdict, count) for verdict, count in self.counts.items())
         return f"{len(self.scores)} claims: {named}"
 
     def to_json(self) -> str:
