@@ -112,6 +112,9 @@ ENERGIES: Mapping[str, FigureWords] = {
     ),
 }
 
+MAPS = "maps"
+"""Figure of a sweep over two keys or more."""
+
 SWEEP: Mapping[str, FigureWords] = {
     "regimes": FigureWords(
         title="Regimes and growth rates",
@@ -131,4 +134,40 @@ SWEEP: Mapping[str, FigureWords] = {
         "Peaks are critical speeds; a divergent point was ended, and would have gone further.",
         wide=True,
     ),
+    "whirl": FigureWords(
+        title="Whirl",
+        caption="Direction and frequency [Hz] of the shaft's whirl over the last third of each "
+        "march, in both frames, with its scatter. Look for where forward turns to backward.",
+        wide=True,
+    ),
+    "contact-phase": FigureWords(
+        title="Shaft against contact",
+        caption="By how much the shaft leads the contact [°] over the last third: near 0° "
+        "standard, near 180° inverted scenario.",
+        wide=True,
+    ),
+    "contact-classes": FigureWords(
+        title="Blades in contact",
+        caption="Share of the time [%] that each blade is in contact over the last third, and how "
+        "many blades are in permanent or intermittent contact, or free.",
+        wide=True,
+    ),
+    "energy-families": FigureWords(
+        title="Strain energy by family and nodal diameter",
+        caption="Mean strain energy [J] of groups of rotor modes at the end of each march. Look "
+        "for the group that takes over where the regime changes.",
+        wide=True,
+    ),
+    "bifurcation": FigureWords(
+        title="Bifurcation diagram",
+        caption="Places of the shaft once a revolution, and local maxima of its displacement [mm], "
+        "of the late motion. One branch: periodic; a smear: quasi-periodic or chaotic.",
+        wide=True,
+    ),
+    MAPS: FigureWords(
+        title="Maps over two keys",
+        caption="Regime, largest displacement [mm] and growth rate [1/s] over the swept keys.",
+        wide=True,
+    ),
 }
+"""Of all figures of a sweep."""

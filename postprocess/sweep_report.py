@@ -19,7 +19,7 @@ from bladewhirl.postprocess.report_page import (
     Table,
     as_png,
 )
-from bladewhirl.postprocess.report_words import SWEEP
+from bladewhirl.postprocess.report_words import MAPS, SWEEP
 from bladewhirl.postprocess.run_report import case_text, criterion_rows, made_by, provenance_tables
 from bladewhirl.postprocess.sweep_drawing import REGIME_COLOURS, line_label
 from bladewhirl.postprocess.sweep_explorer import (
@@ -93,7 +93,7 @@ def sweep_report(
             name="motion",
             title="Motion and contact",
             words="",
-            blocks=list(_drawn(dataset, [n for n in SWEEP if n not in _PLACED])),
+            blocks=list(_drawn(dataset, _others(dataset))),
         ),
         Section(
             name="points",
@@ -120,7 +120,10 @@ def sweep_report(
     )
 
 
-_PLACED = ("regimes", "frequency-map")
+def _others(dataset: xr.Dataset) -> list[str]:
+    """Figures that have no section of their own; maps need two keys."""
+    placed = {"regimes", "frequency-map"} | (set() if len(swept(dataset)) > 1 else {MAPS})
+    return [name for name in SWEEP if name not in placed]
 
 
 def _points(dataset: xr.Dataset) -> xr.Dataset:
