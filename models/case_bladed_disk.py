@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
@@ -166,6 +166,9 @@ class BladedDisk(Table):
         if not all(root < shroud.radius <= tip for shroud in self.shrouds):
             expected = f"radii above bladed_disk.disk_radius = {root!r}, up to tip_radius = {tip!r}"
             yield Inconsistency("shrouds", expected, ("disk_radius", "tip_radius"))
+        for one, other in combinations(self.shrouds, 2):
+            if one.radius == other.radius and len({*one.cuts, *other.cuts}) < self.blades:
+                yield Inconsistency("shrouds", "one shroud at a radius between two blades", ())
         if not all(mass.radius == 0.0 or root <= mass.radius <= tip for mass in self.point_masses):
             expected = f"radii of 0 or from disk_radius = {root!r} to tip_radius = {tip!r}"
             yield Inconsistency("point_masses", expected, ("disk_radius", "tip_radius"))

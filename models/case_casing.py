@@ -130,7 +130,8 @@ class Casing(Table):
         description='Springs from the wall to the ground, rows of { angle = "90 deg", radial = "1'
         ' MN/m", tangential = 0, radial_damping = "2 kN s/m", tangential_damping = 0 }, on top of'
         ' support; where they or struts hold the rotation, rotation = "free" lets them. Dampers'
-        " act in a march; modes are those without.",
+        " act in a march, where contact is then of the first order in march.time_step; modes are"
+        " those without.",
     )
     struts: Annotated[
         tuple[Strut, ...], rows('{ angle = "90 deg", length = "300 mm", thickness = "8 mm" }')
@@ -139,7 +140,8 @@ class Casing(Table):
         description='Straight struts from the wall to the ground, rows of { angle = "90 deg",'
         ' inclination = 0, length = "300 mm", width = "100 mm", thickness = "10 mm", ends ='
         ' "pinned", damping = 0 }; with ends = "built-in" they bend too, and converge best with'
-        " feet at nodes. Their mass counts, modes of their own they have none.",
+        " feet at nodes. Their mass counts, modes of their own they have none. With damping,"
+        " contact is of the first order in march.time_step.",
     )
     rotation: Literal["free", "fixed"] = Field(
         default="fixed",

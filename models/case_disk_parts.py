@@ -81,7 +81,12 @@ class Mistuning(Table):
 
     stiffness: Factors = Field(default=(), description="On Young's modulus of each blade.")
     mass: Factors = Field(default=(), description="On the density of each blade.")
-    length: Factors = Field(default=(), description="On the length from root to tip.")
+    length: Factors = Field(
+        default=(),
+        description="On the length from root to tip. Shrouds and masses along the blade stay at"
+        " their radius: what lies beyond the last of them is longer or shorter. Sections of a taper"
+        " stay with their elements.",
+    )
     stiffness_spread: NumberOrZero = Field(
         default=0.0, description="Standard deviation of random factors about 1."
     )

@@ -36,7 +36,8 @@ class Shaft(Table):
         default=0.0,
         description="Of a damper beside each of the springs, or beside that along x [N s/m]. They"
         " always turn with the bladed disk and see its velocity in rotating axes: without Coriolis"
-        " terms, dampers that stand still would drive whirl above the suspension frequency.",
+        " terms, dampers that stand still would drive whirl above the suspension frequency. With"
+        " dampers, contact is of the first order in march.time_step.",
     )
     damping_y: DampingOrZero | None = Field(
         default=None,

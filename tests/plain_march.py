@@ -102,8 +102,14 @@ def spring_stiffness(problem: ContactProblem, time: float) -> FloatArray:
     return stiffness
 
 
-def plain_march(problem: ContactProblem, dt: float, steps: int) -> PlainRun:
-    """March a problem from its start."""
+def plain_march(
+    problem: ContactProblem, dt: float, steps: int, *, dampers_feel_contact: bool = False
+) -> PlainRun:
+    """March a problem from its start.
+
+    Dampers feel what a contact force changes in the same step, or, as in the compiled march, from
+    the next one on.
+    """
     rotor, casing = problem.rotor, problem.casing
     m = len(rotor.frequency)
     omega = np.concatenate([rotor.frequency, casing.frequency])
@@ -113,6 +119,7 @@ def plain_march(problem: ContactProblem, dt: float, steps: int) -> PlainRun:
     A = 1.0 / dt**2 + damping / (2.0 * dt)
     dampers = la.block_diag(rotor.dampers.T @ rotor.dampers, casing.dampers.T @ casing.dampers)
     whole = np.diag(A) + dampers / (2.0 * dt)
+    compliance = np.linalg.inv(whole) if dampers_feel_contact else np.diag(1.0 / A)
     patterns = [np.concatenate([load.rotor, load.casing]) for load in problem.loads]
 
     def force(time: float) -> FloatArray:
@@ -155,8 +162,8 @@ def plain_march(problem: ContactProblem, dt: float, steps: int) -> PlainRun:
         direction = normal + problem.friction * sign[:, None] * tangential
         clearance += rotor.tip_recess
         gap = clearance + normal @ free
-        multiplier = complementary(gap, (normal / A) @ direction.T)
-        after = free + (direction.T @ multiplier) / A
+        multiplier = complementary(gap, normal @ compliance @ direction.T)
+        after = free + compliance @ direction.T @ multiplier
         moved = 0.5 * (after - before)
         works.append(
             works[-1]

@@ -308,6 +308,7 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"shrouds": [{"radius": 0.6}]}, r"shrouds = .* radii above bladed_disk.disk_radius = 0.05"),
     ({"shrouds": [{"width": 0.1}]}, r"shrouds\[0\]\.radius.*expected a value of radius"),
     ({"shrouds": [{"radius": 0.4, "cuts": [6]}]}, "blades from 0 to 5, each once"),
+    ({"shrouds": [{"radius": 0.4}, {"radius": 0.4, "cuts": [1]}]}, "one shroud at a radius"),
     ({"point_masses": [{"radius": 0.01, "mass": 1.0}]}, "radii of 0 or from disk_radius"),
     ({"disk_rings": [{"radius": 0.05}]}, "different radii below bladed_disk.disk_radius"),
     ({"disk_rings": [{"radius": 0.02}], "disk_kind": "rigid"}, "a bladed_disk.disk_kind with"),
@@ -332,6 +333,20 @@ BAD: list[tuple[dict[str, Any], str]] = [
 def test_what_cannot_be_is_refused_by_key(tables: dict[str, Any], message: str) -> None:
     with pytest.raises(CaseError, match=message):
         disk(**tables)
+
+
+def test_two_shrouds_at_one_radius_that_take_turns() -> None:
+    turns = [{"radius": 0.4, "cuts": [0, 2, 4]}, {"radius": 0.4, "cuts": [1, 3, 5]}]
+    parts = model(shrouds=turns).mesh.line_sets
+    assert len(parts["shrouds"]) == 6
+
+
+def test_a_shroud_stays_at_its_radius_on_a_longer_blade() -> None:
+    given = model(shrouds=[{"radius": 0.4}], mistuning={"length": [0.99, *[1.0] * 5]})
+    nodes = np.unique(given.mesh.lines[given.mesh.line_sets["shrouds"]])
+    np.testing.assert_allclose(np.linalg.norm(given.mesh.points[nodes], axis=1), 0.4, rtol=1e-14)
+    tips = np.linalg.norm(given.mesh.points[given.tips], axis=1)
+    np.testing.assert_allclose(tips, [0.05 + 0.99 * 0.45, *[0.5] * 5], rtol=1e-14)
 
 
 def test_tips_that_reach_into_lobes_are_named() -> None:
