@@ -65,8 +65,8 @@ def sweep(
 
     DIR gets sweep.nc (netCDF, opens with xarray): spectra, energies, regimes and thinned
     histories of every point over the swept keys; and figures, of which `bladewhirl plot DIR` draws
-    more: whirl, contacts, energies, bifurcations, maps over two keys. Points that fail are listed in
-    failures.json. A sweep that is interrupted or killed is finished by --resume DIR, with the
+    more: whirl, contacts, energies, bifurcations, maps over two keys. Points that fail are listed
+    in failures.json. A sweep that is interrupted or killed is finished by --resume DIR, with the
     same bits.
     """
     from rich.console import Console
