@@ -25,6 +25,9 @@ LOCAL: Mapping[str, object] = {
     "distributed.scheduler.allowed-failures": 1,
     # Workers leave with their parent; nobody asks them for a web page.
     "distributed.worker.daemon": True,
+    # What dask remembers of what it did stays small, however many points there are.
+    "distributed.admin.low-level-log-length": 100,
+    "distributed.admin.system-monitor.log-length": 100,
 }
 
 READY = 1
@@ -71,10 +74,11 @@ def _in_flight(
     """March groups with a few of them submitted at a time: none but these take memory."""
     waiting, marching = iter(groups), dict[object, Group]()
     results = as_completed(loop=client.loop)
+    together = "sweep-" + uuid.uuid4().hex  # one name: the scheduler keeps books on each
 
     def submit(most: int) -> None:
         for group in islice(waiting, most):
-            key = ("sweep-" + uuid.uuid4().hex, group.number)
+            key = (together, group.number)
             future = client.submit(march_group, work, group, key=key, pure=False)
             marching[future.key] = group
             results.add(future)
