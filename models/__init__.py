@@ -1,6 +1,7 @@
 """Cases, finite elements and reduction: what there is before anything moves."""
 
 from bladewhirl.models.case import Case
+from bladewhirl.models.case_check import case_from
 from bladewhirl.models.case_file import dumps_case, read_case, with_values
 from bladewhirl.models.faults import CaseError, Fault, UserError
 from bladewhirl.models.quantity import Speed
@@ -15,6 +16,7 @@ __all__ = [
     "Sketch",
     "Speed",
     "UserError",
+    "case_from",
     "dumps_case",
     "read_case",
     "with_values",

@@ -74,6 +74,14 @@ class BeamModel:
     links: RigidLinks = field(default_factory=RigidLinks)
     tip_radius: float  #: that the clearance counts from; a tip may be shorter or longer [m]
 
+    def __repr__(self) -> str:
+        """What it consists of, in one line."""
+        mesh = self.mesh
+        return (
+            f"<BeamModel: {len(mesh.points)} nodes, {len(mesh.lines)} lines, {len(self.tips)} tips,"
+            f" {self.mass:.4g} kg>"
+        )
+
     @property
     def tips(self) -> IntArray:
         """Node of each blade tip, (blades,)."""

@@ -211,7 +211,13 @@ class March(Table):
 
 
 class Case(Table):
-    """A bladed disk on its shaft, a casing, a load and a speed; the default is the fan stage."""
+    """A bladed disk on its shaft, a casing, a load and a speed; the default is the fan stage.
+
+    Raises:
+        pydantic.ValidationError: values that are no case, as all tables made by keyword do; a
+            ``ValueError``. `case_from` checks the same as nested dicts and raises a `CaseError`
+            with a line a fault.
+    """
 
     title: StrictStr = Field(default="Fan stage", description="Title, free text.")
     material: Material = Material()

@@ -1,4 +1,10 @@
-"""What a result says: fields, series for ParaView, pictures; results are read, never made."""
+"""What a result says: fields, series for ParaView, pictures; results are read, never made.
+
+``open_result(folder)`` gives an xarray.Dataset; from it `shaft_orbit`, `tip_displacement`,
+`strain_energies`, `stress_history`, `contact_maps`, `contact_classes`, `shaft_spectrum` and their
+like make Datasets with named dimensions and units. ``RunFigures(result).draw(name)`` draws one of
+`FIGURES`, `save_figure` keeps it with its data, `render_animation` and `write_vtk` show the stage.
+"""
 
 from bladewhirl.postprocess.blade_contact import contact_classes, contact_maps
 from bladewhirl.postprocess.contact_side import contact_phase
@@ -31,6 +37,7 @@ from bladewhirl.postprocess.style import save_figure
 from bladewhirl.postprocess.summary import Summary, summarise, summary_table, write_summary
 from bladewhirl.postprocess.sweep_figures import LEFT_BY_A_SWEEP, SWEEP_FIGURES, SweepFigures
 from bladewhirl.postprocess.sweep_result import SweepError, open_sweep
+from bladewhirl.postprocess.tip_motion import tip_displacement
 from bladewhirl.postprocess.vtk_series import SeriesWriter, undeformed_mesh, write_vtk
 from bladewhirl.postprocess.web_page import render_page
 from bladewhirl.postprocess.whirling import whirl_history
@@ -91,6 +98,7 @@ __all__ = [
     "stress_history",
     "summarise",
     "summary_table",
+    "tip_displacement",
     "undeformed_mesh",
     "whirl",
     "whirl_history",

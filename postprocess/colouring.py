@@ -25,6 +25,7 @@ from bladewhirl.postprocess.fields import (
     line_rows,
     ring_angles,
 )
+from bladewhirl.postprocess.handy_units import length_unit
 from bladewhirl.postprocess.members import line_blades
 from bladewhirl.postprocess.strains import Strains, casing_strain_rows, rotor_strain_rows
 from bladewhirl.postprocess.stresses import require_sections, stress_unit
@@ -204,11 +205,6 @@ def _parts(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colour
 
 def _on_both_sides(values: Array) -> Array:
     return np.repeat(values[..., None], 2, axis=-1)
-
-
-def length_unit(length: float) -> tuple[str, float]:
-    """Unit in which a length [m] reads well, and how many of it are a metre."""
-    return ("mm", 1e3) if length >= 1e-4 or length == 0 else ("µm", 1e6)
 
 
 def strain_unit(strain: float) -> tuple[str, float]:

@@ -6,7 +6,7 @@ stand still. Velocities are rates of displacement (R(Omega t) u_dot): the transp
 Omega x r of the turning disk is not part of them.
 """
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 import xarray as xr
@@ -105,7 +105,20 @@ def combine(coordinates: Array, shape: Array) -> Array:
 def rotor_field(
     dataset: xr.Dataset, quantity: Quantity, records: IntArray, *, rotating: bool = False
 ) -> Array:
-    """Vectors at the rotor's nodes (record, rotor_node, 2) [m or m/s], in static axes."""
+    """Vectors at the rotor's nodes (record, rotor_node, 2) [m or m/s], x and y.
+
+    Args:
+        dataset: a result.
+        quantity: "displacement", or "velocity" as seen in the rotating frame.
+        records: numbers of the records to look at, ``np.arange(dataset.sizes["time"])`` for all.
+        rotating: along the rotating axes; else along the static ones.
+
+    Raises:
+        ViewError: another quantity.
+    """
+    if quantity not in get_args(Quantity):
+        known = " or ".join(f'"{name}"' for name in get_args(Quantity))
+        raise ViewError(f"quantity {quantity!r}: expected {known}")
     coordinates = history(dataset, f"rotor_{quantity}", records)
     field = combine(coordinates, dataset["rotor_shape"].values[:, :2])
     return field if rotating else rotate(field, turn(dataset, records)[:, None])

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from bladewhirl.postprocess.fields import Array, rotate
+from bladewhirl.postprocess.handy_units import length_unit
 from bladewhirl.postprocess.result import reduce_modes
 from bladewhirl.postprocess.style import COLOURS, new_figure, speed_label, styled
 
@@ -28,6 +29,9 @@ LONG_LINE = 5000
 
 SEEN = 0.1
 """Share of the axes that a turn must span for arrows on it to be read."""
+
+TINY = 0.05
+"""Radius of an orbit, over the clearance, below which the clearance is not drawn around it."""
 
 PALE = "#B0B0B0"
 CLEARANCE_LINE: dict[str, Any] = {
@@ -116,28 +120,35 @@ def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
 
 @styled
 def plot_orbit(orbit: xr.Dataset) -> Figure:
-    """Draw an orbit from `shaft_orbit` in rotating and static axes, side by side, in mm.
+    """Draw an orbit from `shaft_orbit` in rotating and static axes, side by side.
 
     The whole motion is thin and pale; the last turn about the origin within the last third of the
     time (or that third, where it makes less) is strong, with arrows along it. Each frame's title
-    names the whirl over the last third.
+    names the whirl over the last third. Axes fit the clearance; where the orbit is tiny beside it
+    they fit the orbit, and the clearance is told in words.
     """
     time = orbit["time"].values
     late = orbit.isel(time=slice(int(np.searchsorted(time, time[0] + np.ptp(time) * 2 / 3)), None))
-    clearance = MILLI * orbit.attrs["smallest_clearance"]
-    edge = 1.1 * max(MILLI * float(orbit["radius"].max()), clearance) or 1.0  # all at rest: 1 mm
+    clearance, radius = orbit.attrs["smallest_clearance"], float(orbit["radius"].max())
+    tiny = 0.0 < radius < TINY * clearance
+    reach = radius if tiny else max(radius, clearance)
+    unit, scale = length_unit(reach)
+    edge = 1.1 * scale * reach or 1.0  # all at rest: 1 mm
     figure = new_figure(height=0.062)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     for axes, frame in zip(panels, FRAMES, strict=True):
-        axes.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge), xlabel="x [mm]")
-        axes.add_patch(Circle((0, 0), clearance, fill=False, **CLEARANCE_LINE))
-        _draw_path(axes, MILLI * orbit[frame].values)
-        _draw_turn(axes, _last_turn(MILLI * late[frame].values), edge)
+        axes.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge), xlabel=f"x [{unit}]")
+        if not tiny:
+            axes.add_patch(Circle((0, 0), scale * clearance, fill=False, **CLEARANCE_LINE))
+        _draw_path(axes, scale * orbit[frame].values)
+        _draw_turn(axes, _last_turn(scale * late[frame].values), edge)
         axes.set_title(f"{frame} frame\n{_sense(whirl(late, frame))}")
-    panels[0].set_ylabel("y [mm]")
-    panels[0].plot([], [], label="clearance", **CLEARANCE_LINE)
+    panels[0].set_ylabel(f"y [{unit}]")
+    if not tiny:
+        panels[0].plot([], [], label="clearance", **CLEARANCE_LINE)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
-    figure.suptitle(f"orbit of the shaft, {speed_label(orbit)}")
+    outside = f"\n(the clearance, {MILLI * clearance:.3g} mm, is far outside)" if tiny else ""
+    figure.suptitle(f"orbit of the shaft, {speed_label(orbit)}{outside}")
     return figure
 
 

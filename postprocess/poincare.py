@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from bladewhirl.postprocess.fields import ViewError
-from bladewhirl.postprocess.orbits import LONG_LINE, MILLI, PALE, Frame
+from bladewhirl.postprocess.handy_units import length_unit, velocity_unit
+from bladewhirl.postprocess.orbits import LONG_LINE, PALE, Frame
 from bladewhirl.postprocess.style import COLOURS, new_figure, speed_label, styled
 from bladewhirl.postprocess.windows import late_part, window_label
 
@@ -83,6 +84,8 @@ def plot_state_space(states: xr.Dataset, sections: xr.Dataset) -> Figure:
     figure = new_figure(height=0.058)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     late_from = late_part(states)["time"].values[0]
+    length, to_length = length_unit(float(abs(states["place"]).max()))
+    rate, to_rate = velocity_unit(float(abs(states["velocity"]).max()))
     for axes, data, mark, title in (
         (panels[0], states, {"linestyle": "-"}, "motion"),
         (
@@ -96,14 +99,14 @@ def plot_state_space(states: xr.Dataset, sections: xr.Dataset) -> Figure:
         for chosen, colour, width in ((~late, PALE, 0.4), (late, COLOURS["rotor"], 0.8)):
             look: dict[str, Any] = {**mark, "color": colour, "linewidth": width}
             axes.plot(
-                MILLI * data["place"].values[chosen, 0],
-                data["velocity"].values[chosen, 0],
+                to_length * data["place"].values[chosen, 0],
+                to_rate * data["velocity"].values[chosen, 0],
                 rasterized=np.count_nonzero(chosen) > LONG_LINE,
                 label=window_label(data.isel(time=chosen)) if chosen.any() else None,
                 **look,
             )
-        axes.set(title=title, xlabel="x [mm]")
-    panels[0].set_ylabel("velocity along x [m/s]")
+        axes.set(title=title, xlabel=f"x [{length}]")
+    panels[0].set_ylabel(f"velocity along x [{rate}]")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     figure.suptitle(f"{states.attrs['frame']} frame, {speed_label(states)}")
     return figure

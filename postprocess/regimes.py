@@ -182,7 +182,7 @@ def _has_closed(dataset: xr.Dataset, touched: NDArray[np.bool_]) -> bool:
 
 def _growth_text(growth: Growth | None) -> str:
     if growth is None:
-        return "too short a history to judge growth, or at rest"
+        return "whether the motion grows can't be judged: at rest, or too few records or periods"
     slowing = ", slowing" if growth.slows else ""
     return (
         f"growth rate of the amplitude {growth.rate:.3g} ± {growth.error:.2g} 1/s over the last "

@@ -22,6 +22,7 @@ from bladewhirl.postprocess.family_energies import (
     mean_energies,
     plot_family_energies,
 )
+from bladewhirl.postprocess.fields import ViewError
 from bladewhirl.postprocess.growth_figures import amplitude_growth, plot_growth
 from bladewhirl.postprocess.orbits import Frame, plot_orbit, shaft_orbit
 from bladewhirl.postprocess.poincare import plot_state_space, poincare_map, state_space
@@ -63,9 +64,11 @@ class RunFigures:
         """One of `FIGURES`, with its data.
 
         Raises:
-            KeyError: there is no such figure.
-            ViewError: it can't be had, such as a Poincaré map of a rotor at rest.
+            ViewError: there is no such figure, or it can't be had, such as a Poincaré map of a
+                rotor at rest.
         """
+        if name not in FIGURES:
+            raise ViewError(f"figure {name!r}: expected one of {', '.join(FIGURES)}")
         return FIGURES[name](self)
 
     def _after_onset(self, dataset: xr.Dataset) -> xr.Dataset:

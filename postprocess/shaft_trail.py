@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.colouring import length_unit, scale_end
+from bladewhirl.postprocess.colouring import scale_end
 from bladewhirl.postprocess.drawing import Frame
 from bladewhirl.postprocess.fields import Array, IntArray, history, rotate, turn
+from bladewhirl.postprocess.handy_units import length_unit
 
 
 class ShaftTrail(NamedTuple):

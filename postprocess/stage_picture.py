@@ -100,6 +100,7 @@ def _mark_sets(scene: StageScene, node_sets: Mapping[str, IntArray]) -> None:
 def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, IntArray]) -> None:
     """Parts and sets with their colours, symbols, and what else there is to say."""
     from bladewhirl.postprocess.panel import (
+        KEY_LETTERS,
         KEY_STEP,
         LINE_LETTERS,
         write,
@@ -113,9 +114,9 @@ def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, In
     write(plotter, "\n".join(size_words(dataset)), 0.885, 13)
     parts = drawing.colouring.parts or {}
     top = 0.76
-    key = {
-        f"{name}, {thickness_words(dataset, name)} thick": colour for name, colour in parts.items()
-    }
+    told = [f"{name}, {thickness_words(dataset, name)}" for name in parts]
+    thick = " thick" if max(map(len, told)) + len(" thick") <= KEY_LETTERS else ""
+    key = {words + thick: colour for words, colour in zip(told, parts.values(), strict=True)}
     write_key(plotter, key, top)
     top -= KEY_STEP * len(key) + 0.03
     dots = {

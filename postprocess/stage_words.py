@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.colouring import length_unit
 from bladewhirl.postprocess.fields import Array
+from bladewhirl.postprocess.handy_units import length_unit
 
 
 def size_words(dataset: xr.Dataset) -> list[str]:

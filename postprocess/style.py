@@ -102,7 +102,8 @@ def save_figure(
 
     Args:
         figure: drawn in the common style.
-        path: where to; a suffix .png or .pdf gives way to .png, .pdf and .nc or .csv.
+        path: where to, in a folder that is made if there is none; a suffix .png or .pdf gives way
+            to .png, .pdf and .nc or .csv.
         data: a Dataset (goes to netCDF) or columns of equal length by name, with the unit in the
             name as in "time [s]" (go to CSV, floats in full precision).
 
@@ -110,6 +111,7 @@ def save_figure(
         ValueError: columns of different length.
     """
     path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
     name = path.stem if path.suffix in (".png", ".pdf") else path.name
     png, pdf = path.with_name(f"{name}.png"), path.with_name(f"{name}.pdf")
     if isinstance(data, xr.Dataset):

@@ -41,6 +41,7 @@ class Summary:
 
     regime: RegimeName
     regime_criterion: str  #: how regimes are told apart, and what decided here
+    end_reason: str  #: "completed", "divergent" or "interrupted"
     end_time: float  #: [s]
     shaft_radius_max: float  #: over the records [m]
     shaft_radius_final: float  #: [m]
@@ -85,6 +86,7 @@ def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary
     return Summary(
         regime=regime.name,
         regime_criterion=f"{regime.criterion}. Here: {regime.reason}.",
+        end_reason=str(dataset.attrs["end_reason"]),
         end_time=float(dataset["time"][-1]),
         shaft_radius_max=float(radius.max()),
         shaft_radius_final=float(radius[-1]),
@@ -147,7 +149,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
     return {
         "regime": summary.regime,
         "because": summary.regime_criterion.rpartition("Here: ")[2],
-        "end time": f"{summary.end_time:.6g} s",
+        "end time": f"{summary.end_time:.6g} s, {summary.end_reason}",
         "shaft radius, largest": f"{1e3 * summary.shaft_radius_max:.4g} mm",
         "shaft radius, final": f"{1e3 * summary.shaft_radius_final:.4g} mm",
         "tip displacement, largest": f"{1e3 * summary.tip_displacement_max:.4g} mm",

@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields import Array, IntArray
-from bladewhirl.postprocess.orbits import CLEAR_SHARE, FRAMES, LEAST_TURN, MILLI, Frame
+from bladewhirl.postprocess.handy_units import length_unit
+from bladewhirl.postprocess.orbits import CLEAR_SHARE, FRAMES, LEAST_TURN, Frame
 from bladewhirl.postprocess.style import COLOURS, new_figure, speed_label, styled
 from bladewhirl.postprocess.windows import few_time_ticks, span_means, span_starts
 
@@ -98,8 +99,9 @@ def plot_whirl_history(whirls: xr.Dataset) -> Figure:
     upper.axhline(0.0, color=COLOURS["rotor"], linewidth=0.6)
     upper.set_ylabel("whirl [Hz]\n← backward  forward →")
     upper.margins(y=0.1)
-    lower.plot(time, MILLI * whirls["radius"], color=COLOURS["rotor"])
-    lower.set(xlabel="time [s]", ylabel="radius [mm]")
+    unit, scale = length_unit(float(whirls["radius"].max()))
+    lower.plot(time, scale * whirls["radius"], color=COLOURS["rotor"])
+    lower.set(xlabel="time [s]", ylabel=f"radius [{unit}]")
     lower.set_ylim(bottom=0.0)
     few_time_ticks(lower)
     figure.legend(*upper.get_legend_handles_labels(), loc="outside lower center", ncols=2)

@@ -197,11 +197,16 @@ def _counts(text: str | None) -> list[int] | None:
 
 @contextmanager
 def _progress() -> Iterator[Progress]:
-    """Marches done, on a terminal."""
+    """Marches done; lines where there is no terminal."""
     from rich.console import Console
     from rich.progress import Progress
 
+    from bladewhirl.studies.progress_lines import ProgressLines
+
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        if not console.is_terminal:
+            yield ProgressLines("marches")
+            return
         task = bar.add_task("marches")
         yield lambda done, total: bar.update(task, completed=done, total=total)

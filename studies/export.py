@@ -47,12 +47,12 @@ def export(
     from bladewhirl.postprocess.fields import frame_records, sampling_hint
     from bladewhirl.postprocess.result import open_result
     from bladewhirl.postprocess.vtk_series import write_vtk
-    from bladewhirl.studies.times import parse_time
+    from bladewhirl.studies.times import options_of_window, parse_time
 
     window = (parse_time("--from", start), parse_time("--to", end))
     folder = output or (directory if directory.is_dir() else directory.parent) / VTK
     console = Console(stderr=True)
-    with open_result(directory) as result:
+    with options_of_window(), open_result(directory) as result:
         records = frame_records(result, frames, *window)
         with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
             task = bar.add_task(folder.name, total=len(records))

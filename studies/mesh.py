@@ -25,10 +25,10 @@ def mesh(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")] = False,
 ) -> None:
-    """List the groups of a mesh, and write it in a format of choice.
+    r"""List the groups of a mesh, and write it in a format of choice.
 
     Of a case that is the undeformed bladed disk, in metres, with its sets as groups and its
-    sections, materials, masses, springs and links as data: [bladed_disk.mesh] reads it back. A
+    sections, materials, masses, springs and links as data: \[bladed_disk.mesh] reads it back. A
     mesh file is written as it is, in its own units.
     """
     from rich.console import Console

@@ -53,15 +53,16 @@ def plot(
         ),
     ],
     names: Annotated[
-        list[str],
+        list[str] | None,
         typer.Argument(
             metavar="NAME",
             help="Figures, or all. Of a run:\n\n"
             + "\n\n".join(f"{name}: {about}." for name, about in NAMES.items())
             + "\n\nOf a sweep:\n\n"
             + "\n\n".join(f"{name}: {about}." for name, about in SWEEP_NAMES.items()),
+            show_default=False,
         ),
-    ],
+    ] = None,
     start: Annotated[
         str | None,
         typer.Option(
@@ -76,6 +77,7 @@ def plot(
 ) -> None:
     """Draw figures of a run or a sweep as PNG and PDF, with the data behind each as netCDF.
 
+    Without a NAME it lists those that there are.
     Without a window, a run's spectrum and contact-classes are of the last third of the time.
     """
     from bladewhirl.models.faults import UserError
@@ -85,10 +87,14 @@ def plot(
     from bladewhirl.postprocess.style import save_figure
     from bladewhirl.postprocess.sweep_figures import SweepFigures
     from bladewhirl.postprocess.sweep_result import open_sweep
-    from bladewhirl.studies.times import parse_time
+    from bladewhirl.studies.times import options_of_window, parse_time
 
     of_sweep = _is_sweep(directory)
     known = SWEEP_NAMES if of_sweep else NAMES
+    if not names:
+        for name, about in known.items():
+            typer.echo(f"{name}: {about}")
+        return
     unknown = [name for name in names if name not in (*known, ALL)]
     if unknown:
         kind = "a sweep has" if of_sweep else "a run has"
@@ -97,7 +103,7 @@ def plot(
         raise UserError(f"{directory}: expected no --from and --to with a sweep")
     folder = output or (directory if directory.is_dir() else directory.parent) / PLOTS
     window = (parse_time("--from", start), parse_time("--to", end))
-    with open_sweep(directory) if of_sweep else open_result(directory) as data:
+    with options_of_window(), open_sweep(directory) if of_sweep else open_result(directory) as data:
         figures = SweepFigures(data) if of_sweep else RunFigures(data, *window)
         for name in known if ALL in names else dict.fromkeys(names):
             try:

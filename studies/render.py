@@ -121,7 +121,7 @@ def render(
     """
     from bladewhirl.models.faults import UserError
     from bladewhirl.postprocess.result import open_result
-    from bladewhirl.studies.times import parse_time
+    from bladewhirl.studies.times import options_of_window, parse_time
 
     wanted = {"gif": gif, "mp4": mp4, "png": png, "sheet": sheet, "html": page}
     targets = _targets(directory, output, [kind for kind, given in wanted.items() if given])
@@ -132,7 +132,7 @@ def render(
     window = (parse_time("--from", start), parse_time("--to", end))
     times = [parsed for text in time or [] if (parsed := parse_time("--time", text)) is not None]
     look = Look(exaggeration=exaggeration, frame=frame, colour=colour)
-    with open_result(directory) as result:
+    with options_of_window(), open_result(directory) as result:
         for kind, target in targets.items():
             try:
                 if kind == "png":

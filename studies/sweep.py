@@ -181,10 +181,11 @@ def _estimated(plan: Plan) -> str:
 
 @contextmanager
 def _progress_bar(console: Console) -> Iterator[Watch]:
-    """Points done and failed and the time left, on a terminal; the size on any."""
+    """Points done and failed and the time left, lines where there is no terminal; the size."""
     from rich import progress as bars
 
     from bladewhirl.models.plausibility import case_hints
+    from bladewhirl.studies.progress_lines import ProgressLines
     from bladewhirl.studies.sweeps import Watch
 
     with bars.Progress(
@@ -198,8 +199,11 @@ def _progress_bar(console: Console) -> Iterator[Watch]:
         disable=not console.is_terminal,
     ) as bar:
         task = bar.add_task("", total=None, done=0, failed=0)
+        lines = ProgressLines("points")
 
         def progress(done: int, failed: int, points: int) -> None:
+            if not console.is_terminal:
+                lines(done + failed, points, f", {failed} failed" if failed else "")
             bar.update(task, completed=done + failed, total=points, done=done, failed=failed)
 
         def planned(plan: Plan) -> None:

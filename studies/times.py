@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from functools import partial
 
 
@@ -28,3 +29,21 @@ def parse_time(option: str, text: str | None) -> float | None:
             if math.isfinite(time):
                 return time
     raise UserError(f'{option} {text}: expected a time in seconds, or with a unit such as "0.8 ms"')
+
+
+@contextmanager
+def options_of_window() -> Iterator[None]:
+    """Name --from and --to in faults of the window that they span.
+
+    Raises:
+        UserError: the view's, with the options before it where its window is to blame.
+    """
+    from bladewhirl.models.faults import UserError
+    from bladewhirl.postprocess.fields import ViewError
+
+    try:
+        yield
+    except ViewError as error:
+        if not str(error).startswith("window "):
+            raise
+        raise UserError(f"--from, --to: {error}") from None

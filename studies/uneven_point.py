@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,6 @@ from bladewhirl.solvers.floquet import floquet
 from bladewhirl.solvers.stability import is_unstable
 from bladewhirl.studies.stability_point import given_speed, print_point
 
-ONE_POINT = (
-    "a chart is made where a frame holds the stage still; --speed and --kappa give one point"
-)
-"""What there is where no frame does."""
-
 
 def stands_still(modal: ModalStage, *, damped: bool) -> bool:
     """Whether some frame holds the coupled stage still, that of the bladed disk or another.
@@ -31,25 +27,37 @@ def stands_still(modal: ModalStage, *, damped: bool) -> bool:
         modal: finite element models with their modes.
         damped: whether dampers count.
     """
+    return not list(_uneven(modal, damped=damped))
+
+
+def _uneven(modal: ModalStage, *, damped: bool) -> Iterator[str]:
+    """What no frame holds still, in words; see `stands_still`."""
     shaft, casing = modal.case.shaft, modal.casing
-    dampers = damped and bool(
-        casing.dampers.shape[0] or (any(shaft.dampings) and not shaft.clamped)
-    )
-    bearings = shaft.anisotropy != 0.0 and not shaft.clamped
-    return casing.structure.is_cyclic and not dampers and not bearings
+    if not casing.structure.is_cyclic:
+        yield "the casing is not the same all round"
+    if shaft.anisotropy != 0.0 and not shaft.clamped:
+        yield "the shaft springs that stand still differ"
+    if damped and (casing.dampers.shape[0] or (any(shaft.dampings) and not shaft.clamped)):
+        yield "with --damped there are dampers"
 
 
 def refuse_chart(modal: ModalStage, *, damped: bool) -> None:
-    """Say why there is no chart.
+    """Say why there is no chart, and how to get a point.
 
     Raises:
         UserError: no frame holds the stage still.
     """
-    if not stands_still(modal, damped=damped):
+    found = ", ".join(_uneven(modal, damped=damped))
+    if found:
+        options = "--speed and --kappa" if _is_cyclic(modal) else "--speed, --kappa and --physical"
         raise UserError(
-            "stability: expected a casing with cyclic symmetry, shaft springs that turn with the"
-            f" bladed disk or are equal, and with --damped no dampers: {ONE_POINT}"
+            f"stability: expected a stage that some frame holds still, for a chart; here {found}:"
+            f" {options} give one point"
         )
+
+
+def _is_cyclic(modal: ModalStage) -> bool:
+    return modal.disk.structure.is_cyclic and modal.casing.structure.is_cyclic
 
 
 def look_at_uneven_point(
@@ -79,8 +87,7 @@ def look_at_uneven_point(
         UserError: modes that the stage does not have, or one amplitude for modes that have more
             than one nodal diameter.
     """
-    cyclic = modal.disk.structure.is_cyclic and modal.casing.structure.is_cyclic
-    if not cyclic and not physical:
+    if not _is_cyclic(modal) and not physical:
         raise UserError(
             "stability: expected --physical on a stage without cyclic symmetry: one amplitude for"
             " every mode has a meaning only if each mode has one nodal diameter"

@@ -65,6 +65,10 @@ class Run:
     symmetry: str  #: of both bodies, as found, and the path taken
     hints: tuple[str, ...]  #: what may be done better
 
+    def __repr__(self) -> str:
+        """Where it is and how it ended, in one line."""
+        return f"<Run: {self.directory}, {self.end_reason}, {self.summary.regime}>"
+
     def open(self) -> xr.Dataset:
         """The result, read when used; close it, or open it in a ``with``."""
         from bladewhirl.postprocess.result import open_result

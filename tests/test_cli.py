@@ -1,5 +1,6 @@
 """The command line: new case files, and errors of the user's in one line each."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -12,8 +13,10 @@ from bladewhirl.models.case import Case
 from bladewhirl.models.case_file import read_case
 from bladewhirl.models.faults import UserError
 from bladewhirl.studies.cli import UserErrorGroup, app
+from bladewhirl.studies.progress_lines import ProgressLines
 
 RUNNER = CliRunner()
+TENTHS_OF_200 = [1, *range(20, 201, 20)]
 
 
 def test_new_writes_the_default_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -136,3 +139,28 @@ def test_help_loads_nothing_heavy() -> None:
     top, own = (set(line.split()) for line in result.stdout.splitlines())
     assert top.isdisjoint({"numpy", "scipy", "pint", "numba", "xarray", "pyvista"})
     assert all(name.startswith("bladewhirl.studies") for name in own)
+
+
+def test_help_shows_every_word_in_brackets(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Texts are taken for markup: a bracket not escaped would vanish with what is in it."""
+    monkeypatch.setenv("TERMINAL_WIDTH", "300")
+    for name, command in typer.main.get_command(app).commands.items():  # type: ignore[attr-defined]
+        shown = RUNNER.invoke(app, [name, "--help"], env={"COLUMNS": "300"}).stdout
+        texts = [command.help, *(getattr(parameter, "help", None) for parameter in command.params)]
+        for bracketed in re.findall(r"\[[^\]\\]*\]", " ".join(filter(None, texts))):
+            assert bracketed in shown, f"{name} --help lacks {bracketed}"
+
+
+def test_a_job_tells_how_far_it_is_where_there_is_no_terminal(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    now = 0.0
+    lines = ProgressLines("points", clock=lambda: now)
+    for done in range(201):
+        lines(done, 200)
+    assert [*capsys.readouterr().err.splitlines()] == [f"{n} of 200 points" for n in TENTHS_OF_200]
+    slow = ProgressLines("points", clock=lambda: now)
+    slow(1, 1000)
+    for now, done in [(59.0, 2), (61.0, 3), (200.0, 3)]:  # noqa: B007  # the clock reads it
+        slow(done, 1000, ", 1 failed")
+    assert capsys.readouterr().err.splitlines()[-1] == "3 of 1000 points, 1 failed"

@@ -130,6 +130,13 @@ class TestPlotOrbit:
         assert "1.067" in title  # 80 / 75
         assert "764 rpm" in title
 
+    def test_axes_fit_a_tiny_orbit_and_tell_the_clearance(self) -> None:
+        figure = self.figure(shaft_radius=1e-6)
+        assert figure.axes[0].get_xlabel() == "x [µm]"
+        assert figure.axes[0].get_xlim()[1] == pytest.approx(1.1, rel=1e-3)
+        assert not figure.axes[0].patches
+        assert figure.get_suptitle().endswith("(the clearance, 1 mm, is far outside)")
+
     def test_the_clearance_is_a_circle(self) -> None:
         for axes in self.figure().axes:
             (circle,) = [p for p in axes.patches if isinstance(p, matplotlib.patches.Circle)]

@@ -10,7 +10,9 @@ import synthetic_result as synthetic
 import xarray as xr
 from typer.testing import CliRunner, Result
 
-from bladewhirl.postprocess.run_figures import FIGURES
+from bladewhirl.postprocess.fields import ViewError
+from bladewhirl.postprocess.result import open_result
+from bladewhirl.postprocess.run_figures import FIGURES, RunFigures
 from bladewhirl.postprocess.sweep_figures import SWEEP_FIGURES
 from bladewhirl.studies.cli import app
 from bladewhirl.studies.plot import NAMES, SWEEP_NAMES
@@ -70,7 +72,10 @@ def test_a_window_and_a_folder(directory: Path, tmp_path: Path) -> None:
     ("arguments", "complaint"),
     [
         (["waterfall", "orbit", "bode"], "waterfall, bode: a run has orbit, whirl, "),
-        (["orbit", "--from", "0.3", "--to", "0.1"], "window [0.3, 0.1] s must be ordered"),
+        (
+            ["orbit", "--from", "0.3", "--to", "0.1"],
+            "--from, --to: window [0.3, 0.1] s must be ordered",
+        ),
         (["orbit", "--to", "soon"], "--to soon: expected a time"),
     ],
 )
@@ -97,3 +102,14 @@ def test_figures_that_a_run_does_not_have_are_left_out_of_all(tmp_path: Path) ->
     assert result.stderr.startswith("state-space left out: a Poincaré map needs a revolution")
     assert len(list((still / "plots").iterdir())) == 3 * (len(NAMES) - 2)
     assert plot(still, "state-space").exit_code == 2
+
+
+def test_without_a_name_the_names_are_listed(directory: Path) -> None:
+    result = plot(directory)
+    assert result.exit_code == 0
+    assert [line.partition(":")[0] for line in result.stdout.splitlines()] == [*NAMES]
+
+
+def test_a_figure_that_there_is_not_names_those_that_there_are(directory: Path) -> None:
+    with open_result(directory) as result, pytest.raises(ViewError, match="one of orbit, whirl"):
+        RunFigures(result).draw("orbt")

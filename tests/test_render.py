@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from bladewhirl.models.faults import UserError
-from bladewhirl.postprocess.colouring import length_unit, scale_end
+from bladewhirl.postprocess.colouring import scale_end
+from bladewhirl.postprocess.handy_units import length_unit
 from bladewhirl.postprocess.off_screen import OffScreenError, require_off_screen
 from bladewhirl.postprocess.render import (
     animation_records,

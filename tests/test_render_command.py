@@ -76,7 +76,7 @@ def test_a_page_needs_nothing_to_draw_with(run: Path, tmp_path: Path) -> None:
         (["--png", "--time", "soon"], "--time soon: expected a time in seconds"),
         (["--png", "--time", "3 mm"], "--time 3 mm: expected a time in seconds"),
         (["--png", "--time", "7"], "time 7 s lies outside the run"),
-        (["--from", "0.3", "--to", "0.1"], "window [0.3, 0.1] s must be ordered"),
+        (["--from", "0.3", "--to", "0.1"], "--from, --to: window [0.3, 0.1] s must be ordered"),
         (["--from", "nan"], "--from nan: expected a time in seconds"),
         (["--png", "--time", "nan"], "--time nan: expected a time in seconds"),
         (["--sheet", "--time", "0.1", "--frames", "3"], "--frames: not for what is to be drawn"),

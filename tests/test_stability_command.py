@@ -197,10 +197,17 @@ def test_stable_point_has_no_divergent_mode(tmp_path: Path) -> None:
         (["--modes", "1F:one"], "--modes 1F:one: expected one of six, all, casing"),
         (["--modes", "casing:1F:1"], "--modes casing:1F:1: expected one of six, all, casing"),
         (["--set", "shaft.clamped=true"], "--modes six: the stage has no suspension pair"),
-        (["--damped", "--set", "shaft.damping=10"], "with --damped no dampers"),
+        (
+            ["--damped", "--set", "shaft.damping=10"],
+            "here with --damped there are dampers: --speed and --kappa give one",
+        ),
         (
             ["--set", "shaft.stiffness_y=1e7", "--set", "shaft.frame=static"],
-            "expected a casing with cyclic symmetry, shaft springs that turn",
+            "here the shaft springs that stand still differ: --speed and --kappa give one point",
+        ),
+        (
+            ["--set", 'casing.springs=[{ angle = 0.0, radial = "1 MN/m" }]'],
+            "here the casing is not the same all round: --speed, --kappa and --physical give one",
         ),
         (["--set", "casing.sport=1"], "casing.sport"),
     ],

@@ -105,6 +105,11 @@ class TestSaveFigure:
         paths = style.save_figure(self.figure(), tmp_path / "a", {"x": [value, np.pi]})
         assert [float(x) for x in paths[2].read_text().split()[1:]] == [value, np.pi]
 
+    def test_a_folder_that_is_missing_is_made(self, tmp_path: Path) -> None:
+        orbit = shaft_orbit(synthetic_result())
+        paths = style.save_figure(style.new_figure(height=0.02), tmp_path / "new" / "one", orbit)
+        assert all(path.stat().st_size for path in paths)
+
     def test_a_dataset_goes_to_netcdf(self, tmp_path: Path) -> None:
         data = strain_energies(synthetic_result(records=9))
         *_, beside = style.save_figure(self.figure(), tmp_path / "energy.png", data)

@@ -36,6 +36,7 @@ REPORT = {
 KEYS = {
     "regime",
     "regime_criterion",
+    "end_reason",
     "end_time",
     "shaft_radius_max",
     "shaft_radius_final",
@@ -114,6 +115,11 @@ class TestSummarise:
                 result, {k: v for k, v in REPORT.items() if k not in ("wall_time", "us_per_step")}
             )
 
+    def test_an_interrupted_run_says_so(self, result: xr.Dataset) -> None:
+        cut = result.assign_attrs(end_reason="interrupted")
+        assert summarise(cut, REPORT).end_reason == "interrupted"
+        assert summarise(result, REPORT).end_reason == "completed"
+
     def test_a_clamped_shaft_rests(self, result: xr.Dataset) -> None:
         result["rotor_shape"][0] = 0.0
         result["rotor_family"][:2] = "2F"
@@ -127,7 +133,7 @@ class TestSummarise:
         short = synthetic.synthetic_result(records=records)
         summary = summarise(short, REPORT | {"steps": 0 if records == 1 else 1000 * (records - 1)})
         assert summary.regime in ("no-contact", "sustained")
-        assert "too short" in summary.regime_criterion
+        assert "too few records or periods" in summary.regime_criterion
         json.loads(summary.to_json())
 
     def test_a_long_run_is_read_without_holding_its_histories(self, tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields import ViewError
 from bladewhirl.postprocess.orbits import shaft_orbit
+from bladewhirl.postprocess.poincare import plot_state_space, poincare_map, state_space
 from bladewhirl.postprocess.whirling import plot_whirl_history, whirl_history
 from bladewhirl.postprocess.windows import (
     evenly_spaced,
@@ -110,3 +111,12 @@ class TestWhirlHistory:
         drawn = np.asarray(lines["rotating frame"].get_ydata())
         np.testing.assert_allclose(drawn, 70 / (2 * np.pi))
         assert "Hz" in upper.get_ylabel()
+
+
+def test_small_amounts_have_small_units() -> None:
+    orbit = shaft_orbit(synthetic.synthetic_result(records=801, shaft_radius=1e-6))
+    assert plot_whirl_history(whirl_history(orbit)).axes[1].get_ylabel() == "radius [µm]"
+    axes = plot_state_space(state_space(orbit), poincare_map(orbit)).axes[0]
+    assert axes.get_xlabel() == "x [µm]"
+    assert axes.get_ylabel() == "velocity along x [mm/s]"
+    assert axes.get_lines()[1].get_xdata().max() == pytest.approx(1.0, rel=0.01)
