@@ -119,4 +119,4 @@ def test_small_amounts_have_small_units() -> None:
     axes = plot_state_space(state_space(orbit), poincare_map(orbit)).axes[0]
     assert axes.get_xlabel() == "x [µm]"
     assert axes.get_ylabel() == "velocity along x [mm/s]"
-    assert axes.get_lines()[1].get_xdata().max() == pytest.approx(1.0, rel=0.01)
+    assert np.max(np.asarray(axes.get_lines()[1].get_xdata())) == pytest.approx(1.0, rel=0.01)
