@@ -60,22 +60,32 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command()(campbell)
-app.command()(convergence)
-app.command()(export)
-app.command()(mesh)
-app.command()(modes)
-app.command()(new)
-app.command()(plot)
-app.command()(render)
-app.command()(report)
-app.command()(reproduce)
-app.command()(run)
-app.command()(search)
-app.command()(show)
-app.command()(stability)
-app.command()(sweep)
-app.command()(veering)
+
+
+def _reflowed(text: str) -> str:
+    """A docstring whose paragraphs are one line each, for the terminal to break where it ends."""
+    return "\n\n".join(" ".join(part.split()) for part in text.split("\n\n"))
+
+
+for command in (
+    campbell,
+    convergence,
+    export,
+    mesh,
+    modes,
+    new,
+    plot,
+    render,
+    report,
+    reproduce,
+    run,
+    search,
+    show,
+    stability,
+    sweep,
+    veering,
+):
+    app.command(help=_reflowed(command.__doc__ or ""))(command)
 
 
 def _print_version(wanted: bool) -> None:
