@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from bladewhirl.postprocess.beam_sections import rotor_sections
 from bladewhirl.postprocess.fields import Array
 from bladewhirl.postprocess.handy_units import length_unit
 
@@ -29,7 +30,7 @@ def thickness_words(dataset: xr.Dataset, part: str) -> str:
         return _range(dataset["casing_thickness"].values)
     names = dataset["rotor_part"].values.astype(str)
     own = names == ("" if part == "other beams" and part not in names else part)
-    return _range(dataset["rotor_thickness"].values[own])
+    return _range(rotor_sections(dataset, "thickness", 1)[own])
 
 
 def holding_words(dataset: xr.Dataset) -> list[str]:

@@ -13,6 +13,7 @@ import scipy.sparse.linalg as spla
 import xarray as xr
 from numpy.polynomial import Legendre, Polynomial
 from stages import observed_order, steel
+from synthetic_result import synthetic_result
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.bladed_disk import BladedDisk, assemble_bladed_disk
@@ -21,7 +22,10 @@ from bladewhirl.models.case_file import case_from
 from bladewhirl.models.sections import QUANTITIES, Section, along, along_elements
 from bladewhirl.models.sketch import Sketch
 from bladewhirl.postprocess.beam_sections import rotor_sections
+from bladewhirl.postprocess.drawing import Drawing
+from bladewhirl.postprocess.stage_words import thickness_words
 from bladewhirl.postprocess.strains import rotor_strain_rows
+from bladewhirl.postprocess.surfaces import rotor_boxes
 
 SPAN, TIP_MASS, YOUNG, DENSITY = 0.45, 0.1, 2.1e11, 7800.0
 
@@ -170,3 +174,25 @@ def test_steep_tapers_stay_above_zero() -> None:
     middle, change = along_elements(steep, 1)
     assert (middle - np.abs(change) / 2 >= 0.0005 - 1e-15)[1]
     assert lowest(steep, 1)[0] > 0.0
+
+
+def test_pictures_and_words_have_the_section_at_the_place() -> None:
+    result = synthetic_result(records=2)
+    thickness = result["rotor_thickness"].values
+    tapered = result.assign(rotor_thickness_change=("rotor_line", -0.4 * thickness))
+    ends = rotor_boxes(tapered, 2).offset[:, :, 1]
+    np.testing.assert_allclose(ends, thickness[:, None] * [0.6, 0.5, 0.4], rtol=1e-14)
+    sides = Drawing(tapered, np.array([0])).picture(0).rotor.sides
+    gap = np.linalg.norm(sides[:, :, 1] - sides[:, :, 0], axis=-1)
+    np.testing.assert_allclose(gap[:, [0, -1]], thickness[:, None] * [1.2, 0.8], rtol=1e-9)
+    blades = thickness[result["rotor_part"].values.astype(str) == "blades"]
+    low, high = 1e3 * 0.8 * blades.min(), 1e3 * 1.2 * blades.max()
+    assert thickness_words(tapered, "blades") == f"{low:.3g} to {high:.3g} mm"
+
+
+def test_results_that_know_no_tapers_are_read_as_they_were_made() -> None:
+    result = synthetic_result(records=2)
+    old = result.drop_vars([name for name in result if str(name).endswith("_change")])
+    assert len(old.data_vars) == len(result.data_vars) - 3
+    for made, again in zip(rotor_strain_rows(result, 2), rotor_strain_rows(old, 2), strict=True):
+        np.testing.assert_array_equal(made, again)
