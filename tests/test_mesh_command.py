@@ -86,7 +86,7 @@ def test_what_a_format_does_not_hold_is_said(tmp_path: Path) -> None:
     sketch = Sketch(3)
     sketch.node("centre", 0.0, shared=True)
     sketch.node("tip", 0.5)
-    sketch.node("weight", 0.6)
+    sketch.node("weight", 0.45)
     sketch.member("blades", "centre", "tip", steel(0.01), elements=2)
     sketch.link("tip", "weight")
     sketch.spring("tip", "tip+1", tangential=1e3)
