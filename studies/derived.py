@@ -17,6 +17,9 @@ from bladewhirl.solvers.recorder import result_bytes
 
 TURN = 2.0 * np.pi
 
+LOWEST = 12
+"""Frequencies that are told of a body without cyclic symmetry."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Rate:
@@ -76,7 +79,8 @@ class Derived:
     casing_mass: float  #: struts included [kg]
     reference_frequency: Rate  #: lowest of the full bladed disk with a free centre
     speed: Rate
-    bladed_disk: tuple[Mode, ...]  #: lowest of each nodal diameter, full model
+    bladed_disk: tuple[Mode, ...]
+    """Lowest of each nodal diameter, full model; without cyclic symmetry the lowest few, k = -1."""
     suspension: Rate | None  #: of the suspension pair; None when clamped
     casing: tuple[Mode, ...]  #: lowest of each nodal diameter
     reduction: ReductionFigures
@@ -115,8 +119,9 @@ def _derive(stage: Stage) -> Derived:
         reference_frequency=_rate(stage, stage.reference_frequency),
         speed=_rate(stage, stage.speed),
         bladed_disk=tuple(
-            Mode(nodal_diameter=k, frequency=_rate(stage, found[0]))
+            Mode(nodal_diameter=k, frequency=_rate(stage, frequency))
             for k, found in stage.disk_frequencies.items()
+            for frequency in found[: 1 if k >= 0 else LOWEST]
         ),
         suspension=_rate(stage, modes.frequency[pair[0]]) if pair.size else None,
         casing=_lowest_of_casing(stage),
@@ -154,6 +159,9 @@ def _rate(stage: Stage, rad_per_s: float) -> Rate:
 def _lowest_of_casing(stage: Stage) -> tuple[Mode, ...]:
     modes = stage.casing_modes  # in ascending order
     diameters, first = np.unique(modes.nodal_diameter, return_index=True)
+    if diameters[0] < 0:
+        first = np.arange(min(LOWEST, modes.count))
+        diameters = modes.nodal_diameter[first]
     return tuple(
         Mode(nodal_diameter=int(k), frequency=_rate(stage, frequency))
         for k, frequency in zip(diameters, modes.frequency[first], strict=True)

@@ -13,7 +13,11 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from bladewhirl.models.stage import Stage
-    from bladewhirl.studies.derived import Derived, Rate
+    from bladewhirl.studies.derived import Derived, Mode, Rate
+
+
+NO_DIAMETER = 10**9
+"""Sorts what has no nodal diameter last."""
 
 
 def show(
@@ -158,16 +162,28 @@ def _frequencies(derived: Derived) -> Table:
     for body in ("bladed disk", "casing"):
         table.add_column(f"{body} [Hz]", justify="right")
         table.add_column("normalised", justify="right")
-    rings = {mode.nodal_diameter: mode.frequency for mode in derived.casing}
-    for mode in derived.bladed_disk:
-        ring = rings.get(mode.nodal_diameter)
-        disk = mode.frequency
+    columns = (_by_diameter(derived.bladed_disk), _by_diameter(derived.casing))
+    for key in sorted({*columns[0], *columns[1]}):
+        found = [column.get(key) for column in columns]
         table.add_row(
-            str(mode.nodal_diameter) if mode.nodal_diameter >= 0 else "–",
-            *(f"{disk.hz:.6g}", f"{disk.normalised:.5g}"),
-            *((f"{ring.hz:.6g}", f"{ring.normalised:.5g}") if ring else ("", "")),
+            str(key[0]) if key[0] < NO_DIAMETER else "–",
+            *(
+                text
+                for rate in found
+                for text in ((f"{rate.hz:.6g}", f"{rate.normalised:.5g}") if rate else ("", ""))
+            ),
         )
     return table
+
+
+def _by_diameter(modes: tuple[Mode, ...]) -> dict[tuple[int, int], Rate]:
+    """Frequencies by nodal diameter and rank; those without one come last."""
+    found: dict[tuple[int, int], Rate] = {}
+    for mode in modes:
+        key = mode.nodal_diameter if mode.nodal_diameter >= 0 else NO_DIAMETER
+        rank = sum(diameter == key for diameter, _ in found)
+        found[key, rank] = mode.frequency
+    return found
 
 
 def _text(rate: Rate) -> str:

@@ -129,6 +129,21 @@ def test_to_read(path: Path) -> None:
     assert ["1", "40.2335", "1", "160.93", "3.9999"] in rows
 
 
+def test_the_lowest_of_a_stage_without_symmetry_beside_those_of_its_casing(path: Path) -> None:
+    path.write_text("bladed_disk = { blades = 6, mistuning.stiffness_spread = 0.05 }")
+    derived = shown(path)["derived"]
+    disk = [mode["frequency"]["hz"] for mode in derived["bladed_disk"]]
+    assert {mode["nodal_diameter"] for mode in derived["bladed_disk"]} == {-1}
+    assert len(disk) == 12
+    assert disk == sorted(disk)
+    assert disk[0] == derived["reference_frequency"]["hz"]
+    table = RUNNER.invoke(app, ["show", str(path)]).stdout.partition("normalised")[2]
+    rows = [line.split() for line in table.splitlines()]
+    ring = [mode["frequency"]["hz"] for mode in derived["casing"]]
+    assert [row[1] for row in rows if row and row[0] == "–"] == [f"{hertz:.6g}" for hertz in disk]
+    assert [row[1] for row in rows if row and row[0].isdigit()] == [f"{hz:.6g}" for hz in ring]
+
+
 @pytest.mark.parametrize(
     ("values", "line"),
     [
