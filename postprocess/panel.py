@@ -33,7 +33,7 @@ from bladewhirl.postprocess.stage_look import (
 SCALE_TOP, SCALE_FOOT = 0.455, 0.05  #: of colour scale or key, as shares of the window
 ORBIT_TOP, ORBIT_SIZE = 0.475, 0.17  #: of the inset; the scale then begins below it
 KEY_STEP = 0.034
-KEY_LETTERS, LINE_LETTERS = 29, 32
+KEY_LETTERS, LINE_LETTERS = 27, 32
 
 
 class Panel:
