@@ -200,11 +200,11 @@ def test_the_key_of_a_drawing_is_not_cut(
 ) -> None:
     written: list[str] = []
     monkeypatch.setattr(panel, "write_key", lambda plotter, key, top, **more: written.extend(key))
-    taper = "[{ thickness = 0.0126 }, { thickness = 0.0056 }]"
+    taper = "[{ thickness = 0.01234 }, { thickness = 0.00567 }]"
     path.write_text(f"bladed_disk.taper = {taper}\nreduction.fixed_interface_modes = 10")
     done = RUNNER.invoke(app, ["show", str(path), "--png", "-o", str(tmp_path / "a.png")])
     assert done.exit_code == 0, done.stderr
-    assert "blades, 5.95 to 12.2 mm" in written
+    assert "blades, 5.67 to 12.3 mm" in written
     assert max(map(len, written)) <= panel.KEY_LETTERS
 
 
