@@ -167,7 +167,7 @@ def test_the_command_looks_at_one_point(tmp_path: Path) -> None:
     assert len(document["eigenvalues"]) == 12
     assert document["growth_rate"] == pytest.approx(max(v[0] for v in document["eigenvalues"]))
     for arguments, said in (
-        (["--physical"], "--speed and --kappa give one point"),
+        (["--physical"], "--speed, --kappa and --physical give one point"),
         (point[:-1], "expected --physical"),
         ([*point, "-o", str(tmp_path / "none")], "is drawn where"),
         ([*point, "--modes", "1F:77"], "--modes 1F:77: "),
