@@ -104,9 +104,12 @@ def test_links_lead_somewhere(document: Path) -> None:
 
 
 def test_every_picture_is_shown() -> None:
-    assert {path.name for path in (ROOT / "docs").glob("*.png")} == set(
-        re.findall(r"\(docs/(\w+\.png)\)", README)
-    )
+    shown = {
+        (document.parent / link).resolve()
+        for document in DOCUMENTS
+        for link in re.findall(r"\]\(([^)]+\.png)\)", document.read_text(encoding="utf-8"))
+    }
+    assert shown == {path.resolve() for path in (ROOT / "docs").glob("*.png")}
 
 
 def test_every_dependency_is_explained() -> None:
