@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -31,7 +31,7 @@ from bladewhirl.postprocess.report_words import (
     SHAFT,
     FigureWords,
 )
-from bladewhirl.postprocess.run_figures import RunFigures
+from bladewhirl.postprocess.run_figures import Drawn, RunFigures
 from bladewhirl.postprocess.style import speed_label
 from bladewhirl.postprocess.summary import MARCH_REPORT, summarise, summary_rows
 from bladewhirl.postprocess.windows import late_part, window_label
@@ -81,13 +81,13 @@ def run_report(
             title="Regime, and why",
             words=f"{_sentence(MEANINGS[regime.name])} The rule below is applied from above; the "
             "first line that fits is the regime.",
-            blocks=[*_drawn(figures, REGIME), _criterion(regime)],
+            blocks=[*report_figures(figures.draw, REGIME), _criterion(regime)],
         ),
         Section(
             name="shaft",
             title="Motion of the shaft",
             words="",
-            blocks=list(_drawn(figures, SHAFT)),
+            blocks=list(report_figures(figures.draw, SHAFT)),
         ),
         Section(
             name="contact",
@@ -95,7 +95,7 @@ def run_report(
             words="",
             blocks=[
                 contact_explorer(maps, orbit),
-                *_drawn(figures, CONTACT),
+                *report_figures(figures.draw, CONTACT),
                 _blades(dataset, classes),
             ],
         ),
@@ -103,13 +103,13 @@ def run_report(
             name="frequencies",
             title="Frequencies",
             words="",
-            blocks=list(_drawn(figures, FREQUENCIES)),
+            blocks=list(report_figures(figures.draw, FREQUENCIES)),
         ),
         Section(
             name="energy",
             title="Strain energy and stress",
             words="",
-            blocks=list(_drawn(figures, ENERGIES)),
+            blocks=list(report_figures(figures.draw, ENERGIES)),
         ),
         Section(
             name="numbers",
@@ -168,11 +168,19 @@ def provenance_tables(
         )
 
 
-def _drawn(figures: RunFigures, plans: Mapping[str, FigureWords]) -> Iterator[ReportFigure]:
+def report_figures(
+    draw: Callable[[str], Drawn], plans: Mapping[str, FigureWords]
+) -> Iterator[ReportFigure]:
+    """Figures of a result with their words, and why there is none where one can't be had.
+
+    Args:
+        draw: draws the figure of a name, or raises ViewError.
+        plans: the words, by name.
+    """
     for name, plan in plans.items():
         picture, obstacle = None, ""
         try:
-            picture = as_png(figures.draw(name)[0])
+            picture = as_png(draw(name)[0])
         except ViewError as error:
             obstacle = str(error)
         yield ReportFigure(

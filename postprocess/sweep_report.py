@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields import ViewError
 from bladewhirl.postprocess.frequency_map import frequency_map
 from bladewhirl.postprocess.orbits import MILLI
 from bladewhirl.postprocess.regimes import CRITERION
@@ -17,10 +16,15 @@ from bladewhirl.postprocess.report_page import (
     ReportFigure,
     Section,
     Table,
-    as_png,
 )
 from bladewhirl.postprocess.report_words import MAPS, SWEEP
-from bladewhirl.postprocess.run_report import case_text, criterion_rows, made_by, provenance_tables
+from bladewhirl.postprocess.run_report import (
+    case_text,
+    criterion_rows,
+    made_by,
+    provenance_tables,
+    report_figures,
+)
 from bladewhirl.postprocess.sweep_drawing import REGIME_COLOURS, line_label
 from bladewhirl.postprocess.sweep_explorer import (
     frequency_explorer,
@@ -204,21 +208,7 @@ def _glance(
 
 
 def _drawn(dataset: xr.Dataset, names: Sequence[str]) -> Iterator[ReportFigure]:
-    figures = SweepFigures(dataset)
-    for name in names:
-        words, picture, obstacle = SWEEP[name], None, ""
-        try:
-            picture = as_png(figures.draw(name)[0])
-        except ViewError as error:
-            obstacle = str(error)
-        yield ReportFigure(
-            name=name,
-            title=words.title,
-            caption=words.caption,
-            picture=picture,
-            obstacle=obstacle,
-            wide=words.wide,
-        )
+    return report_figures(SweepFigures(dataset).draw, {name: SWEEP[name] for name in names})
 
 
 def _regime_maps(dataset: xr.Dataset, points: xr.Dataset | None) -> Iterator[Explorer]:
