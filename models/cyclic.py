@@ -60,6 +60,25 @@ def is_pair(k: int, sectors: int) -> bool:
     return 0 < 2 * k < sectors
 
 
+def wave_parts(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatArray:
+    """Cosine and sine parts of fields at equally spaced angles all round, (harmonics, 2, fields).
+
+    A field sum_k a_k cos k theta + b_k sin k theta, k at most half the number of angles, has the
+    parts a_k and b_k. With k = N/2, of which N angles see one wave only, they are those of least
+    a_k^2 + b_k^2.
+
+    Args:
+        field: (angles, fields).
+        angle: theta [rad], (angles,).
+        k: nodal diameters, (harmonics,).
+    """
+    count = len(angle)
+    share = np.where((k == 0) | (2 * k == count), 1.0, 2.0) / count
+    phase = np.multiply.outer(k, angle)
+    waves = np.stack([np.cos(phase), np.sin(phase)], axis=1)
+    return np.asarray(share[:, None, None] * (waves @ field))
+
+
 @dataclass(frozen=True, kw_only=True)
 class SectorLayout:
     """Where the degrees of freedom of each sector and of the centre stand in a structure."""

@@ -19,6 +19,7 @@ import numpy as np
 
 from bladewhirl.models.contact_problem import evenly_spaced
 from bladewhirl.models.coupling import BoolArray, FloatArray, IntArray, spring_factor
+from bladewhirl.models.cyclic import wave_parts
 from bladewhirl.models.modal_stage import ModalStage
 from bladewhirl.models.stage_coupling import FAMILIES, SMALLEST_AMPLITUDE, RadialModes
 
@@ -131,10 +132,7 @@ def dense_modes(modal: ModalStage, *, damping_ratio: float) -> DenseModes:
         lowest.setdefault(int(wall.nodal_diameter[number]), number)
     diameters = np.array(sorted(k for k in lowest if 2 * k <= blades), dtype=np.int64)
     chosen = np.array([lowest[k] for k in diameters.tolist()], dtype=np.int64)
-    phase = np.multiply.outer(diameters, angle)
-    share = np.where((diameters == 0) | (2 * diameters == blades), 1.0, 2.0) / blades
-    waves = np.stack([np.cos(phase), np.sin(phase)], axis=1) @ field
-    waves = share[:, None, None] * waves
+    waves = wave_parts(field, angle, diameters)
     size = np.linalg.norm(waves, axis=(0, 1))
     moving = size > SMALLEST_AMPLITUDE * size.max(initial=0.0)
     numbers = numbers[moving]

@@ -15,7 +15,7 @@ from bladewhirl.models.coupling import (
     Springs,
     body_coordinates,
 )
-from bladewhirl.models.cyclic import is_pair
+from bladewhirl.models.cyclic import is_pair, wave_parts
 from bladewhirl.models.modal_stage import ModalStage
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
@@ -200,7 +200,8 @@ def wave_amplitudes(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatA
         angle: [rad], (angles,).
         k: nodal diameter of each column, (fields,).
     """
-    count = len(angle)
-    waves = np.cos(np.multiply.outer(angle, k))
-    share = np.where((k == 0) | (2 * k == count), 1.0, 2.0) / count
-    return np.asarray(share * np.sum(field * waves, axis=0))
+    found = np.zeros(len(k))
+    for harmonic in np.unique(k):
+        here = k == harmonic
+        found[here] = wave_parts(field[:, here], angle, np.array([harmonic]))[0, 0]
+    return found

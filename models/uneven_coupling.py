@@ -22,6 +22,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.contact_problem import evenly_spaced
 from bladewhirl.models.coupling import spring_factor
+from bladewhirl.models.cyclic import wave_parts
 from bladewhirl.models.labelled_modes import LabelledModes
 from bladewhirl.models.modal_stage import ModalStage
 from bladewhirl.models.mode_choice import NamedModes, chosen_modes
@@ -140,15 +141,6 @@ def _chosen(modal: ModalStage, modes: str, harmonics: IntArray) -> tuple[IntArra
     )
 
 
-def _waves(field: FloatArray, angle: FloatArray, harmonics: IntArray) -> FloatArray:
-    """Cosine and sine parts of fields at equally spaced angles, (harmonics, 2, fields)."""
-    count = len(angle)
-    share = np.where((harmonics == 0) | (2 * harmonics == count), 1.0, 2.0) / count
-    phase = np.multiply.outer(harmonics, angle)
-    parts = np.stack([np.cos(phase), np.sin(phase)], axis=1)
-    return np.asarray(share[:, None, None] * (parts @ field))
-
-
 def _own(waves: FloatArray, label: IntArray) -> FloatArray:
     """Amplitude of each mode's wave of its own nodal diameter, (modes,)."""
     return np.asarray(np.linalg.norm(waves[label, :, np.arange(len(label))], axis=1))
@@ -163,7 +155,7 @@ def _with_waves(
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Modes that move radially, their fields and waves; the others feel no spring."""
     fields = modes.fields(chosen)
-    waves = _waves(radial(fields), angle, harmonics)
+    waves = wave_parts(radial(fields), angle, harmonics)
     size = _own(waves, modes.nodal_diameter[chosen])
     moving = size > SMALLEST_AMPLITUDE * size.max(initial=0.0)
     return chosen[moving], fields[:, moving], waves[..., moving]

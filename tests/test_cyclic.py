@@ -18,6 +18,7 @@ from bladewhirl.models.cyclic import (
     nodal_diameter_of,
     nodal_diameters,
     real_dft,
+    wave_parts,
     wave_shares,
 )
 from bladewhirl.models.modes import structure_modes
@@ -82,6 +83,22 @@ def test_the_centre_moves_in_one_nodal_diameter(sectors: int, first: int) -> Non
         found[2], size * np.array([-np.sin(turn), -np.cos(turn)]), atol=1e-13
     )
     np.testing.assert_allclose(np.delete(found, [1, 2], axis=0), 0.0, atol=1e-13)
+
+
+@given(count=st.integers(1, 40), first=st.floats(0.0, 6.0))
+def test_parts_of_waves_are_their_factors(count: int, first: float) -> None:
+    """Of a field a_k cos k theta + b_k sin k theta, wherever the equal angles begin."""
+    k = np.array(nodal_diameters(count))
+    theta = first + 2.0 * np.pi * np.arange(count) / count
+    turn = np.where([is_pair(j, count) for j in k], 1.0 + k**2, k * first)
+    a, b = np.cos(3.0 + k) * [np.cos(turn), np.sin(turn)]
+    phase = np.multiply.outer(theta, k)
+    field = np.cos(phase) * a + np.sin(phase) * b
+    whole = wave_parts(field.sum(axis=1, keepdims=True), theta, k)
+    np.testing.assert_allclose(whole[:, :, 0], np.column_stack([a, b]), atol=1e-12)
+    each = wave_parts(field, theta, k)
+    np.testing.assert_allclose(each[:, 0], np.diag(a), atol=1e-12)
+    np.testing.assert_allclose(each[:, 1], np.diag(b), atol=1e-12)
 
 
 @STRUCTURES
