@@ -66,6 +66,10 @@ class ReducedRotor:
         )
 
 
+W, W_SLOPE, U, U_SLOPE = range(4)
+"""Components of a casing node in `ReducedCasing.nodal` and `Casing.nodal`."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class ReducedCasing:
     """A casing in modal coordinates, static frame."""

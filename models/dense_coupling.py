@@ -21,7 +21,12 @@ from bladewhirl.models.contact_problem import evenly_spaced
 from bladewhirl.models.coupling import BoolArray, FloatArray, IntArray, spring_factor
 from bladewhirl.models.cyclic import wave_parts
 from bladewhirl.models.modal_stage import ModalStage
-from bladewhirl.models.stage_coupling import FAMILIES, SMALLEST_AMPLITUDE, RadialModes
+from bladewhirl.models.stage_coupling import (
+    FAMILIES,
+    SMALLEST_AMPLITUDE,
+    casing_motion,
+    lowest_radial,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,8 +101,8 @@ def dense_modes(modal: ModalStage, *, damping_ratio: float) -> DenseModes:
     """Collect the modes that the springs couple, without use of the bladed disk's symmetry.
 
     Of the bladed disk these are the suspension pair and `FAMILIES`, or, where it has no sectors
-    that name them, as many of the lowest; of the casing the lowest of each nodal diameter that the
-    tips can have.
+    that name them, as many of the lowest; of the casing the lowest radial one of each nodal
+    diameter that the tips can have.
 
     Args:
         modal: finite element models with all their modes.
@@ -118,20 +123,9 @@ def dense_modes(modal: ModalStage, *, damping_ratio: float) -> DenseModes:
     numbers = np.flatnonzero(named)
     field = modes.fields(numbers)[disk.tip_radial]
     angle = disk.tip_angles - disk.tip_angles[0]
-    nodal = modal.casing.nodal
-    amplitudes = RadialModes(
-        frequency=wall.frequency,
-        nodal_diameter=wall.nodal_diameter,
-        column=wall.column,
-        family=wall.family,
-        angles=modal.casing.mesh.angles,
-        radial=lambda chosen: nodal(wall.fields(chosen))[:, 0],
-    ).amplitudes(2 * wall.nodal_diameter < modal.casing.mesh.elements)
-    lowest: dict[int, int] = {}
-    for number in amplitudes:  # in ascending order of frequency
-        lowest.setdefault(int(wall.nodal_diameter[number]), number)
+    lowest = lowest_radial(casing_motion(modal.casing, wall))
     diameters = np.array(sorted(k for k in lowest if 2 * k <= blades), dtype=np.int64)
-    chosen = np.array([lowest[k] for k in diameters.tolist()], dtype=np.int64)
+    chosen = [lowest[k] for k in diameters.tolist()]
     waves = wave_parts(field, angle, diameters)
     size = np.linalg.norm(waves, axis=(0, 1))
     moving = size > SMALLEST_AMPLITUDE * size.max(initial=0.0)
@@ -142,7 +136,7 @@ def dense_modes(modal: ModalStage, *, damping_ratio: float) -> DenseModes:
         rotor_frequency=modes.frequency[numbers],
         waves=waves[:, :, moving],
         casing_diameter=diameters,
-        casing_frequency=wall.frequency[chosen],
-        casing_amplitude=np.array([amplitudes[i] for i in chosen.tolist()]),
+        casing_frequency=np.array([wall.frequency[number] for number, _ in chosen]),
+        casing_amplitude=np.array([amplitude for _, amplitude in chosen]),
         damping_ratio=damping_ratio,
     )

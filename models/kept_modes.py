@@ -9,7 +9,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.case import Case
 from bladewhirl.models.case_file import case_fault
-from bladewhirl.models.contact_problem import ReducedCasing, ReducedRotor
+from bladewhirl.models.contact_problem import ReducedCasing, ReducedRotor, U, W
 from bladewhirl.models.coupling import Springs
 from bladewhirl.models.faults import CaseError
 from bladewhirl.models.mode_choice import NamedModes, chosen_modes
@@ -113,7 +113,7 @@ def _coupled(
             column=disk.column,
             family=disk_family,
             angles=disk.tip_angle - disk.tip_angle[0],
-            radial=lambda numbers: disk.tip_radial[:, numbers],
+            motion=lambda chosen: (disk.tip_radial[:, chosen], disk.tip_tangential[:, chosen]),
         ),
         RadialModes(
             frequency=wall.frequency,
@@ -121,7 +121,7 @@ def _coupled(
             column=wall.column,
             family=wall_family,
             angles=2.0 * np.pi * np.arange(len(wall.nodal)) / len(wall.nodal),
-            radial=lambda numbers: wall.nodal[:, 0, numbers],
+            motion=lambda chosen: (wall.nodal[:, W, chosen], wall.nodal[:, U, chosen]),
         ),
         damping_ratio=float(disk.damping_ratio.max(initial=0.0)),
     )

@@ -10,20 +10,14 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case_file import case_fault
-from bladewhirl.models.contact_problem import Load, ReducedRotor, Start
+from bladewhirl.models.contact_problem import Load, ReducedRotor, Start, U, W
 from bladewhirl.models.excitation import CasingDistortion, Harmonic, Imbalance
 from bladewhirl.models.faults import CaseError
 from bladewhirl.models.stage import Stage
+from bladewhirl.models.stage_coupling import is_radial
 
 X, Y = range(2)
 """Axes of the centre."""
-
-W, W_SLOPE, U, U_SLOPE = range(4)
-"""Components of a casing node in `ReducedCasing.nodal`."""
-
-RADIAL_SHARE = 1.0 / 3.0
-"""Least share of radial motion in a radial mode. Bending modes of a ring with k nodal diameters
-have k^2 / (1 + k^2), so a half for k = 1; modes that stretch it have 1 / (1 + k^2)."""
 
 
 def excitation_loads(stage: Stage) -> tuple[Load, ...]:
@@ -49,12 +43,11 @@ def radial_mode(stage: Stage, k: int) -> int:
         CaseError: there is none.
     """
     modes, nodal = stage.casing_modes, stage.reduced_casing.nodal
-    wall, along = nodal[:, W], nodal[:, U]
-    radial, tangential = np.sum(wall**2, axis=0), np.sum(along**2, axis=0)
+    wall = nodal[:, W]
     cosine = np.cos(k * stage.casing.mesh.angles) @ wall
     found = np.flatnonzero(
         (modes.nodal_diameter == k)
-        & (radial >= RADIAL_SHARE * (radial + tangential))
+        & is_radial(wall, nodal[:, U])
         & (np.abs(cosine) > 1e-6 * np.linalg.norm(wall, axis=0))  # not the sine of the pair
     )
     if not found.size:

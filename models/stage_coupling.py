@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bladewhirl.models.casing import Casing
+from bladewhirl.models.contact_problem import U, W
 from bladewhirl.models.coupling import (
     BoolArray,
     CouplingModes,
@@ -16,10 +18,15 @@ from bladewhirl.models.coupling import (
     body_coordinates,
 )
 from bladewhirl.models.cyclic import is_pair, wave_parts
+from bladewhirl.models.labelled_modes import LabelledModes
 from bladewhirl.models.modal_stage import ModalStage
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
 """Families of the bladed disk that are coupled, besides the suspension pair."""
+
+RADIAL_SHARE = 1.0 / 3.0
+"""Least share of radial motion in a radial mode. Bending modes of a ring with k nodal diameters
+have k^2 / (1 + k^2), so a half for k = 1; modes that stretch it have 1 / (1 + k^2)."""
 
 SMALLEST_AMPLITUDE = 1e-9
 """Modes with a smaller share of the largest radial amplitude of their body are not coupled."""
@@ -86,7 +93,11 @@ def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
         ValueError: modes without nodal diameter: the stage has no cyclic symmetry.
     """
     disk, disk_modes = modal.disk, modal.disk_modes
-    casing, casing_modes = modal.casing, modal.casing_modes
+
+    def tips(numbers: IntArray) -> tuple[FloatArray, FloatArray]:
+        fields = disk_modes.fields(numbers)
+        return fields[disk.tip_radial], fields[disk.tip_tangential]
+
     found = coupled_entries(
         RadialModes(
             frequency=disk_modes.frequency,
@@ -94,16 +105,9 @@ def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
             column=disk.blade_columns(disk_modes.column),
             family=disk_modes.family,
             angles=disk.tip_angles - disk.tip_angles[0],
-            radial=lambda numbers: disk_modes.fields(numbers)[disk.tip_radial],
+            motion=tips,
         ),
-        RadialModes(
-            frequency=casing_modes.frequency,
-            nodal_diameter=casing_modes.nodal_diameter,
-            column=casing_modes.column,
-            family=casing_modes.family,
-            angles=casing.mesh.angles,
-            radial=lambda numbers: casing.nodal(casing_modes.fields(numbers))[:, 0],
-        ),
+        casing_motion(modal.casing, modal.casing_modes),
         damping_ratio=damping_ratio,
     )
     return StageModes(modes=found.modes, family=found.family, number=found.number, modal=modal)
@@ -118,15 +122,26 @@ class RadialModes:
     column: IntArray  #: DFT column of each mode, (modes,); -1 without symmetry
     family: tuple[str, ...]  #: of each mode
     angles: FloatArray  #: of tips or nodes, equally spaced [rad], (points,)
-    radial: Callable[[IntArray], FloatArray]
-    """Radial displacement at these points of modes by number [kg^-1/2], (points, chosen)."""
+    motion: Callable[[IntArray], tuple[FloatArray, FloatArray]]
+    """Radial and tangential displacement at these points of modes by number [kg^-1/2],
+    (points, chosen) each."""
 
-    def amplitudes(self, wanted: Sequence[bool] | BoolArray) -> dict[int, float]:
-        """Radial amplitude by number of the wanted modes that have one; sines are left out."""
+    def amplitudes(
+        self, wanted: Sequence[bool] | BoolArray, *, radial_only: bool = False
+    ) -> dict[int, float]:
+        """Radial amplitude by number of the wanted modes that have one; sines are left out.
+
+        Args:
+            wanted: which modes, (modes,).
+            radial_only: leave out modes that are not radial, see `is_radial`.
+        """
         one_a_pair = (self.column % 2 != 0) | (self.column == 0)
         numbers = np.flatnonzero(one_a_pair & np.asarray(wanted, dtype=np.bool_))
-        found = wave_amplitudes(self.radial(numbers), self.angles, self.nodal_diameter[numbers])
+        outward, along = self.motion(numbers)
+        found = wave_amplitudes(outward, self.angles, self.nodal_diameter[numbers])
         moving = np.abs(found) > SMALLEST_AMPLITUDE * np.abs(found).max(initial=0.0)
+        if radial_only:
+            moving &= is_radial(outward, along)
         return dict(zip(numbers[moving].tolist(), found[moving].tolist(), strict=True))
 
 
@@ -144,8 +159,8 @@ def coupled_entries(
 ) -> CoupledEntries:
     """Find the modes that the springs couple: those with radial motion at the springs.
 
-    Of the bladed disk these are the suspension pair and `FAMILIES`; of the casing the lowest of
-    each nodal diameter that the bladed disk has too, below half the number of elements. On both
+    Of the bladed disk these are the suspension pair and `FAMILIES`; of the casing the lowest
+    radial one of each nodal diameter that the bladed disk has too, see `lowest_radial`. On both
     the springs see the part of the radial displacement that follows cos k theta, sampled at the
     tips or nodes.
 
@@ -162,11 +177,11 @@ def coupled_entries(
     blades, elements = len(rotor.angles), len(casing.angles)
     coupled = {"suspension", *FAMILIES}
     tips = rotor.amplitudes([name in coupled for name in rotor.family])
-    wall = casing.amplitudes(2 * casing.nodal_diameter < elements)
+    lowest = lowest_radial(casing)
     found: list[tuple[int, bool, int, float]] = []  # nodal diameter, on rotor, number, amplitude
     for k in sorted({int(rotor.nodal_diameter[number]) for number in tips}):
-        lowest = [number for number in wall if casing.nodal_diameter[number] == k][:1]
-        found += [(k, False, number, wall[number]) for number in lowest]
+        if k in lowest:
+            found.append((k, False, *lowest[k]))
         found += [
             (k, True, number, tips[number]) for number in tips if rotor.nodal_diameter[number] == k
         ]
@@ -190,6 +205,46 @@ def coupled_entries(
     )
     numbers = np.array([number for _, _, number, _ in found], dtype=np.int64)
     return CoupledEntries(modes=modes, family=family, number=numbers)
+
+
+def casing_motion(casing: Casing, modes: LabelledModes) -> RadialModes:
+    """The modes of a casing as the springs see them, from their fields."""
+
+    def motion(numbers: IntArray) -> tuple[FloatArray, FloatArray]:
+        nodal = casing.nodal(modes.fields(numbers))
+        return nodal[:, W], nodal[:, U]
+
+    return RadialModes(
+        frequency=modes.frequency,
+        nodal_diameter=modes.nodal_diameter,
+        column=modes.column,
+        family=modes.family,
+        angles=casing.mesh.angles,
+        motion=motion,
+    )
+
+
+def lowest_radial(casing: RadialModes) -> dict[int, tuple[int, float]]:
+    """Number and amplitude of the lowest radial mode of each nodal diameter of a cyclic casing.
+
+    Nodal diameters are below half the number of elements; of a pair it is the cosine.
+    """
+    below = 2 * casing.nodal_diameter < len(casing.angles)
+    lowest: dict[int, tuple[int, float]] = {}
+    for number, amplitude in casing.amplitudes(below, radial_only=True).items():  # ascending
+        lowest.setdefault(int(casing.nodal_diameter[number]), (number, amplitude))
+    return lowest
+
+
+def is_radial(outward: FloatArray, along: FloatArray) -> BoolArray:
+    """Which casing modes are radial, so that springs couple them and a distortion pushes them.
+
+    Args:
+        outward: w at the nodes, (nodes, modes).
+        along: u at the nodes, (nodes, modes).
+    """
+    radial, tangential = np.sum(outward**2, axis=0), np.sum(along**2, axis=0)
+    return np.asarray(radial >= RADIAL_SHARE * (radial + tangential))
 
 
 def wave_amplitudes(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatArray:

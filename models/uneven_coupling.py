@@ -20,16 +20,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.contact_problem import evenly_spaced
+from bladewhirl.models.contact_problem import U, W, evenly_spaced
 from bladewhirl.models.coupling import spring_factor
 from bladewhirl.models.cyclic import wave_parts
 from bladewhirl.models.labelled_modes import LabelledModes
 from bladewhirl.models.modal_stage import ModalStage
 from bladewhirl.models.mode_choice import NamedModes, chosen_modes
-from bladewhirl.models.stage_coupling import FAMILIES, SMALLEST_AMPLITUDE
-
-RADIAL_SHARE = 1.0 / 3.0
-"""Least share of radial motion in a casing mode that springs couple, see `loads`."""
+from bladewhirl.models.stage_coupling import FAMILIES, SMALLEST_AMPLITUDE, is_radial
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +86,7 @@ def uneven_system(modal: ModalStage, *, modes: str, damped: bool, physical: bool
     on_casing, wall, casing_waves = _with_waves(
         casing_modes,
         on_casing,
-        lambda fields: casing.nodal(fields)[:, 0],
+        lambda fields: casing.nodal(fields)[:, W],
         casing.mesh.angles,
         harmonics,
     )
@@ -123,8 +120,7 @@ def uneven_system(modal: ModalStage, *, modes: str, damped: bool, physical: bool
 def _chosen(modal: ModalStage, modes: str, harmonics: IntArray) -> tuple[IntArray, IntArray]:
     disk, casing = modal.disk_modes, modal.casing_modes
     fields = modal.casing.nodal(casing.fields(np.arange(casing.count)))
-    outward, along = np.sum(fields[:, 0] ** 2, axis=0), np.sum(fields[:, 2] ** 2, axis=0)
-    radial = outward >= RADIAL_SHARE * (outward + along)
+    radial = is_radial(fields[:, W], fields[:, U])
     lowest = {
         int(k): np.flatnonzero(radial & (casing.nodal_diameter == k))[: 2 if k else 1]
         for k in harmonics

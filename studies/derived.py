@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from bladewhirl.models.case_bodies import numbers_within_reach
-from bladewhirl.models.contact_problem import critical_time_step
+from bladewhirl.models.contact_problem import W, critical_time_step
 from bladewhirl.models.excitation import CasingDistortion, Imbalance
-from bladewhirl.models.loads import W, imbalance_force, radial_mode, unbalance
+from bladewhirl.models.loads import imbalance_force, radial_mode, unbalance
 from bladewhirl.models.march_problem import marched_bodies
 from bladewhirl.models.modes import suspension_pair
 from bladewhirl.models.stage import Stage

@@ -13,6 +13,7 @@ from plain_march import plain_march
 
 from bladewhirl.models.case_file import CaseError, loads
 from bladewhirl.models.contact_problem import ContactProblem, Start
+from bladewhirl.models.loads import radial_mode
 from bladewhirl.models.march_problem import contact_problem
 from bladewhirl.models.stage import Stage, build_stage
 from bladewhirl.studies.runs import run_case
@@ -71,6 +72,16 @@ def test_every_family_of_a_nodal_diameter() -> None:
 def test_casing_without_nodal_diameter_is_the_lowest_radial_mode_of_each() -> None:
     _, casing = kept("1F:1,casing")
     assert casing == {("1F", 0), ("rigid", 1), *(("1F", k) for k in range(2, 10))}
+
+
+@pytest.mark.parametrize("k", [2, 8])
+def test_the_radial_mode_by_name_is_the_one_that_a_distortion_pushes(k: int) -> None:
+    """In a thick ring of k = 8 stretching is lower than bending, and moves the wall along."""
+    thick = stage(f"1F:1,casing:{k}", "casing.wall.thickness=0.3")
+    number = radial_mode(thick, k)
+    assert thick.kept.casing.tolist() == [number, number + 1]
+    lowest = int(np.flatnonzero(thick.casing_modes.nodal_diameter == k)[0])
+    assert (number > lowest) == (k == 8)
 
 
 @pytest.mark.parametrize(
