@@ -24,7 +24,7 @@ from bladewhirl.meshes import RingMesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.sections import Section
 
-W, U, ROTATION = range(3)
+OUTWARD, ALONG, ROTATION = range(3)
 """What a support acts on at its foot: radially, tangentially, against rotation."""
 
 
@@ -130,8 +130,8 @@ def foot_rows(mesh: RingMesh, node_dofs: IntArray, angles: Iterable[float]) -> s
     for i, element in enumerate(first):
         ends = node_dofs[[element % count, (element + 1) % count]]
         along, outward = ends[:, :2].ravel(), ends[:, 2:].ravel()
-        rows[[3 * i + W], outward] = value[i]
-        rows[[3 * i + U], along] = value[i]
+        rows[[3 * i + OUTWARD], outward] = value[i]
+        rows[[3 * i + ALONG], along] = value[i]
         rows[[3 * i + ROTATION], along] = value[i] / mesh.radius
         rows[[3 * i + ROTATION], outward] = -slope[i]
     return sp.csr_array(rows)

@@ -11,7 +11,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.bladed_disk import BladedDisk
 from bladewhirl.models.case_shaft import Shaft
 from bladewhirl.models.casing import Casing
-from bladewhirl.models.casing_supports import U, W
+from bladewhirl.models.casing_supports import ALONG, OUTWARD
 from bladewhirl.models.modes import Modes
 from bladewhirl.models.stage_arrays import StageArrays
 
@@ -78,9 +78,13 @@ def stage_arrays(
         support_kind=np.array([each.kind for each in supports], dtype=np.str_),
         support_angle=np.array([each.angle for each in supports], dtype=np.float64),
         support_reach=np.array([each.reach for each in supports], dtype=np.float64).reshape(-1, 2),
-        support_radial_stiffness=np.array([each.stiffness[W, W] for each in supports]),
-        support_tangential_stiffness=np.array([each.stiffness[U, U] for each in supports]),
-        support_radial_damping=np.array([np.sum(each.dampers[:, W] ** 2) for each in supports]),
-        support_tangential_damping=np.array([np.sum(each.dampers[:, U] ** 2) for each in supports]),
+        support_radial_stiffness=np.array([each.stiffness[OUTWARD, OUTWARD] for each in supports]),
+        support_tangential_stiffness=np.array([each.stiffness[ALONG, ALONG] for each in supports]),
+        support_radial_damping=np.array(
+            [np.sum(each.dampers[:, OUTWARD] ** 2) for each in supports]
+        ),
+        support_tangential_damping=np.array(
+            [np.sum(each.dampers[:, ALONG] ** 2) for each in supports]
+        ),
         clearance=clearance,
     )

@@ -15,7 +15,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models import CaseError, dumps_case, read_case
 from bladewhirl.models.case_file import case_from, loads
 from bladewhirl.models.casing import RADIAL, TANGENTIAL, Casing, assemble_casing
-from bladewhirl.models.casing_supports import ROTATION, Support, U, W, spring, strut
+from bladewhirl.models.casing_supports import ALONG, OUTWARD, ROTATION, Support, spring, strut
 from bladewhirl.models.casing_wall import Wall
 from bladewhirl.models.modes import structure_modes
 from bladewhirl.models.stage import build_stage
@@ -152,9 +152,9 @@ def test_a_built_in_strut_is_a_cantilever() -> None:
     """Under a force across it at its free end: L^3 / 3 EI, and the slope L^2 / 2 EI."""
     beam = strut(0.0, steel(0.02), length=0.3, inclination=0.0, ends="built-in")
     bending = steel(0.02).bending_stiffness
-    moved = np.linalg.solve(beam.stiffness, np.eye(3)[U])
-    assert moved[W] == 0.0
-    assert moved[U] == pytest.approx(0.3**3 / (3 * bending))
+    moved = np.linalg.solve(beam.stiffness, np.eye(3)[ALONG])
+    assert moved[OUTWARD] == 0.0
+    assert moved[ALONG] == pytest.approx(0.3**3 / (3 * bending))
     assert moved[ROTATION] == pytest.approx(-(0.3**2) / (2 * bending))
     # One Hermite element: its lowest frequency is half a per cent above the cantilever's.
     square = np.linalg.eigvals(np.linalg.solve(beam.mass[1:, 1:], beam.stiffness[1:, 1:])).min()
