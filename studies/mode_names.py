@@ -11,8 +11,7 @@ from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.faults import UserError
 from bladewhirl.models.labelled_modes import Body, LabelledModes
 from bladewhirl.models.modal_stage import ModalStage
-
-CASING = "casing"
+from bladewhirl.models.mode_choice import CASING
 
 
 @dataclass(frozen=True, kw_only=True)
