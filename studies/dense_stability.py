@@ -17,8 +17,9 @@ from bladewhirl.models.dense_coupling import DenseModes, dense_modes
 from bladewhirl.models.faults import UserError
 from bladewhirl.models.modal_stage import ModalStage
 from bladewhirl.models.mode_choice import ALL, CASING, SIX, family_and_diameter
-from bladewhirl.solvers.stability import StabilityChart, is_unstable
+from bladewhirl.solvers.stability import StabilityChart
 from bladewhirl.solvers.zones import UnstableZones
+from bladewhirl.studies.stability_point import point_facts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -118,22 +119,14 @@ def _choose(whole: DenseModes, text: str) -> DenseModes:
 
 def report_point(system: DenseSystem, *, omega: float, kappa: float, as_json: bool) -> None:
     """Print growth rate, verdict and, as JSON, the spectrum at a point."""
-    spectrum = np.sort_complex(system.spectrum(omega, kappa))[::-1]
+    spectrum = system.spectrum(omega, kappa)
     growth = float(spectrum.real.max())
-    unstable = bool(is_unstable(growth, omega))
+    point = point_facts(spectrum, growth, omega=omega, kappa=kappa, reference=system.reference)
     if as_json:
-        report = {
-            "speed": omega / system.reference,
-            "speed_rad_per_s": omega,
-            "kappa": kappa,
-            "growth_rate": growth,
-            "unstable": unstable,
-            "eigenvalues": [[value.real, value.imag] for value in spectrum.tolist()],
-        }
-        typer.echo(json.dumps(report | system.options(), indent=2))
+        typer.echo(json.dumps(point | system.options(), indent=2))
         return
-    typer.echo(f"speed {omega / system.reference:.6g} ω₁ = {omega:.6g} rad/s, κ {kappa:.6g} N/m")
-    typer.echo(f"growth rate {growth:.6g} 1/s ({'unstable' if unstable else 'stable'})")
+    typer.echo(f"speed {point['speed']:.6g} ω₁ = {omega:.6g} rad/s, κ {kappa:.6g} N/m")
+    typer.echo(f"growth rate {growth:.6g} 1/s ({'unstable' if point['unstable'] else 'stable'})")
 
 
 def growth_chart(

@@ -11,6 +11,7 @@ import rich
 import typer
 from rich.table import Table
 
+from bladewhirl.models.coupling import ComplexArray
 from bladewhirl.models.faults import UserError
 from bladewhirl.models.quantity import Speed
 from bladewhirl.solvers.coupled_modes import CoupledMotion, coupled_modes
@@ -64,20 +65,36 @@ def point_report(system: System, omega: float, kappa: float) -> dict[str, Any]:
         kappa: spring stiffness [N/m].
     """
     arguments: dict[str, Any] = {"speed": omega, "kappa": kappa, "with_pi": system.with_pi}
+    spectrum = eigenvalues(system.modes, **arguments)
     growth = float(growth_rate(system.modes, **arguments))
-    spectrum = np.sort_complex(eigenvalues(system.modes, **arguments))[::-1]
-    report: dict[str, Any] = {
-        "speed": omega / system.reference,
-        "speed_rad_per_s": omega,
-        "kappa": kappa,
-        "growth_rate": growth,
-        "unstable": bool(is_unstable(growth, omega)),
-        "eigenvalues": [[value.real, value.imag] for value in spectrum.tolist()],
-    }
+    report = point_facts(spectrum, growth, omega=omega, kappa=kappa, reference=system.reference)
     if omega:
         turns = coupled_floquet(system.modes, **arguments)
         report["growth_rate_floquet"] = max(float(turn.growth) for turn in turns.values())
     return report | system.options()
+
+
+def point_facts(
+    spectrum: ComplexArray, growth: float, *, omega: float, kappa: float, reference: float
+) -> dict[str, Any]:
+    """What reports of a point have in common, by whatever method it was looked at.
+
+    Args:
+        spectrum: eigenvalues or Floquet exponents [1/s].
+        growth: growth rate [1/s].
+        omega: speed [rad/s].
+        kappa: spring stiffness [N/m].
+        reference: frequency that speeds are multiples of [rad/s].
+    """
+    fastest_first = np.sort_complex(spectrum)[::-1].tolist()
+    return {
+        "speed": omega / reference,
+        "speed_rad_per_s": omega,
+        "kappa": kappa,
+        "growth_rate": growth,
+        "unstable": bool(is_unstable(growth, omega)),
+        "eigenvalues": [[value.real, value.imag] for value in fastest_first],
+    }
 
 
 def motion_report(motion: CoupledMotion) -> dict[str, Any]:

@@ -13,8 +13,7 @@ from bladewhirl.models.faults import UserError
 from bladewhirl.models.modal_stage import ModalStage
 from bladewhirl.models.uneven_coupling import UnevenSystem, uneven_system
 from bladewhirl.solvers.floquet import floquet
-from bladewhirl.solvers.stability import is_unstable
-from bladewhirl.studies.stability_point import given_speed, print_point
+from bladewhirl.studies.stability_point import given_speed, point_facts, print_point
 
 
 def stands_still(modal: ModalStage, *, damped: bool) -> bool:
@@ -96,21 +95,16 @@ def look_at_uneven_point(
         system = uneven_system(modal, modes=chosen, damped=damped, physical=physical)
     except ValueError as error:
         raise UserError(f"--modes {chosen}: {error}") from None
-    omega = given_speed(speed).rad_per_s(modal.reference_frequency)
+    reference = modal.reference_frequency
+    omega = given_speed(speed).rad_per_s(reference)
     spectrum = exponents(system, speed=omega, kappa=kappa, with_pi=with_pi)
     growth = float(spectrum.real.max())
-    point: dict[str, Any] = {
-        "speed": omega / modal.reference_frequency,
-        "speed_rad_per_s": omega,
-        "kappa": kappa,
-        "growth_rate": growth,
-        "unstable": bool(is_unstable(growth, omega)),
-        "eigenvalues": [[value.real, value.imag] for value in spectrum.tolist()],
+    point = point_facts(spectrum, growth, omega=omega, kappa=kappa, reference=reference) | {
         "modes": list(dict.fromkeys(system.name)),
         "damped": damped,
         "pi": with_pi,
         "amplitude": "physical" if physical else "paper",
-        "reference_frequency": modal.reference_frequency,
+        "reference_frequency": reference,
     }
     if as_json:
         typer.echo(json.dumps(point, indent=2))
