@@ -13,8 +13,9 @@ Eq. (8) splits into nodal diameters, since cosines of different k are orthogonal
 where the two rows of C_k give the cos k theta and sin k theta part of w - u. The paper's system,
 Eq. (9), is the case of one casing and two rotor pairs, all with k = 1 and a = 1 (`paper_modes`).
 
-We differ from the printed Eq. (9) where it does not follow from Eq. (8), see `printed_stiffness`,
-and keep the factor pi unless `with_pi` is false.
+We differ from the printed Eq. (9) where it does not follow from Eq. (8): as printed it does not
+couple the two rotor pairs, has the modal mass of the wrong row in its off-diagonal blocks, and
+lacks the factor pi, which we keep unless `with_pi` is false.
 """
 
 from __future__ import annotations
@@ -276,35 +277,3 @@ def periodic_stiffness(
     """Whole stiffness diag(omega^2) + K* of Eq. (9), corrected, (..., size, size) [1/s^2]."""
     uncoupled = np.diag(modes.frequency[modes.entry] ** 2)
     return uncoupled + coupling_stiffness(modes, kappa=kappa, angle=angle, with_pi=with_pi)
-
-
-def printed_stiffness(
-    *,
-    frequency: Sequence[float],
-    modal_mass: Sequence[float],
-    kappa: float,
-    angle: float,
-) -> FloatArray:
-    """Stiffness of Eq. (9) exactly as printed, for comparison only, (6, 6) [1/s^2].
-
-    It lacks the coupling of u with u_o in entries (3,5), (4,6), (5,3), (6,4), which are +eps_u;
-    its off-diagonal blocks carry the modal mass of the wrong row; and it lacks pi.
-
-    Args:
-        frequency: of casing, 1F and suspension pairs [rad/s].
-        modal_mass: m_v and m_u (= m_o) [kg].
-        kappa: spring stiffness [N/m].
-        angle: Omega t [rad].
-    """
-    mass_casing, mass_rotor = modal_mass
-    eps_v, eps_u = kappa / mass_casing, kappa / mass_rotor
-    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    one, none = np.eye(2), np.zeros((2, 2))
-    v, u, o = (np.square(w) for w in frequency)
-    return np.block(
-        [
-            [(v + eps_v) * one, -eps_u * turn, -eps_u * turn],
-            [-eps_v * turn.T, (u + eps_u) * one, none],
-            [-eps_u * turn.T, none, (o + eps_u) * one],
-        ]
-    )

@@ -37,8 +37,7 @@ class Reduction:
 
     modes: Modes  #: of the reduced model, expanded to the full structure
     boundary: IntArray  #: DoF kept as such, (boundary,)
-    requested: int  #: fixed-interface modes asked for
-    kept: int  #: fixed-interface modes kept, at least as many
+    kept: int  #: fixed-interface modes kept, at least as many as asked for
 
 
 def craig_bampton(
@@ -65,7 +64,7 @@ def craig_bampton(
         modes, kept = _cyclic(structure, boundary, fixed_interface_modes, reference)
     else:
         modes, kept = _plain(structure, boundary, fixed_interface_modes)
-    return Reduction(modes=modes, boundary=boundary, requested=fixed_interface_modes, kept=kept)
+    return Reduction(modes=modes, boundary=boundary, kept=kept)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import ConfigDict
 
-from bladewhirl.meshes import LineMesh
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case_fields import quantity
 
@@ -159,23 +158,3 @@ class LineProperties(SectionArrays):
         """Mass over length of each line [kg/m], (lines,)."""
         ends = self.at(np.array([0.0, 1.0])).line_mass
         return np.asarray((ends.sum(axis=1) + 4.0 * self.line_mass) / 6.0)  # a cubic: exact
-
-
-def line_properties(mesh: LineMesh, sections: Mapping[str, Section]) -> LineProperties:
-    """Spread sections, given by line set, over the lines of a mesh.
-
-    Raises:
-        ValueError: a line has no section, or a section names a set the mesh does not have.
-    """
-    unknown = sorted(set(sections) - set(mesh.line_sets))
-    if unknown:
-        raise ValueError(
-            f"section for unknown line set {unknown[0]!r}; mesh has {[*mesh.line_sets]}"
-        )
-    table = np.full((len(QUANTITIES), len(mesh.lines)), np.nan)
-    for name, section in sections.items():
-        table[:, mesh.line_sets[name]] = along(section, np.zeros(1))
-    bare = np.flatnonzero(np.isnan(table[0]))
-    if bare.size:
-        raise ValueError(f"line {bare[0]} (of set {mesh.line_parts[bare[0]]!r}) has no section")
-    return LineProperties(**dict(zip(QUANTITIES, table, strict=True)))

@@ -18,7 +18,7 @@ from bladewhirl.models.case_file import case_from
 from bladewhirl.models.casing import Casing, assemble_casing
 from bladewhirl.models.casing_wall import Wall
 from bladewhirl.models.modes import Modes, structure_modes
-from bladewhirl.models.sections import Section, line_properties
+from bladewhirl.models.sections import QUANTITIES, LineProperties, Section
 
 DATA = Path(__file__).parent / "data"
 
@@ -35,6 +35,14 @@ def oracle(name: str) -> Any:
 def steel(thickness: float, width: float = 0.1) -> Section:
     """Rectangular section of the steel that all reference results are for."""
     return Section(width=width, thickness=thickness, young_modulus=2.1e11, density=7800.0)
+
+
+def line_properties(mesh: LineMesh, sections: dict[str, Section]) -> LineProperties:
+    """Sections, given by line set, of all lines of a mesh."""
+    table = np.full((len(QUANTITIES), len(mesh.lines)), np.nan)
+    for name, section in sections.items():
+        table[:, mesh.line_sets[name]] = [[getattr(section, each)] for each in QUANTITIES]
+    return LineProperties(**dict(zip(QUANTITIES, table, strict=True)))
 
 
 def with_sections(mesh: LineMesh, disk_thickness: float, *, clamped: bool) -> BladedDisk:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 import scipy.linalg as la
 from numpy.polynomial import Polynomial
 from plain_frame import beam_mass, beam_stiffness
-from stages import bladed_disk, observed_order, oracle, steel
+from stages import line_properties, observed_order, oracle, steel
 
 from bladewhirl.meshes import LineMesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
@@ -23,7 +21,7 @@ from bladewhirl.models.elements import (
     straight_stiffness,
     support_stiffness,
 )
-from bladewhirl.models.sections import Section, line_properties
+from bladewhirl.models.sections import Section
 
 EA, EI, RHO_A = 3.0, 5.0, 7.0
 U, DU, W, DW = range(4)  # order of a curved beam's DoF at a node
@@ -214,14 +212,3 @@ def test_sections_that_cannot_be(name: str, value: float) -> None:
     sound = {"width": 0.1, "thickness": 0.01, "young_modulus": 2e11, "density": 8000.0}
     with pytest.raises(ValueError, match=f"section {name} must be positive"):
         Section(**(sound | {name: value}))
-
-
-def test_every_line_needs_a_section_and_every_section_lines() -> None:
-    mesh = bladed_disk(blades=3, elements=2).mesh
-    sections: dict[str, Any] = {"blades": steel(0.01), "spokes": steel(0.02)}
-    with pytest.raises(ValueError, match=r"line 9 \(of set 'rim'\) has no section"):
-        line_properties(mesh, sections)
-    with pytest.raises(ValueError, match=r"unknown line set 'hub'; mesh has \['blades'"):
-        line_properties(mesh, sections | {"hub": steel(0.01)})
-    whole = line_properties(mesh, sections | {"rim": steel(0.03)})
-    np.testing.assert_array_equal(whole.thickness, [0.01] * 6 + [0.02] * 3 + [0.03] * 3)

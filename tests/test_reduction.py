@@ -93,7 +93,7 @@ def test_sector_by_sector_is_the_same_as_all_at_once(blades: int, count: int) ->
 def test_a_degenerate_pair_is_never_cut(blades: int, asked: int, kept: int, dense: bool) -> None:
     disk = bladed_disk(blades=blades, elements=6, disk_thickness=0.03)
     reduction = reduce(disk, asked, dense=dense)
-    assert (reduction.requested, reduction.kept) == (asked, kept)
+    assert reduction.kept == kept
     assert reduction.modes.count == 2 * blades + 2 + kept
     frequencies = fixed_interface_frequencies(disk)
     apart = np.diff(frequencies) > 1e-7 * frequencies[1:]
