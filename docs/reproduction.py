@@ -1,7 +1,8 @@
 """Writes reproduction.md with its picture, and the count in README.md, from what two commands left.
 
     bladewhirl reproduce -o REPRODUCTION
-    bladewhirl search --sweeps -o SEARCH
+    bladewhirl search --faithful --every-claim -o SEARCH
+    bladewhirl search heavy --rounds 0 -o SEARCH
     python docs/reproduction.py REPRODUCTION SEARCH
 
 A folder that is left out leaves its part of the page as it is, and the count without REPRODUCTION.

@@ -29,8 +29,8 @@ from bladewhirl.studies.sweeps import Watch, resume_sweep, run_sweep
 PERTURBATION = 1e-7
 """Relative change of the force between repeats: motions near a threshold are chaotic."""
 
-QUICK_DURATION, QUICK_COARSENESS = 1.0, 3.0
-"""Seconds of a quick march; steps of a quick sweep over speed over those of a full one."""
+QUICK_DURATION = 1.0
+"""Of a quick march [s]."""
 
 SIX = {"reduction.modes": "six"}
 """Change of a case that makes its space the paper's truncated one."""
@@ -44,39 +44,45 @@ class Survey:
     """A sweep that claims are judged by."""
 
     load: Load
-    speeds: tuple[float, float, float]  #: first, last and step, multiples of the reference
+    speeds: tuple[float, float]  #: first and last, multiples of the reference
+    step: float  #: between speeds
+    coarse_step: float  #: where fewer speeds will do
     changes: Mapping[str, Any] = field(default_factory=dict)  #: of the case, by dotted key
     over: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  #: beside the speed
 
-    def axes(self, *, quick: bool, step: float | None = None) -> dict[str, list[float]]:
+    def axes(self, *, coarse: bool, step: float | None = None) -> dict[str, list[float]]:
         """Values of all swept keys.
 
         Args:
-            quick: whether the steps over speed are `QUICK_COARSENESS` times as wide.
+            coarse: whether the coarse step over speed is taken.
             step: of the speed instead; its own when None.
         """
-        first, last, own = self.speeds
-        step = step or own * (QUICK_COARSENESS if quick else 1.0)
+        first, last = self.speeds
+        step = step or (self.coarse_step if coarse else self.step)
         count = int((last - first) / step + 1e-9) + 1
         speeds = [round(first + step * number, 6) for number in range(count)]
         return {"march.speed": speeds, **{key: list(values) for key, values in self.over.items()}}
 
 
-WHOLE_RANGE = (0.95, 2.0, 0.05)
+WHOLE_RANGE = (0.95, 2.0)
 """Speeds of the paper's Table 2."""
 
 SURVEYS: Mapping[str, Survey] = {
-    "distortion": Survey(load="distortion", speeds=WHOLE_RANGE),
-    "imbalance": Survey(load="imbalance", speeds=WHOLE_RANGE),
+    "distortion": Survey(load="distortion", speeds=WHOLE_RANGE, step=0.01, coarse_step=0.15),
+    "imbalance": Survey(load="imbalance", speeds=WHOLE_RANGE, step=0.025, coarse_step=0.15),
     "six modes, distortion": Survey(
         load="distortion",
-        speeds=(0.9, 1.5, 0.05),
+        speeds=(0.9, 1.5),
+        step=0.01,
+        coarse_step=0.05,
         changes=SIX,
         over={"coupling.stiffness": KAPPAS},
     ),
     "six modes, imbalance": Survey(
         load="imbalance",
-        speeds=(0.95, 2.0, 0.35),
+        speeds=WHOLE_RANGE,
+        step=0.35,
+        coarse_step=1.05,
         changes=SIX,
         over={"coupling.stiffness": KAPPAS},
     ),
@@ -165,7 +171,8 @@ class Laboratory:
     store: RunStore
     changes: Mapping[str, Any] = field(default_factory=dict)  #: of all cases, by dotted key
     modal_changes: Mapping[str, Any] | None = None  #: of the modal case; as `changes` when None
-    quick: bool = False
+    quick: bool = False  #: whether marches are short, and sweeps coarse
+    coarse: bool = False  #: whether sweeps are coarse
     speed_step: float | None = None  #: of all sweeps over speed; their own when None
     repeat: int = 0  #: number of the repeat, whose force is perturbed
     _open: ExitStack = field(default_factory=ExitStack)
@@ -243,7 +250,7 @@ class Laboratory:
     def _swept(self, name: str, watch: Watch | None) -> xr.Dataset:
         survey = SURVEYS[name]
         case = self._timed(changed(survey.load, {**self.changes, **survey.changes}), 1.0)
-        axes = survey.axes(quick=self.quick, step=self.speed_step)
+        axes = survey.axes(coarse=self.quick or self.coarse, step=self.speed_step)
         points = math.prod(len(values) for values in axes.values())
         slug = name.replace(", ", "-").replace(" ", "-")
         directory = self.directory / f"{slug}-{run_key(case)}-{points}"

@@ -9,7 +9,7 @@ one file, so a search that was interrupted goes on where it was.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
@@ -38,26 +38,30 @@ BRIDGE = (6, 21, 33)
 SCREENING = {"march.time_step": 2e-6, "march.record_step": 4e-4}
 """Changes of the cases while screening: half of the steps, a quarter of the records."""
 
-SWEPT_CLAIMS = (18, 19, 27, 29, 36, 38, 40, 41)
-"""Claims that depend on what is searched and are judged by sweeps."""
+SLOW_CLAIMS = (17, 18, 19, 27, 28, 29, 34, 35, 36, 37, 38, 39, 40, 41, 45, 46)
+"""Claims that depend on what is searched and are judged by sweeps or many marches."""
 
-Level = Literal["screened", "swept", "confirmed"]
+STILL_CLAIMS = (1, 2, 3, 4, 5, 9, 10, 11, 12, 13, 14, 15)
+"""The others that no march is needed for."""
+
+Level = Literal["screened", "slow", "still", "confirmed"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scrutiny:
     """How closely a set is looked at."""
 
-    claims: tuple[int, ...]  #: that marches or sweeps are made for
+    claims: tuple[int, ...]  #: that are judged
     modal: bool = True  #: whether `MODAL_CLAIMS` are judged, too
     changes: Mapping[str, float] = field(default_factory=dict)  #: of the cases
-    quick: bool = False  #: as in `Laboratory`
+    coarse: bool = False  #: as in `Laboratory`
     repeats: int = 1
 
 
 SCRUTINIES: Mapping[Level, Scrutiny] = {
     "screened": Scrutiny(claims=CONTACT_CLAIMS, changes=SCREENING),
-    "swept": Scrutiny(claims=SWEPT_CLAIMS, modal=False, changes=SCREENING, quick=True),
+    "slow": Scrutiny(claims=SLOW_CLAIMS, modal=False, changes=SCREENING, coarse=True),
+    "still": Scrutiny(claims=STILL_CLAIMS, modal=False),
     "confirmed": Scrutiny(claims=CONTACT_CLAIMS, repeats=3),
 }
 """By level."""
@@ -69,8 +73,11 @@ of the others."""
 SETS_AT_ONCE = 8
 """Sets whose marches are made together; an interrupted search loses no more of them."""
 
-DEFAULT = "supported"
-"""Start that the examples of the paper's two scenarios are."""
+DEFAULT, MODAL = "light", "soft"
+"""Starts that the examples are: of the paper's two scenarios, and of modal work."""
+
+BASES: Mapping[Level, str] = {"screened": DEFAULT, "slow": DEFAULT, "still": MODAL}
+"""Starts that are changed one value at a time, and how closely what comes of it is looked at."""
 
 FILE_NAME, MARCHES = "search.json", "marches"
 """In the folder of a search: what has been judged, and marches while they are needed."""
@@ -145,12 +152,25 @@ class Search:
         with self._tidied():
             return self.judge(list(dict.fromkeys([*best, STARTS[DEFAULT]])), "confirmed")
 
-    def sweep(self) -> list[Judged]:
-        """Judge claims on sweeps of the default and of what differs from it in one value."""
-        base = STARTS[DEFAULT]
-        kept = [values for values in (base, *base.neighbours()) if not values.departures]
-        with self._tidied():
-            return [self.judge([values], "swept")[0] for values in kept]
+    def examine(self) -> list[Judged]:
+        """Judge all claims on the defaults, and what they miss on what differs in one value.
+
+        Only sets are looked at that keep every value that the paper gives.
+        """
+        found = []
+        for level, start in BASES.items():
+            base = STARTS[start]
+            near = [values for values in base.neighbours() if not values.departures]
+            if level == "still":
+                near = [each for each in near if _without_motion(each) != _without_motion(base)]
+            with self._tidied():
+                found += self.judge([base], level)
+                missed = tuple(
+                    claim for claim, verdict in found[-1].verdicts.items() if verdict != "holds"
+                )
+                for values in near:
+                    found += self.judge([values], level, only=missed)
+        return found
 
     def best(
         self, sets: int, level: Level = "screened", *, faithful: bool | None = None
@@ -170,19 +190,35 @@ class Search:
         ]
         return sorted(found, key=lambda judged: judged.rank, reverse=True)[:sets]
 
-    def judge(self, sets: Sequence[ParameterSet], level: Level = "screened") -> list[Judged]:
-        """Judge sets, those of them that have not been."""
+    def judge(
+        self,
+        sets: Sequence[ParameterSet],
+        level: Level = "screened",
+        *,
+        only: Container[int] | None = None,
+    ) -> list[Judged]:
+        """Judge sets, those of them that have not been.
+
+        Args:
+            sets: to judge.
+            level: of scrutiny.
+            only: claims of that level that are judged where they take long; all when None.
+        """
         left = [values for values in dict.fromkeys(sets) if (values, level) not in self.judged]
+        scrutiny = SCRUTINIES[level]
+        if only is not None and level != "screened":
+            scrutiny = replace(scrutiny, claims=tuple(c for c in scrutiny.claims if c in only))
         for first in range(0, len(left), SETS_AT_ONCE):
-            for judged in self._judge(left[first : first + SETS_AT_ONCE], level):
+            for judged in self._judge(left[first : first + SETS_AT_ONCE], level, scrutiny):
                 self.judged[judged.values, level] = judged
                 self.told(judged)
             self.write()
         return [self.judged[values, level] for values in sets]
 
-    def _judge(self, sets: Sequence[ParameterSet], level: Level) -> list[Judged]:
+    def _judge(
+        self, sets: Sequence[ParameterSet], level: Level, scrutiny: Scrutiny
+    ) -> list[Judged]:
         """Make the marches of all sets, then judge one after the other."""
-        scrutiny = SCRUTINIES[level]
         marches = self.directory / MARCHES
         store = RunStore(directory=marches, workers=1, scheduler=self.scheduler)
         labs = {
@@ -191,7 +227,7 @@ class Search:
                     directory=marches,
                     store=store,
                     changes=values.changes() | dict(scrutiny.changes),
-                    quick=scrutiny.quick,
+                    coarse=scrutiny.coarse,
                     repeat=repeat,
                 )
                 for repeat in range(scrutiny.repeats)
@@ -203,11 +239,12 @@ class Search:
         store.make(
             [case for lab in chain.from_iterable(labs.values()) for case in lab.cases(names)]
         )
-        return [self._verdicts(values, own, level) for values, own in labs.items()]
+        return [self._verdicts(values, own, level, scrutiny) for values, own in labs.items()]
 
     @staticmethod
-    def _verdicts(values: ParameterSet, labs: Sequence[Laboratory], level: Level) -> Judged:
-        scrutiny = SCRUTINIES[level]
+    def _verdicts(
+        values: ParameterSet, labs: Sequence[Laboratory], level: Level, scrutiny: Scrutiny
+    ) -> Judged:
         modal = modal_findings(_without_motion(values)) if scrutiny.modal else {}
         findings = {number: [finding] for number, finding in modal.items()}
         for lab in labs:

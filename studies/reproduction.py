@@ -63,7 +63,7 @@ class Plan:
         Raises:
             UserError: saying which are possible.
         """
-        widest = min(last - first for first, last, _ in (s.speeds for s in SURVEYS.values()))
+        widest = min(last - first for first, last in (s.speeds for s in SURVEYS.values()))
         if self.speed_step is not None and not SMALLEST_STEP <= self.speed_step <= widest:
             raise UserError(
                 f"--speed-step {self.speed_step:g}: expected {SMALLEST_STEP:g} to {widest:g},"
@@ -75,7 +75,7 @@ class Plan:
         """Sweeps over speed, in words."""
         named = []
         for name in needed_sweeps(self.claims):
-            speeds, *others = SURVEYS[name].axes(quick=self.quick, step=self.speed_step).values()
+            speeds, *others = SURVEYS[name].axes(coarse=self.quick, step=self.speed_step).values()
             lines = f" by {len(others[0])}" if others else ""
             named.append(f"{name}: {len(speeds)}{lines} from {speeds[0]:g} to {speeds[-1]:g}")
         return "; ".join(named) or "none"

@@ -22,7 +22,9 @@ def search(
     starts: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="START", help="soft, supported or heavy; all if none.", show_default=False
+            metavar="START",
+            help="soft, supported, light or heavy; all if none.",
+            show_default=False,
         ),
     ] = None,
     rounds: Annotated[
@@ -31,11 +33,11 @@ def search(
     faithful: Annotated[
         bool, typer.Option("--faithful", help="Keep every value that the paper gives.")
     ] = False,
-    sweeps: Annotated[
+    every_claim: Annotated[
         bool,
         typer.Option(
-            "--sweeps",
-            help="Judge claims on sweeps, too: of the examples' set and what differs in one value.",
+            "--every-claim",
+            help="Judge all claims that the examples miss, on what differs from them in one value.",
         ),
     ] = False,
     output: Annotated[
@@ -74,8 +76,8 @@ def search(
             found = open_search(output, scheduler=address, faithful=faithful, told=_tell)
             kept = [name for name, start in STARTS.items() if not (faithful and start.departures)]
             search_parameters(found, starts or kept, rounds)
-            if sweeps:
-                found.sweep()
+            if every_claim:
+                found.examine()
     for path in write_report(open_search(output), output):
         typer.echo(f"Wrote {path}.")
 

@@ -240,7 +240,7 @@ def test_a_sweep_with_a_failed_point_is_not_complete(
 
 def test_a_quick_sweep_is_coarser_in_speed_alone() -> None:
     survey = SURVEYS["six modes, imbalance"]
-    full, quick = (survey.axes(quick=quick) for quick in (False, True))
+    full, quick = (survey.axes(coarse=coarse) for coarse in (False, True))
     assert full["march.speed"] == [0.95, 1.3, 1.65, 2.0]
     assert quick["march.speed"] == [0.95, 2.0]
     assert quick["coupling.stiffness"] == full["coupling.stiffness"] == list(KAPPAS)
@@ -255,7 +255,7 @@ def test_the_step_of_all_sweeps_can_be_chosen() -> None:
         repeats=1,
         speed_step=0.005,
     )
-    assert len(SURVEYS["distortion"].axes(quick=True, step=0.005)["march.speed"]) == 211
+    assert len(SURVEYS["distortion"].axes(coarse=True, step=0.005)["march.speed"]) == 211
     assert plan.sweeps == (
         "distortion: 211 from 0.95 to 2; imbalance: 211 from 0.95 to 2;"
         " six modes, distortion: 121 by 3 from 0.9 to 1.5"
@@ -400,6 +400,19 @@ def test_modal_claims_hold(tmp_path: Path) -> None:
         verdicts = {score.claim.number: score.verdict for score in card.scores}
     assert {number for number, verdict in verdicts.items() if verdict != "holds"} == {5, 15}
     assert verdicts[5] == verdicts[15] == "partly"
+
+
+@pytest.mark.slow
+def test_the_page_says_what_is_computed(tmp_path: Path) -> None:
+    """Claims that two marches decide: the page was made by this program, not by an older one."""
+    page = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
+    said = dict(re.findall(r"^\| (\d+) \|.*\| ([a-z ]+) \|$", page, flags=re.MULTILINE))
+    numbers = (20, 21, 22, 23, 24, 30, 33, 42, 43, 44)
+    plan = Plan(claims=chosen_claims(numbers), changes={}, modal_changes={}, quick=False, repeats=1)
+    card, lab = reproduce_claims(plan, tmp_path, workers=1)
+    with lab:
+        found = {str(score.claim.number): score.verdict for score in card.scores}
+    assert found == {number: said[number] for number in found}
 
 
 def page_maker() -> Any:

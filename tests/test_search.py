@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
@@ -25,20 +26,23 @@ from bladewhirl.postprocess.sensitivity_figures import (
     plot_sensitivity,
     sensitivity_dataset,
 )
-from bladewhirl.studies import laboratory
-from bladewhirl.studies.claim import Verdict
+from bladewhirl.studies.claim import CLAIMS, Verdict
 from bladewhirl.studies.cli import app
+from bladewhirl.studies.laboratory import SURVEYS
 from bladewhirl.studies.paper_cases import CASES, changed
 from bladewhirl.studies.parameter_search import (
     BRIDGE,
     CONFIRMED_SETS,
     CONTACT_CLAIMS,
     DEFAULT,
+    MODAL,
     MODAL_CLAIMS,
     SCRUTINIES,
-    SWEPT_CLAIMS,
+    SLOW_CLAIMS,
+    STILL_CLAIMS,
     Judged,
     Level,
+    Scrutiny,
     Search,
     open_search,
     search_parameters,
@@ -173,7 +177,9 @@ def hill(values: ParameterSet, level: Level = "screened") -> Judged:
     return Judged(values=values, level=level, verdicts=verdicts, ours=ours)
 
 
-def judge_by_hill(self: Search, sets: list[ParameterSet], level: Level) -> list[Judged]:
+def judge_by_hill(
+    self: Search, sets: list[ParameterSet], level: Level, scrutiny: Scrutiny
+) -> list[Judged]:
     return [hill(values, level) for values in sets]
 
 
@@ -198,7 +204,9 @@ def test_a_search_goes_on_where_it_was(climbed: Search, monkeypatch: pytest.Monk
     again = open_search(climbed.directory)
     assert again.judged == climbed.judged
 
-    def refuse(self: Search, sets: list[ParameterSet], level: Level) -> list[Judged]:
+    def refuse(
+        self: Search, sets: list[ParameterSet], level: Level, scrutiny: Scrutiny
+    ) -> list[Judged]:
         raise AssertionError(f"judged again: {sets}")
 
     monkeypatch.setattr(Search, "_judge", refuse)
@@ -206,7 +214,7 @@ def test_a_search_goes_on_where_it_was(climbed: Search, monkeypatch: pytest.Monk
 
 
 def judged_so(values: ParameterSet, held: tuple[int, ...], level: Level = "screened") -> Judged:
-    claims = (29,) if level == "swept" else (*BRIDGE, 22)
+    claims = {"slow": (29,), "still": (5,)}.get(level, (*BRIDGE, 22))
     verdicts: dict[int, Verdict] = {
         claim: "holds" if claim in held else "does not hold" for claim in claims
     }
@@ -217,6 +225,7 @@ def judged_so(values: ParameterSet, held: tuple[int, ...], level: Level = "scree
 def small_search(directory: Path) -> Search:
     base = STARTS[DEFAULT]
     damped, heavy = replace(base, damping=0.02), replace(base, mass=400.0)
+    modal = STARTS[MODAL]
     return Search(
         directory=directory,
         judged={
@@ -225,8 +234,10 @@ def small_search(directory: Path) -> Search:
                 judged_so(base, (33, 22)),
                 judged_so(damped, (6, 21)),
                 judged_so(heavy, BRIDGE),
-                judged_so(base, (), "swept"),
-                judged_so(damped, (29,), "swept"),
+                judged_so(base, (), "slow"),
+                judged_so(damped, (29,), "slow"),
+                judged_so(modal, (), "still"),
+                judged_so(replace(modal, disk=0.02), (5,), "still"),
                 judged_so(base, (33,), "confirmed"),
             )
         },
@@ -236,10 +247,12 @@ def small_search(directory: Path) -> Search:
 def test_the_report_names_what_flips_a_claim(tmp_path: Path) -> None:
     text = report_text(small_search(tmp_path))
     assert "3 sets were screened by 4 claims, 6, 21, 22, 33; 2 of them keep every value" in text
-    assert "* 21 (does not hold: ours of 21): damping ratio 0.02 instead of 0.005;" in text
+    assert "* 21 (does not hold: ours of 21): damping ratio 0.02 instead of 0.001;" in text
+    assert "* 5 (does not hold: ours of 5): disk beams [m] 0.02 instead of 0.03." in text
     assert "casing mass over Table 1's 400.0 instead of 1.0." in text
     assert (
-        "* 29 (does not hold: ours of 29, by quick sweeps): damping ratio 0.02 instead of 0.005."
+        "* 29 (does not hold: ours of 29, by coarse sweeps and steps of 2 µs): damping ratio 0.02"
+        " instead of 0.001."
     ) in text
     assert "* 22" not in text  # which the base meets
     assert (
@@ -247,7 +260,7 @@ def test_the_report_names_what_flips_a_claim(tmp_path: Path) -> None:
         " gives; all of them change casing mass over Table 1's."
     ) in text
     kept, changing = text.split("### ")[1:]
-    assert '| confirmed, "supported" | 1 | 0 | 33 | damping ratio 0.005 |' in kept
+    assert '| confirmed, "light" | 1 | 0 | 33 | damping ratio 0.001 |' in kept
     assert "| screened | 2 | 0 | 6, 21 | damping ratio 0.02 |" in kept
     assert "400" not in kept
     assert "| screened | 3 | 0 | 6, 21, 33 |" in changing
@@ -258,10 +271,13 @@ def test_figures_of_missed_claims(tmp_path: Path) -> None:
     paths = write_report(search, tmp_path)
     assert paths[0].read_text(encoding="utf-8") == report_text(search)
     assert [path.name for path in paths[1:]] == [
-        *(f"sensitivity-claim-{claim}.png" for claim in (6, 21, 29)),
+        *(f"sensitivity-claim-{claim}.png" for claim in (5, 6, 21, 29)),
         "sensitivity.png",
     ]
-    assert set(found_by_claim(search, STARTS[DEFAULT])) == {*BRIDGE, 22, 29}
+    assert set(found_by_claim(search)) == {5, *BRIDGE, 22, 29}
+    overview = xr.open_dataset(tmp_path / "sensitivity.nc")
+    assert overview["claim"].values.tolist() == [6, 21, 22, 29, 33]  # 5 is of the modal case
+    assert overview["parameter"].values.tolist() == ["damping ratio", "casing mass over Table 1's"]
 
 
 def cells(figure: Figure) -> list[Rectangle]:
@@ -320,26 +336,61 @@ def test_a_set_is_judged_by_marches(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert [path.name for path in tmp_path.iterdir()] == ["search.json"]
 
 
+def test_every_claim_belongs_to_one_level() -> None:
+    """Claim 16 is on the time step of a march that hardly any of the values change."""
+    judged = [*MODAL_CLAIMS, *CONTACT_CLAIMS, *SLOW_CLAIMS, *STILL_CLAIMS]
+    assert len(judged) == len(set(judged))
+    assert set(CLAIMS) - set(judged) == {16}
+
+
+def test_neighbours_are_judged_by_what_the_default_misses(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[Level, ParameterSet, tuple[int, ...]]] = []
+
+    def judge(
+        self: Search, sets: list[ParameterSet], level: Level, scrutiny: Scrutiny
+    ) -> list[Judged]:
+        asked.extend((level, values, scrutiny.claims) for values in sets)
+        verdicts: dict[int, Verdict] = {
+            claim: "partly" if claim in (5, 29) else "holds" for claim in scrutiny.claims
+        }
+        return [
+            Judged(values=each, level=level, verdicts=verdicts, ours=dict.fromkeys(verdicts, ""))
+            for each in sets
+        ]
+
+    monkeypatch.setattr(Search, "_judge", judge)
+    Search(directory=tmp_path).examine()
+    assert all(not values.departures for _, values, _ in asked)
+    by_level = {
+        level: [(values, claims) for each, values, claims in asked if each == level]
+        for level in ("slow", "still")
+    }
+    assert by_level["slow"][0] == (STARTS[DEFAULT], SLOW_CLAIMS)
+    assert {claims for _, claims in by_level["slow"][1:]} == {(29,)}
+    assert by_level["still"][0] == (STARTS[MODAL], STILL_CLAIMS)
+    near = by_level["still"][1:]
+    assert {claims for _, claims in near} == {(5,)}
+    changed_names = {name for values, _ in near for name in values.difference(STARTS[MODAL])}
+    assert changed_names == {"disk", "strain", "frequency"}  # what modes depend on
+
+
 def test_claims_on_sweeps_are_judged_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(laboratory, "QUICK_DURATION", 1e-3)
-    monkeypatch.setattr(laboratory, "QUICK_COARSENESS", 7.0)
-    monkeypatch.setattr(ParameterSet, "neighbours", lambda self: iter(()))
-    assert set(SWEPT_CLAIMS) == set(SCRUTINIES["swept"].claims)
-    monkeypatch.setitem(
-        SCRUTINIES,
-        "swept",
-        replace(SCRUTINIES["swept"], claims=(36,)),
-    )
-    (judged,) = Search(directory=tmp_path).sweep()
+    name = "six modes, distortion"
+    monkeypatch.setitem(SURVEYS, name, replace(SURVEYS[name], coarse_step=0.3))
+    short = replace(SCRUTINIES["slow"], claims=(36,), changes={"march.duration": 1e-3})
+    monkeypatch.setitem(SCRUTINIES, "slow", short)
+    (judged,) = Search(directory=tmp_path).judge([STARTS[DEFAULT]], "slow")
     assert judged.verdicts == {36: "does not hold"}  # nothing diverges in a millisecond
-    assert [path.name for path in tmp_path.iterdir()] == ["search.json"]
+    assert (tmp_path / "search.json").exists()
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["hard"], "hard: expected soft, supported, heavy"),
-        (["--report"], 'expected a search from the start "supported"'),
+        (["hard"], "hard: expected soft, supported, light, heavy"),
+        (["--report"], 'expected a search from the start "light"'),
         (["--workers", "1", "--scheduler", "tcp://x:1"], "--scheduler, --workers"),
     ],
 )
