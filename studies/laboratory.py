@@ -74,7 +74,7 @@ SURVEYS: Mapping[str, Survey] = {
         load="distortion",
         speeds=(0.9, 1.5),
         step=0.01,
-        coarse_step=0.05,
+        coarse_step=0.1,
         changes=SIX,
         over={"coupling.stiffness": KAPPAS},
     ),

@@ -160,7 +160,11 @@ class Search:
         found = []
         for level, start in BASES.items():
             base = STARTS[start]
-            near = [values for values in base.neighbours() if not values.departures]
+            near = [
+                values
+                for values in base.neighbours()
+                if not values.departures and not values.resembles(base)
+            ]
             if level == "still":
                 near = [each for each in near if _without_motion(each) != _without_motion(base)]
             with self._tidied():

@@ -22,6 +22,9 @@ MODAL_FORCE = 3e4
 SHORTEST = 5e-6
 """Shortest push [s]."""
 
+ALIKE = 0.15
+"""Relative difference up to which values are tried for a better fit, not to see what they do."""
+
 GIVEN: Mapping[str, Any] = {"wall": 0.01, "mass": 1.0, "friction": 0.1, "tip_mass": 0.0}
 """Parameters whose value the paper gives: the section of its beams in Table 1 and the friction in
 Table 2; it has no masses at the tips."""
@@ -99,6 +102,14 @@ class ParameterSet:
             for value in values:
                 if value != own[name] and self.uses(name):
                     yield replace(self, **{name: value})
+
+    def resembles(self, other: ParameterSet) -> bool:
+        """Whether no number of it is off that of another set by more than `ALIKE`."""
+        theirs = asdict(other)
+        return all(
+            isinstance(value, float) and abs(value - theirs[name]) <= ALIKE * abs(theirs[name])
+            for name, value in self.difference(other).items()
+        )
 
     def difference(self, other: ParameterSet) -> dict[str, Any]:
         """Own values that another set does not have."""

@@ -374,6 +374,9 @@ def test_neighbours_are_judged_by_what_the_default_misses(
     assert {claims for _, claims in near} == {(5,)}
     changed_names = {name for values, _ in near for name in values.difference(STARTS[MODAL])}
     assert changed_names == {"disk", "strain", "frequency"}  # what modes depend on
+    tried = [values.damping for values, _ in by_level["slow"]]
+    assert 0.002 in tried
+    assert 0.0011 not in tried  # for a better fit only
 
 
 def test_claims_on_sweeps_are_judged_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
