@@ -7,22 +7,29 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.orbits import LONG_LINE, MILLI
+from bladewhirl.postprocess.fields import Array
+from bladewhirl.postprocess.handy_units import length_unit
+from bladewhirl.postprocess.legends import legends_below, set_title
+from bladewhirl.postprocess.orbits import LONG_LINE
 from bladewhirl.postprocess.style import FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.sweep_drawing import (
     MOST_LINES,
     Line,
-    key_axis,
     left_out_note,
+    lines_group,
     lines_of,
 )
 from bladewhirl.postprocess.sweep_quantities import LINE, along
+from bladewhirl.postprocess.swept_axes import in_handy_units, key_axis, side_by_side
 
 PARTS = {
-    "section_x": "x once a revolution [mm]",
-    "section_radius": "radius once a revolution [mm]",
-    "radius_peak": "local maxima of radius [mm]",
+    "section_x": "x once a revolution",
+    "section_radius": "radius once a revolution",
+    "radius_peak": "local maxima of radius",
 }
+
+DOT = 2.2
+"""Size of marks [points]."""
 
 
 def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
@@ -49,35 +56,37 @@ def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 @styled
 def plot_bifurcation(found: xr.Dataset) -> Figure:
-    """Draw sections and maxima in mm, a dot each.
+    """Draw sections and maxima in mm or µm, a mark each; lines stand side by side at each value.
 
     Args:
         found: from `bifurcation`.
     """
+    found = in_handy_units(found)
+    largest = max(float(np.nanmax(np.abs(found[name]), initial=0.0)) for name in PARTS)
+    unit, scale = length_unit(largest)
+    lines = [line._replace(size=4.0) for line in lines_of(found)]  # in the legend
     figure = new_figure(width=FULL_WIDTH, height=0.15)
     panels = figure.subplots(len(PARTS), 1, sharex=True)
     for axes, (name, label) in zip(panels, PARTS.items(), strict=True):
-        for line in lines_of(found):
-            _draw_dots(axes, line, name)
-        axes.set_ylabel(label)
+        for number, line in enumerate(lines):
+            place = found[str(found.attrs["along"])].values
+            _draw_marks(axes, line, side_by_side(place, number, len(lines)), scale, name)
+        axes.set_ylabel(f"{label} [{unit}]")
     key_axis(panels[-1], found)
-    figure.suptitle(found.attrs["title"] + left_out_note(found.sizes[LINE], MOST_LINES))
-    handles, labels = panels[0].get_legend_handles_labels()
-    if handles:
-        figure.legend(handles, labels, loc="outside lower center", ncols=4, markerscale=3)
+    note = "; lines side by side at each value" if len(lines) > 1 else ""
+    set_title(figure, found.attrs["title"] + note + left_out_note(found.sizes[LINE], MOST_LINES))
+    legends_below(figure, lines_group(found, lines, "radius_peak", dashed=False))
     return figure
 
 
-def _draw_dots(axes: Axes, line: Line, name: str) -> None:
-    values = MILLI * line.data[name].values
-    place = np.repeat(line.data[str(line.data.attrs["along"])].values, values.shape[1])
+def _draw_marks(axes: Axes, line: Line, place: Array, scale: float, name: str) -> None:
+    values = scale * line.data[name].values
     axes.plot(
-        place,
+        np.repeat(place, values.shape[1]),
         values.ravel(),
-        ".",
+        line.mark,
         color=line.colour,
-        markersize=3.0,
+        markersize=DOT,
         markeredgewidth=0.0,
         rasterized=values.size > LONG_LINE,
-        label=line.label or None,
     )

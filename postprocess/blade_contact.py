@@ -40,6 +40,15 @@ CLASS_COLOURS: Mapping[str, str] = {
     "free": COLOURS["rest"],
 }
 
+CLASS_HATCHES: Mapping[str, str] = {"permanent": "////", "intermittent": "....", "free": ""}
+
+CLASS_MARKS: Mapping[str, tuple[str, bool]] = {
+    "permanent": ("s", True),
+    "intermittent": ("D", True),
+    "free": ("o", False),
+}
+"""Mark of each class, and whether it is filled."""
+
 
 def contact_maps(dataset: xr.Dataset, columns: int = COLUMNS) -> xr.Dataset:
     """Gaps and forces of every blade in up to that many equal spans of time.
@@ -172,6 +181,8 @@ def plot_forces(maps: xr.Dataset) -> Figure:
 def plot_contact_classes(classes: xr.Dataset) -> Figure:
     """Draw the share of the time each blade is in contact, coloured by class.
 
+    A mark of its class ends every bar, so that the smallest shares are seen too.
+
     Args:
         classes: from `contact_classes`.
     """
@@ -182,9 +193,10 @@ def plot_contact_classes(classes: xr.Dataset) -> Figure:
         own = classes["contact_class"].values == name
         axes.bar(blade[own], share[own], color=colour)
         label = f"{name}: {np.count_nonzero(own)}"
-        axes.plot([], [], "s", color=colour, label=label)
-        if name == "free" and own.any():  # a bar of no height would not be seen
-            axes.plot(blade[own], share[own], "o", color=colour, markersize=2.5, clip_on=False)
+        mark, filled = CLASS_MARKS[name]
+        (marks,) = axes.plot(blade[own], share[own], mark, color=colour, zorder=3, label=label)
+        marks.set(markersize=3.0, markerfacecolor=colour if filled else "white")
+        marks.set_clip_on(not own.any())  # unclipped, a line of no points takes room
     axes.set(xlabel="blade", ylabel="time in contact [%]", ylim=(0, 100))
     axes.set_xlim(-0.7, len(blade) - 0.3)
     axes.locator_params(axis="x", integer=True)

@@ -7,6 +7,7 @@ show are kept, so that the map of a sweep of any size takes the same memory.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -17,19 +18,21 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from bladewhirl.postprocess.fields import Array, IntArray
+from bladewhirl.postprocess.legends import Group, legends_below, set_title
 from bladewhirl.postprocess.orbits import MILLI
 from bladewhirl.postprocess.style import COLOURS, SEQUENTIAL, styled
 from bladewhirl.postprocess.sweep_drawing import (
     MOST_PANELS,
     chosen,
-    is_wide,
-    key_axis,
+    label_outer,
     left_out_note,
-    line_label,
     panel_grid,
+    panel_titles,
+    panels_note,
 )
 from bladewhirl.postprocess.sweep_quantities import LINE, along, cell_edges
 from bladewhirl.postprocess.sweep_result import swept
+from bladewhirl.postprocess.swept_axes import in_handy_units, is_wide, key_axis
 
 MOST_COLUMNS = 1000
 """Columns of a map at most: of more points, neighbours share one."""
@@ -43,6 +46,8 @@ DECADES = 4.0
 MARGIN = 1.15
 """How far a map goes beyond the outermost line of a rotor mode that it is to show."""
 
+ENGINE_ORDERS = "engine orders"
+
 ORDERS = tuple(order for order in range(-4, 5) if order != 0)
 """Engine orders that have lines; the zeroth is the axis."""
 
@@ -52,6 +57,13 @@ LINES: Mapping[str, tuple[str, bool]] = {
     "casing k=1": (COLOURS["casing"], False),
 }
 """Modes that have lines in a map: colour, and whether the map is made to reach them."""
+
+MODE_DASHES: Mapping[str, Any] = {
+    "suspension": (0, (7, 2)),
+    "1F k=1": (0, (3, 1.5)),
+    "casing k=1": (0, (5, 1.5, 1.2, 1.5)),
+}
+"""Of the lines of modes: told apart without colour, and from the dots of engine orders."""
 
 OUTLINE = [withStroke(linewidth=1.6, foreground="black")]
 """Around white lines and letters, which stand on every colour of a map."""
@@ -169,14 +181,19 @@ def _amplitudes(one: xr.Dataset, key: str, column: IntArray, inside: slice) -> A
 def plot_frequency_map(maps: xr.Dataset) -> Figure:
     """Draw maps from `frequency_map`: amplitude over the swept key and signed frequency.
 
-    Dotted lines are engine orders, dashed ones modes. Points without a result are left white.
+    Dotted lines are engine orders, dashed ones modes, of which the legend names those that are
+    seen. Points without a result are left white.
     """
+    maps = in_handy_units(maps)
     amplitude = MILLI * maps["amplitude"].values
     top = np.nanmax(amplitude, initial=0.0) or 1.0
-    count = maps.sizes[LINE]
+    count, titles = maps.sizes[LINE], panel_titles(maps)
     figure, panels = panel_grid(count, height=0.1 if count == 1 else 0.07)
     for number, axes in enumerate(panels):
         picture = _draw_map(axes, maps.isel({LINE: number}), top)
+        axes.set_title(titles[number])
+        key_axis(axes, maps, cells=True, share=0.9 if count < 4 else 0.55)
+    label_outer(panels)
     figure.colorbar(picture, ax=list(panels), label="amplitude of the shaft [mm]", pad=0.01)
     unit = "/ reference frequency" if maps["frequency"].attrs["units"] == "1" else "[Hz]"
     label = f"frequency {unit}, forward positive"
@@ -185,9 +202,14 @@ def plot_frequency_map(maps: xr.Dataset) -> Figure:
     else:
         figure.supylabel(label, fontsize="medium")
     note = left_out_note(int(maps.attrs["lines"]), MOST_PANELS)
-    figure.suptitle(maps.attrs["title"] + note)
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    set_title(figure, maps.attrs["title"] + note + panels_note(maps, "panels"))
+    named = {
+        name: handle
+        for axes in panels
+        for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    names = [name for name in (*LINES, ENGINE_ORDERS) if name in named]
+    legends_below(figure, Group([(named[name], name) for name in names]))
     return figure
 
 
@@ -206,22 +228,19 @@ def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
         rasterized=True,
     )
     limit = float(np.abs(heights).max())
-    key_axis(axes, one)
     axes.set(xlim=edges[[0, -1]], ylim=(-limit, limit))
-    axes.label_outer()
     axes.grid(False)
     # Lines go on where a point has no result.
     one = one.isel({key: np.flatnonzero(np.isfinite(one["engine_order"][:, 0].values))})
     place = one[key].values
     for name, (colour, _) in LINES.items():
         backward, forward = one["mode_line"].sel(mode=name).transpose("direction", key).values
-        axes.plot(place, backward, "--", color=colour, label=name)
-        axes.plot(place, forward, "--", color=colour)
+        for level in (backward, forward):
+            if np.nanmin(np.abs(level), initial=np.inf) <= limit:
+                axes.plot(place, level, linestyle=MODE_DASHES[name], color=colour, label=name)
     for order in ORDERS:
         _draw_order(axes, place, one["engine_order"].sel(order=order).values, order, limit)
-    axes.plot([], [], color="grey", linestyle=":", linewidth=0.8, label="engine orders")
-    if label := line_label(one):
-        axes.set_title(label)
+    axes.plot([], [], color="grey", linestyle=":", linewidth=0.8, label=ENGINE_ORDERS)
     return picture
 
 

@@ -51,7 +51,7 @@ FREQUENCIES: Mapping[str, FigureWords] = {
     "spectrum": FigureWords(
         title="Spectrum, rotating frame",
         caption="Amplitude of the shaft [mm] over frequency [Hz], forward to the right, over the "
-        "last third, as the rotor sees it. Dashed: modes of one nodal diameter, which move the "
+        "last third, as the rotor sees it. Broken: modes of one nodal diameter, which move the "
         "shaft; a peak on such a line is that mode.",
     ),
     "spectrum-static": FigureWords(
@@ -125,7 +125,7 @@ SWEEP: Mapping[str, FigureWords] = {
     "frequency-map": FigureWords(
         title="Frequency map, to print",
         caption="Amplitude of the shaft [mm] over the swept key and frequency, rotating frame, "
-        "forward upwards, with engine orders (dotted) and modes of one nodal diameter (dashed).",
+        "forward upwards, with engine orders (dotted) and modes of one nodal diameter (broken).",
         wide=True,
     ),
     "shaft-radius": FigureWords(
@@ -143,7 +143,7 @@ SWEEP: Mapping[str, FigureWords] = {
     "contact-phase": FigureWords(
         title="Shaft against contact",
         caption="By how much the shaft leads the contact [°] over the last third: near 0° "
-        "standard, near 180° inverted scenario.",
+        "standard, near 180° inverted scenario. Points at which nothing touches have no mark.",
         wide=True,
     ),
     "contact-classes": FigureWords(
@@ -166,7 +166,8 @@ SWEEP: Mapping[str, FigureWords] = {
     ),
     MAPS: FigureWords(
         title="Maps over two keys",
-        caption="Regime, largest displacement [mm] and growth rate [1/s] over the swept keys.",
+        caption="Regime, largest displacement [mm] and growth rate [1/s] over the swept keys. "
+        "Crossed out: growth rates within two standard errors of zero.",
         wide=True,
     ),
 }

@@ -12,6 +12,7 @@ from bladewhirl.postprocess.stage_look import (
     ARROW_WIDTH,
     BACKGROUND,
     CONTACT_DISC,
+    EDGE,
     FAINT,
     FORCE_COLOUR,
     HUB,
@@ -22,6 +23,7 @@ from bladewhirl.postprocess.stage_look import (
     MASS_COLOUR,
     NO_VALUE,
     OUTLINE,
+    RIM,
     SQUARE,
     strokes_of,
 )
@@ -54,10 +56,19 @@ class StageScene:
             corners = ribbon.values.size
             self._outlines.append(self._add(corners, quads, layer=0, color=INK))
             self._ribbons.append(self._add(corners, quads, layer=1))
-        self._strokes = {
-            name: self._add(4 * len(strokes), _stroke_quads(len(strokes)), layer=2, color=colour)
-            for name, _, colour, strokes in strokes_of(first.symbols)
-        }
+        # Strokes have light edges: they cross parts of any colour.
+        self._edges, self._strokes = (
+            {
+                name: self._add(
+                    4 * len(strokes),
+                    _stroke_quads(len(strokes)),
+                    layer=layer,
+                    color=shade or colour,
+                )
+                for name, _, colour, strokes in strokes_of(first.symbols)
+            }
+            for layer, shade in ((1.7, BACKGROUND), (2, ""))
+        )
         blades: IntArray = np.arange(len(first.tips))[:, None]
         disc = disc_triangles(1)
         masses = len(first.symbols.masses)
@@ -65,8 +76,12 @@ class StageScene:
             self._add(masses * DISC_CORNERS, disc_triangles(masses), layer=layer, color=colour)
             for layer, colour in ((3, INK), (4, MASS_COLOUR))
         ]
-        self._hub, self._mark = (
-            self._add(DISC_CORNERS, disc, layer=5, color=INK, shown=marks) for _ in range(2)
+        (self._hub_rim, self._hub), (self._mark_rim, self._mark) = (
+            [
+                self._add(DISC_CORNERS, disc, layer=layer, color=colour, shown=marks)
+                for layer, colour in ((5, BACKGROUND), (5.5, INK))
+            ]
+            for _ in range(2)
         )
         self._discs = self._add(
             blades.size * DISC_CORNERS, disc_triangles(blades.size), layer=6, color=FORCE_COLOUR
@@ -90,11 +105,17 @@ class StageScene:
             _move(mesh, ribbon.sides)
             mesh.point_data["value"][:] = self.drawing.colouring.scale * ribbon.values.ravel()
         for name, width, _, strokes in strokes_of(picture.symbols):
+            _move(self._edges[name], stroke_corners(strokes, (width + 2 * EDGE) * self._size))
             _move(self._strokes[name], stroke_corners(strokes, width * self._size))
         for mesh, share in zip(self._masses, (MASS + OUTLINE, MASS), strict=True):
             _move(mesh, picture.symbols.masses[:, None] + share * circle)
-        _move(self._hub, picture.shaft + HUB * circle)
-        _move(self._mark, picture.mark + MARK * circle)
+        for mesh, middle, share in (
+            (self._hub_rim, picture.shaft, HUB + RIM),
+            (self._hub, picture.shaft, HUB),
+            (self._mark_rim, picture.mark, MARK + RIM),
+            (self._mark, picture.mark, MARK),
+        ):
+            _move(mesh, middle + share * circle)
         touching = np.any(picture.forces, axis=1)[:, None, None]
         _move(self._discs, picture.tips[:, None] + CONTACT_DISC * touching * circle)
         width = ARROW_WIDTH * self._size
@@ -138,7 +159,7 @@ class StageScene:
         self,
         points: int,
         *faces: IntArray,
-        layer: int,
+        layer: float,
         color: str | None = None,
         shown: bool = True,
     ) -> pyvista.PolyData:

@@ -54,6 +54,14 @@ LINE_COLOURS: Mapping[str, str] = {
     ORDER: COLOURS["rest"],
 }
 
+LINE_DASHES: Mapping[str, Any] = {
+    FIRST_FAMILY: (0, (3, 2)),
+    SUSPENSION: (0, (8, 3)),
+    "casing": (0, (6, 2, 1.2, 2)),
+    ORDER: ":",
+}
+"""Told apart without colour."""
+
 
 def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
     """Frequencies at which modes that can move the shaft are seen in a frame [rad/s].
@@ -206,7 +214,7 @@ def plot_spectrum(spectrum: xr.Dataset, lines: xr.DataArray) -> Figure:
     axes.set_title(
         f"{spectrum.attrs['frame']} frame, {spectrum.attrs['window']}\n{speed_label(spectrum)}"
     )
-    figure.legend(loc="outside lower center", ncols=4)
+    figure.legend(loc="outside lower center", ncols=4, handlelength=2.6)
     return figure
 
 
@@ -239,7 +247,7 @@ def plot_spectrogram(spectrogram: xr.Dataset, lines: xr.DataArray) -> Figure:
     frame, slice_length = spectrogram.attrs["frame"], 1e3 * spectrogram.attrs["slice"]
     axes.set_title(f"{frame} frame, slices of {slice_length:.3g} ms\n{speed_label(spectrogram)}")
     figure.colorbar(picture, ax=axes, label="amplitude [mm]")
-    figure.legend(loc="outside lower center", ncols=4)
+    figure.legend(loc="outside lower center", ncols=4, handlelength=2.6)
     return figure
 
 
@@ -261,7 +269,7 @@ def _draw_lines(axes: Axes, lines: xr.DataArray, draw: Any) -> None:
         draw(
             _hertz(value),
             color=LINE_COLOURS[mode],
-            linestyle=":" if mode == ORDER else (0, (4, 6)),
+            linestyle=LINE_DASHES[mode],
             linewidth=1.6 if mode == ORDER else 0.9,
             label=f"_{mode}" if mode in named else mode,
         )

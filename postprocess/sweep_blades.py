@@ -6,18 +6,15 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.blade_contact import CLASS_COLOURS, PERMANENT
+from bladewhirl.postprocess.blade_contact import CLASS_COLOURS, CLASS_HATCHES, PERMANENT
+from bladewhirl.postprocess.legends import Group, legends_below, set_title
 from bladewhirl.postprocess.style import FULL_WIDTH, SEQUENTIAL, new_figure, styled
-from bladewhirl.postprocess.sweep_drawing import (
-    chosen,
-    is_wide,
-    key_axis,
-    left_out_note,
-    line_label,
-)
+from bladewhirl.postprocess.sweep_drawing import chosen, left_out_note, panel_titles, panels_note
 from bladewhirl.postprocess.sweep_quantities import LINE, along, cell_edges
+from bladewhirl.postprocess.swept_axes import in_handy_units, is_wide, key_axis
 
 MOST_ROWS = 4
 """Lines in a figure that has a row for each."""
@@ -52,11 +49,14 @@ def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 @styled
 def plot_blade_contacts(found: xr.Dataset) -> Figure:
-    """Draw each blade's share of the time in contact, and the numbers of blades of each class.
+    """Draw each blade's share of the time in contact, grey where it is none, and the
+    numbers of blades of each class.
 
     Args:
         found: from `blade_contacts`.
     """
+    found = in_handy_units(found)
+    titles = panel_titles(found)
     shown = chosen(found.sizes[LINE], MOST_ROWS)
     figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.05 * len(shown))
     figure.set_layout_engine("constrained", wspace=0.08)
@@ -65,14 +65,15 @@ def plot_blade_contacts(found: xr.Dataset) -> Figure:
         one = found.isel({LINE: number})
         picture = _draw_shares(left, one)
         _draw_counts(right, one)
-        if label := line_label(one):
-            left.set_title(label)
+        if titles[number]:
+            left.set_title(titles[number], loc="left")
     for axes in rows[-1]:
-        key_axis(axes, found)
+        key_axis(axes, found, cells=True, share=0.5)
     figure.colorbar(picture, ax=rows[:, 0].tolist(), label="time in contact [%]", pad=0.02)
-    figure.suptitle(found.attrs["title"] + left_out_note(found.sizes[LINE], MOST_ROWS))
-    handles, labels = rows[0, 1].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    note = left_out_note(found.sizes[LINE], MOST_ROWS) + panels_note(found, "rows")
+    set_title(figure, found.attrs["title"] + note)
+    entries = zip(*rows[0, 1].get_legend_handles_labels(), strict=True)
+    legends_below(figure, Group(list(entries)))
     return figure
 
 
@@ -82,10 +83,19 @@ def _draw_shares(axes: Axes, one: xr.Dataset) -> QuadMesh:
     blades = np.arange(one.sizes["blade"] + 1) - 0.5
     share = 100 * one["late_contact_share"].values.T
     axes.grid(False)
-    axes.set(xlim=edges[[0, -1]], ylabel="blade")
+    axes.set(ylabel="blade")
     axes.locator_params(axis="y", integer=True)
+    free = np.ma.masked_not_equal(share, 0.0)
+    grey = ListedColormap([CLASS_COLOURS["free"]])
+    axes.pcolormesh(edges, blades, free, cmap=grey, rasterized=True)
     return axes.pcolormesh(
-        edges, blades, share, cmap=SEQUENTIAL, vmin=0.0, vmax=100.0, rasterized=True
+        edges,
+        blades,
+        np.ma.masked_equal(share, 0.0),
+        cmap=SEQUENTIAL,
+        vmin=0.0,
+        vmax=100.0,
+        rasterized=True,
     )
 
 
@@ -96,7 +106,18 @@ def _draw_counts(axes: Axes, one: xr.Dataset) -> None:
     below = np.zeros(len(place))
     for name, colour in CLASS_COLOURS.items():
         count = one[name].fillna(0.0).values
-        axes.bar(edges[:-1], count, np.diff(edges), below, align="edge", color=colour, label=name)
+        axes.bar(
+            edges[:-1],
+            count,
+            np.diff(edges),
+            below,
+            align="edge",
+            color=colour,
+            hatch=CLASS_HATCHES[name],
+            edgecolor="white",
+            linewidth=0.0,
+            label=name,
+        )
         below = below + count
     axes.set(ylabel="blades", ylim=(0, one.sizes["blade"]))
     axes.locator_params(axis="y", integer=True)

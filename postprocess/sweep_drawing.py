@@ -1,4 +1,4 @@
-"""What the figures of sweeps have in common: axes, names of lines, colours of regimes, panels."""
+"""What the figures of sweeps have in common: looks and names of lines, regimes, panels."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-from bladewhirl.postprocess.fields import Array
+from bladewhirl.postprocess.legends import Group
 from bladewhirl.postprocess.style import COLOURS, FULL_WIDTH, SEQUENTIAL, new_figure
 from bladewhirl.postprocess.sweep_quantities import LINE
 
@@ -21,8 +22,8 @@ MOST_LINES = 8
 MOST_PANELS = 6
 """Panels of a figure that has one for each line."""
 
-WIDE_RANGE = 50.0
-"""Ratio of the largest to the smallest value of a key from which its axis is logarithmic."""
+KEY_PARTS = 2
+"""Last parts of a key that say what it is: casing.clearance."""
 
 REGIME_COLOURS: Mapping[str, str] = {
     "no-contact": COLOURS["rest"],
@@ -39,6 +40,25 @@ REGIME_MARKS: Mapping[str, str] = {
     "divergent": "^",
 }
 
+DASHES: Sequence[Any] = (
+    "-",
+    (0, (4, 1.5)),
+    (0, (1.2, 1.2)),
+    (0, (6, 1.5, 1.5, 1.5)),
+    (0, (8, 3)),
+    (0, (4, 1, 1, 1, 1, 1)),
+    (0, (2.5, 2.5)),
+    (0, (1, 3)),
+)
+"""Of lines in turn."""
+
+MARKS = ("o", "s", "D", "^", "v", "P", "X", "h")
+"""Of the points of lines in turn, where marks don't tell something else."""
+
+WIDTHS, SIZES = (2.6, 0.9), (7.0, 2.8)
+"""Width of the first and the last line, and size of their marks [points]: earlier ones are larger,
+so that they are seen below later ones that coincide with them."""
+
 
 class Line(NamedTuple):
     """One line of points, and how it is drawn."""
@@ -46,17 +66,75 @@ class Line(NamedTuple):
     data: xr.Dataset
     colour: Any
     label: str  #: values of the other keys; empty where there are none
+    dash: Any
+    mark: str
+    width: float  #: [points]
+    size: float  #: of marks [points]
 
 
 def lines_of(data: xr.Dataset) -> Iterator[Line]:
-    """The lines that a figure shows: `MOST_LINES` at most, evenly chosen."""
-    count = data.sizes[LINE]
-    shown = chosen(count, MOST_LINES)
-    shades = matplotlib.colormaps[SEQUENTIAL](np.linspace(0.0, 0.85, len(shown)))
-    colours = [COLOURS["rotor"]] if len(shown) == 1 else list(shades)
-    for number, colour in zip(shown, colours, strict=True):
-        one = data.isel({LINE: number})
-        yield Line(one, colour, line_label(one))
+    """The lines that a figure shows: `MOST_LINES` at most, evenly chosen.
+
+    They differ in colour, dashes, mark and size.
+    """
+    shown = chosen(data.sizes[LINE], MOST_LINES)
+    count, labels = len(shown), line_values(data)
+    shades = matplotlib.colormaps[SEQUENTIAL](np.linspace(0.0, 0.85, count))
+    widths, sizes = (np.linspace(*ends, count) for ends in (WIDTHS, SIZES))
+    for place, number in enumerate(shown):
+        yield Line(
+            data=data.isel({LINE: number}),
+            colour=COLOURS["rotor"] if count == 1 else shades[place],
+            label=labels[number],
+            dash=DASHES[place],
+            mark=MARKS[place],
+            width=1.0 if count == 1 else float(widths[place]),
+            size=3.5 if count == 1 else float(sizes[place]),
+        )
+
+
+def lines_group(
+    data: xr.Dataset,
+    lines: Sequence[Line],
+    name: str,
+    *,
+    dashed: bool = True,
+    marked: bool = True,
+) -> Group:
+    """Entries of a legend for lines; there are none where a figure has one line only.
+
+    Args:
+        data: that the lines are of.
+        lines: from `lines_of`.
+        name: of the variable that is drawn; a line that has no value of it says so.
+        dashed: the lines are drawn as such, not by their points only.
+        marked: points have the marks of their lines.
+    """
+    if len(lines) == 1:
+        return Group([])
+    entries: list[tuple[Line2D, str]] = []
+    for line in lines:
+        drawn = Line2D(
+            [],
+            [],
+            color=line.colour,
+            linestyle=line.dash if dashed else "none",
+            linewidth=line.width,
+            marker=line.mark if marked else "none",
+            markersize=line.size,
+        )
+        some = bool(np.isfinite(line.data[name].values).any())
+        entries.append((drawn, line.label if some else f"{line.label}: no point"))
+    return Group(entries, line_keys(data))
+
+
+def mark_entry(
+    mark: str, label: str, *, filled: bool = True, colour: str = COLOURS["rotor"]
+) -> tuple[Line2D, str]:
+    """Entry of a legend for a mark."""
+    face = colour if filled else "white"
+    drawn = Line2D([], [], color=colour, marker=mark, mfc=face, linestyle="none", markersize=4.0)
+    return drawn, label
 
 
 def chosen(count: int, most: int) -> list[int]:
@@ -73,49 +151,78 @@ def left_out_note(count: int, most: int) -> str:
 def line_label(one: xr.Dataset) -> str:
     """Values of the other keys of a line, in words."""
     return ", ".join(
-        f"{values.attrs.get('long_name', name)} = {float(values):.4g}{_unit(values)}"
+        f"{values.attrs.get('long_name', name)} = {_amount(float(values), values)}"
         for name, values in one.coords.items()
         if values.ndim == 0 and "long_name" in values.attrs
     )
 
 
-def _unit(values: xr.DataArray) -> str:
+def line_keys(data: xr.Dataset) -> str:
+    """The other keys, whose values `line_values` gives; empty where there are none."""
+    return ", ".join(
+        ".".join(str(values.attrs["long_name"]).split(".")[-KEY_PARTS:])
+        for values in _other_keys(data)
+    )
+
+
+def line_values(data: xr.Dataset) -> list[str]:
+    """Values of the other keys of each line with their units, in the order of `line_keys`."""
+    keys = _other_keys(data)
+    return [
+        ", ".join(_amount(float(values[number]), values) for values in keys)
+        for number in range(data.sizes[LINE])
+    ]
+
+
+def panel_titles(data: xr.Dataset) -> list[str]:
+    """Title of a panel for each line: the name of one other key and its value; of several, of
+    which `panels_note` gives the names, the values only.
+    """
+    if len(_other_keys(data)) > 1:
+        return line_values(data)
+    return [line_label(data.isel({LINE: number})) for number in range(data.sizes[LINE])]
+
+
+def panels_note(data: xr.Dataset, what: str) -> str:
+    """What a figure's title says of its panels ("panels", "rows"); see `panel_titles`."""
+    return f"\n{what}: {line_keys(data)}" if len(_other_keys(data)) > 1 else ""
+
+
+def _other_keys(data: xr.Dataset) -> list[xr.DataArray]:
+    return [
+        values
+        for values in data.coords.values()
+        if values.dims == (LINE,) and "long_name" in values.attrs
+    ]
+
+
+def _amount(value: float, values: xr.DataArray) -> str:
     units = str(values.attrs.get("units", "1"))
-    return "" if units == "1" else f" {units}"
-
-
-def key_axis(axes: Axes, data: xr.Dataset, *, of_y: bool = False, key: str = "") -> None:
-    """Label an axis with a swept key, and make it logarithmic where its values ask for it."""
-    values = data[key or str(data.attrs["along"])]
-    scale = "log" if is_wide(values.values) else "linear"
-    if of_y:
-        axes.set(ylabel=key_label(values), yscale=scale)
-    else:
-        axes.set(xlabel=key_label(values), xscale=scale)
-
-
-def is_wide(values: Array) -> bool:
-    """Whether values are better seen on a logarithmic axis."""
-    return bool(np.min(values) > 0 and np.max(values) >= WIDE_RANGE * np.min(values))
-
-
-def key_label(values: xr.DataArray) -> str:
-    """Name of a swept key with its unit."""
-    name, units = str(values.attrs["long_name"]), str(values.attrs["units"])
-    if name == "march.speed" and units == "1":
-        return "speed Ω / reference frequency"
-    return name if units == "1" else f"{name} [{units}]"
+    return f"{value:.4g}" if units == "1" else f"{value:.4g} {units}"
 
 
 def panel_grid(count: int, *, height: float) -> tuple[Figure, Sequence[Axes]]:
-    """A figure of so many panels with none left empty: two columns where that comes out even.
+    """A figure of so many panels, in two columns from four on, the last place free if need be.
 
     Args:
         count: of panels, 1 to `MOST_PANELS`.
         height: of a panel [m].
     """
-    columns = 2 if count >= 4 and count % 2 == 0 else 1
-    rows = count // columns
+    columns = 2 if count >= 4 else 1
+    rows = -(-count // columns)
     figure = new_figure(width=FULL_WIDTH, height=height * rows)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    return figure, [axes for row in grid for axes in row]
+    panels = [axes for row in grid for axes in row]
+    for spare in panels[count:]:
+        spare.remove()
+    return figure, panels[:count]
+
+
+def label_outer(panels: Sequence[Axes]) -> None:
+    """Leave labels to the panels of `panel_grid` that have no other one below or to the left."""
+    columns = 2 if len(panels) >= 4 else 1
+    for number, axes in enumerate(panels):
+        below, left = number + columns >= len(panels), number % columns == 0
+        axes.tick_params(labelbottom=below, labelleft=left)
+        if not below:
+            axes.set_xlabel("")

@@ -11,17 +11,20 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from bladewhirl.postprocess.energies import FIRST_FAMILY, PLOT_DECADES
+from bladewhirl.postprocess.legends import Group, legends_below, set_title
 from bladewhirl.postprocess.style import COLOURS, FULL_WIDTH, SEQUENTIAL, new_figure, styled
 from bladewhirl.postprocess.sweep_blades import MOST_ROWS
 from bladewhirl.postprocess.sweep_drawing import (
+    DASHES,
+    MARKS,
     chosen,
-    is_wide,
-    key_axis,
     left_out_note,
-    line_label,
+    panel_titles,
+    panels_note,
 )
 from bladewhirl.postprocess.sweep_quantities import LINE, along, cell_edges
 from bladewhirl.postprocess.sweep_result import GROUP
+from bladewhirl.postprocess.swept_axes import in_handy_units, is_wide, key_axis
 
 DIAMETER = "nodal_diameter"
 
@@ -68,6 +71,8 @@ def plot_point_energies(found: xr.Dataset) -> Figure:
     Args:
         found: from `point_energies`.
     """
+    found = in_handy_units(found)
+    titles = panel_titles(found)
     shown = chosen(found.sizes[LINE], MOST_ROWS)
     top = float(found["total"].max()) or 1.0
     floor = top * 10**-PLOT_DECADES
@@ -80,14 +85,15 @@ def plot_point_energies(found: xr.Dataset) -> Figure:
         left.set_yscale("log")
         left.set(ylim=(floor, 3 * top), ylabel="strain energy [J]")
         picture = _draw_diameters(right, one, floor, top)
-        if label := line_label(one):
-            left.set_title(label)
+        if titles[number]:
+            left.set_title(titles[number], loc="left")
     for axes in rows[-1]:
-        key_axis(axes, found)
+        key_axis(axes, found, cells=True, share=0.5)
     figure.colorbar(picture, ax=rows[:, 1].tolist(), label=f"{FIRST_FAMILY} [J]", pad=0.02)
-    figure.suptitle(found.attrs["title"] + left_out_note(found.sizes[LINE], MOST_ROWS))
-    handles, labels = rows[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=6)
+    note = left_out_note(found.sizes[LINE], MOST_ROWS) + panels_note(found, "rows")
+    set_title(figure, found.attrs["title"] + note)
+    entries = zip(*rows[0, 0].get_legend_handles_labels(), strict=True)
+    legends_below(figure, Group(list(entries)))
     return figure
 
 
@@ -104,14 +110,15 @@ def _draw_lines(axes: Axes, one: xr.Dataset) -> None:
     lines += [(f"{FIRST_FAMILY}, k = {k}", f"k = {k}", of(diameter == k)) for k in (0, 1)]
     lines += [(f"{FIRST_FAMILY}, other k", "other k", of(diameter > 1))]
     lines += [("rest", "rest", one["rest"].values)]
-    for label, colour, energy in lines:
+    for (label, colour, energy), dash, mark in zip(lines, DASHES, MARKS, strict=False):
         axes.plot(
             place,
             np.where(energy > 0, energy, np.nan),
-            ".-",
+            linestyle=dash,
+            marker=mark,
             color=COLOURS[colour],
             linewidth=2.0 if label == "total" else 1.0,
-            markersize=3,
+            markersize=4.5 if label == "total" else 3,
             label=label,
         )
 
@@ -122,7 +129,7 @@ def _draw_diameters(axes: Axes, one: xr.Dataset, floor: float, top: float) -> Qu
     diameters = one[DIAMETER].values
     energy = one["first_family"].values.T
     axes.grid(False)
-    axes.set(xlim=edges[[0, -1]], ylabel="nodal diameter k")
+    axes.set(ylabel="nodal diameter k")
     axes.locator_params(axis="y", integer=True)
     return axes.pcolormesh(
         edges,

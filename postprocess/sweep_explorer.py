@@ -14,8 +14,9 @@ from bladewhirl.postprocess.frequency_map import DECADES, LINES
 from bladewhirl.postprocess.orbits import MILLI
 from bladewhirl.postprocess.report_page import Explorer
 from bladewhirl.postprocess.style import SEQUENTIAL
-from bladewhirl.postprocess.sweep_drawing import REGIME_COLOURS, is_wide, key_label, line_label
+from bladewhirl.postprocess.sweep_drawing import REGIME_COLOURS, line_label
 from bladewhirl.postprocess.sweep_quantities import LINE, cell_edges
+from bladewhirl.postprocess.swept_axes import in_handy_units, is_wide, key_label
 
 if TYPE_CHECKING:
     pass
@@ -30,9 +31,16 @@ SYMBOLS: Mapping[str, str] = {
     "divergent": "triangle-up",
 }
 
+MODE_DASHES: Mapping[str, str] = {
+    "suspension": "longdash",
+    "1F k=1": "dash",
+    "casing k=1": "dashdot",
+}
+"""Of the lines of modes."""
+
 MAP_CAPTION = (
     "Amplitude of the shaft [mm] over the swept key and frequency, forward upwards, rotating "
-    "frame, as colour on a logarithmic scale; dotted: engine orders, dashed: modes of one nodal "
+    "frame, as colour on a logarithmic scale; dotted: engine orders, broken: modes of one nodal "
     "diameter. Point at it for the numbers, drag to zoom in, double-click to see all, click names "
     "to hide lines. Look for a band that leaves an engine order and locks onto a mode."
 )
@@ -57,6 +65,7 @@ def frequency_explorer(maps: xr.Dataset) -> Explorer:
     """
     import plotly.graph_objects as go
 
+    maps = in_handy_units(maps)
     in_multiples = maps["frequency"].attrs["units"] == "1"
     unit = "/ reference frequency" if in_multiples else "[Hz]"
     top = np.log10(np.nanmax(MILLI * maps["amplitude"].values, initial=0.0) or 1.0)
@@ -98,6 +107,7 @@ def points_explorer(points: xr.Dataset) -> Explorer:
     """
     import plotly.graph_objects as go
 
+    points = in_handy_units(points)
     key = points[str(points.attrs["along"])]
     flat = _flat(points)
     traces = [
@@ -143,6 +153,7 @@ def regime_explorer(points: xr.Dataset, other: str) -> Explorer:
     """
     import plotly.graph_objects as go
 
+    points = in_handy_units(points)
     key = points[str(points.attrs["along"])]
     names = list(REGIME_COLOURS)
     code = np.full(points["regime"].shape, np.nan)
@@ -243,7 +254,7 @@ def _map_traces(one: xr.Dataset, top: float, *, shown: bool) -> Sequence[Any]:
     for name, (colour, _) in LINES.items():
         for way in ("backward", "forward"):
             level = known["mode_line"].sel(mode=name, direction=way).values
-            look = {"color": colour, "dash": "dash", "width": 1.5}
+            look = {"color": colour, "dash": MODE_DASHES[name], "width": 1.5}
             traces.append(line(level, f"{name}, {way}", name, look, way == "forward"))
     return traces
 
@@ -259,10 +270,11 @@ def _flat(points: xr.Dataset) -> dict[str, Any]:
         for name in ("regime", "growth_rate", "growth_error", "end_time", "touched", "state")
     }
     radius = MILLI * points["shaft_radius_max"].values.ravel()
-    own = str(points[key].attrs["long_name"])
+    own, unit = (str(points[key].attrs[name]) for name in ("long_name", "units"))
+    unit = "" if unit == "1" else f" {unit}"
     words = []
     for number, at in enumerate(place):
-        lines = [f"<b>{column['regime'][number]}</b>", f"{own} = {at:.6g}"]
+        lines = [f"<b>{column['regime'][number]}</b>", f"{own} = {at:.6g}{unit}"]
         lines += filter(None, [names[number // shape[1]]])
         if column["state"][number] != "done":
             lines[0] = f"<b>{column['state'][number]}</b>"

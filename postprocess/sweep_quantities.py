@@ -163,15 +163,20 @@ def contact_sides(dataset: xr.Dataset, key: str) -> xr.Dataset:
         key: dimension to go along.
 
     Returns:
-        over (line, key): `shaft_lead` [rad] and `lead_steadiness`, nan where the shaft moves less
-        than `MOTION` of the clearance; `scenario`, there "at-rest".
+        over (line, key): `shaft_lead` [rad] and `lead_steadiness`; `scenario`. Where no blade
+        touches in that time the scenario is "no-contact", where the shaft moves less than `MOTION`
+        of the clearance it is "at-rest"; the others are nan there.
     """
-    found = along(dataset, key, ["shaft_lead", "lead_steadiness", "scenario", *_MOVING])
+    names = ["shaft_lead", "lead_steadiness", "scenario", "late_contact_share", *_MOVING]
+    found = along(dataset, key, names)
+    known = found["state"] == "done"
     moves = _moves(found)
+    touches = (found["late_contact_share"] > 0).any("blade")
     for name in ("shaft_lead", "lead_steadiness"):
-        found[name] = found[name].where(moves).assign_attrs(found[name].attrs)
-    found["scenario"] = found["scenario"].where(moves | (found["state"] != "done"), "at-rest")
-    return found.drop_vars(_MOVING).assign_attrs(
+        found[name] = found[name].where(moves & touches).assign_attrs(found[name].attrs)
+    scenario = found["scenario"].where(touches | ~known, "no-contact")
+    found["scenario"] = scenario.where(moves | ~known, "at-rest")
+    return found.drop_vars(["late_contact_share", *_MOVING]).assign_attrs(
         title="side of the contact over the last third of each march"
     )
 
