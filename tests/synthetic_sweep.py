@@ -32,7 +32,7 @@ def synthetic_sweep(
     over: Mapping[str, Sequence[float]],
     motions: Sequence[Mapping[str, Any] | xr.Dataset | None],
     *,
-    units: str = "1",
+    units: str | Mapping[str, str] = "1",
 ) -> Path:
     """Write a sweep.
 
@@ -41,13 +41,14 @@ def synthetic_sweep(
         over: swept keys with their values.
         motions: of every point, the last key running fastest: arguments of `synthetic_result`, or
             a result; a point that failed where None.
-        units: of all keys.
+        units: of all keys, or of each.
     """
     axes = tuple(Axis(key=key, values=tuple(values)) for key, values in over.items())
     grid = Grid(axes=axes)
     assert len(motions) == prod(grid.shape)
     folder.mkdir()
-    coordinates = {key: (np.array(values, dtype=float), units) for key, values in over.items()}
+    each = dict.fromkeys(over, units) if isinstance(units, str) else units
+    coordinates = {key: (np.array(values, dtype=float), each[key]) for key, values in over.items()}
     create(folder, grid, coordinates, LAYOUT, {"title": "synthetic"})
     outcomes: dict[int, Outcome] = {}
     for point, motion in enumerate(motions):

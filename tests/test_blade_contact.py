@@ -51,6 +51,18 @@ class TestClasses:
         texts = [text.get_text() for text in legend.get_texts()]
         assert texts == ["permanent: 3", "intermittent: 1", "free: 18"]
 
+    def test_every_blade_has_the_mark_of_its_class(self) -> None:
+        """Those whose share is too small for a bar to be seen, too."""
+        steps = np.zeros((11, 22), dtype=np.int64)
+        steps[1:, :3], steps[1, 3] = STEPS, 1
+        axes = plot_contact_classes(contact_classes(rubbing(steps))).axes[0]
+        marks = {line.get_marker(): line.get_xdata() for line in axes.lines}
+        assert {mark: len(np.asarray(at)) for mark, at in marks.items()} == {
+            "s": 3,
+            "D": 1,
+            "o": 18,
+        }
+
 
 class TestMaps:
     @pytest.mark.parametrize("columns", [1, 7, 100, 1000])

@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike
 from bladewhirl.postprocess.fields import ViewError
 from bladewhirl.postprocess.orbits import Frame, shaft_orbit
 from bladewhirl.postprocess.spectra import (
+    LINE_COLOURS,
+    LINE_DASHES,
     modal_lines,
     plot_spectrogram,
     plot_spectrum,
@@ -124,6 +126,10 @@ class TestFigures:
         assert low < -190 / (2 * np.pi)
         assert high > 190 / (2 * np.pi)
         assert "Hz" in axes.get_xlabel()
+
+    def test_lines_of_modes_differ_without_their_colour(self) -> None:
+        assert LINE_DASHES.keys() == LINE_COLOURS.keys()
+        assert len(set(LINE_DASHES.values())) == len(LINE_DASHES)
 
     def test_a_shaft_at_rest_can_be_drawn(self) -> None:
         result = synthetic.synthetic_result(records=401, shaft_radius=0.0)
