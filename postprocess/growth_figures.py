@@ -8,18 +8,13 @@ from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.energies import strain_energies
 from bladewhirl.postprocess.fields import Array, ViewError
-from bladewhirl.postprocess.regimes import (
-    CERTAINTY,
-    classify,
-    longest_half_period,
-    windowed_amplitude,
-)
+from bladewhirl.postprocess.regimes import CERTAINTY, classify, growth_windows, rate_text
 from bladewhirl.postprocess.style import COLOURS, new_figure, speed_label, styled
 from bladewhirl.postprocess.windows import few_time_ticks
 
 
 def amplitude_growth(dataset: xr.Dataset) -> xr.Dataset:
-    """The amplitude in equal windows, and the exponential fitted to the last third of them.
+    """The amplitude in equal windows, and the exponential fitted to the last of them.
 
     Args:
         dataset: a result, of the time that is wanted.
@@ -27,15 +22,15 @@ def amplitude_growth(dataset: xr.Dataset) -> xr.Dataset:
     Returns:
         over time, the middle of each window [s]: `amplitude`, root of the mean strain energy of
         bladed disk and shaft springs [J^0.5]; `fit` with `low` and `high`, two standard errors of
-        the rate from it, nan before the last third. Attributes `rate` and `error` [1/s], `regime`
-        and `reason`.
+        the rate from it, nan before the windows fitted to, see `regimes.growth_windows`.
+        Attributes `rate` and `error`, its standard error [1/s], `span`, the time fitted over in
+        words, `regime` and `reason`.
 
     Raises:
         ViewError: too short a history to judge growth by, or at rest.
     """
     energy = strain_energies(dataset)["total"].values
-    time = dataset["time"].values
-    windows = windowed_amplitude(time, energy, longest_half_period(dataset))
+    windows = growth_windows(dataset, energy)
     regime = classify(dataset, energy)
     if windows is None or regime.growth is None:
         raise ViewError("too short a history to judge growth, or at rest")
@@ -63,6 +58,7 @@ def amplitude_growth(dataset: xr.Dataset) -> xr.Dataset:
             "title": "amplitude of the bladed disk, and its growth",
             "rate": rate,
             "error": error,
+            "span": regime.growth.span,
             "regime": regime.name,
             "reason": regime.reason,
             "window": windows.length,
@@ -73,7 +69,7 @@ def amplitude_growth(dataset: xr.Dataset) -> xr.Dataset:
 
 @styled
 def plot_growth(growth: xr.Dataset) -> Figure:
-    """Draw the amplitude over time, and over the last third the fitted growth with its band.
+    """Draw the amplitude over time, and over its last windows the fitted growth with its band.
 
     Args:
         growth: from `amplitude_growth`.
@@ -99,7 +95,7 @@ def plot_growth(growth: xr.Dataset) -> Figure:
         linewidth=0,
         label=f"± {CERTAINTY:g} standard errors",
     )
-    axes.plot(time, growth["fit"], color=COLOURS["k = 1"], label="fit, last third")
+    axes.plot(time, growth["fit"], color=COLOURS["k = 1"], label=f"fit, {growth.attrs['span']}")
     largest = float(growth["amplitude"].max())
     if float(growth["amplitude"].min()) > 0 and largest > 10 * float(growth["amplitude"].min()):
         axes.set_yscale("log")
@@ -107,9 +103,7 @@ def plot_growth(growth: xr.Dataset) -> Figure:
         axes.set_ylim(0.0, 1.15 * largest)
     axes.set(xlabel="time [s]", ylabel="root of strain energy [J$^{1/2}$]")
     few_time_ticks(axes)
-    rate, error = growth.attrs["rate"], growth.attrs["error"]
-    axes.set_title(
-        f"{growth.attrs['regime']}, growth rate {rate:.3g} ± {error:.2g} 1/s\n{speed_label(growth)}"
-    )
+    rate = rate_text(growth.attrs["rate"], growth.attrs["error"])
+    axes.set_title(f"{growth.attrs['regime']}, growth rate {rate} 1/s\n{speed_label(growth)}")
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure

@@ -22,13 +22,16 @@ STEADINESS = 0.75  #: least ratio of the growth rates in the second and first ha
 RISE = 1.1  #: least ratio of the last amplitude to the largest before the last third
 CLOSING = 0.01  #: least share of the clearance that a motion called divergent has taken up
 MOST_WINDOWS, FEWEST_WINDOWS = 12, 8  #: windows in the last third
+FEWEST_LAST = 5  #: windows that growth is fitted to where the march ended at its limit
+FEWEST_IN_HALF = 3  #: windows of a half of them; the halves share some where there are so few
 WINDOW_RECORDS = 3  #: fewest records in a window
 RIGID = 1e-6  #: a mode below this share of the highest frequency is rigid to rounding
 
 CRITERION = (
     "divergent: the march ended at its displacement limit, or over the last third of the time "
     "the amplitude (root of the mean strain energy of bladed disk and shaft springs in equal "
-    f"windows) grows by more than {CERTAINTY:g} standard errors of the fitted rate, without "
+    f"windows) grows by more than {CERTAINTY:g} standard errors of the fitted rate (corrected for "
+    "the correlation of neighbouring windows), without "
     f"slowing (rate of the second half, plus {CERTAINTY:g} standard errors, at least "
     f"{STEADINESS:g} of that of the first), ends at {RISE:g} times or more of any window before, "
     f"and takes up at least {CLOSING:.0%} of the clearance; "
@@ -42,22 +45,35 @@ CRITERION = (
 
 @dataclass(frozen=True, kw_only=True)
 class Windows:
-    """The amplitude in equal windows of time, three thirds with as many windows each."""
+    """The amplitude in equal windows of time, the last of them being those growth is fitted to."""
 
     begin: Array  #: of each window [s], (window,)
     length: float  #: of a window [s]
     amplitude: Array  #: root of the mean strain energy in it [J^0.5], (window,)
-    late: int  #: first window of the last third
+    late: int  #: first window that growth is fitted to
+    is_third: bool  #: these are the last third of the time
+
+    @property
+    def span(self) -> str:
+        """The time that growth is fitted over, in words."""
+        begin, end = self.begin[self.late], self.begin[-1] + self.length
+        return "the last third" if self.is_third else f"{begin:.3g} to {end:.3g} s"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Growth:
-    """Exponential growth of the amplitude over the last third of a run."""
+    """Exponential growth of the amplitude over the last windows of a run."""
 
     rate: float  #: fitted to the logarithm of the amplitude; negative in decay [1/s]
-    error: float  #: standard error of that rate [1/s]
-    slows: bool  #: the second half of the third grows clearly less than the first
-    rise: float  #: amplitude of the last window over the largest before the last third
+    error: float  #: standard error of that rate, see `fit_growth` [1/s]
+    slows: bool  #: the second half of these windows grows clearly less than the first
+    rise: float  #: amplitude of the last window over the largest before; inf where none was
+    span: str  #: the time that it is fitted over, in words
+
+    @property
+    def text(self) -> str:
+        """The rate and `CERTAINTY` standard errors of it, in words."""
+        return rate_text(self.rate, self.error)
 
     @property
     def is_significant(self) -> bool:
@@ -84,7 +100,8 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
     """
     time = dataset["time"].values
     touched: NDArray[np.bool_] = np.any(dataset["contact_steps"].values > 0, axis=1)
-    growth = measure_growth(time, strain_energy, longest_half_period(dataset))
+    windows = growth_windows(dataset, strain_energy)
+    growth = fit_growth(windows) if windows else None
     grown = _growth_text(growth)
 
     def regime(name: RegimeName, reason: str) -> Regime:
@@ -92,7 +109,8 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
 
     if dataset.attrs.get("end_reason") == "divergent":
         message = dataset.attrs.get("end_message") or "the march ended at its displacement limit"
-        return regime("divergent", str(message))
+        what = str(message).partition("; ")[0]  # the rest says what to do about it
+        return regime("divergent", f"{what}; {grown}" if growth else what)
     if growth is not None and growth.is_significant and _has_closed(dataset, touched):
         return regime("divergent", grown)
     if not touched.any():
@@ -106,8 +124,8 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
 def windowed_amplitude(time: Array, strain_energy: Array, shortest_window: float) -> Windows | None:
     """Root of the mean strain energy in equal windows; None where growth cannot be judged by it.
 
-    That is a history at rest, one with fewer than eight windows in its last third, or one with
-    fewer than three records in some window.
+    That is a history at rest or beyond all numbers, one with fewer than eight windows in its last
+    third, or one with fewer than three records in some window.
 
     Args:
         time: of the records [s], (time,), ascending.
@@ -121,38 +139,77 @@ def windowed_amplitude(time: Array, strain_energy: Array, shortest_window: float
         return None
     length = third / windows
     edges = time[0] + length * np.arange(3 * windows)
-    first = np.searchsorted(time, edges - 1e-9 * length)
-    counts = np.diff(first, append=len(time))
-    if counts.min() < WINDOW_RECORDS:
-        return None
-    mean = np.add.reduceat(strain_energy, first) / counts
-    if mean[2 * windows :].min() <= 0:
-        return None
-    return Windows(begin=edges, length=length, amplitude=np.sqrt(mean), late=2 * windows)
+    return _averaged(time, strain_energy, edges, length, fitted=windows, is_third=True)
 
 
-def measure_growth(time: Array, strain_energy: Array, shortest_window: float) -> Growth | None:
-    """Fit the growth over the last third of a history; None where it cannot be judged.
+def growth_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
+    """The windows that the growth of a run is fitted to; None where it cannot be judged.
+
+    They are those of `windowed_amplitude`. A march that ended at its displacement limit is often
+    too short for them, and grows fastest: there they are the last ones of the shortest length,
+    eight, or those since the load ended if these are at least five and no more. Under a load that
+    lasts, or too soon after it, they are eight, or at least five, wherever they begin.
 
     Args:
-        time: as `windowed_amplitude` takes it, and so the others.
-        strain_energy: see there.
-        shortest_window: see there.
+        dataset: a result.
+        strain_energy: of the bladed disk with its shaft springs at each record [J], (time,).
     """
-    found = windowed_amplitude(time, strain_energy, shortest_window)
-    if found is None:
+    time, shortest = dataset["time"].values, longest_half_period(dataset)
+    found = windowed_amplitude(time, strain_energy, shortest)
+    if found is not None or dataset.attrs.get("end_reason") != "divergent" or len(time) < 2:
+        return found
+    length = max(shortest, (WINDOW_RECORDS + 1) * float(np.median(np.diff(time))))
+    room = int((time[-1] - time[0]) / length)
+    since_load = int((time[-1] - load_end(dataset)) / length)
+    fitted = min(since_load if since_load >= FEWEST_LAST else room, FEWEST_WINDOWS)
+    if fitted < FEWEST_LAST:
         return None
-    before, last = found.amplitude[: found.late], np.log(found.amplitude[found.late :])
-    rate, error = _fitted_slope(last, found.length)
-    half = len(last) // 2
-    early, _ = _fitted_slope(last[:half], found.length)
-    late, late_error = _fitted_slope(last[-half:], found.length)
+    edges = time[-1] - length * np.arange(room, 0, -1)
+    return _averaged(time, strain_energy, edges, length, fitted=fitted, is_third=False)
+
+
+def fit_growth(windows: Windows) -> Growth:
+    """Fit an exponential to the last windows of a history.
+
+    The standard error is that of a straight line fitted to the logarithms of the amplitudes.
+    Neighbouring windows don't miss the line independently: with the correlation r of a misfit
+    with the next one, n windows count as n (1 - r) / (1 + r) (Santer et al., J. Geophys. Res. 105,
+    2000), so the error is larger by sqrt((1 + r) / (1 - r)); a negative r counts as none. Of so
+    few windows r comes out too small rather than too large; of half of them it says nothing, so
+    whether the growth slows is told by errors without it.
+
+    Args:
+        windows: of the history.
+    """
+    before, last = windows.amplitude[: windows.late], np.log(windows.amplitude[windows.late :])
+    rate, error, factor = _fitted_slope(last, windows.length)
+    half = max(len(last) // 2, FEWEST_IN_HALF)
+    early, _, _ = _fitted_slope(last[:half], windows.length)
+    late, late_error, _ = _fitted_slope(last[-half:], windows.length)
     return Growth(
         rate=rate,
-        error=error,
+        error=error * factor,
         slows=early > 0 and late + CERTAINTY * late_error < STEADINESS * early,
         rise=float(np.exp(last[-1]) / before.max()) if before.any() else float("inf"),
+        span=windows.span,
     )
+
+
+def rate_text(rate: float, error: float) -> str:
+    """A growth rate and `CERTAINTY` standard errors of it, in words; a dash where there is none.
+
+    Args:
+        rate: [1/s]
+        error: its standard error [1/s].
+    """
+    return f"{rate:.3g} ± {CERTAINTY * error:.2g}" if np.isfinite(rate) else "–"
+
+
+def load_end(dataset: xr.Dataset) -> float:
+    """Time from which on the load does no more work [s]; the first record where it does none."""
+    time, work = dataset["time"].values, dataset["external_work"].values
+    working = np.flatnonzero(np.diff(work))
+    return float(time[working[-1] + 1] if len(working) else time[0])
 
 
 def longest_half_period(dataset: xr.Dataset) -> float:
@@ -165,13 +222,43 @@ def longest_half_period(dataset: xr.Dataset) -> float:
     return float(np.pi / elastic.min()) if len(elastic) else float("inf")
 
 
-def _fitted_slope(values: Array, step: float) -> tuple[float, float]:
-    """Slope of a straight line through equally spaced values, and its standard error."""
+def _fitted_slope(values: Array, step: float) -> tuple[float, float, float]:
+    """Slope of a straight line through equally spaced values, and its standard error.
+
+    The error takes the misfits of the values as independent; the third number is what it has to be
+    multiplied by for their correlation, see `fit_growth`.
+    """
     place = step * (np.arange(len(values)) - (len(values) - 1) / 2)
     spread = place @ place
     slope = place @ values / spread
     misfit = values - values.mean() - slope * place
-    return float(slope), float(np.sqrt(misfit @ misfit / (len(values) - 2) / spread))
+    square = float(misfit @ misfit)
+    correlation = max(0.0, float(misfit[:-1] @ misfit[1:]) / square) if square > 0 else 0.0
+    factor = np.sqrt((1 + correlation) / (1 - correlation))
+    return float(slope), float(np.sqrt(square / (len(values) - 2) / spread)), float(factor)
+
+
+def _averaged(
+    time: Array,
+    strain_energy: Array,
+    edges: Array,
+    length: float,
+    *,
+    fitted: int,
+    is_third: bool,
+) -> Windows | None:
+    """The windows that begin at `edges`, the last reaching to the end."""
+    first = np.searchsorted(time, edges - 1e-9 * length)
+    counts = np.diff(first, append=len(time))
+    if counts.min() < WINDOW_RECORDS:
+        return None
+    mean = np.add.reduceat(strain_energy, first) / counts
+    late = len(edges) - fitted
+    if not (mean[late:].min() > 0 and np.isfinite(mean[late:]).all()):
+        return None
+    return Windows(
+        begin=edges, length=length, amplitude=np.sqrt(mean), late=late, is_third=is_third
+    )
 
 
 def _has_closed(dataset: xr.Dataset, touched: NDArray[np.bool_]) -> bool:
@@ -184,7 +271,8 @@ def _growth_text(growth: Growth | None) -> str:
     if growth is None:
         return "whether the motion grows can't be judged: at rest, or too few records or periods"
     slowing = ", slowing" if growth.slows else ""
+    risen = f", its last window {growth.rise:.3g} times the largest before"
     return (
-        f"growth rate of the amplitude {growth.rate:.3g} ± {growth.error:.2g} 1/s over the last "
-        f"third{slowing}, its last window {growth.rise:.3g} times the largest before"
+        f"growth rate of the amplitude {growth.text} 1/s ({CERTAINTY:g} standard errors) over "
+        f"{growth.span}{slowing}{risen if np.isfinite(growth.rise) else ''}"
     )

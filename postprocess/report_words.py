@@ -19,9 +19,9 @@ REGIME: Mapping[str, FigureWords] = {
     "regime": FigureWords(
         title="Amplitude, and its growth",
         caption="Root of the mean strain energy of bladed disk and shaft springs in equal windows "
-        "[J^½], and the exponential fitted to its last third: its rate [1/s], with standard "
-        "error, is what tells growth from ripple. Level: sustained; rising beyond the band: "
-        "divergent.",
+        "[J^½], and the exponential fitted to its last third, or to its last windows where the "
+        "march ended early at its displacement limit: its rate [1/s], ± two standard errors, is "
+        "what tells growth from ripple. Level: sustained; rising beyond the band: divergent.",
     )
 }
 
@@ -119,7 +119,8 @@ SWEEP: Mapping[str, FigureWords] = {
     "regimes": FigureWords(
         title="Regimes and growth rates",
         caption="Above, the regime of every point; below, the growth rate of its amplitude [1/s] "
-        "over the last third with two standard errors. Look for where the rate crosses zero.",
+        "± two standard errors, over the last third, or over its last windows where a march "
+        "ended early at its displacement limit. Look for where the rate crosses zero.",
         wide=True,
     ),
     "frequency-map": FigureWords(

@@ -41,6 +41,8 @@ class Summary:
 
     regime: RegimeName
     regime_criterion: str  #: how regimes are told apart, and what decided here
+    growth_rate: float | None  #: of the amplitude [1/s]; None where it can't be judged
+    growth_rate_error: float | None  #: one standard error of it [1/s]
     end_reason: str  #: "completed", "divergent" or "interrupted"
     end_time: float  #: [s]
     shaft_radius_max: float  #: over the records [m]
@@ -86,6 +88,8 @@ def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary
     return Summary(
         regime=regime.name,
         regime_criterion=f"{regime.criterion}. Here: {regime.reason}.",
+        growth_rate=regime.growth.rate if regime.growth else None,
+        growth_rate_error=regime.growth.error if regime.growth else None,
         end_reason=str(dataset.attrs["end_reason"]),
         end_time=float(dataset["time"][-1]),
         shaft_radius_max=float(radius.max()),

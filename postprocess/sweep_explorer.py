@@ -12,6 +12,7 @@ from bladewhirl.postprocess.contact_explorer import buttons, plain_layout
 from bladewhirl.postprocess.fields import Array
 from bladewhirl.postprocess.frequency_map import DECADES, LINES
 from bladewhirl.postprocess.orbits import MILLI
+from bladewhirl.postprocess.regimes import CERTAINTY, rate_text
 from bladewhirl.postprocess.report_page import Explorer
 from bladewhirl.postprocess.style import SEQUENTIAL
 from bladewhirl.postprocess.sweep_drawing import REGIME_COLOURS, line_label
@@ -47,13 +48,14 @@ MAP_CAPTION = (
 
 POINTS_CAPTION = (
     "Every point of the sweep: largest displacement of the shaft [mm] over the swept key, coloured "
-    "and shaped by regime. Point at one for its numbers; click a regime's name to hide it. An end "
-    "at the displacement limit bounds what a divergent point shows."
+    "and shaped by regime. Point at one for its numbers, growth rates ± "
+    f"{CERTAINTY:g} standard errors; click a regime's name to hide it. An end at the displacement "
+    "limit bounds what a divergent point shows."
 )
 
 REGIME_MAP_CAPTION = (
-    "Regime over the two swept keys. Point at a cell for its numbers; look for where one regime "
-    "borders on another."
+    "Regime over the two swept keys. Point at a cell for its numbers, growth rates ± "
+    f"{CERTAINTY:g} standard errors; look for where one regime borders on another."
 )
 
 
@@ -280,7 +282,7 @@ def _flat(points: xr.Dataset) -> dict[str, Any]:
             lines[0] = f"<b>{column['state'][number]}</b>"
         else:
             rate, error = column["growth_rate"][number], column["growth_error"][number]
-            judged = f"{rate:.3g} ± {error:.2g} 1/s" if np.isfinite(rate) else "not to be judged"
+            judged = f"{rate_text(rate, error)} 1/s" if np.isfinite(rate) else "not to be judged"
             lines += [
                 f"largest shaft displacement {radius[number]:.4g} mm",
                 f"growth rate {judged}",

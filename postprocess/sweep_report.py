@@ -9,7 +9,7 @@ import xarray as xr
 
 from bladewhirl.postprocess.frequency_map import frequency_map
 from bladewhirl.postprocess.orbits import MILLI
-from bladewhirl.postprocess.regimes import CRITERION
+from bladewhirl.postprocess.regimes import CERTAINTY, CRITERION, rate_text
 from bladewhirl.postprocess.report_page import (
     Explorer,
     Page,
@@ -254,7 +254,7 @@ def _point_table(points: xr.Dataset | None) -> Iterator[Table]:
                 f"{at:.6g}" + (f", {label}" if label else ""),
                 str(column["regime"][n]) if column["state"][n] == "done" else column["state"][n],
                 _number(MILLI * column["shaft_radius_max"][n]),
-                _rate(column["growth_rate"][n], column["growth_error"][n]),
+                rate_text(column["growth_rate"][n], column["growth_error"][n]),
                 _number(column["touched"][n] if column["state"][n] == "done" else np.nan),
                 _number(column["end_time"][n]),
             )
@@ -264,7 +264,8 @@ def _point_table(points: xr.Dataset | None) -> Iterator[Table]:
     yield Table(
         name="all-points",
         title=f"All points ({len(rows)})",
-        caption=f"The first {MOST_POINTS}; the others are in the dataset." if left_out > 0 else "",
+        caption=f"Growth rates ± {CERTAINTY:g} standard errors."
+        + (f" The first {MOST_POINTS}; the others are in the dataset." if left_out > 0 else ""),
         head=(
             str(key.attrs["long_name"]),
             "regime",
@@ -281,7 +282,3 @@ def _point_table(points: xr.Dataset | None) -> Iterator[Table]:
 
 def _number(value: float) -> str:
     return f"{value:.4g}" if np.isfinite(value) else "–"
-
-
-def _rate(rate: float, error: float) -> str:
-    return f"{rate:.3g} ± {error:.2g}" if np.isfinite(rate) else "–"

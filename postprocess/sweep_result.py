@@ -70,9 +70,13 @@ VARIABLES: Mapping[str, PointVariable] = {
         (), "f8", "rad/s", "lowest frequency of the bladed disk with a free centre"
     ),
     "growth_rate": PointVariable(
-        (), "f8", "1/s", "growth of the amplitude over the last third; NaN: not to be judged"
+        (),
+        "f8",
+        "1/s",
+        "growth of the amplitude over the last third, or over the last windows of a march that"
+        " ended early at its displacement limit; NaN: not to be judged",
     ),
-    "growth_error": PointVariable((), "f8", "1/s", "standard error of growth_rate"),
+    "growth_error": PointVariable((), "f8", "1/s", "one standard error of growth_rate"),
     "shaft_radius_max": PointVariable((), "f8", "m", "largest displacement of the shaft's centre"),
     "shaft_radius_final": PointVariable((), "f8", "m", "displacement of the centre at the end"),
     "strain_energy_max": PointVariable(

@@ -12,7 +12,15 @@ import xarray as xr
 from numpy.typing import NDArray
 from rich.console import Console
 
-from bladewhirl.postprocess.regimes import Regime, classify, longest_half_period, measure_growth
+from bladewhirl.postprocess.energies import strain_energies
+from bladewhirl.postprocess.regimes import (
+    Regime,
+    Windows,
+    classify,
+    fit_growth,
+    longest_half_period,
+    windowed_amplitude,
+)
 from bladewhirl.postprocess.result import open_result
 from bladewhirl.postprocess.summary import (
     Summary,
@@ -36,6 +44,8 @@ REPORT = {
 KEYS = {
     "regime",
     "regime_criterion",
+    "growth_rate",
+    "growth_rate_error",
     "end_reason",
     "end_time",
     "shaft_radius_max",
@@ -222,6 +232,31 @@ def wander(rng: np.random.Generator, correlation: float, size: float) -> Array:
     return values
 
 
+def _ended_at_the_limit(duration: float, unloaded: float) -> tuple[xr.Dataset, Array]:
+    """A march that grew at 12/s under its load, then at 6/s, and its amplitude."""
+    records = int(duration / 1e-3) + 1
+    result = synthetic.synthetic_result(records=records)
+    time = np.linspace(0.0, duration, records)
+    work = np.minimum(time, duration - unloaded)
+    result = result.assign_coords(time=time).assign(external_work=("time", work))
+    result.attrs |= {
+        "end_reason": "divergent",
+        "end_message": "a tip moved by 21 mm; look at its load",
+    }
+    return result, np.exp(6.0 * time + 6.0 * work)
+
+
+def _windows(level: Array) -> Windows:
+    """Equal windows of 10 ms, all of them to be fitted, of that logarithm of the amplitude."""
+    return Windows(
+        begin=np.arange(0.0, 0.01 * len(level) - 0.005, 0.01),
+        length=0.01,
+        amplitude=np.exp(level),
+        late=0,
+        is_third=True,
+    )
+
+
 ALWAYS = slice(0, None)
 PHASES = np.linspace(0, 2 * np.pi, 12, endpoint=False)
 
@@ -330,9 +365,71 @@ class TestRegimes:
 
     def test_too_few_periods_or_records_are_not_judged(self) -> None:
         few_periods = TIME[TIME < 0.9]
-        assert measure_growth(few_periods, np.exp(few_periods), np.pi / FREQUENCY) is None
+        assert windowed_amplitude(few_periods, np.exp(few_periods), np.pi / FREQUENCY) is None
         few_records = TIME[::40]
-        assert measure_growth(few_records, np.exp(few_records), np.pi / FREQUENCY) is None
+        assert windowed_amplitude(few_records, np.exp(few_records), np.pi / FREQUENCY) is None
+
+    @pytest.mark.parametrize(
+        ("unloaded", "windows"), [(6.4, 6), (11.0, 8), (2.0, 8)], ids=["since", "last", "loaded"]
+    )
+    def test_a_march_ended_at_its_limit_has_a_rate_from_its_last_windows(
+        self, unloaded: float, windows: int
+    ) -> None:
+        period = np.pi / FREQUENCY
+        result, amplitude = _ended_at_the_limit(18.3 * period, unloaded * period)
+        regime = classify(result, amplitude**2)
+        assert regime.name == "divergent"
+        assert regime.growth is not None
+        end, begin = result["time"].values[-1], result["time"].values[-1] - windows * period
+        assert regime.growth.span == f"{begin:.3g} to {end:.3g} s"
+        assert regime.reason.startswith("a tip moved by 21 mm; growth rate of the amplitude ")
+        assert regime.growth.span in regime.reason
+        if unloaded > 6:
+            assert regime.growth.rate == pytest.approx(6.0, rel=1e-2)
+        else:  # the load, which drives it faster, is in it
+            assert regime.growth.rate > 7.0
+        result.attrs["end_reason"] = "completed"
+        assert classify(result, amplitude**2).growth is None
+
+    def test_a_march_of_four_windows_to_its_limit_has_no_rate(self) -> None:
+        period = np.pi / FREQUENCY
+        result, amplitude = _ended_at_the_limit(4.9 * period, 4.9 * period)
+        assert classify(result, amplitude**2).growth is None
+
+    def test_what_left_all_numbers_has_no_rate(self) -> None:
+        period = np.pi / FREQUENCY
+        result, amplitude = _ended_at_the_limit(18.3 * period, 18.3 * period)
+        amplitude[-1] = np.inf
+        regime = classify(result, amplitude**2)
+        assert (regime.name, regime.growth) == ("divergent", None)
+        assert regime.reason == "a tip moved by 21 mm"
+
+    @pytest.mark.parametrize(
+        ("correlation", "count", "least", "most"),
+        [(0.0, 12, 0.8, 1.25), (0.6, 400, 0.9, 1.2), (0.6, 12, 1.0, 2.2)],
+    )
+    def test_the_error_holds_for_correlated_windows(
+        self, correlation: float, count: int, least: float, most: float
+    ) -> None:
+        rng = np.random.default_rng(8)
+        pulls, plain = [], []
+        for _ in range(400):
+            misfit = np.empty(count)
+            misfit[0] = rng.standard_normal()
+            for n in range(1, count):
+                misfit[n] = correlation * misfit[n - 1]
+                misfit[n] += np.sqrt(1 - correlation**2) * rng.standard_normal()
+            growth = fit_growth(_windows(0.1 * misfit + 1.5 * 0.01 * np.arange(count)))
+            pulls.append((growth.rate - 1.5) / growth.error)
+            place = 0.01 * (np.arange(count) - (count - 1) / 2)
+            rest = 0.1 * (misfit - misfit.mean()) - (growth.rate - 1.5) * place
+            naive = np.sqrt(rest @ rest / (count - 2) / (place @ place))
+            assert growth.error >= naive * (1 - 1e-12)
+            plain.append((growth.rate - 1.5) / naive)
+        spread = np.sqrt(np.mean(np.square(pulls)))
+        assert least < spread < most
+        if correlation:
+            assert np.sqrt(np.mean(np.square(plain))) > 1.1 * spread
 
     def test_the_criterion_is_written_with_every_regime(self, result: xr.Dataset) -> None:
         text = summarise(result, REPORT).regime_criterion
@@ -344,9 +441,22 @@ class TestWriting:
     def test_json_has_the_keys_at_full_precision(self, result: xr.Dataset, tmp_path: Path) -> None:
         summary = summarise(result, REPORT)
         document = json.loads(write_summary(summary, tmp_path / "summary.json").read_text())
+        assert document["growth_rate"] is None  # too short a history
         assert set(document) == KEYS
         assert Summary(**document) == summary
         assert set(document["strain_energy_final"]) == {"suspension", "1F", "rest"}
+
+    def test_json_has_the_growth_rate_of_the_regime(self) -> None:
+        result = synthetic.synthetic_result(records=4001, growth=1.5)
+        summary = summarise(result, REPORT)
+        growth = classify(result, strain_energies(result)["total"].values).growth
+        assert growth is not None
+        document = json.loads(summary.to_json())
+        assert (document["growth_rate"], document["growth_rate_error"]) == (
+            growth.rate,
+            growth.error,
+        )
+        assert document["growth_rate_error"] > 0.0
 
     def test_the_table_reads_in_handy_units(self, result: xr.Dataset) -> None:
         text = io.StringIO()
