@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields import Array
 from bladewhirl.postprocess.style import COLOURS, new_figure, speed_label, styled
-from bladewhirl.postprocess.windows import few_time_ticks, span_starts
+from bladewhirl.postprocess.windows import few_time_ticks, span_starts, window_label
 from bladewhirl.solvers.scenario import (
     STEADY,
     motion_scenario,
@@ -23,7 +23,9 @@ TURNS, DRAWN_TURNS = 10.0, 4.0
 """Turns of the shaft from which its phase is drawn over the last few only: more can't be read."""
 
 
-def contact_phase(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
+def contact_phase(
+    dataset: xr.Dataset, orbit: xr.Dataset, *, since: float | None = None
+) -> xr.Dataset:
     """Static angles of the shaft and of the smallest clearance at every record, and the scenario.
 
     Where tips touch on one side, the smallest clearance is the mean direction of their contact
@@ -33,13 +35,14 @@ def contact_phase(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
     Args:
         dataset: a result, of the time that is wanted.
         orbit: from `orbits.shaft_orbit`, of the same time.
+        since: the scenario is that from this time on [s]; of all records when None.
 
     Returns:
         over time [rad]: `shaft_phase` and `smallest_clearance_phase` in (-pi, pi], static frame;
         `shaft_lead`, their difference, the same in any frame; nan where the shaft rests; `impulse`
         of all contacts since the record before [N s]. Attributes `scenario` ("standard",
-        "inverted", "unsteady" or "at rest"), `lead` [rad] and `steadiness`: means over the time,
-        weighted by the impulse if anything touched, see `solvers.scenario`.
+        "inverted", "unsteady" or "at rest"), `lead` [rad] and `steadiness`: means over the time
+        `window`, in words, weighted by the impulse if anything touched, see `solvers.scenario`.
     """
     impulse = dataset["contact_impulse"].values
     tip = dataset["tip_angle"].values
@@ -50,7 +53,9 @@ def contact_phase(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
     clearance = np.where(on_one_side, np.angle(push), nearest)
     shaft = orbit["rotating"].values
     lead = shaft_lead(shaft, clearance)
-    turned = dataset.attrs["speed"] * dataset["time"].values
+    time = dataset["time"].values
+    judged = slice(0 if since is None else int(np.searchsorted(time, since)), None)
+    turned = dataset.attrs["speed"] * time
     at = np.where(np.isnan(lead), np.nan, np.arctan2(shaft[:, 1], shaft[:, 0]))
     radian = {"units": "rad"}
     return xr.Dataset(
@@ -60,10 +65,11 @@ def contact_phase(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
             "shaft_lead": ("time", lead, radian),
             "impulse": ("time", total, {"units": "N s"}),
         },
-        coords={"time": ("time", dataset["time"].values, {"units": "s"})},
+        coords={"time": ("time", time, {"units": "s"})},
         attrs={
             "title": "shaft and smallest clearance, static frame",
-            **_scenario(shaft, clearance, total),
+            "window": window_label(dataset.isel(time=judged)),
+            **_scenario(shaft[judged], clearance[judged], total[judged]),
             **{name: dataset.attrs[name] for name in ("speed", "reference_frequency")},
         },
     )
@@ -133,8 +139,9 @@ def _words(phases: xr.Dataset) -> str:
     if kind == "at rest":
         return "the shaft rests"
     if kind == "unsteady":
-        return "no steady contact scenario"
-    return f"{kind} contact, shaft leads by {np.degrees(phases.attrs['lead']):.0f}°"
+        return f"no steady contact scenario over {phases.attrs['window']}"
+    lead = f"{np.degrees(phases.attrs['lead']):.0f}°"
+    return f"{kind} contact, shaft leads by {lead}\nover {phases.attrs['window']}"
 
 
 def _wrapped(angle: Array) -> Array:

@@ -89,7 +89,8 @@ CONTACT: Mapping[str, FigureWords] = {
         title="Shaft against smallest clearance",
         caption="Static angle [°] of the shaft's displacement and of the smallest clearance, and "
         "their difference. Near 0° contact is where the shaft leans (standard scenario, friction "
-        "drives backward whirl), near 180° opposite (inverted, forward).",
+        "drives backward whirl), near 180° opposite (inverted, forward). The title is of the last "
+        "third.",
     ),
 }
 

@@ -44,8 +44,8 @@ Drawn = tuple[Figure, xr.Dataset]
 class RunFigures:
     """Draws the figures of a run, or of a window of its time.
 
-    A spectrum and the classes of contact tell of a motion after its onset: without a window they
-    are of the last third of the time.
+    A spectrum, the classes of contact and the contact scenario tell of a motion after its onset:
+    without a window they are of the last third of the time.
     """
 
     def __init__(
@@ -118,7 +118,8 @@ class RunFigures:
         return plot_contact_classes(classes), classes
 
     def _draw_contact_phase(self) -> Drawn:
-        phases = contact_phase(self._result, self._orbit)
+        since = float(self._after_onset(self._result)["time"][0])
+        phases = contact_phase(self._result, self._orbit, since=since)
         return plot_contact_phase(phases), phases
 
     def _draw_regime(self) -> Drawn:

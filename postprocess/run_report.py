@@ -50,6 +50,9 @@ MEANINGS: Mapping[RegimeName, str] = {
     "no-contact": "no blade ever touched the casing",
 }
 
+LATE = "over the last third"
+"""When a whirl and a contact scenario are those of."""
+
 UNKNOWN = ("complementarity residual", "time step / critical", "wall time")
 """Rows of the summary that a march tells when it ends in order."""
 
@@ -205,7 +208,6 @@ def _criterion(regime: Regime) -> Table:
     return Table(
         name="criterion",
         title="Criterion",
-        caption=f"Here: {regime.reason}.",
         rows=named,
         wide=False,
         marked=[name for name, _ in named].index(regime.name),
@@ -258,7 +260,8 @@ def _summary(dataset: xr.Dataset) -> Table:
     if missing:
         known |= {"steps": round(done), "unsolved_steps": 0}
     rows = summary_rows(summarise(dataset, known))
-    kept = [row for row in rows.items() if not (missing and row[0] in UNKNOWN)]
+    left_out = {"because", *(UNKNOWN if missing else ())}  # the page begins with the reason
+    kept = [row for row in rows.items() if row[0] not in left_out]
     return Table(name="summary", title="Summary", rows=kept)
 
 
@@ -268,7 +271,8 @@ def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
     if reason == "completed":
         return []
     if reason == "divergent":
-        return [_sentence(message)] if message else []
+        remedy = message.partition("; ")[2]  # what happened is said beside the regime
+        return [_sentence(remedy)] if remedy else []
     if reason == "interrupted":
         return [f"The march was interrupted: all that follows is up to {end}."]
     return [
@@ -286,7 +290,8 @@ def _glance(
     share = MILLI * float(orbit.attrs["smallest_clearance"])
     touched = int((dataset["contact_steps"].sum("time").values > 0).sum())
     counts = {name: int((classes["contact_class"].values == name).sum()) for name in CLASS_COLOURS}
-    phases = contact_phase(dataset, orbit)
+    phases = contact_phase(_late(dataset), late)
+    touches = bool(phases["impulse"].any())
     found = [
         ("speed", *_split(speed_label(dataset))),
         ("end of the march", f"{float(dataset['time'].values[-1]):.6g} s", ""),
@@ -298,8 +303,8 @@ def _glance(
     ]
     for frame in ("rotating", "static"):
         seen = whirl(late, frame)
-        rate = f"{abs(seen.rate) / (2 * np.pi):.3g} Hz" if seen.direction != "none" else ""
-        found.append((f"whirl, {frame} frame", seen.direction, rate))
+        rate = f"{abs(seen.rate) / (2 * np.pi):.3g} Hz, " if seen.direction != "none" else ""
+        found.append((f"whirl, {frame} frame", seen.direction, rate + LATE))
     found.append(
         (
             "blades that touched",
@@ -308,11 +313,12 @@ def _glance(
         )
     )
     lead = float(phases.attrs["lead"])
+    shows = touches and not math.isnan(lead)
     found.append(
         (
             "contact scenario",
-            str(phases.attrs["scenario"]) if touched else "no contact",
-            f"shaft leads by {math.degrees(lead):.0f}°" if touched and not math.isnan(lead) else "",
+            str(phases.attrs["scenario"]) if touches else "no contact",
+            (f"shaft leads by {math.degrees(lead):.0f}°, " if shows else "") + LATE,
         )
     )
     return found

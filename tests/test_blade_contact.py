@@ -15,7 +15,9 @@ from bladewhirl.postprocess.blade_contact import (
 )
 from bladewhirl.postprocess.contact_side import contact_phase, plot_contact_phase
 from bladewhirl.postprocess.fields import ViewError
+from bladewhirl.postprocess.late_motion import late_motion
 from bladewhirl.postprocess.orbits import shaft_orbit
+from bladewhirl.postprocess.run_figures import RunFigures
 
 STEPS = 1000  # a record, of the synthetic result
 
@@ -122,6 +124,22 @@ class TestPhase:
         # Mean direction of the contacts: better than the pitch of the blades, 0.29 rad.
         assert np.abs(np.angle(lead)).max() < 0.02
         assert phases.attrs["steadiness"] > 0.99
+
+    def test_the_onset_counts_for_no_scenario_of_a_run_or_a_sweep(self) -> None:
+        result, onset = self.pressed(0.4), self.pressed(np.pi)
+        early = result["time"].values < 0.6 * result["time"].values[-1]
+        for name in ("contact_impulse", "gap"):
+            result[name][early] = onset[name].values[early]
+        figure, phases = RunFigures(result).draw("contact-phase")
+        of_sweep = late_motion(result, shaft_orbit(result))
+        assert phases.attrs["scenario"] == of_sweep["scenario"].item() == "standard"
+        assert phases.attrs["lead"] == of_sweep["shaft_lead"].item() == pytest.approx(0.4, abs=0.02)
+        end = result["time"].values[-1]
+        title = figure.axes[0].get_title()
+        assert f"shaft leads by 23°\nover {2 / 3 * end:.3g} to {end:.3g} s" in title
+        assert phases["time"].values[0] == 0.0  # all of it is drawn
+        _, early_phases = RunFigures(result, 0.0, 0.5 * end).draw("contact-phase")
+        assert early_phases.attrs["scenario"] == "inverted"
 
     def test_phases_are_those_of_the_static_circle(self) -> None:
         result = synthetic.synthetic_result()

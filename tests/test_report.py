@@ -147,6 +147,14 @@ def test_a_march_that_did_not_end_is_said_to_be_so(tmp_path: Path, reason: str, 
     assert not (run / "report.html").exists()
 
 
+def test_a_march_to_its_limit_says_so_once(tmp_path: Path) -> None:
+    message = "blade 3 passed march.displacement_limit = 0.1 m at 0.4 s; look at its load"
+    run = made(tmp_path / "run", end_reason="divergent", end_message=message)
+    words = Parsed(write_report(run).read_text(encoding="utf-8")).words
+    assert len(re.findall("(?i)blade 3 passed", words)) == 1
+    assert words.count("Look at its load.") == 1
+
+
 @pytest.mark.parametrize("kind", ["nothing", "no folder", "broken", "foreign", "one record"])
 def test_what_is_no_run_ends_in_one_line(tmp_path: Path, kind: str) -> None:
     place = tmp_path / "place"
