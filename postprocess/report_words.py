@@ -156,8 +156,8 @@ SWEEP: Mapping[str, FigureWords] = {
     ),
     "energy-families": FigureWords(
         title="Strain energy by family and nodal diameter",
-        caption="Mean strain energy [J] of groups of rotor modes at the end of each march. Look "
-        "for the group that takes over where the regime changes.",
+        caption="Mean strain energy [J] of groups of rotor modes late in each march. Look for the "
+        "group that takes over where the regime changes.",
         wide=True,
     ),
     "bifurcation": FigureWords(

@@ -124,7 +124,7 @@ def run_report(
             name="case",
             title="Case and provenance",
             words="",
-            blocks=[case_text(dataset), *provenance_tables(dataset, provenance)],
+            blocks=[_case_text(dataset), *provenance_tables(dataset, provenance)],
         ),
     ]
     return Page(
@@ -139,8 +139,8 @@ def run_report(
     )
 
 
-def case_text(dataset: xr.Dataset) -> Text:
-    """The resolved case of a result or a sweep."""
+def _case_text(dataset: xr.Dataset) -> Text:
+    """The resolved case of a result."""
     return Text(
         name="resolved-case",
         title="Resolved case",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -16,24 +18,28 @@ from bladewhirl.postprocess.report_page import (
     ReportFigure,
     Section,
     Table,
+    Text,
 )
 from bladewhirl.postprocess.report_words import MAPS, SWEEP
 from bladewhirl.postprocess.run_report import (
-    case_text,
     criterion_rows,
     made_by,
     provenance_tables,
     report_figures,
 )
-from bladewhirl.postprocess.sweep_drawing import REGIME_COLOURS, line_label
+from bladewhirl.postprocess.sweep_drawing import REGIME_COLOURS
 from bladewhirl.postprocess.sweep_explorer import (
     frequency_explorer,
     points_explorer,
     regime_explorer,
 )
 from bladewhirl.postprocess.sweep_figures import SweepFigures
+from bladewhirl.postprocess.sweep_headline import headline, key_name, other_keys
 from bladewhirl.postprocess.sweep_quantities import LINE, along, main_key
 from bladewhirl.postprocess.sweep_result import swept
+
+WINDOWED = ("frequency-map", "energy-families")
+"""Figures over the window that the dataset's `window` names; others are over the last third."""
 
 MOST_POINTS = 2000
 """Points in the table of a page: more make it slow, and are in the dataset."""
@@ -47,13 +53,6 @@ NAMES = {
     "sustained": "Sustained contact",
     "damped": "Damped",
     "no-contact": "No contact",
-}
-
-WORDS = {
-    "divergent": "diverges",
-    "sustained": "stays in contact",
-    "damped": "touches and comes free again",
-    "no-contact": "never touches",
 }
 
 
@@ -108,8 +107,8 @@ def sweep_report(
         Section(
             name="case",
             title="Case and provenance",
-            words=str(dataset.attrs.get("window", "")),
-            blocks=[case_text(dataset), *provenance_tables(dataset, provenance)],
+            words="",
+            blocks=[_case_text(dataset), *provenance_tables(dataset, provenance)],
         ),
     ]
     return Page(
@@ -117,7 +116,7 @@ def sweep_report(
         subject=", ".join(filter(None, [name, made_by(dataset, provenance)])),
         verdict=verdict,
         tone=tone,
-        reason=_where(points, counts, ", ".join(keys)),
+        reason=headline(points, counts, ", ".join(keys)),
         warnings=_warnings(state.size, done, failed),
         figures=_glance(dataset, counts, done),
         sections=[part for part in sections if part.blocks],
@@ -156,30 +155,6 @@ def _verdict(counts: Mapping[str, int], points: int, done: int, failed: int) -> 
     return f"{NAMES[worst]} at {where}{so_far}", TONES[worst]
 
 
-def _where(points: xr.Dataset | None, counts: Mapping[str, int], keys: str) -> str:
-    """Where along the keys which regime is."""
-    if points is None:
-        return f"Swept: {keys}. No point is done."
-    key = points[str(points.attrs["along"])]
-    own = str(key.attrs["long_name"])
-    words = []
-    for name in counts:
-        is_so = (points["regime"].values == name).any(axis=0)
-        words.append(f"{WORDS[name]} at {own} {_ranges(key.values, is_so)}")
-    several = " (at some value of the others)" if points.sizes[LINE] > 1 else ""
-    return f"Swept: {keys}. The stage " + "; ".join(words) + several + "."
-
-
-def _ranges(values: np.ndarray, chosen: np.ndarray, most: int = 5) -> str:
-    """Runs of neighbouring values, in words."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
-    runs = [(values[a], values[b - 1]) for a, b in edges.reshape(-1, 2)]
-    said = [f"{a:.5g}" if a == b else f"{a:.5g} to {b:.5g}" for a, b in runs[:most]]
-    if len(runs) > most:
-        said.append(f"{len(runs) - most} more ranges")
-    return ", ".join(said)
-
-
 def _warnings(points: int, done: int, failed: int) -> list[str]:
     missing = points - done - failed
     found = []
@@ -208,7 +183,16 @@ def _glance(
 
 
 def _drawn(dataset: xr.Dataset, names: Sequence[str]) -> Iterator[ReportFigure]:
-    return report_figures(SweepFigures(dataset).draw, {name: SWEEP[name] for name in names})
+    plans = {name: SWEEP[name] for name in names}
+    for name in plans.keys() & set(WINDOWED):
+        plans[name] = replace(plans[name], caption=_windowed(dataset, plans[name].caption))
+    return report_figures(SweepFigures(dataset).draw, plans)
+
+
+def _windowed(dataset: xr.Dataset, caption: str) -> str:
+    """A caption, and which time the spectra and the mean energies of a sweep are of."""
+    window = str(dataset.attrs.get("window", ""))
+    return f"{caption} {window[:1].upper()}{window[1:]}." if window else caption
 
 
 def _regime_maps(dataset: xr.Dataset, points: xr.Dataset | None) -> Iterator[Explorer]:
@@ -222,7 +206,8 @@ def _regime_maps(dataset: xr.Dataset, points: xr.Dataset | None) -> Iterator[Exp
 
 def _frequency_maps(dataset: xr.Dataset, done: int) -> Iterator[Explorer]:
     if done:
-        yield frequency_explorer(frequency_map(dataset, main_key(dataset)))
+        found = frequency_explorer(frequency_map(dataset, main_key(dataset)))
+        yield replace(found, caption=_windowed(dataset, found.caption))
 
 
 def _criterion() -> Table:
@@ -243,23 +228,21 @@ def _failures(failures: Sequence[tuple[str, str]]) -> Iterator[Table]:
 def _point_table(points: xr.Dataset | None) -> Iterator[Table]:
     if points is None:
         return
-    key = points[str(points.attrs["along"])]
-    rows = []
-    for line in range(points.sizes[LINE]):
-        one = points.isel({LINE: line})
-        label = line_label(one)
-        column = {name: one[name].values for name in one.data_vars}
-        rows += [
-            (
-                f"{at:.6g}" + (f", {label}" if label else ""),
-                str(column["regime"][n]) if column["state"][n] == "done" else column["state"][n],
-                _number(MILLI * column["shaft_radius_max"][n]),
-                rate_text(column["growth_rate"][n], column["growth_error"][n]),
-                _number(column["touched"][n] if column["state"][n] == "done" else np.nan),
-                _number(column["end_time"][n]),
-            )
-            for n, at in enumerate(key.values)
-        ]
+    key, others = points[str(points.attrs["along"])], other_keys(points)
+    column = {str(name): points[name].values for name in points.data_vars}
+    rows = [
+        (
+            f"{at:.6g}",
+            *(f"{other.values[line]:.6g}" for other in others),
+            str(column["regime" if column["state"][line, n] == "done" else "state"][line, n]),
+            _number(MILLI * column["shaft_radius_max"][line, n]),
+            rate_text(column["growth_rate"][line, n], column["growth_error"][line, n]),
+            _number(column["touched"][line, n] if column["state"][line, n] == "done" else np.nan),
+            _number(column["end_time"][line, n]),
+        )
+        for line in range(points.sizes[LINE])
+        for n, at in enumerate(key.values)
+    ]
     left_out = len(rows) - MOST_POINTS
     yield Table(
         name="all-points",
@@ -267,7 +250,7 @@ def _point_table(points: xr.Dataset | None) -> Iterator[Table]:
         caption=f"Growth rates ± {CERTAINTY:g} standard errors."
         + (f" The first {MOST_POINTS}; the others are in the dataset." if left_out > 0 else ""),
         head=(
-            str(key.attrs["long_name"]),
+            *(_headed(each) for each in (key, *others)),
             "regime",
             "largest shaft displacement [mm]",
             "growth rate [1/s]",
@@ -277,6 +260,36 @@ def _point_table(points: xr.Dataset | None) -> Iterator[Table]:
         rows=rows[:MOST_POINTS],
         numbers=True,
         folded=True,
+    )
+
+
+def _headed(key: xr.DataArray) -> str:
+    units = str(key.attrs["units"])
+    return key_name(key) if units == "1" else f"{key_name(key)} [{units}]"
+
+
+def _case_text(dataset: xr.Dataset) -> Text:
+    """The resolved case, with a remark where a key is swept."""
+    lines, table, marked = [], "", []
+    values = {key_name(dataset[key]): dataset[key].values for key in swept(dataset)}
+    for line in str(dataset.attrs.get("case", "")).strip().splitlines():
+        if heading := re.fullmatch(r"\[([^\[\]]+)\]", line):
+            table = f"{heading[1]}."
+        own = f"{table}{line.partition(' = ')[0]}" if " = " in line else ""
+        here = [key for key in values if own and f"{key}.".startswith(f"{own}.")]
+        remarks = [f"{key}: {len(values[key])} values" for key in here]
+        lines.append(f"{line}  # swept, {', '.join(remarks)}" if here else line)
+        marked += here
+    unmarked = [key for key in values if key not in marked]
+    settings = " ".join(f"--set {key}=VALUE" for key in values)
+    return Text(
+        name="resolved-case",
+        title="Resolved case",
+        text="\n".join(lines),
+        caption="All keys with the values used, SI units. Lines marked as swept "
+        f"({', '.join(marked)}) have another value at every point"
+        + (f", and {', '.join(unmarked)} is not among them" if unmarked else "")
+        + f"; bladewhirl run on these lines with {settings} repeats a point.",
     )
 
 

@@ -33,6 +33,7 @@ def synthetic_sweep(
     motions: Sequence[Mapping[str, Any] | xr.Dataset | None],
     *,
     units: str | Mapping[str, str] = "1",
+    case: str = "",
 ) -> Path:
     """Write a sweep.
 
@@ -42,6 +43,7 @@ def synthetic_sweep(
         motions: of every point, the last key running fastest: arguments of `synthetic_result`, or
             a result; a point that failed where None.
         units: of all keys, or of each.
+        case: text of the case.
     """
     axes = tuple(Axis(key=key, values=tuple(values)) for key, values in over.items())
     grid = Grid(axes=axes)
@@ -49,7 +51,7 @@ def synthetic_sweep(
     folder.mkdir()
     each = dict.fromkeys(over, units) if isinstance(units, str) else units
     coordinates = {key: (np.array(values, dtype=float), each[key]) for key, values in over.items()}
-    create(folder, grid, coordinates, LAYOUT, {"title": "synthetic"})
+    create(folder, grid, coordinates, LAYOUT, {"title": "synthetic", "case": case})
     outcomes: dict[int, Outcome] = {}
     for point, motion in enumerate(motions):
         if motion is None:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import re
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from report_pages import Parsed
 from synthetic_sweep import synthetic_sweep
 from typer.testing import CliRunner
 
 from bladewhirl.postprocess.report_words import SWEEP
 from bladewhirl.postprocess.sweep_figures import SWEEP_FIGURES
+from bladewhirl.postprocess.sweep_headline import headline
 from bladewhirl.postprocess.sweep_result import SWEEP_NAME
 from bladewhirl.studies.cli import app
 from bladewhirl.studies.reports import write_report
@@ -91,6 +94,63 @@ def test_two_keys_and_missing_points(tmp_path: Path) -> None:
         "contact.friction = 0",
         "contact.friction = 0.2",
     ]
+
+
+CASE = "title = 'x'\n\n[contact]\nfriction = 0.1\n\n[march]\nspeed = 1.2\nduration = 1.0\n"
+
+
+def test_two_keys_have_their_columns_marks_and_window(tmp_path: Path) -> None:
+    over = {"march.speed": (1.0, 1.2), "contact.friction": (0.0, 0.1)}
+    motions = [{"speed": REFERENCE, "shaft_radius": radius} for radius in (*RADII, RADII[0])]
+    folder = synthetic_sweep(tmp_path / "two", over, motions, case=CASE)
+    page = Parsed(write_report(folder).read_text(encoding="utf-8"))
+    words = re.sub(r"\s+", " ", page.words)
+    assert "march.speed contact.friction regime largest shaft displacement" in words
+    assert re.search(r"1 0\.1 sustained 1\.3 ", words)
+    assert "contact.friction = 0.1" not in words.partition("All points (4)")[2]
+    window = "Spectra and mean energies are over the last 0.2 s of each march, at most 50% of it."
+    assert words.count(window) == 3
+    assert "Growth rates ± 2 standard errors." in words
+    assert "friction = 0.1  # swept, contact.friction: 2 values\n" in page.words
+    assert "speed = 1.2  # swept, march.speed: 2 values\nduration = 1.0" in page.words
+    assert page.words.count("# swept") == 2
+    assert "--set march.speed=VALUE --set contact.friction=VALUE repeats a point" in words
+    assert "repeats the run" not in words
+
+
+@pytest.mark.parametrize(
+    ("sustained", "expected"),
+    [
+        ({(0, 1)}, "stays in contact at march.speed 1.2 with contact.friction 0"),
+        (
+            {(1, 1), (2, 1), (0, 0), (0, 2)},
+            "at march.speed 1 and 1.4 with contact.friction 0, at 1.2 with 0.1 to 0.2",
+        ),
+        (set(product(range(6), range(3))), "at march.speed 1 to 1.4 whatever contact.friction"),
+        (
+            {(0, 0), (1, 1), (2, 2), (3, 0), (3, 1), (4, 1), (4, 2)},
+            "at march.speed 1 to 1.4 with contact.friction 0 to 0.4 (not at every pair of them)",
+        ),
+    ],
+)
+def test_the_headline_names_the_values_of_the_second_key(
+    sustained: set[tuple[int, int]], expected: str
+) -> None:
+    regime = [
+        ["sustained" if (line, n) in sustained else "damped" for n in range(3)] for line in range(6)
+    ]
+    friction = ("line", 0.1 * np.arange(6), {"long_name": "contact.friction", "units": "1"})
+    speed = ("march_speed", [1.0, 1.2, 1.4], {"long_name": "march.speed", "units": "1"})
+    points = xr.Dataset(
+        {"regime": (("line", "march_speed"), regime)},
+        coords={"march_speed": speed, "contact_friction": friction},
+        attrs={"along": "march_speed"},
+    )
+    assert headline(points, {"sustained": len(sustained)}, "a, b") == (
+        f"Swept: a, b. The stage {expected}."
+        if expected.startswith("stays")
+        else f"Swept: a, b. The stage stays in contact {expected}."
+    )
 
 
 def test_a_sweep_without_a_point_done(tmp_path: Path) -> None:
