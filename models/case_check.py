@@ -82,7 +82,7 @@ def _expected(details: ErrorDetails, path: Path) -> str:
         case kind if kind in (EXPECTED, INCONSISTENT):
             return str(context["expected"])
         case "extra_forbidden":
-            return _known_instead(details["loc"], path)
+            return _known_instead(details["loc"], path, details["input"])
         case kind if kind in TAG_ERRORS:
             return " or ".join(f'"{name}"' for name in EXCITATIONS)
         case "literal_error":
@@ -111,7 +111,7 @@ def _involved(details: ErrorDetails) -> list[Path]:
     """Where the error is, and the keys that it disagrees with or was perhaps meant for."""
     path = _path(details)
     if details["type"] == "extra_forbidden":
-        return [path, *_nearest(details["loc"], path)]
+        return [path, *_nearest(details["loc"], path, details["input"])]
     if details["type"] in TAG_ERRORS:
         return [path, path[:-1]]  # without its type the table can't be checked
     if details["type"] != INCONSISTENT:
@@ -151,8 +151,8 @@ def _dotted(path: Path) -> str:
     return text.removeprefix(".")
 
 
-def _known_instead(location: Path, path: Path) -> str:
-    nearest = _nearest(location, path)
+def _known_instead(location: Path, path: Path, value: object) -> str:
+    nearest = _nearest(location, path, value)
     if not nearest:
         table = f" of [{_dotted(path[:-1])}]" if path[:-1] else ""
         return f"a known key{table}: {', '.join(_table_at(location[:-1]).model_fields)}"
@@ -162,10 +162,12 @@ def _known_instead(location: Path, path: Path) -> str:
     return f'a key of excitation.type = "{location[1]}"; this one is of {" and ".join(owners)}'
 
 
-def _nearest(location: Path, path: Path) -> list[Path]:
+def _nearest(location: Path, path: Path, value: object) -> list[Path]:
     """Known keys most like an unknown one: in its table and of its name elsewhere, else any.
 
-    None where nothing is near; the key itself where another type of excitation has it.
+    An unknown table of a single key may stand for a known one with that key: "nope.speed" for
+    "march.speed". None where nothing is near; the key itself where another type of excitation has
+    it.
     """
     name = str(path[-1])
     siblings = {key: (*path[:-1], key) for key in _table_at(location[:-1]).model_fields}
@@ -174,9 +176,18 @@ def _nearest(location: Path, path: Path) -> list[Path]:
     namesakes = [known for known in dict.fromkeys(_known_keys(Case)) if known[-1] == name]
     return (
         close + namesakes
+        or _with_last_key(value)
         or [everywhere[key] for key in difflib.get_close_matches(name, everywhere, n=1)]
         or [siblings[key] for key in difflib.get_close_matches(name, siblings, n=1, cutoff=NEAR)]
     )
+
+
+def _with_last_key(value: object) -> list[Path]:
+    """Known keys of the name that tables of a single key lead to; none for other values."""
+    name = None
+    while isinstance(value, Mapping) and len(value) == 1:
+        [(name, value)] = value.items()
+    return [known for known in dict.fromkeys(_known_keys(Case)) if known[-1] == name]
 
 
 def _table_at(location: Path) -> type[Table]:

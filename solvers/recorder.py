@@ -32,6 +32,9 @@ STORAGE_BYTES = 2**16
 """Size of the pieces that HDF5 stores a history in: a few reads for a portion of records, and
 little lost where a run is short."""
 
+STRUCTURE_BYTES = 100_000
+"""About what names, attributes and the places of pieces take in a result."""
+
 
 class Variable(NamedTuple):
     """How a variable of a result is written."""
@@ -295,8 +298,8 @@ class Recorder:
         _describe(created, variable)
 
     def _create_history(self, name: str, variable: Variable, sizes: Mapping[str, int]) -> None:
-        widths = tuple(sizes[dimension] for dimension in variable.dimensions[1:])
-        rows = max(1, STORAGE_BYTES // (8 * int(np.prod(widths))))
+        widths = _widths(variable, sizes)
+        rows = _rows_stored(widths)
         created = self._file.create_variable(
             name,
             variable.dimensions,
@@ -307,13 +310,34 @@ class Recorder:
 
 
 def result_bytes(rotor_modes: int, casing_modes: int, blades: int, records: int) -> int:
-    """Size of the histories of a result [bytes]; the rest of the file is small beside them."""
-    widths = {"rotor_mode": rotor_modes, "casing_mode": casing_modes, "blade": blades}
-    numbers = sum(
-        int(np.prod([widths[dimension] for dimension in variable.dimensions[1:]]))
-        for variable in HISTORY.values()
-    )
-    return 8 * numbers * records
+    """Size of the histories of a result [bytes], each in whole pieces as they are stored."""
+    sizes = {"rotor_mode": rotor_modes, "casing_mode": casing_modes, "blade": blades}
+    total = 0
+    for variable in HISTORY.values():
+        widths = _widths(variable, sizes)
+        rows = _rows_stored(widths)
+        total += -(-records // rows) * rows * int(np.prod(widths))
+    return 8 * total
+
+
+def description_bytes(stage: StageArrays) -> int:
+    """Size of what a result holds beside its histories [bytes], the same however long it is.
+
+    Args:
+        stage: arrays that describe the stage.
+    """
+    arrays = (np.asarray(getattr(stage, field.name)) for field in fields(stage))
+    return STRUCTURE_BYTES + sum(array.nbytes for array in arrays)
+
+
+def _widths(variable: Variable, sizes: Mapping[str, int]) -> tuple[int, ...]:
+    """Shape of a history at one record."""
+    return tuple(sizes[dimension] for dimension in variable.dimensions[1:])
+
+
+def _rows_stored(widths: tuple[int, ...]) -> int:
+    """Records in a piece of a history that are stored together."""
+    return max(1, STORAGE_BYTES // (8 * int(np.prod(widths))))
 
 
 def _describe(created: Any, variable: Variable) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,6 +12,7 @@ import typer
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from bladewhirl.models.case import Case
     from bladewhirl.studies.convergence_study import Convergence
     from bladewhirl.studies.run_store import Progress
 
@@ -66,6 +67,8 @@ def convergence(
     from bladewhirl.postprocess.convergence_figures import plot_modes, plot_time_steps
     from bladewhirl.postprocess.style import save_figure
     from bladewhirl.studies.convergence_study import (
+        MODES,
+        TIME_STEP,
         Convergence,
         default_modes,
         default_time_steps,
@@ -80,6 +83,8 @@ def convergence(
     check_figure_folder(folder, overwrite=overwrite)
     values = overrides or []
     checked = read_case(case, values)
+    _check_values(checked, "--time-steps", TIME_STEP, steps or ())
+    _check_values(checked, "--modes", MODES, counts or ())
     store = RunStore(directory=folder / RUNS_NAME, workers=workers)
     with faults_from(case, values), _progress() as progress:
         found = Convergence(
@@ -193,6 +198,22 @@ def _counts(text: str | None) -> list[int] | None:
     if not all(word.isdecimal() for word in words) or len(counts) < 2 or min(counts) < 1:
         raise UserError(f"--modes {text}: expected two or more different whole numbers above zero")
     return sorted(counts)
+
+
+def _check_values(case: Case, option: str, key: str, values: Sequence[float]) -> None:
+    """See that the case takes each value.
+
+    Raises:
+        UserError: naming the option, not the key of the case that it does not go with.
+    """
+    from bladewhirl.models.case_file import with_values
+    from bladewhirl.models.faults import CaseError, UserError
+
+    for value in values:
+        try:
+            with_values(case, {key: value})
+        except CaseError as error:
+            raise UserError(f"{option} {value:g}: {error.lines[0]}") from None
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from bladewhirl.models.loads import imbalance_force, radial_mode, unbalance
 from bladewhirl.models.march_problem import marched_bodies
 from bladewhirl.models.modes import suspension_pair
 from bladewhirl.models.stage import Stage
-from bladewhirl.solvers.recorder import result_bytes
+from bladewhirl.solvers.recorder import description_bytes, result_bytes
 
 TURN = 2.0 * np.pi
 
@@ -139,9 +139,8 @@ def _derive(stage: Stage) -> Derived:
         dt_over_critical=case.march.time_step / critical,
         steps=case.march.steps,
         records=records,
-        result_bytes=result_bytes(
-            len(stage.kept.rotor), len(stage.kept.casing), case.blades, records
-        ),
+        result_bytes=description_bytes(stage.arrays)
+        + result_bytes(len(stage.kept.rotor), len(stage.kept.casing), case.blades, records),
         imbalance=_imbalance(stage),
         distortion=_distortion(stage),
     )

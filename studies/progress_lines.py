@@ -15,20 +15,39 @@ PAUSE = 60.0
 
 
 class ProgressLines:
-    """Writes how much is done to standard error, a line a tenth or a minute."""
+    """Writes how much is done and the time left to standard error, a line a tenth or a minute."""
 
     def __init__(self, what: str, clock: Callable[[], float] = time.monotonic) -> None:
         """Of so many things, "points"; by a clock [s]."""
         self._what, self._clock = what, clock
         self._told, self._at = (0, 0), clock()
+        self._begun: tuple[int, int, float] | None = None  # done before, of so many, and when
 
     def __call__(self, done: int, total: int, more: str = "") -> None:
-        """Note how much is done; what there is more to say follows the numbers."""
+        """Note how much is done; what there is more to say follows the numbers.
+
+        The time left is as if the rest took as long a piece as what was done since the first call
+        of so many.
+        """
+        if self._begun is None or self._begun[1] != total or done < self._begun[0]:
+            self._begun = done, total, self._clock()
         if done <= 0 or total <= 0 or (done, total) == self._told:
             return
         another_tenth = total != self._told[1] or (
             done * TENTHS // total > self._told[0] * TENTHS // total
         )
         if another_tenth or self._clock() - self._at >= PAUSE:
-            typer.echo(f"{done} of {total} {self._what}{more}", err=True)
+            typer.echo(f"{done} of {total} {self._what}{more}{self._left(done, total)}", err=True)
             self._told, self._at = (done, total), self._clock()
+
+    def _left(self, done: int, total: int) -> str:
+        """The time left in words; nothing where it can't be told, or nothing is left."""
+        before, _, began = self._begun or (done, total, 0.0)
+        if not before < done < total:
+            return ""
+        left = round((self._clock() - began) / (done - before) * (total - done))
+        minutes, seconds = divmod(left, 60)
+        hours, minutes = divmod(minutes, 60)
+        if hours:
+            return f", {hours} h {minutes} min left"
+        return f", {minutes} min {seconds} s left" if minutes else f", {seconds} s left"

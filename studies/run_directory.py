@@ -36,8 +36,8 @@ def check_free(directory: Path, *, overwrite: bool) -> None:
     """See that a run may be written to a folder.
 
     Raises:
-        UserError: it exists; with ``overwrite``, it is no folder or holds something else than a
-            run; or no files can be made there.
+        UserError: it exists and is no empty folder; with ``overwrite``, it is no folder or holds
+            something else than a run; or no files can be made there.
     """
     if directory.exists():
         _check_replaceable(directory, overwrite=overwrite)
@@ -57,6 +57,8 @@ def nearest_existing(directory: Path) -> Path:
 
 
 def _check_replaceable(directory: Path, *, overwrite: bool) -> None:
+    if directory.is_dir() and not any(directory.iterdir()):
+        return
     if not overwrite:
         raise UserError(
             f"{directory}: already exists; --overwrite replaces the run in it, -o names another"
@@ -64,7 +66,7 @@ def _check_replaceable(directory: Path, *, overwrite: bool) -> None:
         )
     if not directory.is_dir():
         raise UserError(f"{directory}: expected a folder to overwrite, found a file")
-    if any(directory.iterdir()) and not is_run(directory):
+    if not is_run(directory):
         raise UserError(f"{directory}: expected an empty folder or one of a run to overwrite")
 
 

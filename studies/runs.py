@@ -31,6 +31,7 @@ from bladewhirl.solvers.recorder import (
     Attribute,
     NonFiniteError,
     Recorder,
+    description_bytes,
     result_bytes,
 )
 from bladewhirl.studies import run_directory as folder
@@ -212,7 +213,7 @@ def march_to_file(
 
 def _expected_bytes(prepared: Prepared) -> int:
     problem, timing = prepared.problem, prepared.timing
-    return result_bytes(
+    return description_bytes(prepared.stage.arrays) + result_bytes(
         len(problem.rotor.frequency),
         len(problem.casing.frequency),
         len(problem.rotor.tip_angle),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -58,7 +58,9 @@ def sweep(
     resume: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Finish the sweep in this folder.")
     ] = None,
-    yes: Annotated[bool, typer.Option("--yes", help="Run more than 100,000 points.")] = False,
+    yes: Annotated[
+        bool, typer.Option("--yes", help="Run more than 100,000 points, or 1e9 steps of one.")
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
 ) -> None:
     """March a case at every point of a range, or of several.
@@ -86,6 +88,7 @@ def sweep(
             raise UserError("sweep: expected CASE, --over KEY=VALUES and -o DIR, or --resume DIR")
         else:
             values = parse_over(over)
+            _refuse_both(values, overrides or [])
             done = run_sweep(
                 read_case(case, overrides or []),
                 values,
@@ -99,6 +102,24 @@ def sweep(
     _report(done, as_json=json)
     if not done.done:
         raise typer.Exit(ALL_FAILED)
+
+
+def _refuse_both(over: Iterable[str], overrides: Iterable[str]) -> None:
+    """See that no key is both swept and set.
+
+    Raises:
+        UserError: naming both options and the key.
+    """
+    from bladewhirl.models.faults import UserError
+
+    swept = set(over)
+    for override in overrides:
+        key = override.partition("=")[0].strip()
+        if key in swept:
+            raise UserError(
+                f"--over {key}, --set {override}: expected one of them; --over gives {key} its"
+                " value at every point"
+            )
 
 
 def _refuse_with_resume(

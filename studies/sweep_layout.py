@@ -11,7 +11,7 @@ import numpy as np
 from bladewhirl.models.case import Case
 from bladewhirl.models.stage import Stage
 from bladewhirl.postprocess.sweep_result import WINDOW_SHARE, Layout
-from bladewhirl.solvers.recorder import result_bytes
+from bladewhirl.solvers.recorder import description_bytes, result_bytes
 
 REACH = 10.0
 """Spectra reach to this multiple of the first point's reference frequency: past the second blade
@@ -31,6 +31,7 @@ class Extent:
     shortest: float  #: duration of the shortest march [s]
     record_step: float  #: the longest time between records [s]
     steps: int  #: of all marches
+    most_steps: int  #: of the longest march
     histories: Mapping[tuple[int, int], int]  #: points with so many (blades, records)
 
     @property
@@ -46,15 +47,21 @@ class Extent:
 
 def march_extent(cases: Iterable[Case]) -> Extent:
     """Go through the cases of a sweep once; none of them is kept."""
-    shortest, record_step, steps = np.inf, 0.0, 0
+    shortest, record_step, steps, most_steps = np.inf, 0.0, 0, 0
     histories: Counter[tuple[int, int]] = Counter()
     for case in cases:
         march = case.march
         shortest = min(shortest, march.duration)
         record_step = max(record_step, march.record_step)
-        steps += march.steps
+        steps, most_steps = steps + march.steps, max(most_steps, march.steps)
         histories[case.blades, march.timing.records] += 1
-    return Extent(shortest=shortest, record_step=record_step, steps=steps, histories=histories)
+    return Extent(
+        shortest=shortest,
+        record_step=record_step,
+        steps=steps,
+        most_steps=most_steps,
+        histories=histories,
+    )
 
 
 def make_layout(extent: Extent, stage: Stage) -> Layout:
@@ -80,9 +87,9 @@ def make_layout(extent: Extent, stage: Stage) -> Layout:
 
 
 def history_bytes(extent: Extent, stage: Stage) -> int:
-    """Size of all full histories of a sweep [bytes], with the modes of the first point's stage."""
-    modes = len(stage.kept.rotor), len(stage.kept.casing)
+    """Size of all full histories of a sweep [bytes], as if every stage were the first point's."""
+    modes, fixed = (len(stage.kept.rotor), len(stage.kept.casing)), description_bytes(stage.arrays)
     return sum(
-        points * result_bytes(*modes, blades, records)
+        points * (fixed + result_bytes(*modes, blades, records))
         for (blades, records), points in extent.histories.items()
     )

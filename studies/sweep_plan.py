@@ -42,6 +42,11 @@ CHECKED_STAGES = 32
 as failed points."""
 
 
+ASKED_STEPS, ASKED_STEPS_IN_ALL = 1_000_000_000, 1_000_000_000_000
+"""Steps that one march and all of a sweep have at most without being asked for more: hours of one
+march, weeks of many cores."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Plan:
     """A sweep that has been checked: its points and what it will take."""
@@ -87,15 +92,37 @@ class Plan:
             )
 
 
-def plan_sweep(case: Case, grid: Grid, *, histories: bool, group_size: int = GROUP_SIZE) -> Plan:
+def plan_sweep(
+    case: Case,
+    grid: Grid,
+    *,
+    histories: bool,
+    large: bool = True,
+    group_size: int = GROUP_SIZE,
+) -> Plan:
     """Check every point of a sweep and find what it will take.
 
     Points are looked at one after the other, so that a sweep of any size takes little memory.
 
+    Args:
+        case: that the sweep varies.
+        grid: its points.
+        histories: full histories are kept.
+        large: more than a billion steps of a march, or a trillion of all, are meant.
+        group_size: points in a unit of work.
+
     Raises:
-        UserError: faults of the case at points, each with its point.
+        UserError: faults of the case at points, each with its point; more steps than are meant.
     """
     extent = march_extent(grid.cases(case))
+    for steps, most, what in (
+        (extent.most_steps, ASKED_STEPS, "steps of one march"),
+        (extent.steps, ASKED_STEPS_IN_ALL, "steps of all marches"),
+    ):
+        if steps > most and not large:
+            raise UserError(
+                f"{OVER}: {steps:.3g} {what} are more than {most:.0e}; --yes runs them all"
+            )
     coordinates = _coordinates(case, grid)
     _check_stages(case, grid)
     stage = stage_at(with_values(case, grid.values(0)))

@@ -84,7 +84,8 @@ def run_sweep(
         workers: of the local cluster; one a core when None.
         histories: keep the full histories of every point; with a scheduler the folder must be
             seen by all workers under the same path.
-        large: more than 100,000 points are meant.
+        large: more than 100,000 points are meant, or more than a billion steps of one march or a
+            trillion of all.
         watch: is told how it goes.
 
     Raises:
@@ -96,7 +97,8 @@ def run_sweep(
         resumable = (directory / PLAN_NAME).exists()
         hint = "; --resume finishes the sweep in it" if resumable else ""
         raise UserError(f"{directory}: expected a new or an empty folder{hint}")
-    plan = plan_sweep(case, make_grid(case, over, large=large), histories=histories)
+    grid = make_grid(case, over, large=large)
+    plan = plan_sweep(case, grid, histories=histories, large=large)
     watch = watch or Watch()
     watch.planned(plan)
     try:

@@ -288,6 +288,14 @@ def test_all_faults_of_a_file_at_once(tmp_path: Path) -> None:
             "the nearest is casing.rotation or contact.friction",
         ),
         ("marsh.speed = 1", "marsh = { speed = 1 }: expected a known key; the nearest is march"),
+        (
+            "nope.speed = 1",
+            "nope = { speed = 1 }: expected a known key; the nearest is march.speed",
+        ),
+        (
+            "nope.a.modal_force = 1",
+            "expected a known key; the nearest is excitation.modal_force",
+        ),
         ("casing.wall.widht = 1", "expected a known key; the nearest is casing.wall.width"),
         (
             'march."sp.eed" = 1',

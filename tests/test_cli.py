@@ -16,7 +16,19 @@ from bladewhirl.studies.cli import UserErrorGroup, app
 from bladewhirl.studies.progress_lines import ProgressLines
 
 RUNNER = CliRunner()
-TENTHS_OF_200 = [1, *range(20, 201, 20)]
+LEFT_OF_200 = {
+    1: "6 min 38 s",
+    20: "6 min 0 s",
+    40: "5 min 20 s",
+    60: "4 min 40 s",
+    80: "4 min 0 s",
+    100: "3 min 20 s",
+    120: "2 min 40 s",
+    140: "2 min 0 s",
+    160: "1 min 20 s",
+    180: "40 s",
+}
+"""Time left after so many of 200 points, of two seconds each."""
 
 
 def test_new_writes_the_default_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -157,10 +169,14 @@ def test_a_job_tells_how_far_it_is_where_there_is_no_terminal(
     now = 0.0
     lines = ProgressLines("points", clock=lambda: now)
     for done in range(201):
+        now = 2.0 * done
         lines(done, 200)
-    assert [*capsys.readouterr().err.splitlines()] == [f"{n} of 200 points" for n in TENTHS_OF_200]
+    expected = [f"{n} of 200 points, {told} left" for n, told in LEFT_OF_200.items()]
+    assert [*capsys.readouterr().err.splitlines()] == [*expected, "200 of 200 points"]
+    now = 0.0
     slow = ProgressLines("points", clock=lambda: now)
     slow(1, 1000)
     for now, done in [(59.0, 2), (61.0, 3), (200.0, 3)]:  # noqa: B007  # the clock reads it
         slow(done, 1000, ", 1 failed")
-    assert capsys.readouterr().err.splitlines()[-1] == "3 of 1000 points, 1 failed"
+    told = "3 of 1000 points, 1 failed, 8 h 26 min left"  # two points in 61 s
+    assert capsys.readouterr().err.splitlines()[-1] == told

@@ -29,6 +29,7 @@ from bladewhirl.solvers.recorder import (
     Attribute,
     NonFiniteError,
     Recorder,
+    description_bytes,
     result_bytes,
 )
 
@@ -169,7 +170,18 @@ def test_the_size_of_a_result_is_foretold(tmp_path: Path) -> None:
     with Recorder(path, stage, ATTRIBUTES) as recorder:
         for first in range(0, 40_000, 4000):
             recorder.write(made_up(stage, first, 4000))
-    told = result_bytes(len(stage.rotor_frequency), len(stage.casing_frequency), 5, 40_000)
+    modes = len(stage.rotor_frequency), len(stage.casing_frequency)
+    told = description_bytes(stage) + result_bytes(*modes, 5, 40_000)
+    assert path.stat().st_size == pytest.approx(told, rel=0.01)
+
+
+def test_the_size_of_a_short_result_is_foretold(tmp_path: Path) -> None:
+    stage = small_stage()
+    path = tmp_path / "result.nc"
+    with Recorder(path, stage, ATTRIBUTES) as recorder:
+        recorder.write(made_up(stage, 0, 7))
+    modes = len(stage.rotor_frequency), len(stage.casing_frequency)
+    told = description_bytes(stage) + result_bytes(*modes, 5, 7)
     assert path.stat().st_size == pytest.approx(told, rel=0.05)
 
 

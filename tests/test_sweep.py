@@ -34,7 +34,7 @@ from bladewhirl.studies.cli import app
 from bladewhirl.studies.runs import run_case
 from bladewhirl.studies.sweep_plan import PLAN_NAME, read_plan
 from bladewhirl.studies.sweep_points import Failure, Group, Outcome, Work
-from bladewhirl.studies.sweeps import resume_sweep, run_sweep
+from bladewhirl.studies.sweeps import HISTORIES_NAME, resume_sweep, run_sweep
 
 CASE = Case(
     excitation=Imbalance(ramp=1e-3),
@@ -45,6 +45,8 @@ OVER = {"march.speed": [0.95, 1.05, 1.15], "contact.friction": [0.05, 0.1]}
 TOO_MANY_MODES = 50_000
 
 RUNNER = CliRunner()
+
+IMBALANCE = "examples/imbalance.toml"
 
 
 @pytest.fixture(scope="module")
@@ -271,6 +273,14 @@ def test_failed_points_are_told_and_the_others_done(
         (["--resume", "x", "--over", "a=1,2"], "--resume x: expected no --over"),
         (["--resume", "x"], "expected the plan of a sweep"),
         (["--workers", "1", "--scheduler", "tcp://x:1"], "expected one of them"),
+        (
+            [IMBALANCE, "--over", "march.speed=1,2", "--set", "march.speed=3", "-o", "x"],
+            "--over march.speed, --set march.speed=3: expected one of them",
+        ),
+        (
+            [IMBALANCE, "--over", "march.duration=0.01,1e5", "-o", "x"],
+            "--over: 1e+11 steps of one march are more than 1e+09; --yes runs them all",
+        ),
     ],
 )
 def test_options_that_do_not_go_together(arguments: list[str], message: str) -> None:
@@ -307,6 +317,8 @@ def test_the_size_is_told_right(swept: Path) -> None:
     estimate = read_plan(swept).dataset_bytes
     actual = (swept / "sweep.nc").stat().st_size
     assert estimate <= actual <= estimate + 100_000  # names, attributes, frequencies
+    histories = sum(path.stat().st_size for path in (swept / HISTORIES_NAME).iterdir())
+    assert read_plan(swept).history_bytes == pytest.approx(histories, rel=0.02)
 
 
 def test_a_sweep_of_another_version_is_not_mixed(swept: Path, tmp_path: Path) -> None:

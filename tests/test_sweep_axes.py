@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -143,6 +144,27 @@ def test_faults_that_only_the_stage_shows_come_before_anything_runs() -> None:
     grid = make_grid(Case(), {"march.time_step": (1e-6, 1e-4)}, large=False)
     with pytest.raises(UserError, match=r"point march\.time_step = 1e-4: march\.time_step"):
         plan_sweep(Case(), grid, histories=False)
+
+
+@pytest.mark.parametrize(
+    ("over", "steps"),
+    [
+        ({"march.duration": (1.0, 1001.0)}, "1e\\+09 steps of one march"),
+        (
+            {"march.duration": (500.0, 600.0), "march.speed": [1 + 1e-3 * n for n in range(1000)]},
+            "1.1e\\+12 steps of all marches",
+        ),
+    ],
+)
+def test_more_steps_than_anyone_waits_for_are_asked_for(
+    over: dict[str, Sequence[float]], steps: str
+) -> None:
+    grid = make_grid(Case(), over, large=False)
+    with pytest.raises(UserError, match=f"^--over: {steps} are more than 1e.*; --yes runs them"):
+        plan_sweep(Case(), grid, histories=False, large=False)
+    if grid.size == 2:
+        plan = plan_sweep(Case(), grid, histories=False, large=True)
+        assert plan.steps == round(1002.0 / Case().march.time_step)
 
 
 def test_coordinates_are_si_numbers_with_their_unit() -> None:
