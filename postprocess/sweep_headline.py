@@ -38,24 +38,24 @@ def _places(points: xr.Dataset, name: str) -> str:
     """Where a regime is: along the key, and for which values of the others."""
     key = points[str(points.attrs["along"])]
     is_so = points["regime"].values == name
-    own = f"{key.attrs['long_name']} {_ranges(key.values, is_so.any(axis=0))}"
+    own = f"{key.attrs['long_name']} {_ranges(key, is_so.any(axis=0))}"
     others = other_keys(points)
     if not others:
         return own
     if len(others) > 1:
-        return f"{own} (at some values of {' and '.join(key_name(other) for other in others)})"
+        return f"{own} (with some values of the other keys)"
     (other,) = others
     parts: dict[str, np.ndarray] = {}
     for line in np.flatnonzero(is_so.any(axis=1)):
-        values = _ranges(key.values, is_so[line])
+        values = _ranges(key, is_so[line])
         parts.setdefault(values, np.zeros(len(is_so), dtype=np.bool_))[line] = True
     if len(parts) > MOST_PARTS:
-        extent = _ranges(other.values, is_so.any(axis=1))
+        extent = _ranges(other, is_so.any(axis=1))
         return f"{own} with {key_name(other)} {extent} (not at every pair of them)"
     if len(parts) == 1 and is_so.any(axis=1).all():
         return f"{own} whatever {key_name(other)}"
     found = [
-        f"{values.replace(', ', ' and ')} with {_ranges(other.values, lines)}"
+        f"{values.replace(', ', ' and ')} with {_ranges(other, lines)}"
         for values, lines in parts.items()
     ]
     found[0] = found[0].replace("with ", f"with {key_name(other)} ")
@@ -76,11 +76,11 @@ def key_name(key: xr.DataArray) -> str:
     return str(key.attrs["long_name"])
 
 
-def _ranges(values: np.ndarray, chosen: np.ndarray, most: int = 5) -> str:
-    """Runs of neighbouring values, in words."""
+def _ranges(key: xr.DataArray, chosen: np.ndarray, most: int = 5) -> str:
+    """Runs of neighbouring values, in words, with their unit."""
+    values, units = key.values, str(key.attrs["units"])
     edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
     runs = [(values[a], values[b - 1]) for a, b in edges.reshape(-1, 2)]
     said = [f"{a:.5g}" if a == b else f"{a:.5g} to {b:.5g}" for a, b in runs[:most]]
-    if len(runs) > most:
-        said.append(f"{len(runs) - most} more ranges")
-    return ", ".join(said)
+    more = f", {len(runs) - most} more ranges" if len(runs) > most else ""
+    return ", ".join(said) + ("" if units == "1" else f" {units}") + more

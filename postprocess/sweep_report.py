@@ -37,6 +37,7 @@ from bladewhirl.postprocess.sweep_figures import SweepFigures
 from bladewhirl.postprocess.sweep_headline import headline, key_name, other_keys
 from bladewhirl.postprocess.sweep_quantities import LINE, along, main_key
 from bladewhirl.postprocess.sweep_result import swept
+from bladewhirl.postprocess.swept_axes import in_handy_units
 
 WINDOWED = ("frequency-map", "energy-families")
 """Figures over the window that the dataset's `window` names; others are over the last third."""
@@ -130,9 +131,9 @@ def _others(dataset: xr.Dataset) -> list[str]:
 
 
 def _points(dataset: xr.Dataset) -> xr.Dataset:
-    """What the maps and tables tell of every point, over (line, key)."""
+    """What the maps and tables tell of every point, over (line, key), keys in handy units."""
     names = ["regime", "shaft_radius_max", "growth_rate", "growth_error", "end_time"]
-    found = along(dataset, main_key(dataset), [*names, "contact_share"])
+    found = in_handy_units(along(dataset, main_key(dataset), [*names, "contact_share"]))
     touched = (found["contact_share"] > 0).sum("blade")
     regime = found["regime"].where(found["state"] == "done", "no result")
     return found.assign(touched=touched, regime=regime).drop_vars("contact_share")
@@ -172,9 +173,10 @@ def _glance(
     dataset: xr.Dataset, counts: Mapping[str, int], done: int
 ) -> list[tuple[str, str, str]]:
     found = [("points done", f"{done} of {dataset['state'].size}", "")]
+    keys = in_handy_units(dataset[swept(dataset)])
     for key in swept(dataset):
-        values = dataset[key].values
-        unit = str(dataset[key].attrs["units"])
+        values = keys[key].values
+        unit = str(keys[key].attrs["units"])
         words = f"{values.min():.5g} to {values.max():.5g}" if len(values) > 1 else f"{values[0]:g}"
         remark = f"{len(values)} values" + ("" if unit == "1" else f", {unit}")
         found.append((str(dataset[key].attrs["long_name"]), words, remark))
@@ -289,7 +291,8 @@ def _case_text(dataset: xr.Dataset) -> Text:
         caption="All keys with the values used, SI units. Lines marked as swept "
         f"({', '.join(marked)}) have another value at every point"
         + (f", and {', '.join(unmarked)} is not among them" if unmarked else "")
-        + f"; bladewhirl run on these lines with {settings} repeats a point.",
+        + f"; bladewhirl run on these lines with {settings} (in SI units, or with a unit) "
+        "repeats a point.",
     )
 
 

@@ -96,26 +96,29 @@ def test_two_keys_and_missing_points(tmp_path: Path) -> None:
     ]
 
 
-CASE = "title = 'x'\n\n[contact]\nfriction = 0.1\n\n[march]\nspeed = 1.2\nduration = 1.0\n"
+CASE = "title = 'x'\n\n[casing]\nclearance = 5e-4\n\n[march]\nspeed = 1.2\nduration = 1.0\n"
 
 
 def test_two_keys_have_their_columns_marks_and_window(tmp_path: Path) -> None:
-    over = {"march.speed": (1.0, 1.2), "contact.friction": (0.0, 0.1)}
+    over = {"march.speed": (1.0, 1.2), "casing.clearance": (5e-4, 1e-3)}
     motions = [{"speed": REFERENCE, "shaft_radius": radius} for radius in (*RADII, RADII[0])]
-    folder = synthetic_sweep(tmp_path / "two", over, motions, case=CASE)
+    units = {"march.speed": "1", "casing.clearance": "m"}
+    folder = synthetic_sweep(tmp_path / "two", over, motions, units=units, case=CASE)
     page = Parsed(write_report(folder).read_text(encoding="utf-8"))
     words = re.sub(r"\s+", " ", page.words)
-    assert "march.speed contact.friction regime largest shaft displacement" in words
-    assert re.search(r"1 0\.1 sustained 1\.3 ", words)
-    assert "contact.friction = 0.1" not in words.partition("All points (4)")[2]
+    assert "march.speed casing.clearance [mm] regime largest shaft displacement" in words
+    assert re.search(r"1 1 sustained 1\.3 ", words)
+    assert "casing.clearance = 1" not in words.partition("All points (4)")[2]
     window = "Spectra and mean energies are over the last 0.2 s of each march, at most 50% of it."
     assert words.count(window) == 3
     assert "Growth rates ± 2 standard errors." in words
-    assert "friction = 0.1  # swept, contact.friction: 2 values\n" in page.words
+    assert "clearance = 5e-4  # swept, casing.clearance: 2 values\n" in page.words
     assert "speed = 1.2  # swept, march.speed: 2 values\nduration = 1.0" in page.words
     assert page.words.count("# swept") == 2
-    assert "--set march.speed=VALUE --set contact.friction=VALUE repeats a point" in words
+    settings = "--set march.speed=VALUE --set casing.clearance=VALUE"
+    assert f"{settings} (in SI units, or with a unit) repeats a point" in words
     assert "repeats the run" not in words
+    assert "march.speed 1.2 with casing.clearance 0.5 mm, at 1 with 1 mm; never touches" in words
 
 
 @pytest.mark.parametrize(
