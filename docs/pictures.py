@@ -88,11 +88,12 @@ def main() -> None:
         folder = Path(scratch)
         distortion, imbalance, chart = (folder / n for n in ("distortion", "imbalance", "chart"))
         bladewhirl("run", EXAMPLES / "casing_distortion.toml", "-o", distortion, "--frames", "0")
-        bladewhirl("render", distortion, "--png", "--time", "30 ms", "-o", folder / "still.png")
+        bladewhirl("render", distortion, "--png", "--time", "1.65 s", "-o", folder / "still.png")
         bladewhirl("run", EXAMPLES / "imbalance.toml", "-o", imbalance, "--frames", "0")
         bladewhirl("stability", EXAMPLES / "fan_stage.toml", "-o", chart, "--no-films")
         keep(gallery(folder), "gallery.png", PLAIN, Image.Quantize.FASTOCTREE)  # flat colours
         keep(folder / "still.png", "contact.png")
+        keep(distortion / "energy.png", "distortion_energy.png")
         keep(imbalance / "orbit.png", "imbalance_orbit.png")
         keep(chart / "stability.png", "stability.png")
 
