@@ -62,7 +62,7 @@ def plot_bifurcation(found: xr.Dataset) -> Figure:
         found: from `bifurcation`.
     """
     found = in_handy_units(found)
-    largest = max(float(np.nanmax(np.abs(found[name]), initial=0.0)) for name in PARTS)
+    largest = max(float(np.nanmax(np.abs(found[name].values), initial=0.0)) for name in PARTS)
     unit, scale = length_unit(largest)
     lines = [line._replace(size=4.0) for line in lines_of(found)]  # in the legend
     figure = new_figure(width=FULL_WIDTH, height=0.15)

@@ -20,6 +20,7 @@ from matplotlib.patheffects import withStroke
 from bladewhirl.postprocess.fields import Array, IntArray
 from bladewhirl.postprocess.legends import Group, legends_below, set_title
 from bladewhirl.postprocess.orbits import MILLI
+from bladewhirl.postprocess.spectra import LINE_DASHES
 from bladewhirl.postprocess.style import COLOURS, SEQUENTIAL, styled
 from bladewhirl.postprocess.sweep_drawing import (
     MOST_PANELS,
@@ -59,11 +60,11 @@ LINES: Mapping[str, tuple[str, bool]] = {
 """Modes that have lines in a map: colour, and whether the map is made to reach them."""
 
 MODE_DASHES: Mapping[str, Any] = {
-    "suspension": (0, (7, 2)),
-    "1F k=1": (0, (3, 1.5)),
-    "casing k=1": (0, (5, 1.5, 1.2, 1.5)),
+    "suspension": LINE_DASHES["suspension"],
+    "1F k=1": LINE_DASHES["1F"],
+    "casing k=1": LINE_DASHES["casing"],
 }
-"""Of the lines of modes: told apart without colour, and from the dots of engine orders."""
+"""Of the lines of modes, as in spectra: told apart from the dots of engine orders."""
 
 OUTLINE = [withStroke(linewidth=1.6, foreground="black")]
 """Around white lines and letters, which stand on every colour of a map."""

@@ -77,7 +77,7 @@ class Growth:
 
     @property
     def is_significant(self) -> bool:
-        """Whether it is growth beyond doubt that shows no sign of ending."""
+        """Whether it is more than its uncertainty and shows no sign of ending."""
         return self.rate > CERTAINTY * self.error and not self.slows and self.rise >= RISE
 
 
@@ -173,10 +173,12 @@ def fit_growth(windows: Windows) -> Growth:
 
     The standard error is that of a straight line fitted to the logarithms of the amplitudes.
     Neighbouring windows don't miss the line independently: with the correlation r of a misfit
-    with the next one, n windows count as n (1 - r) / (1 + r) (Santer et al., J. Geophys. Res. 105,
-    2000), so the error is larger by sqrt((1 + r) / (1 - r)); a negative r counts as none. Of so
-    few windows r comes out too small rather than too large; of half of them it says nothing, so
-    whether the growth slows is told by errors without it.
+    with the next one, n windows count as n (1 - r) / (1 + r), so the error is larger by
+    sqrt((1 + r) / (1 - r)); a negative r counts as none. That is after Santer et al., J. Geophys.
+    Res. 105, 2000, without their loss of freedom by the line. Of so few windows r comes out too
+    small rather than too large: an amplitude without trend is beyond two errors in 7 % of series
+    of 12 independent windows, 14 % of 5, and in 20 % of 12 whose true correlation is 0.5. Of half
+    of the windows r says nothing, so whether the growth slows is told by errors without it.
 
     Args:
         windows: of the history.

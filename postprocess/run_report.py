@@ -45,7 +45,7 @@ TONES: Mapping[RegimeName, str] = {
 
 MEANINGS: Mapping[RegimeName, str] = {
     "divergent": "the motion grows until a linear model has nothing left to say",
-    "sustained": "blades and casing go on touching, without growth beyond doubt",
+    "sustained": "blades and casing go on touching, without growth beyond its uncertainty",
     "damped": "blades and casing touched, and the motion came free of the casing again",
     "no-contact": "no blade ever touched the casing",
 }

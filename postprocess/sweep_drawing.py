@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from bladewhirl.postprocess.legends import Group
 from bladewhirl.postprocess.style import COLOURS, FULL_WIDTH, SEQUENTIAL, new_figure
-from bladewhirl.postprocess.sweep_quantities import LINE
+from bladewhirl.postprocess.sweep_quantities import LINE, other_keys
 
 MOST_LINES = 8
 """Lines in a figure: more are not told apart."""
@@ -161,13 +161,13 @@ def line_keys(data: xr.Dataset) -> str:
     """The other keys, whose values `line_values` gives; empty where there are none."""
     return ", ".join(
         ".".join(str(values.attrs["long_name"]).split(".")[-KEY_PARTS:])
-        for values in _other_keys(data)
+        for values in other_keys(data)
     )
 
 
 def line_values(data: xr.Dataset) -> list[str]:
     """Values of the other keys of each line with their units, in the order of `line_keys`."""
-    keys = _other_keys(data)
+    keys = other_keys(data)
     return [
         ", ".join(_amount(float(values[number]), values) for values in keys)
         for number in range(data.sizes[LINE])
@@ -178,22 +178,14 @@ def panel_titles(data: xr.Dataset) -> list[str]:
     """Title of a panel for each line: the name of one other key and its value; of several, of
     which `panels_note` gives the names, the values only.
     """
-    if len(_other_keys(data)) > 1:
+    if len(other_keys(data)) > 1:
         return line_values(data)
     return [line_label(data.isel({LINE: number})) for number in range(data.sizes[LINE])]
 
 
 def panels_note(data: xr.Dataset, what: str) -> str:
     """What a figure's title says of its panels ("panels", "rows"); see `panel_titles`."""
-    return f"\n{what}: {line_keys(data)}" if len(_other_keys(data)) > 1 else ""
-
-
-def _other_keys(data: xr.Dataset) -> list[xr.DataArray]:
-    return [
-        values
-        for values in data.coords.values()
-        if values.dims == (LINE,) and "long_name" in values.attrs
-    ]
+    return f"\n{what}: {line_keys(data)}" if len(other_keys(data)) > 1 else ""
 
 
 def _amount(value: float, values: xr.DataArray) -> str:

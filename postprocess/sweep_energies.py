@@ -110,7 +110,9 @@ def _draw_lines(axes: Axes, one: xr.Dataset) -> None:
     lines += [(f"{FIRST_FAMILY}, k = {k}", f"k = {k}", of(diameter == k)) for k in (0, 1)]
     lines += [(f"{FIRST_FAMILY}, other k", "other k", of(diameter > 1))]
     lines += [("rest", "rest", one["rest"].values)]
-    for (label, colour, energy), dash, mark in zip(lines, DASHES, MARKS, strict=False):
+    for (label, colour, energy), dash, mark in zip(
+        lines, DASHES[: len(lines)], MARKS[: len(lines)], strict=True
+    ):
         axes.plot(
             place,
             np.where(energy > 0, energy, np.nan),

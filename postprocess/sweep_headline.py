@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.sweep_quantities import LINE
+from bladewhirl.postprocess.sweep_quantities import other_keys
 
 MOST_PARTS = 3
 """Parts of a second key that the headline tells apart: of more it gives the extent."""
@@ -60,15 +60,6 @@ def _places(points: xr.Dataset, name: str) -> str:
     ]
     found[0] = found[0].replace("with ", f"with {key_name(other)} ")
     return f"{key.attrs['long_name']} " + ", at ".join(found)
-
-
-def other_keys(points: xr.Dataset) -> list[xr.DataArray]:
-    """Swept keys beside the one that is gone along, (line,) each.
-
-    Args:
-        points: as `headline` takes it.
-    """
-    return [values for values in points.coords.values() if values.dims == (LINE,)]
 
 
 def key_name(key: xr.DataArray) -> str:

@@ -29,6 +29,19 @@ def main_key(dataset: xr.Dataset) -> str:
     return "march_speed" if "march_speed" in names else names[0]
 
 
+def other_keys(data: xr.Dataset) -> list[xr.DataArray]:
+    """Swept keys beside the one that is gone along, (line,) each.
+
+    Args:
+        data: over (line, KEY).
+    """
+    return [
+        values
+        for values in data.coords.values()
+        if values.dims == (LINE,) and "long_name" in values.attrs
+    ]
+
+
 def along(dataset: xr.Dataset, key: str, names: Sequence[str]) -> xr.Dataset:
     """Some variables of a sweep along a key, loaded; where a point is not done they are NaN.
 

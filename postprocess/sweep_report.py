@@ -34,8 +34,8 @@ from bladewhirl.postprocess.sweep_explorer import (
     regime_explorer,
 )
 from bladewhirl.postprocess.sweep_figures import SweepFigures
-from bladewhirl.postprocess.sweep_headline import headline, key_name, other_keys
-from bladewhirl.postprocess.sweep_quantities import LINE, along, main_key
+from bladewhirl.postprocess.sweep_headline import headline, key_name
+from bladewhirl.postprocess.sweep_quantities import LINE, along, main_key, other_keys
 from bladewhirl.postprocess.sweep_result import swept
 from bladewhirl.postprocess.swept_axes import in_handy_units
 

@@ -111,7 +111,7 @@ def _around(place: Array, wide: bool) -> Array:
     ends = np.log(place[[0, -1]]) if wide else place[[0, -1]].astype(np.float64)
     free = MARGIN * (ends[1] - ends[0])
     # Points of lines side by side reach a quarter of a gap beyond.
-    if 2 < len(place) <= MOST_TICKS:
+    if len(place) <= MOST_TICKS:
         free = max(free, 0.3 * float(np.diff(np.log(place) if wide else place).min()))
     ends = ends + np.array([-free, free])
     return np.asarray(np.exp(ends) if wide else ends)

@@ -42,7 +42,11 @@ SLOW_CLAIMS = (17, 18, 19, 27, 28, 29, 34, 35, 36, 37, 38, 39, 40, 41, 45, 46)
 """Claims that depend on what is searched and are judged by sweeps or many marches."""
 
 STILL_CLAIMS = (1, 2, 3, 4, 5, 9, 10, 11, 12, 13, 14, 15)
-"""The others that no march is needed for."""
+"""The others that no march is needed for. Claim 16, on the time step, is left out of a search: what
+is searched hardly changes it."""
+
+FORMAT = 2
+"""Of the file; another one was judged by other rules."""
 
 Level = Literal["screened", "slow", "still", "confirmed"]
 
@@ -153,7 +157,7 @@ class Search:
             return self.judge(list(dict.fromkeys([*best, STARTS[DEFAULT]])), "confirmed")
 
     def examine(self) -> list[Judged]:
-        """Judge all claims on the defaults, and what they miss on what differs in one value.
+        """Judge the defaults by all claims but 16, and what differs in one value by the missed.
 
         Only sets are looked at that keep every value that the paper gives.
         """
@@ -163,10 +167,12 @@ class Search:
             near = [
                 values
                 for values in base.neighbours()
-                if not values.departures and not values.resembles(base)
+                if not values.given_changed and not values.resembles(base)
             ]
             if level == "still":
                 near = [each for each in near if _without_motion(each) != _without_motion(base)]
+            else:
+                near = [each for each in near if not each.departures]
             with self._tidied():
                 found += self.judge([base], level)
                 missed = tuple(
@@ -283,6 +289,7 @@ class Search:
         """
         document = {
             run_directory.PACKAGE: run_directory.version(),
+            "format": FORMAT,
             "sets": [
                 {
                     "level": judged.level,
@@ -324,7 +331,12 @@ def open_search(
         return search
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
-        made_by = document[run_directory.PACKAGE]
+        made_by = document[run_directory.PACKAGE], document.get("format")
+        if made_by != (run_directory.version(), FORMAT):
+            raise UserError(
+                f"{path}: expected a search of bladewhirl {run_directory.version()} with format"
+                f" {FORMAT}, this one is of {made_by[0]} with {made_by[1]}; begin another"
+            )
         for row in document["sets"]:
             judged = Judged(
                 values=ParameterSet(**row["values"]),
@@ -337,16 +349,19 @@ def open_search(
             search.judged[judged.values, judged.level] = judged
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UserError(f"{path}: expected a search ({error!r})") from None
-    if made_by != run_directory.version():
-        raise UserError(
-            f"{path}: expected a search of bladewhirl {run_directory.version()}, this one is of"
-            f" {made_by}"
-        )
     return search
 
 
-def search_parameters(search: Search, starts: Iterable[str], rounds: int) -> list[Judged]:
+def search_parameters(
+    search: Search, starts: Iterable[str], rounds: int, *, every_claim: bool = False
+) -> list[Judged]:
     """Climb from starts by name, then confirm the best and the present default.
+
+    Args:
+        search: to go on with.
+        starts: names of `STARTS`.
+        rounds: steps from each to a better neighbour.
+        every_claim: whether to `Search.examine` the defaults, too.
 
     Raises:
         UserError: a start that there is not, or that changes what the paper gives.
@@ -358,9 +373,11 @@ def search_parameters(search: Search, starts: Iterable[str], rounds: int) -> lis
     changing = [name for name in names if STARTS[name].departures] if search.faithful else []
     if changing:
         raise UserError(f"--faithful {', '.join(changing)}: expected starts that change nothing")
-    search.judge([STARTS[name] for name in names])
+    search.judge([STARTS[name] for name in dict.fromkeys([DEFAULT, *names])])
     for name in names:
         search.climb(STARTS[name], rounds)
+    if every_claim:
+        search.examine()
     return search.confirm()
 
 

@@ -75,10 +75,15 @@ class ParameterSet:
         }
 
     @property
+    def given_changed(self) -> tuple[str, ...]:
+        """What of `GIVEN` it changes, in words; empty if nothing."""
+        own = asdict(self)
+        return tuple(PARAMETERS[name] for name, value in GIVEN.items() if own[name] != value)
+
+    @property
     def departures(self) -> tuple[str, ...]:
         """What of the paper's Tables 1 and 2 it changes, in words; empty if nothing."""
-        own = asdict(self)
-        changed = [PARAMETERS[name] for name, value in GIVEN.items() if own[name] != value]
+        changed = list(self.given_changed)
         if self.changes()["excitation.modal_force"] > MODAL_FORCE:
             changed.append("modal force")
         return tuple(changed)

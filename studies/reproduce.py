@@ -26,7 +26,7 @@ def reproduce(
         typer.Argument(metavar="CLAIM", help="Numbers of claims; all if none.", show_default=False),
     ] = None,
     quick: Annotated[
-        bool, typer.Option("--quick", help="Marches of two seconds, coarse sweeps, no repeats.")
+        bool, typer.Option("--quick", help="Marches of 2.5 s, coarse sweeps, no repeats.")
     ] = False,
     speed_step: Annotated[
         float | None,

@@ -37,7 +37,8 @@ def search(
         bool,
         typer.Option(
             "--every-claim",
-            help="Judge all claims that the examples miss, on what differs from them in one value.",
+            help="Judge all claims but 16; those that the examples miss also on what differs from"
+            " them in one value.",
         ),
     ] = False,
     output: Annotated[
@@ -75,9 +76,7 @@ def search(
         with _interruptible(output), _scheduler(scheduler, workers or CPU_COUNT) as address:
             found = open_search(output, scheduler=address, faithful=faithful, told=_tell)
             kept = [name for name, start in STARTS.items() if not (faithful and start.departures)]
-            search_parameters(found, starts or kept, rounds)
-            if every_claim:
-                found.examine()
+            search_parameters(found, starts or kept, rounds, every_claim=every_claim)
     for path in write_report(open_search(output), output):
         typer.echo(f"Wrote {path}.")
 

@@ -41,6 +41,8 @@ LISTED = 6
 def write_report(search: Search, directory: Path) -> list[Path]:
     """Write report.md and the sensitivity figures of claims that the default misses.
 
+    There is no figure of a claim for which nothing but the default was tried.
+
     Raises:
         UserError: the default has not been judged, or the folder can't be written.
     """
@@ -51,13 +53,16 @@ def write_report(search: Search, directory: Path) -> list[Path]:
     with written_to(directory):
         write_whole(paths[0], report_text(search))
         for claim, found in verdicts.items():
-            if found.verdict != "holds":
-                data = sensitivity_dataset(*_rows(search, found.level, claim))
+            claims, rows, own = _rows(search, found.level, claim)
+            if found.verdict != "holds" and rows:
+                data = sensitivity_dataset(claims, rows, own)
                 name = f"sensitivity-claim-{claim}"
                 paths += save_figure(plot_sensitivity(data), directory / name, data)[:1]
         marched = [claim for claim, found in verdicts.items() if found.level != "still"]
-        data = sensitivity_dataset(*_rows(search, "screened", *marched))
-        paths += save_figure(plot_overview(data), directory / OVERVIEW_NAME, data)[:1]
+        claims, rows, own = _rows(search, "screened", *marched)
+        if rows:
+            data = sensitivity_dataset(claims, rows, own)
+            paths += save_figure(plot_overview(data), directory / OVERVIEW_NAME, data)[:1]
     return paths
 
 
@@ -172,8 +177,8 @@ def found_by_claim(search: Search) -> dict[int, Found]:
     return dict(sorted(found.items()))
 
 
-HOW: Mapping[Level, str] = {"slow": ", by coarse sweeps and steps of 2 µs", "still": ""}
-"""What is to be said of a level beside its value."""
+HOW: Mapping[Level, str] = {"slow": ", by coarse sweeps and steps of 2 µs"}
+"""What is to be said of a level beside our value; nothing of the others."""
 
 
 def _flips(search: Search) -> Iterator[str]:

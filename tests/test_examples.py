@@ -71,10 +71,12 @@ def test_full_length_gives_what_the_readme_says(full: Run) -> None:
     column = ["fan_stage", "casing_distortion", "imbalance"].index(full.directory.name)
     summary = full.summary
     assert readme_row("regime at speed 1.05")[column].replace(" ", "-") == summary.regime
+    # Where it diverges the last digit of a force decides when.
+    late, far = (0.4, 0.1) if summary.regime == "divergent" else (1e-9, 0.02)
     radius = float(readme_row("largest shaft radius")[column].split()[0]) * 1e-3
-    assert summary.shaft_radius_max == pytest.approx(radius, rel=0.02)
+    assert summary.shaft_radius_max == pytest.approx(radius, rel=far)
     end = float(readme_row("end of the march")[column].split()[0])
-    assert summary.end_time == pytest.approx(end, rel=0.02)
+    assert summary.end_time == pytest.approx(end, abs=late)
     touched = readme_row("blades that touched")[column]
     assert f"{sum(share > 0.0 for share in summary.contact_share)} of 22" == touched
     assert summary.energy_residual <= 1e-8

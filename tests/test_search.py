@@ -362,7 +362,8 @@ def test_neighbours_are_judged_by_what_the_default_misses(
 
     monkeypatch.setattr(Search, "_judge", judge)
     Search(directory=tmp_path).examine()
-    assert all(not values.departures for _, values, _ in asked)
+    assert all(not values.given_changed for _, values, _ in asked)
+    assert all(not values.departures for level, values, _ in asked if level == "slow")
     by_level = {
         level: [(values, claims) for each, values, claims in asked if each == level]
         for level in ("slow", "still")
@@ -374,6 +375,7 @@ def test_neighbours_are_judged_by_what_the_default_misses(
     assert {claims for _, claims in near} == {(5,)}
     changed_names = {name for values, _ in near for name in values.difference(STARTS[MODAL])}
     assert changed_names == {"disk", "strain", "frequency"}  # what modes depend on
+    assert 9.7 in [values.frequency for values, _ in near]  # a hit would need more force
     tried = [values.damping for values, _ in by_level["slow"]]
     assert 0.002 in tried
     assert 0.0011 not in tried  # for a better fit only
@@ -406,6 +408,20 @@ def test_faults_end_in_one_line(arguments: list[str], message: str, tmp_path: Pa
 
 def test_a_folder_of_another_version_is_refused(climbed: Search) -> None:
     path = climbed.directory / "search.json"
-    path.write_text(path.read_text().replace('"bladewhirl": "', '"bladewhirl": "0.0.'))
+    text = path.read_text()
+    path.write_text(text.replace('"bladewhirl": "', '"bladewhirl": "0.0.'))
     with pytest.raises(UserError, match=r"this one is of 0\.0\."):
         open_search(climbed.directory)
+    path.write_text(text.replace('"screened"', '"swept"').replace(' "format": 2,\n', ""))
+    with pytest.raises(UserError, match="with None; begin another"):
+        open_search(climbed.directory)
+
+
+def test_a_search_from_elsewhere_has_a_default_to_compare_with(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Search, "_judge", judge_by_hill)
+    search = open_search(tmp_path)
+    search_parameters(search, ["heavy"], rounds=0)
+    assert {(STARTS["heavy"], "screened"), (STARTS[DEFAULT], "screened")} <= set(search.judged)
+    assert [path.name for path in write_report(search, tmp_path)] == ["report.md"]

@@ -16,6 +16,7 @@ from matplotlib.transforms import Bbox
 from synthetic_sweep import synthetic_sweep
 
 from bladewhirl.postprocess.about_zero import linear_threshold, threshold_ticks
+from bladewhirl.postprocess.bifurcation import bifurcation, plot_bifurcation
 from bladewhirl.postprocess.frequency_map import frequency_map, plot_frequency_map
 from bladewhirl.postprocess.handy_units import handy_unit
 from bladewhirl.postprocess.style import new_figure
@@ -231,3 +232,34 @@ def test_a_frequency_map_names_only_modes_that_are_seen(four: Path) -> None:
     maps["mode_line"].loc[{"mode": "casing k=1"}] = 1e4
     names = [text.get_text() for text in plot_frequency_map(maps).legends[0].get_texts()]
     assert names == ["suspension", "1F k=1", "engine orders"]
+
+
+def test_no_mark_of_a_bifurcation_diagram_is_cut_off(tmp_path: Path) -> None:
+    """Two values of the key and three lines, which stand side by side."""
+    over = {"march.speed": (1.0, 1.1), "contact.friction": (0.1, 0.2, 0.3)}
+    motions = [
+        {"speed": REFERENCE * speed, "shaft_radius": 2e-3, "records": 201}
+        for speed in over["march.speed"]
+        for _ in over["contact.friction"]
+    ]
+    with open_sweep(synthetic_sweep(tmp_path / "sweep", over, motions)) as sweep:
+        figure, _ = SweepFigures(sweep).draw("bifurcation")
+    left, right = figure.axes[0].get_xlim()
+    places = np.concatenate(
+        [np.ravel(line.get_xdata()).astype(float) for line in figure.axes[0].lines]
+    )
+    assert len(np.unique(places)) >= 6
+    assert left < places.min()
+    assert places.max() < right
+
+
+def test_a_bifurcation_diagram_without_a_section_keeps_its_unit(tmp_path: Path) -> None:
+    """A last third shorter than a revolution: the largest radius alone says the unit."""
+    over = {"march.speed": (1.0, 1.1)}
+    motions = [{"speed": REFERENCE * s, "shaft_radius": 2e-3, "records": 201} for s in (1.0, 1.1)]
+    with open_sweep(synthetic_sweep(tmp_path / "sweep", over, motions)) as sweep:
+        found = bifurcation(sweep, "march_speed")
+        for name in ("section_x", "section_y", "section_radius"):
+            found[name] = xr.full_like(found[name], np.nan)
+        figure = plot_bifurcation(found)
+    assert all("[mm]" in axes.get_ylabel() for axes in figure.axes)
