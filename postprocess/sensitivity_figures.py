@@ -28,6 +28,9 @@ ROW_HEIGHT, MARGIN = 0.0055, 0.016
 TITLE_LETTERS = 95
 """Letters in a line of a title."""
 
+LETTERS = 7
+"""Of a value that a cell has room for; longer ones are written smaller."""
+
 GAP = 0.4
 """Between the parameters of the overview [cells]."""
 
@@ -89,7 +92,8 @@ def plot_sensitivity(data: xr.Dataset) -> Figure:
                 continue
             seen.add(str(verdict))
             _draw_cell(axes, (place, line), str(verdict), framed=value == str(row["base"].values))
-            axes.text(place + 0.5, line, value, ha="center", va="center", fontsize=7, zorder=4)
+            size = 7 * min(1.0, LETTERS / len(value))
+            axes.text(place + 0.5, line, value, ha="center", va="center", fontsize=size, zorder=4)
     axes.set(xlim=(0, data.sizes["place"]), ylim=(len(names) - 0.5, -0.5), xticks=[])
     axes.set_yticks(range(len(names)), names)
     _bare(axes)

@@ -58,7 +58,11 @@ def write_report(search: Search, directory: Path) -> list[Path]:
                 data = sensitivity_dataset(claims, rows, own)
                 name = f"sensitivity-claim-{claim}"
                 paths += save_figure(plot_sensitivity(data), directory / name, data)[:1]
-        marched = [claim for claim, found in verdicts.items() if found.level != "still"]
+        marched = [
+            claim
+            for claim, found in verdicts.items()
+            if found.level == "screened" or (found.level == "slow" and found.verdict != "holds")
+        ]
         claims, rows, own = _rows(search, "screened", *marched)
         if rows:
             data = sensitivity_dataset(claims, rows, own)
