@@ -126,7 +126,6 @@ class BatchedMarch:
                 body.frequency,
                 body.damping_ratio,
                 np.zeros((0, len(body.frequency))),
-                np.zeros((0, len(body.frequency))),
                 layout,
                 time_step,
             )

@@ -6,14 +6,14 @@ batched, from one state, and the gaps compared. In contact each run has other ti
 there the time batched is the time alone less what the common part saves. The kernel's time alone
 holds its ledger and records, the batched one does not, so the ratios are upper bounds.
 
-The second table is the scaling over cores. The points of a sweep of the imbalance case, between
-0.95 and 1.15, are marched by the workers that
-`bladewhirl sweep` uses: one of them alone, then all at a time, in turn, in one session. Each turn
-gives every working process as many points. What is timed is all that a point costs (stage, march,
-analysis), per step of its march; starting workers and compiling is not. The best turn counts. The
-efficiency is the time that a worker takes alone over the time that it takes beside the others: 1
-where they don't slow each other down. On a machine with other work the same ratio of processor
-times tells how far it is the workers that are in each other's way.
+The second table is the scaling over cores. Points of a sweep of the imbalance case, between 0.95
+and 1.15, are marched by the workers that `bladewhirl sweep` uses: one of them alone, then all at a
+time, in turn, in one session. Each turn gives every working process the same points, so that none
+waits for one with more contact. What is timed is all that a point costs (stage, march, analysis),
+per step of its march; starting workers and compiling is not. The best turn counts. The efficiency is
+the time that a worker takes alone over the time that it takes beside the others: 1 where they don't
+slow each other down. On a machine with other work the same ratio of processor times tells how far it
+is the workers that are in each other's way.
 """
 
 from __future__ import annotations
@@ -117,15 +117,14 @@ def processor_time(work: Work, group: Group) -> float:
 
 
 def cost(client: Client, plan: Plan, workers: list[str], points: int) -> Cost:
-    """What so many points for each of these workers take."""
+    """What these workers take for so many points each, all of them the same ones."""
     work = Work(case=dumps_case(plan.case), layout=plan.layout, histories="")
     began = time.perf_counter()
     futures = []
     for place, worker in enumerate(workers):
-        first = place * points
         group = Group(
             number=place,
-            points={point: plan.grid.values(point) for point in range(first, first + points)},
+            points={point: plan.grid.values(point) for point in range(points)},
             history_names={},
         )
         futures.append(client.submit(processor_time, work, group, workers=worker, pure=False))
@@ -143,7 +142,7 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=100, help="timings of the first table")
     given = parser.parse_args()
     Console().print(batching(given.repeat))
-    plan = planned(given.duration, max(2, given.workers * given.points))
+    plan = planned(given.duration, max(2, given.points))
     with (
         LocalCluster(
             n_workers=given.workers, threads_per_worker=1, dashboard_address=":0"
