@@ -10,10 +10,10 @@ The second table is the scaling over cores. Points of a sweep of the imbalance c
 and 1.15, are marched by the workers that `bladewhirl sweep` uses: one of them alone, then all at a
 time, in turn, in one session. Each turn gives every working process the same points, so that none
 waits for one with more contact. What is timed is all that a point costs (stage, march, analysis),
-per step of its march; starting workers and compiling is not. The best turn counts. The efficiency is
-the time that a worker takes alone over the time that it takes beside the others: 1 where they don't
-slow each other down. On a machine with other work the same ratio of processor times tells how far it
-is the workers that are in each other's way.
+per step of its march; starting workers and compiling is not. The best turn counts. The efficiency
+is the time that a worker takes alone over the time that it takes beside the others: 1 where they
+don't slow each other down. On a machine with other work the same ratio of processor times tells how
+far it is the workers that are in each other's way.
 """
 
 from __future__ import annotations
