@@ -3,6 +3,7 @@
     bladewhirl reproduce -o REPRODUCTION
     bladewhirl search --faithful --every-claim -o SEARCH
     bladewhirl search heavy --rounds 0 -o SEARCH
+    bladewhirl search light --rounds 1 -o SEARCH
     python docs/reproduction.py REPRODUCTION SEARCH
 
 A folder that is left out leaves its part of the page as it is, and the count without REPRODUCTION.
