@@ -58,6 +58,7 @@ def busiest_time(series):
 
 
 def main():
+    """Open the series that the command line names, and check what a user would do with it."""
     path, first, last, frames, picture = sys.argv[1:]
     first, last, frames = float(first), float(last), int(frames)
     version = simple.GetParaViewVersion()

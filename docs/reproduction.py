@@ -1,4 +1,4 @@
-"""Writes reproduction.md with its picture, and the count in README.md, from what two commands left.
+"""Writes reproduction.md with its picture, and the count in README.md, from what commands left.
 
     bladewhirl reproduce -o REPRODUCTION
     bladewhirl search --faithful --every-claim -o SEARCH

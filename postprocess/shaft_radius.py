@@ -13,6 +13,7 @@ from bladewhirl.postprocess.style import FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.sweep_drawing import (
     MOST_LINES,
     Line,
+    draw_marks,
     left_out_note,
     lines_group,
     lines_of,
@@ -65,12 +66,4 @@ def _draw_line(axes: Axes, line: Line, name: str, scale: float) -> None:
     size = scale * line.data[name].values
     divergent = line.data["regime"].values == "divergent"
     axes.plot(place, size, color=line.colour, linestyle=line.dash, linewidth=line.width)
-    for own, face in ((~divergent, line.colour), (divergent, "white")):
-        axes.plot(
-            place[own],
-            size[own],
-            line.mark,
-            markersize=line.size,
-            mfc=face,
-            mec=line.colour,
-        )
+    draw_marks(axes, line, place, size, filled=~divergent)

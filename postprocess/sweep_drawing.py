@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from bladewhirl.postprocess.fields import Array
 from bladewhirl.postprocess.legends import Group
 from bladewhirl.postprocess.style import COLOURS, FULL_WIDTH, SEQUENTIAL, new_figure
 from bladewhirl.postprocess.sweep_quantities import LINE, other_keys
@@ -126,6 +127,22 @@ def lines_group(
         some = bool(np.isfinite(line.data[name].values).any())
         entries.append((drawn, line.label if some else f"{line.label}: no point"))
     return Group(entries, line_keys(data))
+
+
+def draw_marks(axes: Axes, line: Line, place: Array, values: Array, *, filled: Any) -> None:
+    """Draw the marks of a line's points, some filled, the others open.
+
+    Args:
+        axes: to draw on.
+        line: that the points are of.
+        place: of the points along the key, (points,).
+        values: (points,).
+        filled: which of them, booleans, (points,).
+    """
+    for own, face in ((filled, line.colour), (~filled, "white")):
+        axes.plot(
+            place[own], values[own], line.mark, color=line.colour, mfc=face, markersize=line.size
+        )
 
 
 def mark_entry(

@@ -15,6 +15,7 @@ from bladewhirl.postprocess.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.sweep_drawing import (
     MOST_LINES,
     Line,
+    draw_marks,
     left_out_note,
     lines_group,
     lines_of,
@@ -136,12 +137,4 @@ def _draw_whirl(axes: Axes, line: Line) -> None:
     )
     drawn.set_linestyle(line.dash)
     clear = np.isin(one["direction"].values, ["forward", "backward"])
-    for own, face in ((clear, line.colour), (~clear, "white")):
-        axes.plot(
-            place[own],
-            frequency[own],
-            line.mark,
-            color=line.colour,
-            mfc=face,
-            markersize=line.size,
-        )
+    draw_marks(axes, line, place, frequency, filled=clear)

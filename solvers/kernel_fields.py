@@ -244,6 +244,7 @@ def tip_tangential(
 
 @njit(**COMPILE)
 def step_difference(slots: Array, later: int, earlier: int, out: Array, row: int) -> None:
+    """Modal coordinates of a slot less those of an earlier one, into a row."""
     for i in range(0, slots.shape[1], LANES):
         store_row(out, row, i, sub(load_row(slots, later, i), load_row(slots, earlier, i)))
 

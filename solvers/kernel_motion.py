@@ -15,6 +15,7 @@ from bladewhirl.solvers.lanes import LANES, fma, load, load_row, mul, splat, sto
 
 @njit(**COMPILE)
 def predict(a: Array, b: Array, slots: Array, old: int, now: int, new: int) -> None:
+    """x_{n+1} of the free motion from x_n and x_{n-1}, by the recurrence's a and b."""
     for i in range(0, len(a), LANES):
         x = fma(load(a, i), load_row(slots, now, i), mul(load(b, i), load_row(slots, old, i)))
         store_row(slots, new, i, x)
@@ -39,6 +40,7 @@ def load_factors(loads: Array, time: float, out: Array) -> bool:
 def add_load(
     pattern: Array, loaded: Array, factors: Array, c: Array, slots: Array, new: int
 ) -> None:
+    """Add what the load patterns move, in the registers that they load."""
     for p in range(len(factors)):
         factor = splat(factors[p])
         for k in range(loaded.shape[1]):
@@ -108,6 +110,7 @@ def add_springs(
     place: Array, wave: Array, amplitude: Array, force: Array, row: int, c: Array, slots: Array,
     new: int,
 ) -> None:  # fmt: skip
+    """Add what the coupling springs move, by the amplitude of each mode in its wave."""
     for i in range(len(place)):
         at = place[i]
         slots[new, at] += c[at] * amplitude[i] * force[row, wave[i]]

@@ -178,8 +178,10 @@ class Search:
                 missed = tuple(
                     claim for claim, verdict in found[-1].verdicts.items() if verdict != "holds"
                 )
+                # Screened sets are ranked, by all claims; the others take long.
+                only = None if level == "screened" else missed
                 for values in near:
-                    found += self.judge([values], level, only=missed)
+                    found += self.judge([values], level, only=only)
         return found
 
     def best(
@@ -212,11 +214,11 @@ class Search:
         Args:
             sets: to judge.
             level: of scrutiny.
-            only: claims of that level that are judged where they take long; all when None.
+            only: claims of that level that are judged; all when None.
         """
         left = [values for values in dict.fromkeys(sets) if (values, level) not in self.judged]
         scrutiny = SCRUTINIES[level]
-        if only is not None and level != "screened":
+        if only is not None:
             scrutiny = replace(scrutiny, claims=tuple(c for c in scrutiny.claims if c in only))
         for first in range(0, len(left), SETS_AT_ONCE):
             for judged in self._judge(left[first : first + SETS_AT_ONCE], level, scrutiny):

@@ -163,7 +163,7 @@ STARTS: Mapping[str, ParameterSet] = {
     "supported": ParameterSet(frequency=4.0, push="hold"),
     # Pushed just far enough for its motion to grow, which takes seconds where damping is light.
     "light": ParameterSet(frequency=4.0, push="hold", hold=0.0084, damping=0.001, ramp=0.1),
-    # A ring far above k_o / Omega^2, about 490 kg: it yields less to a rotating load than the
+    # A ring far above k_o / Omega^2, 480 kg: it yields less to a rotating load than the
     # shaft does, however soft its support.
     "heavy": ParameterSet(wall=0.04, mass=400.0, damping=0.02, swing=1.5),
 }
