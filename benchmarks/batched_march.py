@@ -10,9 +10,25 @@ import numpy as np
 from numba import njit
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.contact_problem import ContactProblem
-from bladewhirl.solvers.lanes import LANES, add, bare, fma, load_row, mul, splat, store_row, sub
-from bladewhirl.solvers.packing import aligned, pack_body, pack_casing, pack_rotor, scheme_inverse
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.solvers.kernel.vectors import (
+    LANES,
+    add,
+    bare,
+    fma,
+    load_row,
+    mul,
+    splat,
+    store_row,
+    sub,
+)
+from bladewhirl.solvers.march.packing import (
+    aligned,
+    pack_body,
+    pack_casing,
+    pack_rotor,
+    scheme_inverse,
+)
 
 # mypy: disable-error-code="no-untyped-def, untyped-decorator"
 

@@ -12,9 +12,9 @@ import time
 from rich.console import Console
 from rich.table import Table
 
-from bladewhirl.models.case_bodies import case_beam_model, case_bladed_disk
-from bladewhirl.models.case_file import case_from
-from bladewhirl.models.stage import build_stage
+from bladewhirl.models.case.file import case_from
+from bladewhirl.models.elements.build import case_beam_model, case_bladed_disk
+from bladewhirl.models.stage.stage import build_stage
 
 TRIES = 3
 

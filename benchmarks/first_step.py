@@ -22,7 +22,7 @@ from rich.console import Console
 from rich.table import Table
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
-COMMAND = [sys.executable, "-c", "from bladewhirl.studies.cli import main; main()", "run"]
+COMMAND = [sys.executable, "-c", "from bladewhirl.studies.commands.cli import main; main()", "run"]
 DURATION = 0.001  # s
 POLL = 0.002  # s
 

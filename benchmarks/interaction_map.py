@@ -25,13 +25,13 @@ from march import TIME_STEP, Setting, microseconds
 from rich.console import Console
 from rich.table import Table
 
-from bladewhirl.models.case import Case
-from bladewhirl.models.case_file import read_case, with_values
-from bladewhirl.models.march_problem import contact_problem
-from bladewhirl.postprocess.sweep_result import open_sweep
-from bladewhirl.solvers.central_difference import CentralDifference
-from bladewhirl.studies.sweep_points import stage_at
-from bladewhirl.studies.sweeps import Watch, run_sweep
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import read_case, with_values
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.postprocess.sweep.dataset import open_sweep
+from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.studies.sweeps.points import stage_at
+from bladewhirl.studies.sweeps.sweep import Watch, run_sweep
 
 EXAMPLE = Path(__file__).resolve().parent.parent / "examples" / "casing_distortion.toml"
 FIRST, LAST, POINTS = 0.95, 2.0, 211

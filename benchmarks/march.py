@@ -27,11 +27,11 @@ from numpy_march import NumpyMarch
 from rich.console import Console
 from rich.table import Table
 
-from bladewhirl.models.case_file import read_case
-from bladewhirl.models.contact_problem import ContactProblem
-from bladewhirl.models.march_problem import contact_problem
-from bladewhirl.models.stage import build_stage
-from bladewhirl.solvers.central_difference import CentralDifference, CentralDifferenceState
+from bladewhirl.models.case.file import read_case
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.solvers.march.central_difference import CentralDifference, CentralDifferenceState
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 TIME_STEP = 1e-6  # s

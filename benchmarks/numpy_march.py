@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.contact_problem import ContactProblem, Load
+from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 
 BoolArray = NDArray[np.bool_]
 

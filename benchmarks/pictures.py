@@ -16,9 +16,11 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from bladewhirl.models.case_file import read_case
-from bladewhirl.postprocess import render_animation, render_page, write_vtk
-from bladewhirl.studies.runs import run_case
+from bladewhirl.models.case.file import read_case
+from bladewhirl.postprocess.paraview.series import write_vtk
+from bladewhirl.postprocess.pictures.render import render_animation
+from bladewhirl.postprocess.pictures.web_page import render_page
+from bladewhirl.studies.runs.run import run_case
 
 CASE = Path(__file__).resolve().parent.parent / "examples" / "casing_distortion.toml"
 FRAMES, PICTURES = 300, 100

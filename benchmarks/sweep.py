@@ -32,12 +32,12 @@ from march import OUT_OF_REACH, RECORD_EVERY, TIME_STEP, microseconds, settings
 from rich.console import Console
 from rich.table import Table
 
-from bladewhirl.models.case_file import dumps_case, read_case
-from bladewhirl.solvers.central_difference import CentralDifference, CentralDifferenceState
-from bladewhirl.solvers.lanes import LANES
-from bladewhirl.studies.sweep_axes import make_grid
-from bladewhirl.studies.sweep_plan import Plan, plan_sweep
-from bladewhirl.studies.sweep_points import Failure, Group, Work, march_group
+from bladewhirl.models.case.file import dumps_case, read_case
+from bladewhirl.solvers.kernel.vectors import LANES
+from bladewhirl.solvers.march.central_difference import CentralDifference, CentralDifferenceState
+from bladewhirl.studies.sweeps.axes import make_grid
+from bladewhirl.studies.sweeps.plan import Plan, plan_sweep
+from bladewhirl.studies.sweeps.points import Failure, Group, Work, march_group
 
 ALONE_STEPS, BATCHED_STEPS, COMPARED_STEPS = 2000, 600, 200
 OPENED = 1000.0  # times the clearance keep casing and tips apart

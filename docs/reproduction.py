@@ -19,7 +19,7 @@ from pathlib import Path
 from shutil import copyfile
 from typing import Any
 
-from bladewhirl.studies.scorecard import counted
+from bladewhirl.studies.paper.scorecard import counted
 
 DOCS = Path(__file__).parent
 PAGE, README = DOCS / "reproduction.md", DOCS.parent / "README.md"

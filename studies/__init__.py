@@ -1,1 +1,1 @@
-"""bladewhirl."""
+"""The command line and what its commands do."""

@@ -20,10 +20,17 @@ import xarray as xr
 ROOT = Path(__file__).parents[2]
 SKETCH = ROOT / "tests" / "data" / "sketch_stage.toml"
 CASES = [
-    *(ROOT / "examples" / f"{name}.toml" for name in (
-        "casing_distortion", "imbalance", "coupled_modes", "shrouded_fan", "mistuned_blades",
-        "unequal_bearings",
-    )),
+    *(
+        ROOT / "examples" / f"{name}.toml"
+        for name in (
+            "casing_distortion",
+            "imbalance",
+            "coupled_modes",
+            "shrouded_fan",
+            "mistuned_blades",
+            "unequal_bearings",
+        )
+    ),
     SKETCH,
 ]
 DRAWN = "imbalance"
@@ -49,9 +56,10 @@ def make(folder: Path) -> None:
 def differences(first: Path, second: Path) -> list[str]:
     """What two files of data don't have in common."""
     found = []
-    with xr.open_dataset(first, decode_times=False) as one, xr.open_dataset(
-        second, decode_times=False
-    ) as other:
+    with (
+        xr.open_dataset(first, decode_times=False) as one,
+        xr.open_dataset(second, decode_times=False) as other,
+    ):
         for name in sorted({*one.variables, *other.variables}, key=str):
             if name not in one.variables or name not in other.variables:
                 found.append(f"{name}: only in {(first, second)[name in other.variables]}")

@@ -1,0 +1,1 @@
+../../bladewhirl/__init__.pyi

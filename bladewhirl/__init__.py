@@ -1,0 +1,5 @@
+"""Whirl of bladed disks in contact with flexible casings."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,17 @@
+from .models.case.case import Case as Case
+from .models.case.check import case_from as case_from
+from .models.case.file import dumps_case as dumps_case
+from .models.case.file import read_case as read_case
+from .models.case.file import with_values as with_values
+from .models.geometry.sketch import Sketch as Sketch
+from .models.inputs.errors import CaseError as CaseError
+from .models.inputs.errors import UserError as UserError
+from .models.sections.rectangular import Section as Section
+from .postprocess.fields.result import open_result as open_result
+from .postprocess.fields.tip_motion import tip_displacement as tip_displacement
+from .postprocess.paraview.series import write_vtk as write_vtk
+from .postprocess.plotting.style import save_figure as save_figure
+from .postprocess.run.orbits import plot_orbit as plot_orbit
+from .postprocess.run.orbits import shaft_orbit as shaft_orbit
+from .postprocess.sweep.dataset import open_sweep as open_sweep
+from .studies.runs.run import run_case as run_case

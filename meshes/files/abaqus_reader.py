@@ -1,0 +1,281 @@
+"""Line meshes as Abaqus input, .inp.
+
+Groups are sets: NSET for nodes, ELSET for lines. Of data, the format holds rectangular sections
+and their material (BEAM SECTION, ELASTIC, DENSITY) and point masses (MASS, ROTARYI), in units of
+its own choice.
+
+meshio reads such files too, but gives the elements of a set to others where blocks of elements
+share a set or have none, keeps the last of several blocks of nodes only, and knows neither B23
+nor sections. So the few keywords that matter are read here, and those that would change the mesh
+unseen are refused.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError, in_plane
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+
+STRAIGHT = re.compile(r"(T[23]D2|B[23][13]|PIPE[23]1|FRAME[23]D)(OS|R)?H?")
+CURVED = re.compile(r"(T[23]D3|B[23]2|PIPE[23]2)(OS|R)?H?")
+POINT_MASSES = {"MASS": "mass", "ROTARYI": "inertia"}
+"""Elements of one node, and the data that their property of the same name gives."""
+
+SECTION = ("width", "thickness", "young_modulus", "density")
+OWN_SETS = re.compile(r"(section|mass|inertia)-\d+", re.I)
+"""Sets that are written for sections and masses, and no groups of the mesh."""
+
+CHANGES_THE_MESH = frozenset(
+    ["INCLUDE", "SYSTEM", "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "NODETHICKNESS"]
+)
+
+
+@dataclass
+class _Card:
+    """A keyword with its parameters and the lines of data under it."""
+
+    keyword: str
+    parameters: dict[str, str]
+    rows: list[list[str]] = field(default_factory=list)
+
+    def needs(self, name: str) -> str:
+        if name not in self.parameters:
+            raise MeshFileError(f"*{self.keyword} with {name}=")
+        return self.parameters[name]
+
+
+@dataclass
+class _Content:
+    """What has been read: everything by the numbers of the file."""
+
+    points: dict[int, list[float]] = field(default_factory=dict)
+    lines: dict[int, list[int]] = field(default_factory=dict)
+    point_elements: dict[int, int] = field(default_factory=dict)  #: element -> node
+    node_sets: dict[str, list[int]] = field(default_factory=dict)
+    element_sets: dict[str, list[int]] = field(default_factory=dict)
+    sections: list[tuple[str, str, float, float]] = field(default_factory=list)
+    materials: dict[str, dict[str, float]] = field(default_factory=dict)
+    masses: list[tuple[str, str, float]] = field(default_factory=list)  #: name, set, value
+    material: str = ""  #: the one that is being described
+
+
+def read_inp(path: Path) -> GroupedLines:
+    """Read an .inp file.
+
+    Raises:
+        MeshFileError: it is none, or has other elements than straight lines and point masses, or
+            keywords that would change the mesh.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise MeshFileError(f"a readable file ({error.strerror})") from None
+    except ValueError as error:
+        raise MeshFileError(f"an .inp file, text ({error})") from None
+    content = _Content()
+    for card in _cards(text):
+        try:
+            READERS.get(card.keyword, _skip)(card, content)
+        except (ValueError, IndexError) as error:
+            if isinstance(error, MeshFileError):
+                raise
+            raise MeshFileError(f"an .inp file with sound data under *{card.keyword}") from None
+    return _grouped(content)
+
+
+def _cards(text: str) -> Iterator[_Card]:
+    card: _Card | None = None
+    lines = iter(line for line in text.splitlines() if line.strip() and not line.startswith("**"))
+    for line in lines:
+        if not line.startswith("*"):
+            if card is None:
+                raise MeshFileError("an .inp file, beginning with a keyword such as *NODE")
+            card.rows.append([part.strip() for part in line.rstrip().rstrip(",").split(",")])
+            continue
+        while line.rstrip().endswith(","):
+            line = line.rstrip() + next(lines, "")
+        if card is not None:
+            yield card
+        keyword, *parameters = (part.strip() for part in line[1:].split(","))
+        pairs = (parameter.partition("=") for parameter in parameters if parameter)
+        values = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
+        card = _Card(" ".join(keyword.upper().split()), values)
+    if card is None:
+        raise MeshFileError("an .inp file, with keywords such as *NODE")
+    yield card
+
+
+def _skip(card: _Card, content: _Content) -> None:
+    if card.keyword in CHANGES_THE_MESH:
+        raise MeshFileError(f"an .inp file without *{card.keyword}, written out in full")
+
+
+def _read_nodes(card: _Card, content: _Content) -> None:
+    if card.parameters.get("SYSTEM", "R").upper() != "R":
+        raise MeshFileError("nodes in Cartesian coordinates, *NODE without SYSTEM")
+    for number, *coordinates in card.rows:
+        if int(number) in content.points:
+            raise MeshFileError(
+                f"each node once; there are two numbers {number} (one part only, please)"
+            )
+        xyz = [float(value or 0.0) for value in coordinates[:3]]
+        content.points[int(number)] = xyz + [0.0] * (3 - len(xyz))
+    _extend(content.node_sets, card.parameters.get("NSET"), [int(row[0]) for row in card.rows])
+
+
+def _read_elements(card: _Card, content: _Content) -> None:
+    kind = card.needs("TYPE").upper()
+    rows = [[int(value) for value in row] for row in card.rows]
+    if CURVED.fullmatch(kind):
+        raise MeshFileError(
+            f"straight two-node lines, found {len(rows)} curved cells of type {kind}: mesh with "
+            "elements of first order, and shorter ones along curves"
+        )
+    if kind in POINT_MASSES:
+        content.point_elements.update({number: node for number, node in rows})
+    elif STRAIGHT.fullmatch(kind):
+        for number, first, second, *_ in rows:
+            if number in content.lines:
+                raise MeshFileError(f"each element once; there are two numbers {number}")
+            content.lines[number] = [first, second]
+    else:
+        raise MeshFileError(f"lines only, found {len(rows)} cells of type {kind}")
+    _extend(content.element_sets, card.parameters.get("ELSET"), [row[0] for row in rows])
+
+
+def _read_node_set(card: _Card, content: _Content) -> None:
+    if "ELSET" in card.parameters:
+        elements = content.element_sets.get(card.parameters["ELSET"], [])
+        nodes = [node for element in elements for node in content.lines.get(element, [])]
+        _extend(content.node_sets, card.needs("NSET"), list(dict.fromkeys(nodes)))
+        return
+    _extend(content.node_sets, card.needs("NSET"), _members(card, content.node_sets))
+
+
+def _read_element_set(card: _Card, content: _Content) -> None:
+    _extend(content.element_sets, card.needs("ELSET"), _members(card, content.element_sets))
+
+
+def _read_instance(card: _Card, content: _Content) -> None:
+    if card.rows:
+        raise MeshFileError("a part that its *INSTANCE neither moves nor turns")
+
+
+def _read_section(card: _Card, content: _Content) -> None:
+    if card.parameters.get("SECTION", "").upper() != "RECT":
+        return
+    first, second = (float(value) for value in card.rows[0][:2])
+    axis = [float(value) for value in card.rows[1]] if len(card.rows) > 1 else [0.0, 0.0, -1.0]
+    out_of_plane = abs(axis[2]) > max(abs(axis[0]), abs(axis[1]))
+    width, thickness = (first, second) if out_of_plane else (second, first)
+    content.sections.append((card.needs("ELSET"), card.needs("MATERIAL"), width, thickness))
+
+
+def _read_material(card: _Card, content: _Content) -> None:
+    content.material = card.needs("NAME").upper()
+    content.materials[content.material] = {}
+
+
+def _read_elastic(card: _Card, content: _Content) -> None:
+    if card.parameters.get("TYPE", "ISOTROPIC").upper().startswith("ISO"):
+        content.materials[content.material]["young_modulus"] = float(card.rows[0][0])
+
+
+def _read_density(card: _Card, content: _Content) -> None:
+    content.materials[content.material]["density"] = float(card.rows[0][0])
+
+
+def _read_mass(card: _Card, content: _Content) -> None:
+    value = float(card.rows[0][0 if card.keyword == "MASS" else -1])
+    content.masses.append((POINT_MASSES[card.keyword], card.needs("ELSET"), value))
+
+
+READERS: Mapping[str, Callable[[_Card, _Content], None]] = {
+    "NODE": _read_nodes,
+    "ELEMENT": _read_elements,
+    "NSET": _read_node_set,
+    "ELSET": _read_element_set,
+    "INSTANCE": _read_instance,
+    "BEAM SECTION": _read_section,
+    "MATERIAL": _read_material,
+    "ELASTIC": _read_elastic,
+    "DENSITY": _read_density,
+    "MASS": _read_mass,
+    "ROTARY INERTIA": lambda card, content: _read_mass(
+        _Card("ROTARYI", card.parameters, card.rows), content
+    ),
+}
+
+
+def _extend(sets: dict[str, list[int]], name: str | None, members: list[int]) -> None:
+    if name is not None:
+        sets[name] = list(dict.fromkeys([*sets.get(name, []), *members]))
+
+
+def _members(card: _Card, sets: Mapping[str, list[int]]) -> list[int]:
+    if "GENERATE" in card.parameters:
+        ranges = [[int(value) for value in row] for row in card.rows]
+        return [n for first, last, *step in ranges for n in range(first, last + 1, *step[:1])]
+    members: list[int] = []
+    for value in (value for row in card.rows for value in row):
+        if value.lstrip("-").isdigit():
+            members.append(int(value))
+        elif value in sets:
+            members += sets[value]
+        else:
+            raise MeshFileError(f"sets made of numbers and earlier sets; {value!r} is neither")
+    return members
+
+
+def _grouped(content: _Content) -> GroupedLines:
+    if not content.lines:
+        raise MeshFileError("a mesh of lines; it has none")
+    node = {number: place for place, number in enumerate(content.points)}
+    line = {number: place for place, number in enumerate(content.lines)}
+    missing = {n for ends in content.lines.values() for n in ends} - set(node)
+    missing |= set(content.point_elements.values()) - set(node)
+    if missing:
+        raise MeshFileError(f"nodes for all elements; there is no node {min(missing)}")
+    elements = {k: v for k, v in content.element_sets.items() if not OWN_SETS.fullmatch(k)}
+    return GroupedLines(
+        points=in_plane(np.array([*content.points.values()])),
+        lines=np.array([[node[n] for n in ends] for ends in content.lines.values()]),
+        node_groups=_by_place(content.node_sets, node),
+        line_groups=_by_place(elements, line),
+        node_data=_mass_data(content, node),
+        line_data=_section_data(content, line),
+    )
+
+
+def _by_place(sets: Mapping[str, list[int]], place: Mapping[int, int]) -> dict[str, IntArray]:
+    return {
+        name: np.array([place[n] for n in members if n in place], dtype=np.int64)
+        for name, members in sets.items()
+    }
+
+
+def _mass_data(content: _Content, node: Mapping[int, int]) -> dict[str, FloatArray]:
+    data: dict[str, FloatArray] = {}
+    for name, elset, value in content.masses:
+        values = data.setdefault(name, np.zeros(len(node)))
+        for element in content.element_sets.get(elset, []):
+            values[node[content.point_elements[element]]] += value
+    return data
+
+
+def _section_data(content: _Content, line: Mapping[int, int]) -> dict[str, FloatArray]:
+    if not content.sections:
+        return {}
+    data = {name: np.full(len(line), np.nan) for name in SECTION}
+    for elset, material, width, thickness in content.sections:
+        found = content.materials.get(material.upper(), {})
+        numbers = [line[n] for n in content.element_sets.get(elset, []) if n in line]
+        for name, value in {"width": width, "thickness": thickness, **found}.items():
+            data[name][numbers] = value
+    return data

@@ -1,0 +1,80 @@
+"""What all formats read through meshio share: its errors, and the lines among its cells."""
+
+from __future__ import annotations
+
+import io
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, redirect_stderr
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+from numpy.typing import NDArray
+
+from bladewhirl.meshes.files.groups import MeshFileError
+
+LINE, POINT = "line", "vertex"
+
+
+@contextmanager
+def readable(path: Path) -> Iterator[None]:
+    """Turn whatever meshio's readers stumble over into one error.
+
+    They check little: a damaged file ends in any exception there is, in numpy's warning that a
+    text broke off, or in a note on standard error.
+
+    Raises:
+        MeshFileError: with the reason.
+    """
+    notes = io.StringIO()
+    try:
+        with warnings.catch_warnings(), redirect_stderr(notes):
+            warnings.simplefilter("error")
+            yield
+    except MeshFileError:
+        raise
+    except OSError as error:
+        raise MeshFileError(f"a readable file ({error.strerror or error})") from None
+    except Exception as error:
+        reason = " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
+        raise MeshFileError(f"a {path.suffix} file that meshio can read ({reason})") from None
+    if notes.getvalue():
+        reason = " ".join(notes.getvalue().split())
+        raise MeshFileError(f"a {path.suffix} file that meshio can read ({reason})")
+
+
+def line_blocks(mesh: meshio.Mesh) -> list[int]:
+    """Numbers of a mesh's blocks of two-node lines; blocks of single points are left out.
+
+    Raises:
+        MeshFileError: there are other cells, or no lines.
+    """
+    for block in mesh.cells:
+        check_cells(block.type, len(block.data))
+    found = [n for n, block in enumerate(mesh.cells) if block.type == LINE and len(block.data)]
+    if not found:
+        raise MeshFileError("a mesh of lines; it has none")
+    return found
+
+
+def check_cells(kind: str, count: int) -> None:
+    """Refuse cells that are neither lines nor points.
+
+    Raises:
+        MeshFileError: naming the type; curved lines are not taken for straight ones.
+    """
+    if kind in (LINE, POINT) or not count:
+        return
+    if kind.startswith("line") or "CURVE" in kind:
+        raise MeshFileError(
+            f"straight two-node lines, found {count} curved cells of type {kind}: mesh with "
+            "elements of first order, and shorter ones along curves"
+        )
+    raise MeshFileError(f"lines only, found {count} cells of type {kind}")
+
+
+def stacked(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Arrays one after the other; no numbers when there are none."""
+    return np.concatenate(arrays) if len(arrays) else np.zeros(0, dtype=np.int64)

@@ -1,0 +1,73 @@
+"""Mesh files by their suffix: .vtu, .msh, .inp."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+
+from bladewhirl.meshes.files.abaqus_reader import POINT_MASSES, SECTION, read_inp
+from bladewhirl.meshes.files.abaqus_writer import write_inp
+from bladewhirl.meshes.files.gmsh import read_msh, write_msh
+from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError
+from bladewhirl.meshes.files.vtu import read_vtu, write_vtu
+
+READERS = {".vtu": read_vtu, ".msh": read_msh, ".inp": read_inp}
+WRITERS = {".vtu": write_vtu, ".msh": write_msh, ".inp": write_inp}
+
+MOST_LINES = 100_000
+"""Largest mesh that is read: beyond it a file is not what was meant."""
+
+
+def read_line_mesh(path: str | PathLike[str]) -> GroupedLines:
+    """Read a mesh of straight lines with its groups.
+
+    Args:
+        path: Gmsh's .msh with physical groups, .vtu, or Abaqus's .inp.
+
+    Raises:
+        MeshFileError: no such file or suffix, or what is in it is no mesh of straight lines in a
+            plane; completes "expected ...".
+    """
+    file = Path(path)
+    mesh = READERS[_known_suffix(file)](file)
+    if len(mesh.lines) > MOST_LINES:
+        raise MeshFileError(f"at most {MOST_LINES} lines; it has {len(mesh.lines)}")
+    if not (mesh.lines.min() >= 0 and mesh.lines.max() < len(mesh.points)):
+        raise MeshFileError("nodes for all lines; some are missing")
+    return mesh
+
+
+def write_line_mesh(path: str | PathLike[str], mesh: GroupedLines) -> None:
+    """Write a mesh of straight lines with its groups, and its data as far as the format holds them.
+
+    Args:
+        path: .vtu (complete), .msh (physical groups) or .inp (sets, sections, masses).
+        mesh: to write.
+
+    Raises:
+        MeshFileError: another suffix, or names that the format does not hold.
+        OSError: the file can't be written.
+    """
+    file = Path(path)
+    write = WRITERS[_known_suffix(file)]
+    part = file.with_name(f".{file.stem}.part{file.suffix}")
+    try:
+        write(part, mesh)
+        part.replace(file)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def left_out(path: str | PathLike[str], mesh: GroupedLines) -> list[str]:
+    """Names of the data that the format of a file does not hold."""
+    if _known_suffix(Path(path)) != ".inp":
+        return []
+    held = (*SECTION, *POINT_MASSES.values())
+    return [name for name in (*mesh.node_data, *mesh.line_data) if name not in held]
+
+
+def _known_suffix(path: Path) -> str:
+    suffix = path.suffix.lower()
+    if suffix not in READERS:
+        raise MeshFileError(f"a mesh file, {', '.join(READERS)}")
+    return suffix

@@ -1,0 +1,86 @@
+"""Line meshes as VTK unstructured grids, .vtu, through meshio.
+
+Lines are cells of type line. A group is an array of whole numbers, on points or on cells, that is
+1 on its members and 0 elsewhere. An array of other whole numbers, such as a material number, gives
+one group for each of its values, called ``name=value``. Data are arrays of real numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+from numpy.typing import NDArray
+
+from bladewhirl.meshes.files.groups import GroupedLines, in_plane
+from bladewhirl.meshes.files.meshio_cells import line_blocks, readable, stacked
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+
+MOST_VALUES = 1000
+"""Arrays of more different whole numbers number their points or cells and group none."""
+
+
+def read_vtu(path: Path) -> GroupedLines:
+    """Read a .vtu file.
+
+    Raises:
+        MeshFileError: it is none, or has other cells than lines and points.
+    """
+    with readable(path):
+        mesh = meshio.vtu.read(str(path))
+    blocks = line_blocks(mesh)
+    cell_arrays = {
+        name: stacked([values[block] for block in blocks])
+        for name, values in mesh.cell_data.items()
+    }
+    return GroupedLines(
+        points=in_plane(mesh.points),
+        lines=stacked([mesh.cells[block].data for block in blocks]),
+        node_groups=dict(_groups(mesh.point_data)),
+        line_groups=dict(_groups(cell_arrays)),
+        node_data=dict(_data(mesh.point_data)),
+        line_data=dict(_data(cell_arrays)),
+    )
+
+
+def write_vtu(path: Path, mesh: GroupedLines) -> None:
+    """Write a .vtu file, complete: `read_vtu` gives an equal mesh, groups in ascending order."""
+    nodes, lines = len(mesh.points), len(mesh.lines)
+    point_data = {k: _mark(nodes, v) for k, v in mesh.node_groups.items()} | dict(mesh.node_data)
+    cell_data = {k: _mark(lines, v) for k, v in mesh.line_groups.items()} | dict(mesh.line_data)
+    meshio.vtu.write(
+        str(path),
+        meshio.Mesh(
+            np.column_stack([mesh.points, np.zeros(nodes)]),
+            [("line", mesh.lines)],
+            point_data=point_data,
+            cell_data={name: [values] for name, values in cell_data.items()},
+        ),
+    )
+
+
+def _mark(size: int, chosen: IntArray) -> IntArray:
+    marks = np.zeros(size, dtype=np.int64)
+    marks[chosen] = 1
+    return marks
+
+
+def _groups(arrays: Mapping[str, NDArray[Any]]) -> Iterator[tuple[str, IntArray]]:
+    for name, values in arrays.items():
+        if values.ndim != 1 or values.dtype.kind not in "iub":
+            continue
+        distinct = np.unique(values)
+        if set(distinct.tolist()) <= {0, 1}:
+            yield name, np.flatnonzero(values)
+        elif len(distinct) <= MOST_VALUES:
+            for value in distinct:
+                yield f"{name}={value}", np.flatnonzero(values == value)
+
+
+def _data(arrays: Mapping[str, NDArray[Any]]) -> Iterator[tuple[str, FloatArray]]:
+    for name, values in arrays.items():
+        if values.ndim == 1 and values.dtype.kind == "f":
+            yield name, np.asarray(values, dtype=np.float64)

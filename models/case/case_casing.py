@@ -1,0 +1,218 @@
+"""The `[casing]` table of a case: what the bladed disk turns in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from bladewhirl.models.case.case_supports import SpringSupport, Strut
+from bladewhirl.models.case.materials import BeamSection
+from bladewhirl.models.inputs.fields import (
+    Angle,
+    Length,
+    LengthOrZero,
+    count,
+    quantity,
+    rows,
+)
+from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.sections.around_ring import Lobes, RingProfile
+from bladewhirl.models.sections.wall import TURN, Arc
+
+SAME_ANGLE = 1e-9
+"""Angles nearer than this are the same [rad]."""
+
+ELEMENTS_PER_LOBE = 4
+"""Fewer elements on a wave can't follow it: the clearance, a cubic between nodes, is then off by
+more than 2 % of the amplitude."""
+
+
+class Lobe(Table):
+    """Waves around the ring: amplitude * cos(lobes * (angle - phase)); 2 lobes are an ellipse."""
+
+    lobes: Annotated[int, count(1)] = Field(description="Number of waves around the ring.")
+    amplitude: LengthOrZero = Field(description="Height of a crest [m].")
+    phase: Angle = Field(default=0.0, description="Angle of a crest from the x axis [rad].")
+
+
+class Station(Table):
+    """The wall's thickness at an angle."""
+
+    angle: Angle = Field(description="From the x axis [rad].")
+    thickness: Length = Field(description="Size in the plane of motion [m].")
+
+
+class StiffenedArc(Table):
+    """A stretch of wall of another section or material; keys left out are as elsewhere."""
+
+    start: Angle = Field(description="Angle from the x axis at which it begins [rad].")
+    end: Angle = Field(description="Angle at which it ends, at most a turn further on [rad].")
+    thickness: Length | None = Field(default=None, description="Size in the plane [m].")
+    width: Length | None = Field(default=None, description="Size out of the plane [m].")
+    young_modulus: Annotated[float, quantity("Pa")] | None = Field(
+        default=None, description="Young's modulus [Pa]."
+    )
+    density: Annotated[float, quantity("kg/m3")] | None = Field(
+        default=None, description="Density [kg/m3]."
+    )
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """An arc without length or of more than a turn."""
+        if not 0.0 < self.end - self.start <= TURN:
+            expected = f"more than start = {self.start:.6g} rad and at most a turn further on"
+            yield Inconsistency("end", expected, ("start",))
+
+
+class Casing(Table):
+    """A ring of curved beams at tip_radius + clearance."""
+
+    elements: Annotated[int, count(3)] = Field(
+        default=40, description="Number of curved beam elements (paper, Section 2.1)."
+    )
+    clearance: LengthOrZero = Field(
+        default=1e-3,
+        description="Gap between tips and casing at rest [m] (paper, Table 1); its mean where there"
+        " are lobes.",
+    )
+    clearance_lobes: Annotated[
+        tuple[Lobe, ...], rows('{ lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }')
+    ] = Field(
+        default=(),
+        description='Out-of-round clearance, rows of { lobes = 2, amplitude = "0.2 mm", phase ='
+        ' "30 deg" }: amplitude * cos(lobes * (angle - phase)) on top of clearance, fixed in the'
+        " static frame; 2 lobes make an ellipse. The clearance alone is out of round: the beams"
+        " stay on a circle.",
+    )
+    wall: BeamSection = Field(
+        default=BeamSection(), description="Section of the wall [m] (paper, Table 1)."
+    )
+    thickness_lobes: Annotated[
+        tuple[Lobe, ...], rows('{ lobes = 2, amplitude = "1 mm", phase = "30 deg" }')
+    ] = Field(
+        default=(),
+        description="Waves of the wall's thickness, rows as of clearance_lobes, on top of"
+        " wall.thickness or of the stations.",
+    )
+    thickness_stations: Annotated[
+        tuple[Station, ...], rows('{ angle = "90 deg", thickness = "12 mm" }')
+    ] = Field(
+        default=(),
+        description='Thickness of the wall at angles, rows of { angle = "90 deg", thickness ='
+        ' "12 mm" }, linear in between and around; where there are any, wall.thickness is unused.',
+    )
+    stiffened_arcs: Annotated[
+        tuple[StiffenedArc, ...], rows('{ start = "30 deg", end = "60 deg", thickness = "20 mm" }')
+    ] = Field(
+        default=(),
+        description='Stretches of wall that differ, rows of { start = "30 deg", end = "60 deg",'
+        ' thickness = "20 mm" } with any of thickness, width, young_modulus and density; what is'
+        " left out is as elsewhere. All sections are centred on the same circle. Arcs that end at"
+        " nodes, every 9 degrees with 40 elements, converge best.",
+    )
+    curvature: Literal["exact", "shallow"] = Field(
+        default="exact",
+        description='Bending strain, "exact" or "shallow" (not in the paper; a free exact ring has'
+        " its three rigid motions, a shallow one has not).",
+    )
+    support: Annotated[float, quantity("N/m2", "not negative")] = Field(
+        default=1508.0,
+        description="Uniform elastic support, radial and tangential [N/m per metre of"
+        " circumference] (not in the paper; puts the casing's lowest mode at 0.055, which is"
+        ' "very low" as the paper says, for modal work).',
+    )
+    springs: Annotated[
+        tuple[SpringSupport, ...], rows('{ angle = "90 deg", radial = "1 MN/m" }')
+    ] = Field(
+        default=(),
+        description='Springs from the wall to the ground, rows of { angle = "90 deg", radial = "1'
+        ' MN/m", tangential = 0, radial_damping = "2 kN s/m", tangential_damping = 0 }, on top of'
+        ' support; where they or struts hold the rotation, rotation = "free" lets them. Dampers'
+        " act in a march, where contact is then of the first order in march.time_step; modes are"
+        " those without.",
+    )
+    struts: Annotated[
+        tuple[Strut, ...], rows('{ angle = "90 deg", length = "300 mm", thickness = "8 mm" }')
+    ] = Field(
+        default=(),
+        description='Straight struts from the wall to the ground, rows of { angle = "90 deg",'
+        ' inclination = 0, length = "300 mm", width = "100 mm", thickness = "10 mm", ends ='
+        ' "pinned", damping = 0 }; with ends = "built-in" they bend too, and converge best with'
+        " feet at nodes. Their mass counts, modes of their own they have none. With damping,"
+        " contact is of the first order in march.time_step.",
+    )
+    rotation: Literal["free", "fixed"] = Field(
+        default="fixed",
+        description='Rigid rotation of the ring, "free" or "fixed" (not in the paper; free,'
+        " friction would spin the ring up).",
+    )
+
+    @property
+    def clearance_profile(self) -> RingProfile:
+        """Clearance [m] around the ring."""
+        return RingProfile(mean=self.clearance, lobes=_lobes(self.clearance_lobes))
+
+    @property
+    def thickness_profile(self) -> RingProfile:
+        """Thickness of the wall [m] around the ring, but for the arcs."""
+        return RingProfile(
+            mean=self.wall.thickness,
+            lobes=_lobes(self.thickness_lobes),
+            stations=tuple((row.angle, row.thickness) for row in self.thickness_stations),
+        )
+
+    @property
+    def wall_arcs(self) -> tuple[Arc, ...]:
+        """Stretches of wall that differ."""
+        return tuple(Arc(**row.model_dump()) for row in self.stiffened_arcs)
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Clearance or wall of no size, waves that elements can't follow, arcs that overlap."""
+        yield from self._lobe_faults()
+        yield from self._clearance_faults()
+        yield from self._wall_faults()
+
+    def _lobe_faults(self) -> Iterator[Inconsistency]:
+        most = self.elements // ELEMENTS_PER_LOBE
+        for key in ("clearance_lobes", "thickness_lobes"):
+            if any(row.lobes > most for row in getattr(self, key)):
+                expected = (
+                    f"at most {most} lobes with casing.elements = {self.elements},"
+                    f" {ELEMENTS_PER_LOBE} a lobe"
+                )
+                yield Inconsistency(key, expected, ("elements",))
+
+    def _clearance_faults(self) -> Iterator[Inconsistency]:
+        smallest = self.clearance_profile.smallest
+        if smallest < 0.0:
+            expected = (
+                f"lobes that leave a gap: with casing.clearance = {self.clearance!r} the smallest"
+                f" would be {smallest:.6g} m"
+            )
+            yield Inconsistency("clearance_lobes", expected, ("clearance",))
+
+    def _wall_faults(self) -> Iterator[Inconsistency]:
+        thinnest = self.thickness_profile.smallest
+        if not thinnest > 0.0:
+            expected = f"lobes that leave a wall: the smallest thickness would be {thinnest:.6g} m"
+            others = ("wall.thickness", "thickness_stations")
+            yield Inconsistency("thickness_lobes", expected, others)
+        places = np.sort(np.mod([row.angle for row in self.thickness_stations], TURN))
+        if len(places) > 1 and np.diff(places, append=places[0] + TURN).min() < SAME_ANGLE:
+            yield Inconsistency("thickness_stations", "one station at each angle", ())
+        arcs = sorted(self.wall_arcs, key=lambda arc: np.mod(arc.start, TURN))
+        for arc, following in zip(arcs, [*arcs[1:], *arcs[:1]], strict=True):
+            ahead = np.mod(following.start - arc.start, TURN) if len(arcs) > 1 else TURN
+            if arc.end - arc.start > ahead + SAME_ANGLE:
+                expected = (
+                    f"arcs that do not overlap: from {arc.start:.6g} rad, one ends at"
+                    f" {arc.end:.6g} rad, beyond the start of the next at {following.start:.6g} rad"
+                )
+                yield Inconsistency("stiffened_arcs", expected, ())
+                break
+
+
+def _lobes(given: tuple[Lobe, ...]) -> tuple[Lobes, ...]:
+    return tuple(Lobes(count=row.lobes, amplitude=row.amplitude, phase=row.phase) for row in given)

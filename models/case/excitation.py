@@ -1,0 +1,131 @@
+"""What sets a stage in motion: the `[excitation]` table, one model a type."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from bladewhirl.models.inputs.fields import (
+    PositiveSpeed,
+    TimeOrZero,
+    count,
+    quantity,
+)
+from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.units import Speed
+
+LOWEST_SPEED = Speed(0.95)
+"""Lowest speed of the paper's Table 2."""
+
+
+class NoExcitation(Table):
+    """No load; motion comes from the initial conditions alone."""
+
+    type: Literal["none"] = Field(
+        default="none",
+        description='"none", or "casing-distortion", "imbalance", "harmonic" with their own keys.',
+    )
+
+
+class CasingDistortion(Table):
+    """A pulse on one casing mode (the paper's scenario A)."""
+
+    type: Literal["casing-distortion"] = Field(
+        default="casing-distortion",
+        description="Force over [0, duration] on the lowest radial casing mode of a nodal"
+        " diameter, w = +cos k theta in the static frame, mass-normalised.",
+    )
+    nodal_diameter: Annotated[int, count(1)] = Field(
+        default=1, description="Nodal diameter k of the mode, at most half the casing's elements."
+    )
+    modal_force: Annotated[float, quantity("N/kg^0.5", "not negative")] = Field(
+        default=3e4, description="Modal force [N/kg^0.5] (30 kN in the paper's Table 2)."
+    )
+    duration: TimeOrZero = Field(
+        default=0.15, description='How long it acts [s] (the paper: a "short time interval").'
+    )
+    shape: Literal["rectangular", "half-sine"] = Field(
+        default="rectangular", description='Course in time, "rectangular" or "half-sine".'
+    )
+
+
+class Imbalance(Table):
+    """A force along blade 0 at the centre, constant in the rotating frame (scenario B).
+
+    The unbalance m e is given, or follows from ``clearance_speed``; either is None.
+    """
+
+    type: Literal["imbalance"] = Field(
+        default="imbalance",
+        description="Force m e Omega^2 along blade 0 at the centre, constant in the rotating"
+        " frame. Give clearance_speed or unbalance, not both.",
+    )
+    clearance_speed: PositiveSpeed | None = Field(
+        default=None,
+        description="Speed at which the static answer just closes the clearance: a number counts"
+        ' multiples of the reference frequency (see march.speed), text as "2500 rpm" is absolute.'
+        " Without unbalance it is 0.95, the lowest speed of the paper's Table 2.",
+    )
+    unbalance: Annotated[float, quantity("kg m", "not negative")] | None = Field(
+        default=None,
+        description="Unbalance m e [kg m], instead of clearance_speed.",
+        examples=[0.59],
+    )
+    ramp: TimeOrZero = Field(
+        default=0.2,
+        description="Half-cosine ramp of the force [s], 0 for a step (not in the paper; a step"
+        " overshoots to twice the static answer).",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _default_speed(cls, values: Any) -> Any:
+        if isinstance(values, dict) and not {"clearance_speed", "unbalance"} & values.keys():
+            return {**values, "clearance_speed": LOWEST_SPEED}
+        return values
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Two unbalances, or none."""
+        if (self.clearance_speed is None) == (self.unbalance is None):
+            expected = "either unbalance or clearance_speed"
+            yield Inconsistency("unbalance", expected, ("clearance_speed",))
+
+
+class Harmonic(Table):
+    """A harmonic force at the centre (not in the paper)."""
+
+    type: Literal["harmonic"] = Field(
+        default="harmonic",
+        description="Force cos(2 pi frequency t) at the centre along x of a frame.",
+    )
+    force: Annotated[float, quantity("N", "not negative")] = Field(
+        default=1e3, description="Amplitude [N]; the default moves the default shaft by 0.03 mm."
+    )
+    frequency: Annotated[float, quantity("Hz")] = Field(
+        default=40.0,
+        description="Frequency in cycles per second [Hz]; the default is near the first blade"
+        " bending of the default stage.",
+    )
+    frame: Literal["rotating", "static"] = Field(
+        default="static", description='Frame that the force is fixed in, "rotating" or "static".'
+    )
+
+
+def _empty_is_none(value: object) -> object:
+    return {"type": "none"} if value == {} else value
+
+
+EXCITATIONS: dict[str, type[Table]] = {
+    "casing-distortion": CasingDistortion,
+    "imbalance": Imbalance,
+    "harmonic": Harmonic,
+    "none": NoExcitation,
+}
+"""Model of each `excitation.type`."""
+
+Excitation = Annotated[
+    CasingDistortion | Imbalance | Harmonic | NoExcitation, Field(discriminator="type")
+]
+ExcitationTable = Annotated[Excitation, BeforeValidator(_empty_is_none)]

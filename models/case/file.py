@@ -1,0 +1,214 @@
+"""Case files: read, checked and written; keys set from the command line."""
+
+from __future__ import annotations
+
+import os
+import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from os import PathLike, fspath
+from typing import Any
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.template import dumps_case, template
+from bladewhirl.models.inputs.errors import CaseError, Fault, faults_in
+
+__all__ = [
+    "CaseError",
+    "Fault",
+    "case_fault",
+    "case_from",
+    "dumps_case",
+    "faults_from",
+    "faults_in",
+    "loads",
+    "override_values",
+    "read_case",
+    "template",
+    "with_values",
+]
+
+MOST_BYTES = 2**24
+"""Largest case file; what is longer is something else."""
+
+SET = "--set"
+"""Where faults of overridden keys are said to be."""
+
+
+def read_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
+    """Read a case file.
+
+    Args:
+        path: of the file, TOML in UTF-8.
+        overrides: "march.speed=1.2" and the like, see `loads`.
+
+    Raises:
+        CaseError: the file is missing or unreadable, not TOML, or holds faults: all of them.
+    """
+    file = fspath(path)
+    try:
+        with open(file, "rb") as stream:
+            content = stream.read(MOST_BYTES + 1)
+        text = content.decode("utf-8-sig")
+    except OSError as error:
+        raise CaseError(
+            [Fault(file=file, expected=f"a readable file ({error.strerror})")]
+        ) from None
+    except ValueError as error:  # not UTF-8, or a null in the path
+        raise CaseError([Fault(file=file, expected=f"text in UTF-8 ({error})")]) from None
+    if len(content) > MOST_BYTES:
+        raise CaseError([Fault(file=file, expected=f"a file of at most {MOST_BYTES} bytes")])
+    return loads(text, file=file, overrides=overrides)
+
+
+def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Case:
+    """Make a case of TOML text.
+
+    Args:
+        text: TOML.
+        file: what faults call it; a mesh file that it names is looked for beside it.
+        overrides: "KEY=VALUE" with a dotted key, which reaches inline tables too, and a TOML
+            value; what is not TOML and opens no quote, array or table is a string. A table
+            replaces the whole table: ``excitation={type="none"}``.
+
+    Raises:
+        CaseError: not TOML, or faults: all of them.
+    """
+    try:
+        tables = _parsed(text, file)
+        _find_beside(tables, os.path.dirname(file))
+        return _checked(tables, file, overrides)
+    except RecursionError:
+        raise CaseError([Fault(file=file, expected="TOML of less nesting")]) from None
+
+
+def with_values(case: Case, values: Mapping[str, Any]) -> Case:
+    """A copy of a case with other values, by dotted key: ``{"march.speed": 1.2}``.
+
+    Raises:
+        CaseError: all faults of the new case.
+    """
+    tables = case.model_dump(exclude_none=True)
+    for key, value in values.items():
+        _set(tables, key, value)
+    return case_from(tables)
+
+
+def override_values(overrides: Iterable[str]) -> dict[str, Any]:
+    """Values by dotted key, for `with_values`, of "KEY=VALUE" texts as `loads` takes them.
+
+    Raises:
+        CaseError: a text that is none.
+    """
+    with faults_in(SET):
+        return dict(_key_and_value(override) for override in overrides)
+
+
+@contextmanager
+def faults_from(file: str | PathLike[str], overrides: Iterable[str]) -> Iterator[None]:
+    """Say in faults raised inside where their key was set: by an override, or in the file.
+
+    Args:
+        file: that the case was read from.
+        overrides: as given to `read_case`.
+    """
+    keys = [override.partition("=")[0].strip() for override in overrides]
+    try:
+        yield
+    except CaseError as error:
+        raise CaseError(_placed(fault, fspath(file), keys) for fault in error.faults) from None
+
+
+def case_fault(case: Case, key: str, expected: str) -> Fault:
+    """A fault at a dotted key of a case that only a later stage could see.
+
+    `faults_in` or `faults_from` names the file further up.
+    """
+    value: Any = case.model_dump()
+    for part in key.split("."):
+        value = value[part]
+    return Fault(key=key, value=value, expected=expected)
+
+
+def _parsed(text: str, file: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise CaseError([Fault(file=file, expected=f"valid TOML ({error})")]) from None
+    except ValueError:
+        raise CaseError([Fault(file=file, expected="integers that fit on a page")]) from None
+
+
+def _find_beside(tables: dict[str, Any], folder: str) -> None:
+    """Make the path of a mesh file, relative to the case file, one that leads there from here."""
+    table: Any = tables
+    for key in ("bladed_disk", "mesh"):
+        table = table.get(key) if isinstance(table, dict) else None
+    if isinstance(table, dict) and isinstance(table.get("file"), str):
+        table["file"] = os.path.join(folder, table["file"])
+
+
+def _checked(tables: dict[str, Any], file: str, overrides: Iterable[str]) -> Case:
+    overridden: list[str] = []
+    faults: list[Fault] = []
+    for override in overrides:
+        try:
+            with faults_in(SET):
+                overridden.append(_override(tables, override))
+        except CaseError as error:
+            faults += error.faults
+    try:
+        case = case_from(tables)
+    except CaseError as error:
+        faults += (_placed(fault, file, overridden) for fault in error.faults)
+    if faults:
+        raise CaseError(faults)
+    return case
+
+
+def _placed(fault: Fault, file: str, overridden: list[str]) -> Fault:
+    """Blame the command line for what it set, the file for the rest."""
+    place = f"{fault.key.partition('[')[0]}."
+    keys = [f"{key}." for key in overridden]
+    set_here = any(place.startswith(key) or key.startswith(place) for key in keys)
+    return replace(fault, file=SET if set_here else file)
+
+
+def _override(tables: dict[str, Any], override: str) -> str:
+    """Set one "KEY=VALUE" in ``tables``; returns the key."""
+    key, value = _key_and_value(override)
+    _set(tables, key, value)
+    return key
+
+
+def _key_and_value(override: str) -> tuple[str, Any]:
+    key, equals, text = override.partition("=")
+    key, text = key.strip(), text.strip()
+    if not equals or not re.fullmatch(r"[\w-]+(\.[\w-]+)*", key, re.ASCII):
+        expected = "KEY=VALUE with a dotted key, march.speed=1.2"
+        raise CaseError([Fault(file=f"{SET} {override}", expected=expected)])
+    return key, _toml_or_bare(key, text)
+
+
+def _toml_or_bare(key: str, text: str) -> Any:
+    try:
+        [(_, value)] = tomllib.loads(f"value = {text}").items()
+    except (ValueError, RecursionError):
+        if not text or text[0] in "\"'[{" or "\n" in text:
+            raise CaseError([Fault(key=key, value=text, expected="a TOML value")]) from None
+        return text
+    return value
+
+
+def _set(tables: dict[str, Any], key: str, value: Any) -> None:
+    *parents, name = key.split(".")
+    table: Any = tables
+    for parent in parents:
+        table = table.setdefault(parent, {})
+        if not isinstance(table, dict):
+            expected = f"a key of a table; {parent} is none"
+            raise CaseError([Fault(key=key, value=value, expected=expected)])
+    table[name] = value

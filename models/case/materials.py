@@ -1,0 +1,62 @@
+"""The `{ width, thickness }` of a rectangular beam section in a case, and its material."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated
+
+from pydantic import Field, StrictStr
+
+from bladewhirl.models.inputs.fields import Length, quantity, rows
+from bladewhirl.models.inputs.table import Inconsistency, Table
+
+
+class BeamSection(Table):
+    """A rectangular beam section."""
+
+    width: Length = Field(default=0.1, description="Size out of the plane of motion [m].")
+    thickness: Length = Field(default=0.01, description="Size in the plane of motion [m].")
+    material: StrictStr | None = Field(
+        default=None, description="One of material.named; the material of the case when left out."
+    )
+
+
+class NamedMaterial(Table):
+    """A material that sections may ask for by name."""
+
+    name: StrictStr = Field(description="What sections call it.")
+    young_modulus: Annotated[float, quantity("Pa")] = Field(description="Young's modulus [Pa].")
+    density: Annotated[float, quantity("kg/m3")] = Field(description="Density [kg/m3].")
+
+
+class Material(Table):
+    """Material of the bladed disk and the casing."""
+
+    young_modulus: Annotated[float, quantity("Pa")] = Field(
+        default=2.1e11, description='Young\'s modulus [Pa] (the paper: "steel").'
+    )
+    density: Annotated[float, quantity("kg/m3")] = Field(
+        default=7800.0, description='Density [kg/m3] (the paper: "steel").'
+    )
+    named: Annotated[
+        tuple[NamedMaterial, ...],
+        rows('{ name = "titanium", young_modulus = "114 GPa", density = 4430.0 }'),
+    ] = Field(
+        default=(),
+        description='More materials, rows of { name = "titanium", young_modulus = "114 GPa",'
+        ' density = 4430.0 }, for sections that ask for one: { material = "titanium", ... }.',
+    )
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """One name for two materials."""
+        names = [one.name for one in self.named]
+        if len(set(names)) < len(names):
+            yield Inconsistency("named", "a name of its own for each material", ())
+
+    def find(self, name: str | None) -> Material | NamedMaterial:
+        """A material by name, this one for None.
+
+        Raises:
+            KeyError: there is none of that name.
+        """
+        return self if name is None else {one.name: one for one in self.named}[name]

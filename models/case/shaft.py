@@ -1,0 +1,72 @@
+"""What carries the centre of the bladed disk, as a case describes it."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field, StrictBool
+
+from bladewhirl.models.inputs.fields import DampingOrZero, Stiffness
+from bladewhirl.models.inputs.table import Table
+
+
+class Shaft(Table):
+    """The two springs that carry the centre; it does not rotate in the plane."""
+
+    stiffness: Stiffness = Field(
+        default=3.4e7,
+        description="Of each of the two springs, x and y, or of that along x [N/m] (paper,"
+        " Section 2.1).",
+    )
+    stiffness_y: Stiffness | None = Field(
+        default=None,
+        description="Of the spring along y [N/m], where it differs.",
+        examples=["2e7"],
+    )
+    frame: Literal["rotating", "static"] = Field(
+        default="rotating",
+        description='Where springs that differ stand: "rotating", they turn with the bladed disk'
+        " as a shaft does that is not round, x along blade 0, and its matrices are constant;"
+        ' "static", they stand still as unequal bearings do, and its stiffness swings twice a turn'
+        " about the mean of both. Modes are then those on the mean. The model has no Coriolis or"
+        " centrifugal terms, so that a speed near the suspension frequency excites it by the"
+        " swing, which a round rotor on such bearings would not be.",
+    )
+    damping: DampingOrZero = Field(
+        default=0.0,
+        description="Of a damper beside each of the springs, or beside that along x [N s/m]. They"
+        " always turn with the bladed disk and see its velocity in rotating axes: without Coriolis"
+        " terms, dampers that stand still would drive whirl above the suspension frequency. With"
+        " dampers, contact is of the first order in march.time_step.",
+    )
+    damping_y: DampingOrZero | None = Field(
+        default=None,
+        description="Of the damper along y [N s/m], where it differs.",
+        examples=["1e3"],
+    )
+    clamped: StrictBool = Field(default=False, description="Hold the centre instead.")
+
+    @property
+    def stiffnesses(self) -> tuple[float, float]:
+        """Constant stiffness along x and y of the rotating axes [N/m]."""
+        along_x, along_y = self.springs
+        if self.frame == "rotating":
+            return along_x, along_y
+        mean = 0.5 * (along_x + along_y)
+        return mean, mean
+
+    @property
+    def anisotropy(self) -> float:
+        """Half the difference of the stiffnesses along the static x and y axes [N/m]."""
+        along_x, along_y = self.springs
+        return 0.0 if self.frame == "rotating" else 0.5 * (along_x - along_y)
+
+    @property
+    def springs(self) -> tuple[float, float]:
+        """Stiffness along x and y of the frame that the springs stand in [N/m]."""
+        return self.stiffness, self.stiffness if self.stiffness_y is None else self.stiffness_y
+
+    @property
+    def dampings(self) -> tuple[float, float]:
+        """Of the dampers along x and y [N s/m]."""
+        return self.damping, self.damping if self.damping_y is None else self.damping_y

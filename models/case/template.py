@@ -1,0 +1,93 @@
+"""A case as TOML: resolved and rerunnable, or as a commented template."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.excitation import EXCITATIONS, NoExcitation
+from bladewhirl.models.inputs.table import Table
+from bladewhirl.models.inputs.toml import toml_value
+from bladewhirl.models.inputs.units import Speed
+
+COLUMNS = 96
+
+_HEAD = """\
+A case of bladewhirl. Every key below stands at its default and may be left out.
+Numbers are SI; text carries its own unit: clearance = "1 mm", young_modulus = "210 GPa".
+"""
+
+
+def dumps_case(case: Case) -> str:
+    """The case in TOML, every key, numbers at full precision: `loads` gives an equal case."""
+    return _document(case, commented=False)
+
+
+def template() -> str:
+    """A case file with every key at its default and what it means, for `bladewhirl new`."""
+    return _comment(_HEAD) + "\n" + _document(Case(), commented=True)
+
+
+def _document(case: Case, *, commented: bool) -> str:
+    parts = ["".join(_keys(case, commented=commented))]
+    for name, table in case:
+        if isinstance(table, Table):
+            summary = _comment(_summary(table)) if commented else ""
+            keys = "".join(_keys(table, commented=commented))
+            parts.append(f"{summary}[{name}]\n{keys}")
+            if commented and name == "excitation":
+                parts += [_alternative(kind()) for kind in EXCITATIONS.values()]
+    return "\n".join(part for part in parts if part)
+
+
+def _keys(table: Table, *, commented: bool) -> Iterator[str]:
+    written = table.model_dump()
+    for name, field in type(table).model_fields.items():
+        value = getattr(table, name)
+        if name not in written:
+            continue
+        if isinstance(table, Case) and isinstance(value, Table):
+            continue  # has a heading of its own; tables further down are written inline
+        if commented:
+            yield _comment(str(field.description))
+        if value is not None:
+            yield f"{name} = {_value(value)}\n"
+        elif commented:
+            yield _comment(f"{name} = {(field.examples or [None])[0]}")
+
+
+def _alternative(table: Table) -> str:
+    """Keys of another type of excitation, commented out; their comments start with "##"."""
+    if isinstance(table, NoExcitation):
+        return ""
+    lines = [_comment(_summary(table)), *_keys(table, commented=True)]
+    text = "".join(lines).splitlines()
+    return "".join(f"#{line}\n" if line.startswith("#") else f"# {line}\n" for line in text)
+
+
+def _value(value: object) -> str:
+    if isinstance(value, Speed):
+        return toml_value(value.given)
+    if isinstance(value, Table):
+        inner = value.model_dump(exclude_none=True)
+        return toml_value({key: item for key, item in inner.items() if item != ()})
+    if isinstance(value, tuple) and value and isinstance(value[0], tuple | Table):
+        rows = (
+            row.model_dump(exclude_none=True, exclude_defaults=True)
+            if isinstance(row, Table)
+            else row
+            for row in value
+        )
+        return "".join(["[\n", *(f"    {toml_value(row)},\n" for row in rows), "]"])
+    return toml_value(value)
+
+
+def _summary(table: Table) -> str:
+    return str(type(table).__doc__).splitlines()[0]
+
+
+def _comment(text: str) -> str:
+    wrapper = textwrap.TextWrapper(width=COLUMNS - 2, break_on_hyphens=False)
+    lines = [line for part in text.splitlines() for line in wrapper.wrap(part)]
+    return "".join(f"# {line}\n" for line in lines)

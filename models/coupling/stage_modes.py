@@ -1,0 +1,262 @@
+"""The modes of a stage that springs between rotor and casing couple, with their amplitudes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bladewhirl.models.coupling.springs import (
+    BoolArray,
+    CouplingModes,
+    FloatArray,
+    IntArray,
+    Springs,
+    body_coordinates,
+)
+from bladewhirl.models.elements.casing import Casing
+from bladewhirl.models.elements.cyclic import is_pair, wave_parts
+from bladewhirl.models.modal.full_stage import ModalStage
+from bladewhirl.models.modal.labels import LabelledModes
+from bladewhirl.models.stage.contact_problem import U, W
+
+FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
+"""Families of the bladed disk that are coupled, besides the suspension pair."""
+
+RADIAL_SHARE = 1.0 / 3.0
+"""Least share of radial motion in a radial mode. Bending modes of a ring with k nodal diameters
+have k^2 / (1 + k^2), so a half for k = 1; modes that stretch it have 1 / (1 + k^2)."""
+
+SMALLEST_AMPLITUDE = 1e-9
+"""Modes with a smaller share of the largest radial amplitude of their body are not coupled."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StageModes:
+    """Coupled modes of a stage, in ascending nodal diameter, the casing's first."""
+
+    modes: CouplingModes  #: with physical amplitudes: of w, and at the tips, per unit coordinate
+    family: tuple[str, ...]  #: "casing", "suspension", "1F" to "5F", (entries,)
+    number: IntArray  #: of each entry's mode among those of its body; a sine follows, (entries,)
+    modal: ModalStage  #: finite elements and all modes of both bodies
+
+    def take(self, chosen: IntArray) -> StageModes:
+        """Keep some entries, by positions."""
+        return replace(
+            self,
+            modes=self.modes.take(chosen),
+            family=tuple(self.family[i] for i in chosen),
+            number=self.number[chosen],
+        )
+
+    def mode_numbers(self, *, on_casing: bool) -> tuple[IntArray, IntArray]:
+        """Coordinates that belong to one body, and the numbers of their modes on it."""
+        return body_coordinates(self.modes, self.number, on_casing=on_casing)
+
+    def springs(self, kappa: float, *, with_pi: bool = True) -> Springs:
+        """Springs of stiffness kappa [N/m] that couple these modes."""
+        return Springs(modes=self.modes, number=self.number, kappa=kappa, with_pi=with_pi)
+
+    def with_unit_amplitudes(self) -> StageModes:
+        """Give every mode amplitude one, as the paper does."""
+        return replace(self, modes=self.modes.with_unit_amplitudes())
+
+    def find(self, family: str, k: int | None = None) -> IntArray:
+        """Positions of the entries of a family, of one nodal diameter or of all."""
+        here = np.array([name == family for name in self.family], dtype=np.bool_)
+        if k is not None:
+            here &= self.modes.nodal_diameter == k
+        return np.flatnonzero(here)
+
+    def six_modes(self) -> StageModes:
+        """Keep the paper's system: k = 1 of casing, 1F and suspension, in this order (Eqs 4-9).
+
+        Raises:
+            ValueError: one of them is missing, as the suspension pair is with a clamped centre.
+        """
+        chosen = [self.find(family, 1) for family in ("casing", "1F", "suspension")]
+        for family, found in zip(("casing", "1F", "suspension"), chosen, strict=True):
+            if len(found) != 1:
+                raise ValueError(f"the stage has no {family} pair with one nodal diameter")
+        return self.take(np.concatenate(chosen))
+
+
+def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
+    """Collect the modes of a full stage that the springs couple, see `coupled_entries`.
+
+    Args:
+        modal: finite element models with all their modes.
+        damping_ratio: of every mode.
+
+    Raises:
+        ValueError: modes without nodal diameter: the stage has no cyclic symmetry.
+    """
+    disk, disk_modes = modal.disk, modal.disk_modes
+
+    def tips(numbers: IntArray) -> tuple[FloatArray, FloatArray]:
+        fields = disk_modes.fields(numbers)
+        return fields[disk.tip_radial], fields[disk.tip_tangential]
+
+    found = coupled_entries(
+        RadialModes(
+            frequency=disk_modes.frequency,
+            nodal_diameter=disk_modes.nodal_diameter,
+            column=disk.blade_columns(disk_modes.column),
+            family=disk_modes.family,
+            angles=disk.tip_angles - disk.tip_angles[0],
+            motion=tips,
+        ),
+        casing_motion(modal.casing, modal.casing_modes),
+        damping_ratio=damping_ratio,
+    )
+    return StageModes(modes=found.modes, family=found.family, number=found.number, modal=modal)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RadialModes:
+    """The modes of one body as the springs see them."""
+
+    frequency: FloatArray  #: [rad/s], (modes,)
+    nodal_diameter: IntArray  #: (modes,)
+    column: IntArray  #: DFT column of each mode, (modes,); -1 without symmetry
+    family: tuple[str, ...]  #: of each mode
+    angles: FloatArray  #: of tips or nodes, equally spaced [rad], (points,)
+    motion: Callable[[IntArray], tuple[FloatArray, FloatArray]]
+    """Radial and tangential displacement at these points of modes by number [kg^-1/2],
+    (points, chosen) each."""
+
+    def amplitudes(
+        self, wanted: Sequence[bool] | BoolArray, *, radial_only: bool = False
+    ) -> dict[int, float]:
+        """Radial amplitude by number of the wanted modes that have one; sines are left out.
+
+        Args:
+            wanted: which modes, (modes,).
+            radial_only: leave out modes that are not radial, see `is_radial`.
+        """
+        one_a_pair = (self.column % 2 != 0) | (self.column == 0)
+        numbers = np.flatnonzero(one_a_pair & np.asarray(wanted, dtype=np.bool_))
+        outward, along = self.motion(numbers)
+        found = wave_amplitudes(outward, self.angles, self.nodal_diameter[numbers])
+        moving = np.abs(found) > SMALLEST_AMPLITUDE * np.abs(found).max(initial=0.0)
+        if radial_only:
+            moving &= is_radial(outward, along)
+        return dict(zip(numbers[moving].tolist(), found[moving].tolist(), strict=True))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoupledEntries:
+    """Coupled modes of two bodies, in ascending nodal diameter, the casing's first."""
+
+    modes: CouplingModes  #: with physical amplitudes: of w, and at the tips, per unit coordinate
+    family: tuple[str, ...]  #: "casing", "suspension", "1F" to "5F", (entries,)
+    number: IntArray  #: of each entry's mode among those of its body; a sine follows, (entries,)
+
+
+def coupled_entries(
+    rotor: RadialModes, casing: RadialModes, *, damping_ratio: float
+) -> CoupledEntries:
+    """Find the modes that the springs couple: those with radial motion at the springs.
+
+    Of the bladed disk these are the suspension pair and `FAMILIES`; of the casing the lowest
+    radial one of each nodal diameter that the bladed disk has too, see `lowest_radial`. On both
+    the springs see the part of the radial displacement that follows cos k theta, sampled at the
+    tips or nodes.
+
+    Args:
+        rotor: modes of the bladed disk, ascending.
+        casing: modes of the casing, ascending.
+        damping_ratio: of every mode.
+
+    Raises:
+        ValueError: modes without nodal diameter: the stage has no cyclic symmetry.
+    """
+    if rotor.column.min() < 0 or casing.column.min() < 0:
+        raise ValueError("coupling by nodal diameter needs a stage with cyclic symmetry")
+    blades, elements = len(rotor.angles), len(casing.angles)
+    coupled = {"suspension", *FAMILIES}
+    tips = rotor.amplitudes([name in coupled for name in rotor.family])
+    lowest = lowest_radial(casing)
+    found: list[tuple[int, bool, int, float]] = []  # nodal diameter, on rotor, number, amplitude
+    for k in sorted({int(rotor.nodal_diameter[number]) for number in tips}):
+        if k in lowest:
+            found.append((k, False, *lowest[k]))
+        found += [
+            (k, True, number, tips[number]) for number in tips if rotor.nodal_diameter[number] == k
+        ]
+    family = tuple(rotor.family[n] if on_rotor else "casing" for _, on_rotor, n, _ in found)
+    modes = CouplingModes(
+        name=tuple(
+            name if name == "suspension" else f"{name} k={k}"
+            for name, (k, _, _, _) in zip(family, found, strict=True)
+        ),
+        on_casing=np.array([not on_rotor for _, on_rotor, _, _ in found], dtype=np.bool_),
+        nodal_diameter=np.array([k for k, _, _, _ in found], dtype=np.int64),
+        frequency=np.array(
+            [(rotor if on_rotor else casing).frequency[number] for _, on_rotor, number, _ in found]
+        ),
+        amplitude=np.array([amplitude for _, _, _, amplitude in found]),
+        damping_ratio=np.full(len(found), damping_ratio),
+        paired=np.array(
+            [is_pair(k, blades if on_rotor else elements) for k, on_rotor, _, _ in found],
+            dtype=np.bool_,
+        ),
+    )
+    numbers = np.array([number for _, _, number, _ in found], dtype=np.int64)
+    return CoupledEntries(modes=modes, family=family, number=numbers)
+
+
+def casing_motion(casing: Casing, modes: LabelledModes) -> RadialModes:
+    """The modes of a casing as the springs see them, from their fields."""
+
+    def motion(numbers: IntArray) -> tuple[FloatArray, FloatArray]:
+        nodal = casing.nodal(modes.fields(numbers))
+        return nodal[:, W], nodal[:, U]
+
+    return RadialModes(
+        frequency=modes.frequency,
+        nodal_diameter=modes.nodal_diameter,
+        column=modes.column,
+        family=modes.family,
+        angles=casing.mesh.angles,
+        motion=motion,
+    )
+
+
+def lowest_radial(casing: RadialModes) -> dict[int, tuple[int, float]]:
+    """Number and amplitude of the lowest radial mode of each nodal diameter of a cyclic casing.
+
+    Nodal diameters are below half the number of elements; of a pair it is the cosine.
+    """
+    below = 2 * casing.nodal_diameter < len(casing.angles)
+    lowest: dict[int, tuple[int, float]] = {}
+    for number, amplitude in casing.amplitudes(below, radial_only=True).items():  # ascending
+        lowest.setdefault(int(casing.nodal_diameter[number]), (number, amplitude))
+    return lowest
+
+
+def is_radial(outward: FloatArray, along: FloatArray) -> BoolArray:
+    """Which casing modes are radial, so that springs couple them and a distortion pushes them.
+
+    Args:
+        outward: w at the nodes, (nodes, modes).
+        along: u at the nodes, (nodes, modes).
+    """
+    radial, tangential = np.sum(outward**2, axis=0), np.sum(along**2, axis=0)
+    return np.asarray(radial >= RADIAL_SHARE * (radial + tangential))
+
+
+def wave_amplitudes(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatArray:
+    """Amplitude of cos k theta in each column of a field at equally spaced angles, (fields,).
+
+    Args:
+        field: (angles, fields).
+        angle: [rad], (angles,).
+        k: nodal diameter of each column, (fields,).
+    """
+    found = np.zeros(len(k))
+    for harmonic in np.unique(k):
+        here = k == harmonic
+        found[here] = wave_parts(field[:, here], angle, np.array([harmonic]))[0, 0]
+    return found

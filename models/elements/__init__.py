@@ -1,0 +1,1 @@
+"""Finite elements of bladed disk and casing: weak forms, assembly, supports, sectors."""

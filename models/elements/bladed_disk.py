@@ -1,0 +1,169 @@
+"""Finite element model of a bladed disk on its shaft springs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray, LineMesh
+from bladewhirl.models.elements.assembly import straight_beams
+from bladewhirl.models.elements.attachments import (
+    COMPONENTS,
+    node_expansion,
+    node_springs,
+    point_masses,
+)
+from bladewhirl.models.elements.cyclic import SectorLayout
+from bladewhirl.models.elements.forms import mass, straight_stiffness
+from bladewhirl.models.elements.structure import Structure, keep_free
+from bladewhirl.models.geometry.beam_model import BeamModel
+from bladewhirl.models.modal.modes import NO_COLUMN
+from bladewhirl.models.sections.rectangular import LineProperties
+
+FIRST, SECOND, ROTATION = range(COMPONENTS)
+"""Components of a node: along its first and second axis (radial, tangential; x, y), rotation."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BladedDisk:
+    """A bladed disk in its rotating frame: straight Bernoulli beams with rods, 3 DoF a node.
+
+    The centre node stands on a spring in x and one in y and does not rotate; clamped, it is held.
+    """
+
+    model: BeamModel
+    structure: Structure
+    expansion: sp.csr_array  #: first, second, rotation of each node, (3 nodes, size)
+
+    @property
+    def mesh(self) -> LineMesh:
+        """Its mesh."""
+        return self.model.mesh
+
+    @property
+    def properties(self) -> LineProperties:
+        """What each line is made of."""
+        return self.model.properties
+
+    @property
+    def tip_radial(self) -> IntArray:
+        """Radial DoF of each blade tip, (blades,)."""
+        return np.asarray(self.structure.node_dofs[self.model.tips, FIRST])
+
+    @property
+    def tip_tangential(self) -> IntArray:
+        """Tangential DoF of each blade tip, (blades,)."""
+        return np.asarray(self.structure.node_dofs[self.model.tips, SECOND])
+
+    @property
+    def centre(self) -> IntArray:
+        """Free translations of the centre node: x and y, or none when clamped."""
+        dofs = self.structure.node_dofs[self.model.centre, :ROTATION]
+        return np.asarray(dofs[dofs >= 0])
+
+    @property
+    def tip_angles(self) -> FloatArray:
+        """Angle of each tip from +x in the rotating frame [rad], (blades,)."""
+        points = self.mesh.points[self.model.tips]
+        return np.asarray(np.mod(np.arctan2(points[:, 1], points[:, 0]), 2.0 * np.pi))
+
+    def blade_columns(self, column: IntArray) -> IntArray:
+        """DFT columns over the blades of modes whose columns over the sectors are given, (modes,).
+
+        They are the same where each sector has one blade, else there are none.
+        """
+        layout = self.structure.layout
+        one_each = layout is not None and layout.sectors == len(self.model.tips)
+        return column if one_each else np.full_like(column, NO_COLUMN)
+
+    def cartesian(self, shapes: FloatArray) -> FloatArray:
+        """Displacement of every node along x and y, and its rotation, (nodes, 3, fields).
+
+        Args:
+            shapes: fields on the free DoF, (size, fields).
+        """
+        local = (self.expansion @ shapes).reshape(len(self.mesh.points), COMPONENTS, -1)
+        cos, sin = np.cos(self.mesh.node_axes), np.sin(self.mesh.node_axes)
+        first, second = local[:, FIRST], local[:, SECOND]
+        x = cos[:, None] * first - sin[:, None] * second
+        y = sin[:, None] * first + cos[:, None] * second
+        return np.stack([x, y, local[:, ROTATION]], axis=1)
+
+
+def assemble_bladed_disk(
+    model: BeamModel, *, shaft_stiffness: float | tuple[float, float], clamped: bool
+) -> BladedDisk:
+    """Assemble a bladed disk.
+
+    Stiffness and mass are integrated with the section at the quadrature points, so tapered beams
+    converge as prismatic ones do, with the fourth order in the frequencies of bending.
+
+    Args:
+        model: beams, masses, springs and links.
+        shaft_stiffness: of each of the two springs at the centre, or of those in x and y [N/m].
+        clamped: hold the centre instead.
+    """
+    mesh, properties = model.mesh, model.properties
+    assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
+    transform = _nodal_to_line_axes(mesh)
+    sections = properties.at(assembler.points)
+    elastic = assembler.matrix(
+        straight_stiffness,
+        transform,
+        EA=sections.axial_stiffness,
+        EI=sections.bending_stiffness,
+    )
+    inertial = assembler.matrix(mass, transform, rho_A=sections.line_mass)
+    centre = assembler.node_dofs[model.centre]
+    held = centre if clamped else centre[ROTATION:]
+    spring = np.zeros(inertial.shape[0])
+    spring[centre[:ROTATION]] = shaft_stiffness
+    shaft = sp.csr_array(sp.diags_array(spring))
+
+    led = assembler.node_dofs[model.links.led].ravel()
+    _, node_dofs = keep_free(assembler.node_dofs, np.union1d(held, led))
+    expansion = node_expansion(model, node_dofs)
+    unknowns = expansion[np.argsort(assembler.node_dofs.ravel())]
+
+    def reduced(matrix: sp.csr_array) -> sp.csr_array:
+        small = sp.csr_array(unknowns.T @ matrix @ unknowns)
+        return sp.csr_array((small + small.T) / 2.0)
+
+    structure = Structure(
+        mass=reduced(inertial + point_masses(model, assembler.node_dofs)),
+        stiffness=reduced(elastic + node_springs(model, assembler.node_dofs) + shaft),
+        springs=reduced(shaft),
+        node_dofs=node_dofs,
+        layout=_sector_layout(mesh, node_dofs),
+        held=np.zeros((unknowns.shape[1], 0)),
+    )
+    return BladedDisk(model=model, structure=structure, expansion=expansion)
+
+
+def _nodal_to_line_axes(mesh: LineMesh) -> FloatArray:
+    """Matrix of each line that takes nodal axes to its own, (lines, 6, 6)."""
+    transform = np.zeros((len(mesh.lines), 6, 6))
+    for end in range(2):
+        turn = mesh.line_axes - mesh.node_axes[mesh.lines[:, end]]
+        first, second, rotation = 3 * end + FIRST, 3 * end + SECOND, 3 * end + ROTATION
+        transform[:, first, first] = transform[:, second, second] = np.cos(turn)
+        transform[:, first, second] = np.sin(turn)
+        transform[:, second, first] = -np.sin(turn)
+        transform[:, rotation, rotation] = 1.0
+    return transform
+
+
+def _sector_layout(mesh: LineMesh, node_dofs: IntArray) -> SectorLayout | None:
+    """Sectors of the free DoF; None where nodes are led or held in some sectors only."""
+    if mesh.sectors is None:
+        return None
+    dofs = node_dofs[mesh.sectors].reshape(len(mesh.sectors), -1)
+    gone = dofs < 0
+    if np.any(gone.any(axis=0) != gone.all(axis=0)):
+        return None
+    return SectorLayout(
+        sector_dofs=dofs[:, ~gone[0]],
+        centre_dofs=node_dofs[mesh.node_sets["centre"][0]],
+    )

@@ -1,0 +1,174 @@
+"""From a case to its finite element models: the bladed disk and the casing in full."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import scipy.linalg as la
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.ring_mesh import RingMesh
+from bladewhirl.models.case.case import BeamSection, Case
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.plausibility import unusual_values
+from bladewhirl.models.elements.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.elements.casing import Casing, assemble_casing
+from bladewhirl.models.elements.supports import Support, spring, strut
+from bladewhirl.models.geometry.beam_model import BeamModel
+from bladewhirl.models.geometry.checks import part_outside
+from bladewhirl.models.geometry.from_mesh import mesh_beam_model
+from bladewhirl.models.geometry.sketch import Sketch
+from bladewhirl.models.geometry.sketch_build import build_sketch
+from bladewhirl.models.geometry.standard_disk import bladed_disk_sketch
+from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.sections.rectangular import Section
+from bladewhirl.models.sections.wall import Wall
+
+LOST = 100.0
+"""An eigenvalue of less than this many times the rounding error of the largest has no two digits
+that can be trusted."""
+
+
+def case_bladed_disk(case: Case, *, clamped: bool) -> BladedDisk:
+    """Assemble the bladed disk of a case, with a free or a clamped centre."""
+    return assemble_bladed_disk(
+        case_beam_model(case), shaft_stiffness=case.shaft.stiffnesses, clamped=clamped
+    )
+
+
+def case_beam_model(case: Case) -> BeamModel:
+    """Beams, masses, springs and links of a case's bladed disk.
+
+    Raises:
+        CaseError: parts that do not fit together, tips that reach into the casing.
+    """
+    mesh = case.bladed_disk.mesh
+    if mesh is not None:
+        model = mesh_beam_model(mesh, case.material)
+    else:
+        model = build_sketch(case_sketch(case).table if case.sketch is None else case.sketch)
+    room = case.casing.clearance_profile.smallest + model.tip_recess
+    tight = int(room.argmin())
+    if room[tight] < 0.0:
+        reach = float(model.tip_radius - model.tip_recess[tight])
+        outside = reach > model.tip_radius + case.casing.clearance
+        expected = (
+            f"tips inside the casing: that of blade {tight}, at radius {reach:.6g} m, "
+            + ("is outside" if outside else "reaches into its lobes")
+            + f" by {-room[tight]:.3g} m where the casing is narrowest"
+        )
+        raise CaseError([case_fault(case, "casing.clearance", expected)])
+    beyond = part_outside(model, model.tip_radius + case.casing.clearance_profile.smallest)
+    if beyond is not None:
+        expected = f"all parts inside the casing where it is narrowest; {beyond}"
+        raise CaseError([case_fault(case, "casing.clearance", expected)])
+    return model
+
+
+def case_sketch(case: Case) -> Sketch:
+    """The sketch that the `[bladed_disk]` table of a case stands for."""
+    return bladed_disk_sketch(case.bladed_disk, lambda section: _section(case, section))
+
+
+def case_casing(case: Case) -> Casing:
+    """Assemble the casing of a case."""
+    given = case.casing
+    return assemble_casing(
+        _ring(case),
+        Wall(
+            section=_section(case, given.wall),
+            thickness=given.thickness_profile,
+            arcs=given.wall_arcs,
+        ),
+        curvature=given.curvature,
+        support=given.support,
+        rotation=given.rotation,
+        supports=_supports(case),
+    )
+
+
+def case_clearance(case: Case) -> FloatArray:
+    """Clearance and its slope along s at each node of a case's casing [m, 1], (elements, 2)."""
+    profile, casing = case.casing.clearance_profile, _ring(case)
+    slope = profile.lobe_slope(casing.angles) / casing.radius
+    return np.column_stack([profile.value(casing.angles), slope])
+
+
+def tip_in_sector(disk: BladedDisk) -> tuple[int, int]:
+    """Positions of the tip's radial and tangential DoF among those of a sector.
+
+    Without sectors there are no pairs whose phase they would fix, and these are any positions.
+    """
+    layout = disk.structure.layout
+    if layout is None:
+        return 0, 1
+    first = list(layout.sector_dofs[0])
+    return first.index(disk.tip_radial[0]), first.index(disk.tip_tangential[0])
+
+
+def lowest_frequency(disk: BladedDisk, frequencies: Iterable[float]) -> float:
+    """Lowest of a bladed disk's frequencies [rad/s].
+
+    An eigenvalue has the rounding error of the largest one. That one is at least the largest
+    ratio of stiffness to mass at a single degree of freedom.
+
+    Raises:
+        FloatingPointError: it is lost in rounding.
+    """
+    structure, lowest = disk.structure, float(min(frequencies))
+    largest_square = np.max(structure.stiffness.diagonal() / structure.mass.diagonal())
+    if not lowest > np.sqrt(LOST * np.finfo(np.float64).eps * largest_square):
+        raise FloatingPointError("the lowest frequency of the bladed disk is lost in rounding")
+    return lowest
+
+
+def _ring(case: Case) -> RingMesh:
+    radius = case.tip_radius + case.casing.clearance
+    return RingMesh(elements=case.casing.elements, radius=radius)
+
+
+def _supports(case: Case) -> tuple[Support, ...]:
+    """Springs and struts of a case's casing."""
+    springs = [spring(**row.model_dump()) for row in case.casing.springs]
+    struts = [
+        strut(
+            row.angle,
+            _section(case, row),
+            length=row.length,
+            inclination=row.inclination,
+            ends=row.ends,
+            damping=row.damping,
+        )
+        for row in case.casing.struts
+    ]
+    return (*springs, *struts)
+
+
+def _section(case: Case, section: BeamSection) -> Section:
+    material = case.material.find(section.material)
+    return Section(
+        width=section.width,
+        thickness=section.thickness,
+        young_modulus=material.young_modulus,
+        density=material.density,
+    )
+
+
+@contextmanager
+def numbers_within_reach(case: Case) -> Iterator[None]:
+    """Turn the floating point's limits into a fault of the case.
+
+    Raises:
+        CaseError: sizes or material so extreme that matrices overflow, are singular to rounding
+            or lose definiteness; it names those that no machine has, if there are any.
+    """
+    try:
+        with np.errstate(over="raise", invalid="raise", divide="raise"), warnings.catch_warnings():
+            warnings.simplefilter("error", la.LinAlgWarning)
+            yield
+    except (ArithmeticError, ValueError, la.LinAlgError, la.LinAlgWarning) as error:
+        expected = f"sizes, material and springs within reach of double precision ({error})"
+        raise CaseError([*unusual_values(case)] or [Fault(expected=expected)]) from None

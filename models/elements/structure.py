@@ -1,0 +1,64 @@
+"""What every finite element structure of the package offers: matrices, DoF table, sectors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.elements.cyclic import SectorLayout
+
+
+@dataclass(frozen=True, kw_only=True)
+class Structure:
+    """Mass and stiffness of a structure on its free degrees of freedom, sparse and symmetric."""
+
+    mass: sp.csr_array  #: [kg, kg m, kg m2], (size, size)
+    stiffness: sp.csr_array  #: springs included [N/m, N, N m], (size, size)
+    springs: sp.csr_array  #: the springs' part of the stiffness, (size, size)
+    node_dofs: IntArray  #: DoF of each node, (nodes, components); -1 where held
+    layout: SectorLayout | None  #: its sectors; None where it has none
+    held: FloatArray  #: fields v held at rest, v^T M x = 0, (size, constraints), often none
+
+    @property
+    def size(self) -> int:
+        """Number of free degrees of freedom."""
+        return int(self.mass.shape[0])
+
+    @cached_property
+    def is_cyclic(self) -> bool:
+        """Whether mass and stiffness repeat from sector to sector; found, not assumed."""
+        return self.layout is not None and self.layout.is_symmetry_of(
+            self.mass, self.stiffness, self.springs
+        )
+
+    @property
+    def symmetry(self) -> str:
+        """What was found, and the path that modes and reduction take."""
+        if self.layout is None:
+            return "no sectors: dense path"
+        if not self.is_cyclic:
+            if self.layout.is_symmetry_of(self.mass, self.stiffness - self.springs):
+                return f"{self.layout.sectors} equal sectors on springs that differ: dense path"
+            return f"{self.layout.sectors} sectors that differ: dense path"
+        return f"{self.layout.sectors} equal sectors: cyclic path"
+
+
+def keep_free(node_dofs: IntArray, held: IntArray) -> tuple[IntArray, IntArray]:
+    """Number the free degrees of freedom anew.
+
+    Args:
+        node_dofs: DoF of each node in the unconstrained structure, (nodes, components).
+        held: numbers of the DoF held at zero.
+
+    Returns:
+        the old numbers of the free DoF, and the table with new numbers, -1 where held.
+    """
+    total = node_dofs.size
+    free = np.setdiff1d(np.arange(total), held)
+    renumbered = np.full(total, -1, dtype=np.int64)
+    renumbered[free] = np.arange(len(free))
+    return free, renumbered[node_dofs]

@@ -1,0 +1,309 @@
+"""A beam model from a mesh file by the mapping of a case."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError
+from bladewhirl.meshes.files.registry import read_line_mesh
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray, LineMesh
+from bladewhirl.meshes.symmetry import rotational_sectors, symmetric_points
+from bladewhirl.models.case.materials import Material
+from bladewhirl.models.case.mesh_file import LengthUnit, MeshTable
+from bladewhirl.models.geometry.beam_model import BeamModel
+from bladewhirl.models.geometry.checks import AT_ORIGIN, check_model
+from bladewhirl.models.geometry.mesh_data import point_masses, rigid_links, springs
+from bladewhirl.models.inputs.errors import LONGEST_VALUE, CaseError, Fault, shown
+from bladewhirl.models.sections.rectangular import (
+    CHANGES,
+    QUANTITIES,
+    LineProperties,
+    Section,
+    along,
+)
+
+KEY = "bladed_disk.mesh"
+
+SAME_PLACE = 1e-6
+"""Nodes nearer to each other than this, over the size of the mesh, are one node twice."""
+
+TIP_RADII = (1e-3, 10.0)
+"""Smallest and largest tip radius [m]; beyond them a unit of length was mistaken."""
+
+
+def mesh_tips(table: MeshTable) -> FloatArray:
+    """Points of the blade tips in blade order [m], (blades, 2).
+
+    Raises:
+        CaseError: the file can't be read, or the mapping does not fit it.
+    """
+    mesh = _checked(table)
+    points = mesh.points * table.unit
+    return points[_tips(table, mesh, points)]
+
+
+def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
+    """Read the mesh file of a case and make a beam model of it.
+
+    Nodes and lines keep the order of the file. A mesh that is rotationally symmetric to a
+    millionth is made so to rounding, and has sectors.
+
+    Args:
+        table: the file and what its groups mean.
+        material: of the case, with those that sections name; that of lines whose file says none.
+
+    Raises:
+        CaseError: the file can't be read, the mapping does not fit it, or what it gives can be no
+            bladed disk.
+    """
+    mesh = _checked(table)
+    points = mesh.points * table.unit
+    faults = [*_double_parts(mesh)]
+    if faults:
+        raise CaseError(_fault(table, "file", expected) for expected in faults)
+    tips = _tips(table, mesh, points)
+    centre = _group(table, mesh, "centre")
+    hung = _hung(table, mesh)
+    beams = mesh.beams()
+    tip_radius = float(np.linalg.norm(points[tips], axis=1).max())
+    if not TIP_RADII[0] <= tip_radius <= TIP_RADII[1]:
+        low, high = TIP_RADII
+        expected = f"a unit that puts the tips at {low:g} m to {high:g} m, not at {tip_radius:g} m"
+        raise CaseError([_fault(table, "unit", expected)])
+    sectors = None
+    if len(centre) == 1 and np.linalg.norm(points[centre[0]]) <= AT_ORIGIN * tip_radius:
+        points[centre[0]] = 0.0
+        sectors = rotational_sectors(points, mesh.lines, tips, int(centre[0]))
+    if sectors is not None:
+        points = symmetric_points(points, sectors)
+    axes = np.arctan2(points[:, 1], points[:, 0])
+    axes[centre] = 0.0
+    properties = _properties(table, beams, material)
+    last = {name: beams.line_groups[name] for name in table.sections}
+    model = BeamModel(
+        mesh=LineMesh(
+            points=points,
+            lines=beams.lines,
+            node_axes=axes,
+            node_sets=_without(mesh.node_groups, table.tips, table.centre)
+            | {"tips": tips, "centre": centre},
+            # Where groups overlap, the part of a line is the group that has its section.
+            line_sets=_without(beams.line_groups, *last) | last,
+            sectors=sectors,
+        ),
+        properties=properties,
+        **hung,
+        tip_radius=table.tip_radius or float(np.linalg.norm(points[tips], axis=1).max()),
+    )
+    check_model(model, KEY)
+    return model
+
+
+def _checked(table: MeshTable) -> GroupedLines:
+    """The lines of a case's mesh, with the groups that its sections and tips ask for.
+
+    Raises:
+        CaseError: the file can't be read, has no lines for a section, or none at a tip.
+    """
+    mesh = _read(table)
+    faults = [
+        Fault(
+            key=f"{KEY}.sections.{name}",
+            value=section.model_dump(exclude_none=True),
+            expected=_one_of(table, "lines", mesh.line_groups),
+        )
+        for name, section in table.sections.items()
+        if name not in mesh.line_groups
+    ] or [*_bare_tips(table, mesh)]
+    if faults:
+        raise CaseError(faults)
+    return _lines_only(mesh)
+
+
+def _bare_tips(table: MeshTable, mesh: GroupedLines) -> Iterator[Fault]:
+    """Tips that no line leads to, where it leads to others: their blades are missing."""
+    tips = np.unique(mesh.node_groups.get(table.tips, np.zeros(0, np.int64)))
+    bare = np.setdiff1d(tips, mesh.lines)
+    if 0 < len(bare) < len(tips):
+        x, y = (mesh.points[bare[0]] * table.unit).tolist()
+        yield _fault(
+            table,
+            "tips",
+            f"a line to every node of the group; {len(bare)} of {len(tips)} in {_name(table)}"
+            f" {'have' if len(bare) > 1 else 'has'} none, first that at ({x:.4g}, {y:.4g}) m",
+        )
+
+
+def _read(table: MeshTable) -> GroupedLines:
+    try:
+        stamp = os.stat(table.file)
+        return _cached(table.file, (stamp.st_mtime_ns, stamp.st_size))
+    except OSError as error:
+        expected = f"a readable file ({error.strerror})"
+    except MeshFileError as error:
+        expected = str(error)
+    raise CaseError([_fault(table, "file", expected)]) from None
+
+
+@lru_cache(maxsize=8)
+def _cached(file: str, stamp: tuple[int, int]) -> GroupedLines:
+    """A mesh, read once for all stages of a sweep; the stamp tells a changed file."""
+    return read_line_mesh(file)
+
+
+def _lines_only(mesh: GroupedLines) -> GroupedLines:
+    """The mesh without nodes that no line leads to, such as centres of arcs."""
+    used = np.unique(mesh.lines)
+    number = np.full(len(mesh.points), -1)
+    number[used] = np.arange(len(used))
+    groups = {name: number[nodes] for name, nodes in mesh.node_groups.items()}
+    return GroupedLines(
+        points=mesh.points[used],
+        lines=number[mesh.lines],
+        node_groups={name: nodes[nodes >= 0] for name, nodes in groups.items()},
+        line_groups=mesh.line_groups,
+        node_data={name: values[used] for name, values in mesh.node_data.items()},
+        line_data=mesh.line_data,
+    )
+
+
+def _double_parts(mesh: GroupedLines) -> Iterator[str]:
+    """What is in a mesh twice; completes "expected ..."."""
+    size = float(np.ptp(mesh.points, axis=0).max())
+    pairs = KDTree(mesh.points).query_pairs(SAME_PLACE * size, output_type="ndarray")
+    joints = np.sort(mesh.lines[~mesh.is_beam], axis=1)
+    pairs = np.array([pair for pair in pairs if not (joints == np.sort(pair)).all(axis=1).any()])
+    if len(pairs):
+        x, y = mesh.points[pairs[0, 0]].tolist()
+        yield (
+            f"one node at each place; {len(pairs)} pairs lie on each other, first at ({x:g}, {y:g})"
+            ": merge them in the mesher"
+        )
+        return
+    lines, times = np.unique(np.sort(mesh.lines[mesh.is_beam], axis=1), axis=0, return_counts=True)
+    loops, twice = lines[lines[:, 0] == lines[:, 1]], lines[times > 1]
+    for what, found in (("lines with a length", loops), ("each line once", twice)):
+        if len(found):
+            x, y = mesh.points[found[0, 0]].tolist()
+            yield f"{what}; {len(found)} are not so, first at ({x:g}, {y:g})"
+
+
+def _tips(table: MeshTable, mesh: GroupedLines, points: FloatArray) -> IntArray:
+    """Nodes of the tips, counter-clockwise from the one nearest to +x."""
+    nodes = _group(table, mesh, "tips")
+    angles = np.arctan2(points[nodes, 1], points[nodes, 0])
+    order = np.argsort(angles)
+    # Of two tips as near as each other the one ahead: the small turn decides.
+    first = int(np.argmin(np.abs(angles[order] - SAME_PLACE)))
+    return np.asarray(nodes[np.roll(order, -first)])
+
+
+def _group(table: MeshTable, mesh: GroupedLines, key: str) -> IntArray:
+    name = getattr(table, key)
+    if name not in mesh.node_groups:
+        raise CaseError([_fault(table, key, _one_of(table, "nodes", mesh.node_groups))])
+    if not len(mesh.node_groups[name]):
+        expected = f"a group with nodes that lines lead to; that of {_name(table)} has none"
+        raise CaseError([_fault(table, key, expected)])
+    return np.unique(mesh.node_groups[name])
+
+
+def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> LineProperties:
+    count = len(mesh.lines)
+    values = np.full((len(QUANTITIES), count), np.nan)
+    if table.unit == 1.0:  # what else would the file's numbers mean, and its moduli?
+        for row, name in zip(values, QUANTITIES, strict=True):
+            own = mesh.line_data.get(name, row)
+            row[:] = np.where(np.isfinite(own), own, getattr(material, name, np.nan))
+    changes = np.zeros_like(values)
+    if table.unit == 1.0:
+        for row, name in zip(changes, CHANGES, strict=True):
+            row[:] = np.nan_to_num(mesh.line_data.get(name, row))
+    given = Counter[int]()
+    for name, section in table.sections.items():
+        lines = mesh.line_groups[name]
+        given.update(lines.tolist())
+        made_of = material.find(section.material)
+        changes[:, lines] = 0.0
+        values[:, lines] = along(
+            Section(
+                width=section.width,
+                thickness=section.thickness,
+                young_modulus=made_of.young_modulus,
+                density=made_of.density,
+            ),
+            np.zeros(1),
+        )
+    twice = [line for line, times in given.items() if times > 1]
+    if twice:
+        groups = [k for k in table.sections if twice[0] in mesh.line_groups[k]]
+        both = " and ".join(map(repr, groups))
+        expected = f"one section a line; {both} share {len(twice)} of the lines"
+        raise CaseError([_fault(table, "sections", expected)])
+    thin = np.flatnonzero((np.abs(changes) >= 2.0 * values).any(axis=0) & (values > 0).all(axis=0))
+    if len(thin):
+        quantity = int(np.argmax(np.abs(changes[:, thin[0]]) / values[:, thin[0]]))
+        name, found = CHANGES[quantity], changes[quantity, thin[0]]
+        expected = f"sections above zero all along lines; line {thin[0]} has {name} {found:g}"
+        raise CaseError([_fault(table, "file", expected)])
+    bare = np.flatnonzero(~(np.isfinite(values) & (values > 0.0)).all(axis=0))
+    if len(bare):
+        raise CaseError([_fault(table, "sections", _wanted(mesh, bare))])
+    names = (*QUANTITIES, *CHANGES)
+    return LineProperties(**dict(zip(names, np.vstack([values, changes]), strict=True)))
+
+
+def _wanted(mesh: GroupedLines, bare: IntArray) -> str:
+    """Says which groups of lines still need a section."""
+    groups = [k for k, lines in mesh.line_groups.items() if np.isin(bare, lines).any()]
+    named = f", in {', '.join(map(repr, groups))}" if groups else ", in no group"
+    return (
+        f"a section for all lines; {len(bare)} of {len(mesh.lines)} have none{named} (what a file "
+        'says itself counts, in SI, where unit is "m")'
+    )
+
+
+def _hung(table: MeshTable, mesh: GroupedLines) -> dict[str, Any]:
+    """Masses, springs and links of a mesh, as a beam model has them."""
+    try:
+        masses, joints = point_masses(mesh), springs(mesh)
+    except ValueError as error:
+        raise CaseError([_fault(table, "file", str(error))]) from None
+    for name, count in (("point masses", len(masses.node)), ("springs", len(joints.node))):
+        if count and table.unit != 1.0:
+            expected = f'"m" for a file with {name}, which count in SI; {_name(table)} has some'
+            raise CaseError([_fault(table, "unit", expected)])
+    return {"masses": masses, "springs": joints, "links": rigid_links(mesh)}
+
+
+def _without(groups: Mapping[str, IntArray], *names: str) -> dict[str, IntArray]:
+    return {name: members for name, members in groups.items() if name not in names}
+
+
+def _one_of(table: MeshTable, kind: str, groups: Mapping[str, IntArray]) -> str:
+    found = ", ".join(shown(name) for name in groups) or "none"
+    return f"a group of {kind} of {_name(table)}: {found}"
+
+
+def _name(table: MeshTable) -> str:
+    return os.path.basename(table.file)
+
+
+def _fault(table: MeshTable, key: str, expected: str) -> Fault:
+    values = {"file": _short(table.file), "sections": None}
+    value = values.get(key, getattr(table, key))
+    value = value.given if isinstance(value, LengthUnit) else value
+    return Fault(key=f"{KEY}.{key}", value=value, expected=expected)
+
+
+def _short(path: str) -> str:
+    """A path from here if that is shorter; what a message has no room for is left out in front."""
+    path = min(path, os.path.relpath(path), key=len)
+    return path if len(path) <= LONGEST_VALUE - 2 else f"...{path[5 - LONGEST_VALUE :]}"

@@ -1,0 +1,277 @@
+"""From a sketch to a beam model: sectors repeated, members cut into elements, parts checked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from bladewhirl.meshes.curve import points_along
+from bladewhirl.meshes.line_mesh import FloatArray, LineMesh
+from bladewhirl.meshes.symmetry import rotational_sectors
+from bladewhirl.models.case.sketch import (
+    SketchEdit,
+    SketchMember,
+    SketchTable,
+    split_reference,
+)
+from bladewhirl.models.geometry.beam_model import (
+    GROUND,
+    BeamModel,
+    PointMasses,
+    RigidLinks,
+    Springs,
+)
+from bladewhirl.models.geometry.checks import check_model
+from bladewhirl.models.geometry.sketch_checks import sketch_faults
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.sections.rectangular import (
+    CHANGES,
+    QUANTITIES,
+    LineProperties,
+    along_elements,
+)
+
+Key = tuple[str, int]
+"""Node of a sketch: its name, or that of a member with the place along it; see `_Numbering`."""
+
+CENTRE = "centre"
+
+
+def build_sketch(sketch: SketchTable) -> BeamModel:
+    """Repeat a sketch sector by sector and make a beam model of it.
+
+    Nodes are numbered sector by sector in the order in which members meet them, shared ones last.
+    Where sectors are drawn out, or hold several blades, those of one blade each are looked for.
+
+    Raises:
+        CaseError: parts that do not fit together, each named.
+    """
+    faults = list(sketch_faults(sketch))
+    if faults:
+        raise CaseError(faults)
+    drawing = _Drawing(sketch)
+    mesh, properties = drawing.mesh(), drawing.properties()
+    model = BeamModel(
+        mesh=mesh,
+        properties=properties,
+        masses=drawing.masses(),
+        springs=drawing.springs(),
+        links=drawing.links(),
+        tip_radius=sketch.radius,
+    )
+    check_model(model, "sketch")
+    if mesh.sectors is not None and len(mesh.sectors) == len(model.tips):
+        return model
+    sectors = rotational_sectors(mesh.points, model.joints, model.tips, model.centre)
+    if sectors is None:
+        return model
+    return replace(model, mesh=replace(mesh, sectors=sectors))
+
+
+class _Drawing:
+    """Numbers the nodes of all sectors and says where they are."""
+
+    def __init__(self, sketch: SketchTable) -> None:
+        self._sketch = sketch
+        self._sets = sketch.node_sets
+        self._alpha = 2.0 * np.pi / sketch.sectors
+        self._nodes = {node.name: node for node in sketch.nodes}
+        self._moved = {(e.sector, e.node): e for e in sketch.edits if e.node is not None}
+        self._changed = {(e.sector, e.member): e for e in sketch.edits if e.member is not None}
+        self._number: dict[tuple[int, Key], int] = {}
+        self._point: list[FloatArray] = []
+        self._axis: list[float] = []
+        self._lines: dict[str, list[tuple[int, int]]] = {}
+        self._sections: dict[str, list[FloatArray]] = {}
+        self._tables = {each.name: _table(each, each.elements) for each in sketch.members}
+        self._shared: list[tuple[int, Key]] = []
+        self._own: list[list[Key]] = [[] for _ in range(sketch.sectors)]
+        for sector in range(sketch.sectors):
+            self._number_sector(sector)
+        for place in self._shared:
+            self._put(place, self._at(*place))
+        for member in sketch.members:
+            for sector in self._sectors_of(member):
+                self._lay(member, sector)
+
+    def mesh(self) -> LineMesh:
+        """All nodes and lines, with their sets and, where all are alike, sectors."""
+        lines, count = [], 0
+        line_sets: dict[str, list[int]] = {}
+        for member in self._sketch.members:
+            found = self._lines.get(member.name, [])
+            lines += found
+            line_sets.setdefault(member.line_set, []).extend(range(count, count + len(found)))
+            count += len(found)
+        return LineMesh(
+            points=np.array(self._point).reshape(-1, 2),
+            lines=np.array(lines, dtype=np.int64).reshape(-1, 2),
+            node_axes=np.array(self._axis),
+            node_sets={name: np.array(self._set(name)) for name in self._sets},
+            line_sets={name: np.array(found) for name, found in line_sets.items()},
+            sectors=self._alike(),
+        )
+
+    def properties(self) -> LineProperties:
+        """Sections of all lines."""
+        found = [s for member in self._sketch.members for s in self._sections.get(member.name, [])]
+        names = (*QUANTITIES, *CHANGES)
+        return LineProperties(**dict(zip(names, np.hstack(found), strict=True)))
+
+    def masses(self) -> PointMasses:
+        """Point masses of all sectors."""
+        found = [
+            (self._at_node(mass.node, sector), mass.mass, mass.inertia)
+            for mass in self._sketch.masses
+            for sector in self._those([mass.node], mass.sectors)
+        ]
+        node, mass, inertia = np.array(found).reshape(-1, 3).T
+        return PointMasses(node=node.astype(np.int64), mass=mass, inertia=inertia)
+
+    def springs(self) -> Springs:
+        """Springs of all sectors."""
+        ends, stiffness = [], []
+        for spring in self._sketch.springs:
+            names = [spring.node, *([] if spring.other is None else [spring.other])]
+            for sector in self._those(names, spring.sectors):
+                ends.append(([*(self._at_node(name, sector) for name in names), GROUND])[:2])
+                stiffness.append((spring.radial, spring.tangential, spring.rotation))
+        node, other = np.array(ends, dtype=np.int64).reshape(-1, 2).T
+        return Springs(node=node, other=other, stiffness=np.array(stiffness).reshape(-1, 3))
+
+    def links(self) -> RigidLinks:
+        """Rigid links of all sectors."""
+        found = [
+            (self._at_node(link.led, sector), self._at_node(link.leader, sector))
+            for link in self._sketch.links
+            for sector in self._those([link.led, link.leader], link.sectors)
+        ]
+        led, leader = np.array(found, dtype=np.int64).reshape(-1, 2).T
+        return RigidLinks(led=led, leader=leader)
+
+    def _number_sector(self, sector: int) -> None:
+        """Number the nodes that belong to a sector, in the order in which members meet them."""
+        for member in self._sketch.members:
+            if sector not in self._sectors_of(member):
+                continue
+            points = self._line_of(member, sector)
+            own = not self._is_shared(member.first, member.second)
+            ends = (self._place(member.first, sector), self._place(member.second, sector))
+            self._meet(ends[0], sector)
+            for i, point in enumerate(points[1:-1]):
+                key = (member.name, i + 1)
+                if own:
+                    self._own[sector].append(key)
+                self._put((sector, key), point)
+            self._meet(ends[1], sector)
+        for name in self._nodes:
+            self._meet(self._place(name, sector), sector)
+
+    def _meet(self, place: tuple[int, Key], sector: int) -> None:
+        if place in self._number:
+            return
+        if self._nodes[place[1][0]].shared:
+            if place not in self._shared:
+                self._shared.append(place)
+        elif place[0] == sector:
+            self._own[sector].append(place[1])
+            self._put(place, self._at(*place))
+
+    def _put(self, place: tuple[int, Key], point: FloatArray) -> None:
+        self._number[place] = len(self._point)
+        self._point.append(point)
+        self._axis.append(float(np.arctan2(point[1], point[0])) if point.any() else 0.0)
+
+    def _lay(self, member: SketchMember, sector: int) -> None:
+        between = [self._number[sector, (member.name, i)] for i in range(1, member.elements)]
+        chain = [
+            self._at_node(member.first, sector),
+            *between,
+            self._at_node(member.second, sector),
+        ]
+        self._lines.setdefault(member.name, []).extend(pairwise(chain))
+        edit = self._changed.get((sector, member.name))
+        if edit is not None and _sections(edit):
+            table = _table(edit, member.elements)
+        else:
+            table = self._tables[member.name].copy()
+        if edit is not None:
+            for name, factor in (("young_modulus", edit.stiffness), ("density", edit.mass)):
+                table[[QUANTITIES.index(name), len(QUANTITIES) + QUANTITIES.index(name)]] *= factor
+        self._sections.setdefault(member.name, []).append(table)
+
+    def _line_of(self, member: SketchMember, sector: int) -> FloatArray:
+        """Ends of a member's elements, (elements + 1, 2)."""
+        edit = self._changed.get((sector, member.name))
+        path = member.path if edit is None or edit.path is None else edit.path
+        given = [
+            self._at(*self._place(member.first, sector)),
+            *(_turned(point, sector * self._alpha) for point in path),
+            self._at(*self._place(member.second, sector)),
+        ]
+        return points_along(np.array(given), member.elements)
+
+    def _at(self, sector: int, key: Key) -> FloatArray:
+        """Where a named node is."""
+        edit = self._moved.get((sector, key[0]))
+        at = self._nodes[key[0]].at if edit is None or edit.at is None else edit.at
+        return _turned(at, sector * self._alpha)
+
+    def _place(self, reference: str, sector: int) -> tuple[int, Key]:
+        name, shift = split_reference(reference)
+        shared = self._nodes[name].shared
+        return (0 if shared else (sector + shift) % self._sketch.sectors, (name, 0))
+
+    def _at_node(self, reference: str, sector: int) -> int:
+        return self._number[self._place(reference, sector)]
+
+    def _is_shared(self, *references: str) -> bool:
+        return all(self._nodes[split_reference(name)[0]].shared for name in references)
+
+    def _sectors_of(self, member: SketchMember) -> Iterable[int]:
+        return self._those([member.first, member.second], member.sectors)
+
+    def _those(self, names: list[str], sectors: tuple[int, ...] | None) -> Iterable[int]:
+        """Sectors that have a part; one between shared nodes is there once."""
+        if self._is_shared(*names):
+            return range(1)
+        return range(self._sketch.sectors) if sectors is None else sectors
+
+    def _set(self, name: str) -> list[int]:
+        found = [
+            self._at_node(reference, sector)
+            for sector in range(self._sketch.sectors)
+            for reference in self._sets[name]
+        ]
+        return list(dict.fromkeys(found))
+
+    def _alike(self) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]] | None:
+        """Nodes of each sector in one order; None where sectors have different nodes."""
+        order = self._own[0]
+        shared = [key[0] for _, key in self._shared]
+        only_centre = shared == [*self._sets[CENTRE]]
+        if len(self._own) < 3 or not only_centre or not order:
+            return None
+        if any(set(own) != set(order) for own in self._own[1:]):
+            return None
+        return np.array(
+            [[self._number[sector, key] for key in order] for sector in range(len(self._own))]
+        )
+
+
+def _sections(part: SketchMember | SketchEdit) -> tuple:  # type: ignore[type-arg]
+    return part.stations or (() if part.section is None else (part.section,))
+
+
+def _table(part: SketchMember | SketchEdit, elements: int) -> FloatArray:
+    """Sections of equal elements, quantities above their changes, (8, elements)."""
+    return np.vstack(along_elements(_sections(part), elements))
+
+
+def _turned(point: tuple[float, float], angle: float) -> FloatArray:
+    cos, sin = np.cos(angle), np.sin(angle)
+    x, y = point
+    return np.array([cos * x - sin * y, sin * x + cos * y])

@@ -1,0 +1,219 @@
+"""The sketch of the bladed disk that the `[bladed_disk]` table describes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from bladewhirl.meshes.curve import points_along
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.bladed_disk import BladedDisk
+from bladewhirl.models.case.materials import BeamSection
+from bladewhirl.models.geometry.sketch import Sketch
+from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.sections.rectangular import QUANTITIES, Section, along
+
+FINE = 400
+"""Points along a curved centre line between which its angle is interpolated."""
+
+FINE_STATIONS = 32
+"""Stations for each element of a piece of a tapered blade, whose own need not be among them."""
+
+BETWEEN = np.arange(1, 8) / 8.0
+"""Shares of a curved piece, or of an arc, at which its path is given."""
+
+MakeSection = Callable[[BeamSection], Section]
+
+
+def bladed_disk_sketch(given: BladedDisk, section: MakeSection) -> Sketch:
+    """Draw a bladed disk; by default that of the paper's Fig. 3(a).
+
+    Each sector holds one blade of nearly equal elements, its tip on the sector's radial line, and
+    the disk below it. Node sets: ``tips``, ``roots``, ``centre``. Line sets: ``blades``, and as
+    far as there are any ``spokes``, ``rim``, ``rings``, ``shrouds``.
+
+    Args:
+        given: sizes and parts.
+        section: makes a section of one in the case.
+
+    Raises:
+        CaseError: a centre line that turns back.
+    """
+    sketch = Sketch(given.blades, tip_radius=given.tip_radius)
+    blade = _Blade(given)
+    sketch.node("centre", 0.0, 0.0, shared=True)
+    sketch.node("root", *blade.point(given.disk_radius))
+    for name, radius in blade.inner.items():
+        sketch.node(name, *blade.point(radius))
+    sketch.node("tip", given.tip_radius)
+    _draw_blades(sketch, given, blade, section)
+    _draw_disk(sketch, given, blade, section)
+    for i, shroud in enumerate(given.shrouds):
+        node = blade.node_at(shroud.radius)
+        _, angle = blade.polar(shroud.radius)
+        on_arc = angle + 2.0 * np.pi / given.blades * BETWEEN
+        sketch.member(
+            f"shroud {i}",
+            node,
+            f"{node}+1",
+            section(shroud),
+            elements=shroud.elements,
+            path=_on_circle(shroud.radius, on_arc) if shroud.elements > 1 else (),
+            part="shrouds",
+            sectors=[b for b in range(given.blades) if b not in shroud.cuts],
+        )
+    for mass in given.point_masses:
+        node = blade.node_at(mass.radius)
+        sketch.mass(node, mass.mass, inertia=mass.inertia, sectors=mass.blades)
+    if given.tip_mass:
+        sketch.mass("tip", given.tip_mass)
+    for name, node in (("centre", "centre"), ("tips", "tip"), ("roots", "root")):
+        sketch.set(name, node)
+    return sketch
+
+
+class _Blade:
+    """Where the centre line of a blade runs, and the nodes that it needs."""
+
+    def __init__(self, given: BladedDisk) -> None:
+        self._root, self._span = given.disk_radius, given.tip_radius - given.disk_radius
+        self.inner = {f"cut {i}": radius for i, radius in enumerate(given.cut_radii)}
+        self._radius = {
+            "centre": 0.0,
+            "root": given.disk_radius,
+            **self.inner,
+            "tip": given.tip_radius,
+        }
+        self.is_curved = len(given.centre_line) > 1
+        line = [(0.0, 0.0), *((point.span, point.angle) for point in given.centre_line)]
+        self._angle: Callable[[float], float] = lambda span: 0.0
+        if given.centre_line:
+            spans, angles = np.array(line).T
+            radii = self._root + spans * self._span
+            corners = np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])
+            points = points_along(corners, FINE)
+            turned = np.unwrap(np.arctan2(points[:, 1], points[:, 0]))
+            reached = (np.hypot(*points.T) - self._root) / self._span
+            reached[0], reached[-1] = 0.0, 1.0
+            if np.any(np.diff(reached) <= 0.0):
+                expected = "a line that leads outward all the way from root to tip"
+                raise CaseError([Fault(key="bladed_disk.centre_line", expected=expected)])
+            smooth = CubicSpline(reached, turned - turned[-1])  # the tip at angle zero
+            self._angle = lambda span: float(smooth(span))
+
+    def node_at(self, radius: float) -> str:
+        """Name of the node at a radius of the case."""
+        return next(name for name, own in self._radius.items() if own == radius)
+
+    def polar(self, radius: float, stretch: float = 1.0) -> tuple[float, float]:
+        """Radius and angle of the point at a radius, on a blade of another length."""
+        return radius, self._angle(min(max((radius - self._root) / (stretch * self._span), 0), 1))
+
+    def point(self, radius: float, stretch: float = 1.0) -> tuple[float, float]:
+        """The same as x and y [m]."""
+        own, angle = self.polar(radius, stretch)
+        return own * float(np.cos(angle)), own * float(np.sin(angle))
+
+    def path(self, ends: tuple[float, float], stretch: float = 1.0) -> list[tuple[float, float]]:
+        """Points of a curved piece between two radii; none of a straight one."""
+        if not self.is_curved:
+            return []
+        return [self.point(ends[0] + s * (ends[1] - ends[0]), stretch) for s in BETWEEN]
+
+    def tip_radius(self, stretch: float = 1.0) -> float:
+        """Radius of the tip of a blade of another length."""
+        return self._root + stretch * self._span
+
+    def pieces(self, elements: int) -> list[tuple[str, str, int]]:
+        """Nodes at the ends of each piece of the blade, and its number of elements."""
+        names = ["root", *self.inner, "tip"]
+        lengths = np.diff([self._radius[name] for name in names])
+        counts = np.ones(len(lengths), dtype=int)
+        for _ in range(elements - len(lengths)):
+            counts[np.argmax(lengths / counts)] += 1  # to where elements are longest
+        return [(a, b, int(n)) for (a, b), n in zip(pairwise(names), counts, strict=True)]
+
+    def radius(self, name: str, stretch: float = 1.0) -> float:
+        """Radius of a node on a blade of another length: its tip alone is elsewhere."""
+        return self.tip_radius(stretch) if name == "tip" else self._radius[name]
+
+    def share(self, name: str) -> float:
+        """Share of the way from root to tip at which a node is."""
+        return (self._radius[name] - self._root) / self._span
+
+
+def _draw_blades(sketch: Sketch, given: BladedDisk, blade: _Blade, section: MakeSection) -> None:
+    own = section(given.blade)
+    taper = [
+        section(given.blade.model_copy(update=row.model_dump(exclude_none=True)))
+        for row in given.taper
+    ]
+    pieces = blade.pieces(given.elements_per_blade)
+    names = ["blades", *(f"blades {i}" for i in range(1, len(pieces)))]
+    for name, (first, second, elements) in zip(names, pieces, strict=True):
+        ends = blade.radius(first), blade.radius(second)
+        sketch.member(
+            name,
+            first,
+            second,
+            _piece_of(taper, blade.share(first), blade.share(second), elements) or own,
+            elements=elements,
+            path=blade.path(ends),
+            part="blades",
+        )
+    stiffness, mass, length = (
+        given.mistuning.factors(kind, given.blades) for kind in ("stiffness", "mass", "length")
+    )
+    for b in np.flatnonzero((stiffness != 1.0) | (mass != 1.0) | (length != 1.0)).tolist():
+        if length[b] != 1.0:
+            sketch.move(b, "tip", blade.tip_radius(length[b]))
+            for node in blade.inner if given.centre_line else ():
+                sketch.move(b, node, *blade.point(blade.radius(node), length[b]))
+        for name, (first, second, _) in zip(names, pieces, strict=True):
+            ends = blade.radius(first), blade.radius(second, length[b])
+            sketch.change(
+                *(b, name),
+                stiffness=float(stiffness[b]),
+                mass=float(mass[b]),
+                path=blade.path(ends, length[b]) if length[b] != 1.0 else None,
+            )
+
+
+def _piece_of(taper: list[Section], start: float, end: float, elements: int) -> list[Section]:
+    """Stations of a piece: those of the whole blade, or so many that none of them is missed."""
+    if not taper or (start, end) == (0.0, 1.0):
+        return taper
+    shares = np.linspace(start, end, FINE_STATIONS * elements + 1)
+    return [
+        Section(**dict(zip(QUANTITIES, column.tolist(), strict=True)))
+        for column in along(taper, shares).T
+    ]
+
+
+def _draw_disk(sketch: Sketch, given: BladedDisk, blade: _Blade, section: MakeSection) -> None:
+    if given.disk_kind == "rigid":
+        sketch.link("centre", "root")
+        return
+    own = section(given.disk)
+    if given.disk_kind == "rim":
+        sketch.spring("root", "centre", radial=given.web_radial, tangential=given.web_tangential)
+    else:
+        _, angle = blade.polar(given.disk_radius)
+        rings = sorted(given.disk_rings, key=lambda ring: ring.radius)
+        chain = ["centre", *(f"ring {i}" for i in range(len(rings))), "root"]
+        for name, ring in zip(chain[1:], rings, strict=False):
+            [at] = _on_circle(ring.radius, np.array([angle]))
+            sketch.node(name, *at)
+        for i, (first, second) in enumerate(pairwise(chain)):
+            sketch.member(f"spokes {i}" if i else "spokes", first, second, own, part="spokes")
+        for name, ring in zip(chain[1:], rings, strict=False):
+            sketch.member(f"{name} itself", name, f"{name}+1", section(ring), part="rings")
+    if given.disk_kind != "spokes":
+        sketch.member("rim", "root", "root+1", own)
+
+
+def _on_circle(radius: float, angles: FloatArray) -> list[tuple[float, float]]:
+    return [(radius * float(np.cos(a)), radius * float(np.sin(a))) for a in angles]

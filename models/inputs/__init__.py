@@ -1,0 +1,1 @@
+"""What users write and how they are answered: quantities with units, tables, errors."""

@@ -1,0 +1,73 @@
+"""What a user can put right: one line a fault, naming file, key, value and what was expected."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+from bladewhirl.models.inputs.toml import toml_value
+
+LONGEST_VALUE = 60
+"""Characters of a value that a fault shows."""
+
+
+class UserError(Exception):
+    """What the user asked for cannot be done; the command line prints `lines`, no traceback."""
+
+    @property
+    def lines(self) -> list[str]:
+        """The message, one line a fault."""
+        return [" ".join(str(self).split())]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fault:
+    """One thing wrong with a case."""
+
+    file: str = ""  #: the case file, or "--set"; empty for a case made in Python
+    key: str = ""  #: dotted as in the file; empty for the file as a whole
+    value: object = None  #: as in the file; None where there is none
+    expected: str  #: completes "expected ..."
+
+    def __str__(self) -> str:
+        """The fault on one line."""
+        place = self.key if self.value is None else f"{self.key} = {shown(self.value)}"
+        parts = (self.file, place, f"expected {self.expected}")
+        return " ".join(": ".join(part for part in parts if part).splitlines())
+
+
+class CaseError(UserError):
+    """A case with faults, all that were found."""
+
+    def __init__(self, faults: Iterable[Fault]) -> None:
+        self.faults = tuple(faults)
+        super().__init__(self.faults)  # so that it can be pickled
+
+    def __str__(self) -> str:
+        """One line a fault."""
+        return "\n".join(self.lines)
+
+    @property
+    def lines(self) -> list[str]:
+        """One line a fault."""
+        return [str(fault) for fault in self.faults]
+
+
+@contextmanager
+def faults_in(file: str) -> Iterator[None]:
+    """Name ``file`` in faults raised inside that name none."""
+    try:
+        yield
+    except CaseError as error:
+        located = (fault if fault.file else replace(fault, file=file) for fault in error.faults)
+        raise CaseError(located) from None
+
+
+def shown(value: object) -> str:
+    """A value as TOML would have it, cut to one short line."""
+    try:
+        text = toml_value(value)
+    except (TypeError, ValueError):  # a date, or an integer too long to print
+        text = "a huge integer" if isinstance(value, int) else str(value)
+    return text if len(text) <= LONGEST_VALUE else f"{text[: LONGEST_VALUE - 3]}..."

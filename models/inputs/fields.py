@@ -1,0 +1,167 @@
+"""Types of the case file's keys: numbers in SI or text with a unit, counts, speeds, rows.
+
+Each says what it expected in one phrase, by a pydantic error of type `EXPECTED`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from numbers import Integral, Real
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, PlainSerializer, PlainValidator
+from pydantic_core import PydanticCustomError
+
+from bladewhirl.models.inputs.units import TURN_PER_S, Speed, finite, rotation, to_si
+
+EXPECTED = "expected"
+"""Type of the errors raised here; their context holds the phrase under the same name."""
+
+MOST = 100_000
+"""Largest count of blades, elements, modes: beyond it a case is a slip of the pen."""
+
+Sign = Literal["positive", "not negative", "any"]
+
+_NUMBERS: dict[Sign, str] = {
+    "positive": "a positive number",
+    "not negative": "a number of zero or more",
+    "any": "a finite number",
+}
+
+_EXAMPLES = {
+    "m": "1 mm",
+    "m/s": "5 mm/s",
+    "s": "1 us",
+    "N": "2 kN",
+    "Pa": "210 GPa",
+    "kg/m3": "7.8 g/cm3",
+    "N/m": "34 MN/m",
+    "N/m2": "1508 N/m2",
+    "N s/m": "2 kN s/m",
+    "N/kg^0.5": "30 kN/kg^0.5",
+    "kg": "50 g",
+    "kg m": "0.59 kg m",
+    "kg m2": "2 kg cm2",
+    "N m": "1 kN m",
+    "rad": "30 deg",
+    "Hz": "50 Hz",
+}
+"""Text with a unit, by SI unit."""
+
+
+def expectation(phrase: str, reason: object = "") -> PydanticCustomError:
+    """The error that says what was expected, and in brackets why the value was not that."""
+    phrase = f"{phrase} ({reason})" if reason else phrase
+    return PydanticCustomError(EXPECTED, "expected {expected}", {"expected": phrase})
+
+
+def quantity(unit: str, sign: Sign = "positive") -> BeforeValidator:
+    """A number in ``unit``, or text with another unit of the same dimension."""
+    phrase = f'{_NUMBERS[sign]} in {unit}, or text with a unit such as "{_EXAMPLES[unit]}"'
+
+    def convert(text: str) -> float:
+        return rotation(text, TURN_PER_S) if unit == "Hz" else to_si(text, unit)
+
+    return _checked(phrase, sign, convert)
+
+
+def number(sign: Sign) -> BeforeValidator:
+    """A number without dimension."""
+
+    def refuse(text: str) -> float:
+        raise ValueError("it has no unit")
+
+    return _checked(_NUMBERS[sign], sign, refuse)
+
+
+def count(least: int) -> BeforeValidator:
+    """A whole number from ``least`` to `MOST`."""
+    phrase = f"a whole number from {least} to {MOST}"
+
+    def validate(value: Any) -> int:
+        whole = isinstance(value, Integral) and not isinstance(value, bool)
+        if not whole or not least <= int(value) <= MOST:
+            raise expectation(phrase)
+        return int(value)
+
+    return BeforeValidator(validate)
+
+
+def _checked(phrase: str, sign: Sign, convert: Callable[[str], float]) -> BeforeValidator:
+    def validate(value: object) -> float:
+        if isinstance(value, bool) or not isinstance(value, str | Real):
+            raise expectation(phrase)
+        try:
+            result = convert(value) if isinstance(value, str) else finite(value)
+        except ValueError as error:
+            raise expectation(phrase, error) from None
+        if (sign == "positive" and result <= 0.0) or (sign == "not negative" and result < 0.0):
+            raise expectation(phrase)
+        return result
+
+    return BeforeValidator(validate)
+
+
+_SPEED_PHRASE = (
+    "a number, counting multiples of the reference frequency, or text in rpm, Hz or rad/s such as "
+    '"2500 rpm"'
+)
+
+
+def _speed(value: Any) -> Speed:
+    try:
+        return value if isinstance(value, Speed) else Speed(value)
+    except ValueError as error:
+        raise expectation(_SPEED_PHRASE, error) from None
+
+
+def _positive_speed(value: object) -> Speed:
+    speed = _speed(value)
+    if speed.value <= 0.0:
+        raise expectation(f"a positive speed: {_SPEED_PHRASE}")
+    return speed
+
+
+def _items(phrase: str, length: int | None = None) -> BeforeValidator:
+    def validate(value: Any) -> tuple[object, ...]:
+        value = value.tolist() if hasattr(value, "tolist") else value
+        if not isinstance(value, list | tuple) or len(value) != (length or len(value)):
+            raise expectation(phrase)
+        return tuple(value)
+
+    return BeforeValidator(validate)
+
+
+def rows(phrase: str) -> BeforeValidator:
+    """An array of tables, one a row; ``phrase`` completes "rows of"."""
+    return _items(f"rows of {phrase}")
+
+
+Length = Annotated[float, quantity("m")]
+LengthOrZero = Annotated[float, quantity("m", "not negative")]
+Time = Annotated[float, quantity("s")]
+TimeOrZero = Annotated[float, quantity("s", "not negative")]
+Stiffness = Annotated[float, quantity("N/m")]
+StiffnessOrZero = Annotated[float, quantity("N/m", "not negative")]
+DampingOrZero = Annotated[float, quantity("N s/m", "not negative")]
+Angle = Annotated[float, quantity("rad", "any")]
+NumberOrZero = Annotated[float, number("not negative")]
+
+_AS_GIVEN = PlainSerializer(lambda speed: speed.given)
+RotationSpeed = Annotated[Speed, PlainValidator(_speed), _AS_GIVEN]
+PositiveSpeed = Annotated[Speed, PlainValidator(_positive_speed), _AS_GIVEN]
+
+_Coordinate = Annotated[float, quantity("m", "any")]
+Position = Annotated[tuple[_Coordinate, _Coordinate], _items("two coordinates in m", 2)]
+_Displacement = Annotated[float, quantity("m", "any")]
+_Velocity = Annotated[float, quantity("m/s", "any")]
+DisplacementPair = Annotated[
+    tuple[_Displacement, _Displacement], _items("two displacements in m", 2)
+]
+VelocityPair = Annotated[tuple[_Velocity, _Velocity], _items("two velocities in m/s", 2)]
+DisplacementRows = Annotated[
+    tuple[DisplacementPair, ...], _items("rows of two displacements in m, one row a blade")
+]
+VelocityRows = Annotated[
+    tuple[VelocityPair, ...], _items("rows of two velocities in m/s, one row a blade")
+]

@@ -1,0 +1,1 @@
+"""Modes by nodal diameter and family, and the reduction onto them."""

@@ -1,0 +1,90 @@
+"""From finite element bodies and their modes to the arrays that describe a stage in a result.
+
+Apart from `stage_arrays`, which solvers import too: they see no finite elements.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.shaft import Shaft
+from bladewhirl.models.elements.bladed_disk import BladedDisk
+from bladewhirl.models.elements.casing import Casing
+from bladewhirl.models.elements.supports import ALONG, OUTWARD
+from bladewhirl.models.modal.modes import Modes
+from bladewhirl.models.modal.stage_arrays import StageArrays
+
+
+def stage_arrays(
+    disk: BladedDisk,
+    disk_modes: Modes,
+    disk_family: tuple[str, ...],
+    casing: Casing,
+    casing_modes: Modes,
+    casing_family: tuple[str, ...],
+    *,
+    shaft: Shaft,
+    clearance: FloatArray,
+) -> StageArrays:
+    """Describe two bodies by some of their modes.
+
+    Args:
+        disk: the bladed disk.
+        disk_modes: of it, full or reduced, with fields on its free degrees of freedom.
+        disk_family: of each of them, (rotor modes,).
+        casing: the casing.
+        casing_modes: of it.
+        casing_family: of each of them, (casing modes,).
+        shaft: what carries the bladed disk.
+        clearance: at each casing node [m], (casing nodes,).
+    """
+    model, mesh, supports = disk.model, disk.mesh, casing.supports
+    return StageArrays(
+        rotor_frequency=disk_modes.frequency,
+        rotor_nodal_diameter=disk_modes.nodal_diameter,
+        rotor_family=disk_family,
+        rotor_spring_share=disk_modes.spring_share,
+        casing_frequency=casing_modes.frequency,
+        casing_nodal_diameter=casing_modes.nodal_diameter,
+        casing_family=casing_family,
+        rotor_point=mesh.points,
+        rotor_line=mesh.lines,
+        rotor_thickness=disk.properties.thickness,
+        rotor_width=disk.properties.width,
+        rotor_young_modulus=disk.properties.young_modulus,
+        rotor_thickness_change=disk.properties.thickness_change,
+        rotor_width_change=disk.properties.width_change,
+        rotor_young_modulus_change=disk.properties.young_modulus_change,
+        rotor_part=tuple(mesh.line_parts),
+        rotor_shape=disk.cartesian(disk_modes.shapes),
+        rotor_link=np.column_stack([model.links.led, model.links.leader]),
+        rotor_spring=np.column_stack([model.springs.node, model.springs.other]),
+        mass_node=model.masses.node,
+        point_mass=model.masses.mass,
+        tip_node=mesh.node_sets["tips"],
+        tip_angle=disk.tip_angles,
+        centre_node=int(mesh.node_sets["centre"][0]),
+        shaft_frame=shaft.frame,
+        shaft_stiffness=np.zeros(2) if shaft.clamped else np.array(shaft.springs),
+        shaft_damping=np.zeros(2) if shaft.clamped else np.array(shaft.dampings),
+        casing_angle=casing.mesh.angles,
+        casing_thickness=casing.properties.thickness,
+        casing_width=casing.properties.width,
+        casing_young_modulus=casing.properties.young_modulus,
+        casing_curvature=casing.curvature,
+        casing_shape=casing.nodal(casing_modes.shapes),
+        casing_foundation=casing.foundation,
+        support_kind=np.array([each.kind for each in supports], dtype=np.str_),
+        support_angle=np.array([each.angle for each in supports], dtype=np.float64),
+        support_reach=np.array([each.reach for each in supports], dtype=np.float64).reshape(-1, 2),
+        support_radial_stiffness=np.array([each.stiffness[OUTWARD, OUTWARD] for each in supports]),
+        support_tangential_stiffness=np.array([each.stiffness[ALONG, ALONG] for each in supports]),
+        support_radial_damping=np.array(
+            [np.sum(each.dampers[:, OUTWARD] ** 2) for each in supports]
+        ),
+        support_tangential_damping=np.array(
+            [np.sum(each.dampers[:, ALONG] ** 2) for each in supports]
+        ),
+        clearance=clearance,
+    )

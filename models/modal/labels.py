@@ -1,0 +1,211 @@
+"""Frequencies and labels of all modes of a structure, fields on demand.
+
+On a cyclic structure every mode is a few complex amplitudes in one sector, so that all modes
+of hundreds of blades fit in memory and the suspension pair is found among all modes, not among
+the few that are shown. Other structures with sectors get their labels from their *tuned twin*: the
+average of the structure over all turns by a sector, whose blocks are the diagonal blocks of its
+own matrices. A mode belongs to the family of the twin's modes that hold most of it, and to the
+nodal diameter that holds most of it, with that share as its purity.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.elements.cyclic import ComplexArray, SectorLayout, is_pair
+from bladewhirl.models.elements.structure import Structure
+from bladewhirl.models.modal.modes import (
+    Modes,
+    align_phase,
+    constrained_eigh,
+    families,
+    structure_modes,
+)
+
+Body = Literal["bladed-disk", "casing"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LabelledModes:
+    """Modes in ascending order of frequency, a degenerate pair cosine first."""
+
+    frequency: FloatArray  #: [rad/s], (modes,)
+    nodal_diameter: IntArray  #: that holds most of the mode, (modes,); -1 without sectors
+    family: tuple[str, ...]  #: "1F", "2F", ..., "suspension", "rigid", (modes,)
+    purity: FloatArray  #: share of the nodal diameter in the mode, (modes,)
+    spring_share: FloatArray  #: share of the strain energy held by the springs, (modes,)
+    column: IntArray  #: column of the real DFT over sectors, (modes,); -1 without symmetry
+    amplitudes: tuple[ComplexArray | FloatArray, ...]
+    """Of each mode [kg^-1/2], in one sector (see `cyclic`); the field where column is -1."""
+    layout: SectorLayout | None  #: sectors of the structure
+    size: int  #: number of its free degrees of freedom
+
+    @property
+    def count(self) -> int:
+        """Number of modes."""
+        return len(self.frequency)
+
+    def fields(self, chosen: IntArray) -> FloatArray:
+        """Mass-normalised fields of some modes on the structure's free DoF, (size, chosen)."""
+        fields = [self._field(int(mode)) for mode in chosen]
+        return np.stack(fields, axis=-1) if fields else np.zeros((self.size, 0))
+
+    def expand(self, chosen: IntArray) -> Modes:
+        """Some modes with their fields."""
+        return Modes(
+            frequency=self.frequency[chosen],
+            shapes=self.fields(chosen),
+            column=self.column[chosen],
+            nodal_diameter=self.nodal_diameter[chosen],
+            purity=self.purity[chosen],
+            spring_share=self.spring_share[chosen],
+            sectors=self.layout.sectors if self.layout else 0,
+        )
+
+    def find(self, family: str, nodal_diameter: int) -> IntArray:
+        """Numbers of the modes of one family and nodal diameter, ascending."""
+        named = np.array([name == family for name in self.family], dtype=np.bool_)
+        return np.flatnonzero(named & (self.nodal_diameter == nodal_diameter))
+
+    def one_a_pair(self) -> IntArray:
+        """Numbers of the modes without the sines of degenerate pairs, ascending."""
+        return np.flatnonzero((self.column % 2 != 0) | (self.column == 0))
+
+    def take(self, chosen: IntArray | slice) -> LabelledModes:
+        """Keep some modes."""
+        numbers = np.arange(self.count)[chosen]
+        return LabelledModes(
+            frequency=self.frequency[numbers],
+            nodal_diameter=self.nodal_diameter[numbers],
+            family=tuple(self.family[i] for i in numbers),
+            purity=self.purity[numbers],
+            spring_share=self.spring_share[numbers],
+            column=self.column[numbers],
+            amplitudes=tuple(self.amplitudes[i] for i in numbers),
+            layout=self.layout,
+            size=self.size,
+        )
+
+    def _field(self, mode: int) -> FloatArray:
+        column, amplitude = int(self.column[mode]), self.amplitudes[mode]
+        if column < 0 or self.layout is None:
+            return np.asarray(amplitude.real)
+        fields, columns = self.layout.real_shapes(
+            int(self.nodal_diameter[mode]), amplitude[:, None].astype(np.complex128)
+        )
+        return np.asarray(fields[:, list(columns).index(column)])
+
+
+def labelled_modes(
+    structure: Structure, reference: tuple[int, int], body: Body, count: int | None = None
+) -> LabelledModes:
+    """Modes of a structure with their labels, by the cyclic path where it is cyclic.
+
+    Args:
+        structure: matrices and sectors.
+        reference: positions, among a sector's DoF, of the radial and tangential displacement that
+            fix the phase of degenerate pairs.
+        body: decides the names of special families, see `families`.
+        count: how many of the lowest, exactly; all when None.
+    """
+    if structure.is_cyclic:
+        found = _tuned(structure, reference, body)
+        return found if count is None else found.take(slice(count))
+    modes = structure_modes(structure, reference, count)
+    family = mode_families(structure, modes, reference, body)
+    return LabelledModes(
+        frequency=modes.frequency,
+        nodal_diameter=modes.nodal_diameter,
+        family=family,
+        purity=modes.purity,
+        spring_share=modes.spring_share,
+        column=modes.column,
+        amplitudes=tuple(modes.shapes.T),
+        layout=structure.layout,
+        size=structure.size,
+    )
+
+
+def mode_families(
+    structure: Structure, modes: Modes, reference: tuple[int, int], body: Body
+) -> tuple[str, ...]:
+    """Family of each mode: by rank where sectors are alike or there are none, else of the twin.
+
+    Args:
+        structure: that they belong to; they may be those of a reduced model.
+        modes: with fields on the structure's free DoF.
+        reference: see `labelled_modes`.
+        body: see `labelled_modes`.
+    """
+    if modes.is_cyclic or structure.layout is None:
+        return tuple(families(modes, body))
+    return tuple(_families_of_twin(structure, modes, _tuned(structure, reference, body)))
+
+
+def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> LabelledModes:
+    """All modes of a cyclic structure, or of another one's tuned twin."""
+    layout = structure.layout
+    assert layout is not None  # both callers look
+    squares, shares, columns, diameters, amplitudes = [], [], [], [], []
+    matrices = (structure.mass, structure.stiffness, structure.springs)
+    for k, (mass, stiffness, springs) in layout.blocks(*matrices):
+        held = layout.basis(k).conj().T @ structure.held
+        square, vectors = constrained_eigh(stiffness, mass, held)
+        pair = is_pair(k, layout.sectors)
+        vectors = align_phase(vectors, reference, pair=pair)
+        share = _in_springs(springs, vectors) / np.maximum(np.abs(square), np.finfo(float).tiny)
+        own = [2 * k - 1, 2 * k] if pair else [0 if k == 0 else layout.sectors - 1]
+        squares.append(np.repeat(square, len(own)))
+        shares.append(np.repeat(share, len(own)))
+        columns.append(np.tile(own, len(square)))
+        diameters.append(np.full(len(square) * len(own), k))
+        amplitudes += [vector for vector in vectors.T for _ in own]
+    order = np.argsort(np.concatenate(squares), kind="stable")
+    modes = Modes(
+        frequency=np.sqrt(np.maximum(np.concatenate(squares)[order], 0.0)),
+        shapes=np.zeros((0, len(order))),  # not expanded: labels need none
+        column=np.concatenate(columns)[order],
+        nodal_diameter=np.concatenate(diameters)[order],
+        purity=np.ones(len(order)),
+        spring_share=np.concatenate(shares)[order],
+        sectors=layout.sectors,
+    )
+    return LabelledModes(
+        frequency=modes.frequency,
+        nodal_diameter=modes.nodal_diameter,
+        family=tuple(families(modes, body)),
+        purity=modes.purity,
+        spring_share=modes.spring_share,
+        column=modes.column,
+        amplitudes=tuple(amplitudes[i] for i in order),
+        layout=layout,
+        size=structure.size,
+    )
+
+
+def _in_springs(springs: ComplexArray, vectors: ComplexArray) -> FloatArray:
+    """Twice the energy of the springs in each vector, (m,); few rows of their matrix are full."""
+    rows = np.flatnonzero(springs.any(axis=1))
+    held = vectors[rows]
+    return np.asarray(np.sum(held.conj() * (springs[np.ix_(rows, rows)] @ held), axis=0).real)
+
+
+def _families_of_twin(structure: Structure, modes: Modes, twin: LabelledModes) -> list[str]:
+    """Family of each mode: that of the twin's modes which hold most of it."""
+    layout = structure.layout
+    assert layout is not None  # it has a twin
+    names = list(dict.fromkeys(twin.family))
+    shares = np.zeros((len(names), modes.count))
+    impulse = structure.mass @ modes.shapes
+    one = twin.one_a_pair()
+    for k in np.unique(twin.nodal_diameter):
+        here = one[twin.nodal_diameter[one] == k]
+        vectors = np.column_stack([twin.amplitudes[i] for i in here])
+        parts = np.abs(vectors.conj().T @ (layout.basis(int(k)).conj().T @ impulse)) ** 2
+        rows = [names.index(twin.family[i]) for i in here]
+        np.add.at(shares, rows, (2.0 if is_pair(int(k), layout.sectors) else 1.0) * parts)
+    return [names[i] for i in shares.argmax(axis=0)]

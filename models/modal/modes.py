@@ -1,0 +1,266 @@
+"""Natural modes of a structure, with nodal diameter, family and share of spring energy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse.linalg as spla
+from numpy.typing import NDArray
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.elements.cyclic import (
+    ComplexArray,
+    is_pair,
+    nodal_diameter_of,
+    wave_shares,
+)
+from bladewhirl.models.elements.structure import Structure
+
+NO_COLUMN = -1
+"""DFT column of a mode found without cyclic symmetry."""
+
+DENSE_LIMIT = 3000
+"""Largest structure whose modes are found by a dense solver."""
+
+RIGID_SHARE = 0.99
+"""A casing mode is rigid when its support holds at least this share of its strain energy, ..."""
+
+RIGID_FREQUENCY = 0.01
+"""... or when its frequency is below this share of the lowest with two nodal diameters or more."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Modes:
+    """Mass-normalised modes in ascending order of frequency.
+
+    On a cyclic structure degenerate modes come as cosine and sine, the cosine with its radial
+    reference displacement largest and positive in sector 0.
+    """
+
+    frequency: FloatArray  #: [rad/s], (modes,)
+    shapes: FloatArray  #: fields on the structure's free DoF [kg^-1/2], (size, modes)
+    column: IntArray  #: column of the real DFT over sectors, (modes,); -1 without symmetry
+    nodal_diameter: IntArray  #: that holds most of the mode, (modes,); -1 without sectors
+    purity: FloatArray  #: its share in the mode, mass-weighted, (modes,)
+    spring_share: FloatArray  #: share of the strain energy held by the springs, (modes,)
+    sectors: int  #: number of sectors of the structure; 0 where it has none
+
+    @property
+    def count(self) -> int:
+        """Number of modes."""
+        return len(self.frequency)
+
+    @property
+    def is_cyclic(self) -> bool:
+        """Whether the modes were found sector by sector."""
+        return bool(np.all(self.column != NO_COLUMN))
+
+    def take(self, chosen: IntArray | slice) -> Modes:
+        """Keep some of the modes."""
+        return replace(
+            self,
+            frequency=self.frequency[chosen],
+            shapes=self.shapes[:, chosen],
+            column=self.column[chosen],
+            nodal_diameter=self.nodal_diameter[chosen],
+            purity=self.purity[chosen],
+            spring_share=self.spring_share[chosen],
+        )
+
+
+def structure_modes(
+    structure: Structure, reference: tuple[int, int], count: int | None = None
+) -> Modes:
+    """Lowest modes of a structure; sector by sector where it is cyclic.
+
+    Args:
+        structure: matrices and sectors.
+        reference: positions, among a sector's DoF, of the radial and tangential displacement that
+            fix the phase of degenerate pairs.
+        count: number of modes (all when None); on a cyclic structure a pair is never cut, so one
+            more may come.
+    """
+    if structure.is_cyclic:
+        return _cyclic_modes(structure, reference, count)
+    return _plain_modes(structure, count)
+
+
+def _cyclic_modes(structure: Structure, reference: tuple[int, int], count: int | None) -> Modes:
+    layout = structure.layout
+    assert layout is not None  # is_cyclic
+    squares, shapes, columns = [], [], []
+    for k, (mass, stiffness) in layout.blocks(structure.mass, structure.stiffness):
+        held = layout.basis(k).conj().T @ structure.held
+        square, vectors = constrained_eigh(stiffness, mass, held, count)
+        vectors = align_phase(vectors, reference, pair=is_pair(k, layout.sectors))
+        fields, column = layout.real_shapes(k, vectors)
+        squares.append(np.repeat(square, 2 if is_pair(k, layout.sectors) else 1))
+        shapes.append(fields)
+        columns.append(column)
+    return collect_modes(
+        structure,
+        np.concatenate(squares),
+        np.hstack(shapes),
+        np.concatenate(columns),
+        count,
+    )
+
+
+def _plain_modes(structure: Structure, count: int | None) -> Modes:
+    if structure.size > DENSE_LIMIT and count is not None and not structure.held.size:
+        shift = -1e-6 * abs(structure.stiffness).max() / abs(structure.mass).max()
+        square, shapes = spla.eigsh(
+            structure.stiffness.tocsc(), k=count, M=structure.mass.tocsc(), sigma=shift
+        )
+    else:
+        square, vectors = constrained_eigh(
+            structure.stiffness.toarray(), structure.mass.toarray(), structure.held, count
+        )
+        shapes = vectors.real
+    return collect_modes(structure, square, shapes, np.full(len(square), NO_COLUMN), count)
+
+
+def collect_modes(
+    structure: Structure,
+    square: FloatArray,
+    shapes: FloatArray,
+    column: IntArray,
+    count: int | None = None,
+) -> Modes:
+    """Sort modes by frequency, keep the lowest (never cutting a pair) and measure them.
+
+    Args:
+        structure: that they belong to.
+        square: squared frequencies [rad2/s2], (modes,).
+        shapes: fields, (size, modes).
+        column: DFT columns, (modes,).
+        count: how many to keep; all when None.
+    """
+    order = np.argsort(square, kind="stable")
+    if count is not None and count < len(order):
+        while is_first_of_pair(column[order], count - 1):
+            count += 1
+        order = order[:count]
+    square, shapes, column = square[order], shapes[:, order], column[order]
+    frequency = np.sqrt(np.maximum(square, 0.0))
+    strain = np.einsum("im,im->m", shapes, structure.stiffness @ shapes)
+    in_springs = np.einsum("im,im->m", shapes, structure.springs @ shapes)
+    floor = np.finfo(float).tiny
+    if structure.layout is None:
+        diameter, purity = np.full(len(order), NO_COLUMN), np.zeros(len(order))
+    else:
+        shares = wave_shares(shapes, structure.mass.diagonal(), structure.layout)
+        diameter, purity = shares.argmax(axis=0), shares.max(axis=0)
+        known = column != NO_COLUMN
+        diameter[known] = [nodal_diameter_of(int(c)) for c in column[known]]
+    return Modes(
+        frequency=frequency,
+        shapes=shapes,
+        column=column,
+        nodal_diameter=diameter,
+        purity=purity,
+        spring_share=in_springs / np.maximum(np.abs(strain), floor),
+        sectors=structure.layout.sectors if structure.layout else 0,
+    )
+
+
+def is_first_of_pair(columns: IntArray, position: int) -> bool:
+    """Whether the mode at a position, in sorted order, is a cosine whose sine comes next."""
+    following = columns[position + 1 : position + 2]
+    cosine = columns[position] > 0 and columns[position] % 2 == 1
+    return bool(cosine and following.size and following[0] == columns[position] + 1)
+
+
+def constrained_eigh(
+    stiffness: NDArray[np.inexact],
+    mass: NDArray[np.inexact],
+    held: NDArray[np.inexact],
+    count: int | None = None,
+) -> tuple[FloatArray, ComplexArray]:
+    """Generalised Hermitian eigenproblem on the fields x with v^H M x = 0 for each held v.
+
+    Args:
+        stiffness: (n, n).
+        mass: (n, n).
+        held: (n, constraints), columns of order one; those that vanish constrain nothing.
+        count: how many of the lowest; all when None.
+
+    Returns:
+        eigenvalues ascending (m,), mass-normalised vectors (n, m).
+    """
+    held = held[:, np.linalg.norm(held, axis=0) > 1e-9]
+    if held.size:
+        allowed = la.null_space((mass @ held).conj().T)
+        square, vectors = constrained_eigh(
+            allowed.conj().T @ stiffness @ allowed,
+            allowed.conj().T @ mass @ allowed,
+            np.zeros((allowed.shape[1], 0)),
+            count,
+        )
+        return square, allowed @ vectors
+    size = len(mass)
+    subset = None if count is None or count >= size else (0, count - 1)
+    square, vectors = la.eigh(stiffness, mass, subset_by_index=subset)
+    return square, vectors
+
+
+def align_phase(vectors: ComplexArray, reference: tuple[int, int], *, pair: bool) -> ComplexArray:
+    """Turn block vectors so that the reference radial amplitude is real and positive.
+
+    Where a mode of a pair has none, its tangential amplitude becomes -i times a positive number,
+    as it is for a mode that carries both on a structure with mirror symmetry; vectors of a single
+    harmonic (``pair`` False) are real and only get a sign.
+    """
+    radial, tangential = reference
+    size = np.abs(vectors).max(axis=0)
+    by_radial = np.abs(vectors[radial]) > 1e-6 * size
+    quarter = 1j if pair else 1.0
+    pivot = np.where(by_radial, vectors[radial], quarter * vectors[tangential])
+    pivot = np.where(np.abs(pivot) > 1e-6 * size, pivot, 1.0)
+    return np.asarray(vectors * (np.abs(pivot) / pivot))
+
+
+def families(modes: Modes, body: Literal["bladed-disk", "casing"]) -> list[str]:
+    """Family of each mode: "1F", "2F", ... by rank within its nodal diameter.
+
+    On a bladed disk the pair with the largest share of its energy in the shaft springs is
+    "suspension" and takes no rank; on a casing a mode that leaves the wall undeformed is "rigid".
+    """
+    labels = [""] * modes.count
+    if body == "casing":
+        lowest = modes.frequency[modes.nodal_diameter >= 2].min(initial=np.inf)
+        at_rest = modes.frequency <= RIGID_FREQUENCY * lowest
+        few = modes.nodal_diameter <= 1
+        held_by_support = modes.spring_share >= RIGID_SHARE
+        special = np.flatnonzero(few & (held_by_support | (at_rest & np.isfinite(lowest))))
+        name = "rigid"
+    else:
+        special = suspension_pair(modes)
+        name = "suspension"
+    for apart in special.tolist():
+        labels[apart] = name
+    ranked: dict[int, int] = {}
+    for mode in range(modes.count):
+        if labels[mode]:
+            continue
+        k = int(modes.nodal_diameter[mode])
+        multiplicity = 2 if is_pair(k, modes.sectors) else 1
+        labels[mode] = f"{ranked.get(k, 0) // multiplicity + 1}F"
+        ranked[k] = ranked.get(k, 0) + 1
+    return labels
+
+
+def suspension_pair(modes: Modes) -> IntArray:
+    """The two modes of k = 1 with the largest share of their energy in the shaft springs.
+
+    Returns:
+        their numbers (2,), or none when no mode strains the springs (a clamped centre).
+    """
+    candidates = np.flatnonzero(modes.nodal_diameter == 1)
+    shares = modes.spring_share[candidates]
+    if not shares.size or shares.max() <= 1e-9:
+        return np.zeros(0, dtype=np.int64)
+    return np.sort(candidates[np.argsort(-shares, kind="stable")[:2]])

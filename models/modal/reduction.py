@@ -1,0 +1,200 @@
+"""Craig-Bampton reduction, sector by sector where the structure is cyclic (Eq. 3).
+
+"Constraint modes" under the paper's Eq. (3) are fixed-interface modes. A degenerate pair of them
+is never cut: a count that would cut one is rounded up.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse.linalg as spla
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.elements.cyclic import ComplexArray, SectorLayout, is_pair
+from bladewhirl.models.elements.structure import Structure
+from bladewhirl.models.modal.modes import (
+    DENSE_LIMIT,
+    NO_COLUMN,
+    Modes,
+    align_phase,
+    collect_modes,
+)
+
+DEGENERATE = 1e-6
+"""Relative distance below which two squared fixed-interface frequencies count as one pair."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reduction:
+    """A reduced structure, given by its modes expanded to the full field.
+
+    The expansion is exact: x = modes.shapes q, with q the mass-normalised modal coordinates of
+    the Craig-Bampton model, so a full field is recovered without a further step.
+    """
+
+    modes: Modes  #: of the reduced model, expanded to the full structure
+    boundary: IntArray  #: DoF kept as such, (boundary,)
+    kept: int  #: fixed-interface modes kept, at least as many as asked for
+
+
+def craig_bampton(
+    structure: Structure, boundary: IntArray, fixed_interface_modes: int, reference: tuple[int, int]
+) -> Reduction:
+    """Reduce a structure to boundary DoF and fixed-interface modes.
+
+    Args:
+        structure: to reduce; it must stand on springs or supports.
+        boundary: DoF to keep.
+        fixed_interface_modes: number of modes with the boundary held; rounded up to whole pairs.
+        reference: see `structure_modes`.
+
+    Raises:
+        ValueError: more fixed-interface modes than internal DoF.
+    """
+    internal = structure.size - len(boundary)
+    if fixed_interface_modes > internal:
+        raise ValueError(
+            f"{fixed_interface_modes} fixed-interface modes asked for, but the bladed disk has "
+            f"{internal} internal degrees of freedom"
+        )
+    if structure.is_cyclic:
+        modes, kept = _cyclic(structure, boundary, fixed_interface_modes, reference)
+    else:
+        modes, kept = _plain(structure, boundary, fixed_interface_modes)
+    return Reduction(modes=modes, boundary=boundary, kept=kept)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Block:
+    """One block split into boundary and inside, with its fixed-interface modes."""
+
+    mass: ComplexArray
+    stiffness: ComplexArray
+    edge: IntArray
+    inside: IntArray
+    squares: FloatArray
+    vectors: ComplexArray
+
+    def basis(self, kept: int) -> ComplexArray:
+        """Craig-Bampton basis with the lowest ``kept`` fixed-interface modes."""
+        edge, inside = self.edge, self.inside
+        basis = np.zeros((len(self.mass), len(edge) + kept), dtype=self.vectors.dtype)
+        basis[edge, np.arange(len(edge))] = 1.0
+        if len(edge):
+            basis[inside, : len(edge)] = -la.solve(
+                self.stiffness[np.ix_(inside, inside)],
+                self.stiffness[np.ix_(inside, edge)],
+                assume_a="pos",
+            )
+        basis[inside, len(edge) :] = self.vectors[:, :kept]
+        return basis
+
+
+def _cyclic(
+    structure: Structure, boundary: IntArray, count: int, reference: tuple[int, int]
+) -> tuple[Modes, int]:
+    layout = structure.layout
+    assert layout is not None  # is_cyclic
+    blocks = {
+        k: _split(mass, stiffness, _edge(layout, boundary, k), count)
+        for k, (mass, stiffness) in layout.blocks(structure.mass, structure.stiffness)
+    }
+    kept = _share_out({k: b.squares for k, b in blocks.items()}, layout.sectors, count)
+    squares, shapes, columns, total = [], [], [], 0
+    for k, block in blocks.items():
+        square, vectors = _reduced_modes(block, kept[k])
+        pair = is_pair(k, layout.sectors)
+        fields, column = layout.real_shapes(k, align_phase(vectors, reference, pair=pair))
+        twice = 2 if pair else 1
+        squares.append(np.repeat(square, twice))
+        shapes.append(fields)
+        columns.append(column)
+        total += twice * kept[k]
+    modes = collect_modes(
+        structure, np.concatenate(squares), np.hstack(shapes), np.concatenate(columns)
+    )
+    return modes, total
+
+
+def _edge(layout: SectorLayout, boundary: IntArray, k: int) -> IntArray:
+    """Positions in block k of the boundary DoF."""
+    members = abs(layout.basis(k)) > 0.0
+    kept = np.isin(np.arange(layout.size), boundary).astype(np.int64)
+    found, whole = kept @ members, members.sum(axis=0)
+    if not np.all((found == 0) | (found == whole)):
+        raise ValueError(
+            "the boundary DoF of a cyclic structure must be the same in all sectors, and at its "
+            "centre both translations or none"
+        )
+    return np.flatnonzero(found)
+
+
+def _split(mass: ComplexArray, stiffness: ComplexArray, edge: IntArray, count: int) -> _Block:
+    inside = np.setdiff1d(np.arange(len(mass)), edge)
+    subset = None if count >= len(inside) else (0, max(count, 1) - 1)
+    squares, vectors = la.eigh(
+        stiffness[np.ix_(inside, inside)], mass[np.ix_(inside, inside)], subset_by_index=subset
+    )
+    return _Block(
+        mass=mass, stiffness=stiffness, edge=edge, inside=inside, squares=squares, vectors=vectors
+    )
+
+
+def _share_out(squares: dict[int, FloatArray], sectors: int, count: int) -> dict[int, int]:
+    """How many of the lowest modes each nodal diameter gets, whole pairs only."""
+    ranked = sorted((square, k) for k, values in squares.items() for square in values)
+    kept = dict.fromkeys(squares, 0)
+    left = count
+    for _, k in ranked:
+        if left <= 0:
+            break
+        kept[k] += 1
+        left -= 2 if is_pair(k, sectors) else 1
+    return kept
+
+
+def _reduced_modes(block: _Block, kept: int) -> tuple[FloatArray, ComplexArray]:
+    basis = block.basis(kept)
+    square, vectors = la.eigh(
+        basis.conj().T @ block.stiffness @ basis, basis.conj().T @ block.mass @ basis
+    )
+    return square, basis @ vectors
+
+
+def _plain(structure: Structure, boundary: IntArray, count: int) -> tuple[Modes, int]:
+    inside = np.setdiff1d(np.arange(structure.size), boundary)
+    squares, vectors = _inside_modes(structure, inside, min(count + 1, len(inside)))
+    while 0 < count < len(squares) and squares[count] - squares[count - 1] <= (
+        DEGENERATE * squares[count - 1]
+    ):
+        count += 1
+        squares, vectors = _inside_modes(structure, inside, min(count + 1, len(inside)))
+    stiffness = structure.stiffness
+    static = -spla.splu(stiffness[inside][:, inside].tocsc()).solve(
+        stiffness[inside][:, boundary].toarray()
+    )
+    basis = np.zeros((structure.size, len(boundary) + count))
+    basis[boundary, np.arange(len(boundary))] = 1.0
+    basis[inside, : len(boundary)] = static
+    basis[inside, len(boundary) :] = vectors[:, :count]
+    square, reduced = la.eigh(basis.T @ (stiffness @ basis), basis.T @ (structure.mass @ basis))
+    modes = collect_modes(structure, square, basis @ reduced, np.full(len(square), NO_COLUMN))
+    return modes, count
+
+
+def _inside_modes(
+    structure: Structure, inside: IntArray, count: int
+) -> tuple[FloatArray, FloatArray]:
+    stiffness = structure.stiffness[inside][:, inside]
+    mass = structure.mass[inside][:, inside]
+    if count == 0:
+        return np.zeros(0), np.zeros((len(inside), 0))
+    if len(inside) > DENSE_LIMIT and count < len(inside) // 2:
+        squares, vectors = spla.eigsh(stiffness.tocsc(), k=count, M=mass.tocsc(), sigma=0.0)
+        order = np.argsort(squares)
+        return squares[order], vectors[:, order]
+    squares, vectors = la.eigh(stiffness.toarray(), mass.toarray(), subset_by_index=(0, count - 1))
+    return squares, vectors

@@ -1,0 +1,1 @@
+"""Cross-sections of beams and of the casing's wall."""

@@ -1,0 +1,1 @@
+"""The reduced stage with its loads, as the contact problem that is marched."""

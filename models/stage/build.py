@@ -1,0 +1,109 @@
+"""From a stage to what the contact march is given, with every fault that only shows here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import chain
+
+import numpy as np
+
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.elements.build import numbers_within_reach
+from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.stage.contact_problem import (
+    ContactProblem,
+    ReducedCasing,
+    ReducedRotor,
+    critical_time_step,
+)
+from bladewhirl.models.stage.loads import excitation_loads, initial_state
+from bladewhirl.models.stage.stage import Stage
+
+
+def contact_problem(stage: Stage) -> ContactProblem:
+    """What to march.
+
+    Raises:
+        CaseError: all faults of `march_faults`, or loads beyond the largest float.
+    """
+    faults = list(march_faults(stage))
+    if faults:
+        raise CaseError(faults)
+    case, kept = stage.case, stage.kept
+    with numbers_within_reach(case):
+        rotor, casing = marched_bodies(stage)
+        return ContactProblem(
+            rotor=rotor,
+            casing=casing,
+            speed=stage.speed,
+            friction=case.contact.friction,
+            sliding=case.contact.sliding,
+            tip_rotation=case.contact.tip_rotation,
+            displacement_limit=case.march.displacement_limit,
+            loads=tuple(load.take(kept.rotor, kept.casing) for load in excitation_loads(stage)),
+            start=initial_state(stage).take(kept.rotor, kept.casing),
+            springs=kept.springs,
+        )
+
+
+def marched_bodies(stage: Stage) -> tuple[ReducedRotor, ReducedCasing]:
+    """Bladed disk and casing in the modes that `reduction.modes` keeps."""
+    return stage.rotor.take(stage.kept.rotor), stage.reduced_casing.take(stage.kept.casing)
+
+
+def march_faults(stage: Stage) -> Iterator[Fault]:
+    """Faults of the case that stand in the way of a march."""
+    yield from chain(
+        time_step_faults(stage),
+        _load_faults(stage),
+        _start_faults(stage),
+    )
+
+
+def time_step_faults(stage: Stage) -> Iterator[Fault]:
+    """A time step above the stability limit, or in which a tip skips casing elements."""
+    case, limit = stage.case, critical_time_step(*marched_bodies(stage), stage.kept.springs)
+    step = case.march.time_step
+    if not step < limit:
+        expected = (
+            f"less than the critical step {limit:.6g} s = 2/omega_max (or fewer"
+            " casing.elements, bladed_disk.elements_per_blade or"
+            " reduction.fixed_interface_modes)"
+        )
+        yield case_fault(case, "march.time_step", expected)
+    element = 2.0 * np.pi / case.casing.elements
+    if not abs(stage.speed) * step < element:
+        fastest = element / step / stage.reference_frequency
+        expected = f"less than {fastest:.6g}, at which a tip passes a casing element every step"
+        yield case_fault(case, "march.speed", expected)
+
+
+def _load_faults(stage: Stage) -> Iterator[Fault]:
+    """A load that the modes kept can't feel."""
+    case, kept = stage.case, stage.kept
+    loads = excitation_loads(stage)
+    felt = [load.take(kept.rotor, kept.casing) for load in loads]
+    if loads and not any(load.rotor.any() or load.casing.any() for load in felt):
+        expected = f"a load on modes that reduction.modes = {case.reduction.modes!r} keeps"
+        yield case_fault(case, "excitation.type", expected)
+
+
+def _start_faults(stage: Stage) -> Iterator[Fault]:
+    """Tips that start inside the casing, displacements that start beyond their limit."""
+    case, rows = stage.case, stage.case.initial.tip_displacement or ()
+    rotor = stage.rotor
+    clearance = case.casing.clearance_profile.value(rotor.tip_angle) + rotor.tip_recess
+    for blade, (radial, _) in enumerate(rows):
+        if radial > clearance[blade]:
+            expected = (
+                f"tips inside the casing: blade {blade} starts {radial:.6g} m outward, with a"
+                f" casing.clearance of {clearance[blade]:.6g} m"
+            )
+            yield case_fault(case, "initial.tip_displacement", expected)
+            break
+    limit = case.march.displacement_limit
+    for key in ("tip_displacement", "centre_displacement"):
+        largest = np.abs(getattr(case.initial, key) or 0.0).max()
+        if largest > limit:
+            expected = f"displacements up to march.displacement_limit = {limit:.6g} m"
+            yield case_fault(case, f"initial.{key}", expected)

@@ -1,0 +1,189 @@
+"""What the contact march is given: two reduced bodies, loads, a contact law, a start. Arrays only.
+
+The rotor lives in its rotating frame, the casing in the static one. Both are mass-normalised
+modal models; their rows tell how the tips, the centre and the casing's nodes move. The bodies may
+come from any structure: with sectors the DFT columns of their modes let the march use it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.coupling.springs import Springs
+
+NEVER = np.inf
+"""End of a load that stays on."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedRotor:
+    """A bladed disk in modal coordinates, rotating frame."""
+
+    frequency: FloatArray  #: [rad/s], (modes,)
+    damping_ratio: FloatArray  #: (modes,)
+    tip_radial: FloatArray  #: radial displacement of each tip [kg^-1/2], (tips, modes)
+    tip_tangential: FloatArray  #: the same towards +theta
+    centre: FloatArray  #: x and y of the centre node [kg^-1/2], (2, modes); zero when clamped
+    tip_angle: FloatArray  #: of each tip from +x [rad], (tips,)
+    tip_radius: float  #: that the clearance counts from [m]
+    tip_recess: FloatArray  #: how much nearer to the centre each tip ends at rest [m], (tips,)
+    column: IntArray  #: DFT column of each mode over the tips, (modes,); -1 without symmetry
+    dampers: FloatArray  #: rows G of the damping G^T G at points [s^-1/2], (dampers, modes)
+    anisotropy: float = 0.0
+    """Of springs under the centre that stand still: half of that in x less that in y [N/m]."""
+
+    @property
+    def whirl_stiffness(self) -> float:
+        """Most that the anisotropy adds to any squared frequency [1/s^2]."""
+        largest = np.linalg.eigvalsh(self.centre @ self.centre.T).max()
+        return float(abs(self.anisotropy) * largest)
+
+    @property
+    def by_harmonics(self) -> bool:
+        """Whether a march goes harmonic by harmonic: not with so few modes that it doesn't pay."""
+        tips = len(self.tip_angle)
+        return (
+            3 <= tips < len(self.column)
+            and bool(np.all(self.column >= 0))
+            and evenly_spaced(self.tip_angle)
+        )
+
+    def take(self, modes: IntArray) -> ReducedRotor:
+        """Keep some of the modes."""
+        return replace(
+            self,
+            frequency=self.frequency[modes],
+            damping_ratio=self.damping_ratio[modes],
+            tip_radial=self.tip_radial[:, modes],
+            tip_tangential=self.tip_tangential[:, modes],
+            centre=self.centre[:, modes],
+            column=self.column[modes],
+            dampers=self.dampers[:, modes],
+        )
+
+
+W, W_SLOPE, U, U_SLOPE = range(4)
+"""Components of a casing node in `ReducedCasing.nodal` and `Casing.nodal`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedCasing:
+    """A casing in modal coordinates, static frame."""
+
+    frequency: FloatArray  #: [rad/s], (modes,)
+    damping_ratio: FloatArray  #: (modes,)
+    nodal: FloatArray  #: w, dw/ds, u, du/ds of each node [kg^-1/2], (nodes, 4, modes)
+    clearance: FloatArray  #: clearance and its slope along s at each node [m, 1], (nodes, 2)
+    radius: float  #: [m]
+    column: IntArray  #: DFT column of each mode over the nodes, (modes,); -1 without symmetry
+    dampers: FloatArray  #: rows G of the damping G^T G at points [s^-1/2], (dampers, modes)
+
+    @property
+    def element_length(self) -> float:
+        """Arc length of one element [m]."""
+        return 2.0 * np.pi * self.radius / len(self.nodal)
+
+    @property
+    def by_harmonics(self) -> bool:
+        """Whether a march goes harmonic by harmonic: not with so few modes that it doesn't pay."""
+        return len(self.column) > len(self.nodal) and bool(np.all(self.column >= 0))
+
+    def take(self, modes: IntArray) -> ReducedCasing:
+        """Keep some of the modes."""
+        return replace(
+            self,
+            frequency=self.frequency[modes],
+            damping_ratio=self.damping_ratio[modes],
+            nodal=self.nodal[..., modes],
+            column=self.column[modes],
+            dampers=self.dampers[:, modes],
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Load:
+    """A force pattern times cos(frequency t + phase), from a half-cosine ramp to an end."""
+
+    rotor: FloatArray  #: modal force [N kg^-1/2], (rotor modes,)
+    casing: FloatArray  #: modal force [N kg^-1/2], (casing modes,)
+    end: float = NEVER  #: the load is zero from this time on [s]
+    ramp: float = 0.0  #: length of the half-cosine ramp from zero [s]
+    frequency: float = 0.0  #: [rad/s]
+    phase: float = 0.0  #: [rad]
+
+    def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> Load:
+        """The load on some of the modes: its projection on them."""
+        return replace(self, rotor=self.rotor[rotor_modes], casing=self.casing[casing_modes])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Start:
+    """Displacement and velocity at t = 0, modal coordinates."""
+
+    rotor: FloatArray  #: [kg^1/2 m], (rotor modes,)
+    rotor_velocity: FloatArray  #: [kg^1/2 m/s]
+    casing: FloatArray  #: (casing modes,)
+    casing_velocity: FloatArray
+
+    def take(self, rotor_modes: IntArray, casing_modes: IntArray) -> Start:
+        """The start in some of the modes: its mass-orthogonal projection on them."""
+        return Start(
+            rotor=self.rotor[rotor_modes],
+            rotor_velocity=self.rotor_velocity[rotor_modes],
+            casing=self.casing[casing_modes],
+            casing_velocity=self.casing_velocity[casing_modes],
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactProblem:
+    """Everything that decides a march but its time step."""
+
+    rotor: ReducedRotor
+    casing: ReducedCasing
+    speed: float  #: Omega, counter-clockwise [rad/s]
+    friction: float  #: Coulomb coefficient
+    sliding: Literal["permanent", "signed"]
+    tip_rotation: bool  #: whether the angle of a tip follows u_t / R
+    displacement_limit: float  #: beyond it small displacements are no longer meant [m]
+    loads: tuple[Load, ...]
+    start: Start
+    springs: Springs | None = None  #: between the bodies
+
+    @property
+    def critical_time_step(self) -> float:
+        """Stability limit of central differences [s]."""
+        return critical_time_step(self.rotor, self.casing, self.springs)
+
+
+def critical_time_step(
+    rotor: ReducedRotor, casing: ReducedCasing, springs: Springs | None
+) -> float:
+    """2 / omega_max of both bodies as coupled, the stability limit of central differences [s]."""
+    highest = max(rotor.frequency.max(initial=0.0), casing.frequency.max(initial=0.0))
+    if springs is not None:
+        highest = max(highest, springs.highest_frequency)
+    return float(2.0 / np.sqrt(highest**2 + rotor.whirl_stiffness))
+
+
+def at_rest(rotor: ReducedRotor, casing: ReducedCasing) -> Start:
+    """Start without displacement or velocity."""
+    still_rotor, still_casing = np.zeros(len(rotor.frequency)), np.zeros(len(casing.frequency))
+    return Start(
+        rotor=still_rotor,
+        rotor_velocity=still_rotor,
+        casing=still_casing,
+        casing_velocity=still_casing,
+    )
+
+
+def evenly_spaced(angles: FloatArray) -> bool:
+    """Whether angles step by a full turn over their number, in order, from any start."""
+    steps = np.mod(
+        angles - angles[0] - 2.0 * np.pi * np.arange(len(angles)) / len(angles), 2 * np.pi
+    )
+    return bool(np.minimum(steps, 2.0 * np.pi - steps).max() < 1e-9)

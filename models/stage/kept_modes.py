@@ -1,0 +1,127 @@
+"""The modes that a march of a stage has, and the springs that couple them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.coupling.springs import Springs
+from bladewhirl.models.coupling.stage_modes import CoupledEntries, RadialModes, coupled_entries
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.inputs.mode_names import NamedModes, chosen_modes
+from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor, U, W
+
+
+@dataclass(frozen=True, kw_only=True)
+class KeptModes:
+    """Modes that a march has, by their numbers among all modes of a stage, ascending."""
+
+    rotor: IntArray  #: (rotor modes kept,)
+    casing: IntArray  #: (casing modes kept,)
+    springs: Springs | None  #: between modes kept; None without stiffness
+
+
+def kept_modes(
+    case: Case,
+    rotor: tuple[ReducedRotor, IntArray, tuple[str, ...]],
+    casing: tuple[ReducedCasing, IntArray, tuple[str, ...]],
+) -> KeptModes:
+    """Find the modes that `reduction.modes` asks for and the springs of `coupling`.
+
+    Args:
+        case: the case.
+        rotor: the bladed disk in all its modes, their nodal diameters and families.
+        casing: the same for the casing.
+
+    Raises:
+        CaseError: the stage does not have them, or springs that have nothing to couple.
+    """
+    coupled = _coupled(rotor, casing)
+    radial: dict[int, IntArray] = {}
+    if coupled is not None:
+        for entry in np.flatnonzero(coupled.modes.on_casing):
+            first, paired = coupled.number[entry], bool(coupled.modes.paired[entry])
+            radial[int(coupled.modes.nodal_diameter[entry])] = first + np.arange(1 + paired)
+
+    def named(key: str, choice: str) -> tuple[IntArray, IntArray]:
+        of_bodies = [
+            NamedModes(nodal_diameter=k, family=family) for _, k, family in (rotor, casing)
+        ]
+        try:
+            return chosen_modes(choice, of_bodies[0], of_bodies[1], radial)
+        except ValueError as error:
+            raise CaseError([case_fault(case, key, f"modes of the stage ({error})")]) from None
+
+    on_rotor, on_casing = named("reduction.modes", case.reduction.modes)
+    springs = None
+    if case.coupling.stiffness:
+        if coupled is None:
+            expected = "0, or a stage with cyclic symmetry"
+            raise CaseError([case_fault(case, "coupling.stiffness", expected)])
+        chosen = named("coupling.modes", case.coupling.modes)
+        springs = _springs(case, coupled, (on_rotor, on_casing), chosen)
+    return KeptModes(rotor=on_rotor, casing=on_casing, springs=springs)
+
+
+def _springs(
+    case: Case,
+    coupled: CoupledEntries,
+    kept: tuple[IntArray, IntArray],
+    chosen: tuple[IntArray, IntArray],
+) -> Springs:
+    """Springs between the chosen modes that are kept, numbered among these.
+
+    Raises:
+        CaseError: there are none.
+    """
+    on_rotor, on_casing = (np.intersect1d(*pair) for pair in zip(kept, chosen, strict=True))
+    here = np.where(
+        coupled.modes.on_casing,
+        np.isin(coupled.number, on_casing),
+        np.isin(coupled.number, on_rotor),
+    )
+    if not here.any():
+        expected = f"modes that springs couple and reduction.modes = {case.reduction.modes!r} keeps"
+        raise CaseError([case_fault(case, "coupling.modes", expected)])
+    modes, number = coupled.modes.take(here), coupled.number[here]
+    among = [np.searchsorted(own, number) for own in kept]  # in the rotor's, in the casing's
+    return Springs(
+        modes=modes if case.coupling.amplitude == "physical" else modes.with_unit_amplitudes(),
+        number=np.where(modes.on_casing, among[1], among[0]),
+        kappa=case.coupling.stiffness,
+        with_pi=case.coupling.pi,
+    )
+
+
+def _coupled(
+    rotor: tuple[ReducedRotor, IntArray, tuple[str, ...]],
+    casing: tuple[ReducedCasing, IntArray, tuple[str, ...]],
+) -> CoupledEntries | None:
+    """All modes of the stage that springs could couple; None without cyclic symmetry."""
+    disk, disk_diameter, disk_family = rotor
+    wall, wall_diameter, wall_family = casing
+    if disk.column.min(initial=0) < 0 or wall.column.min(initial=0) < 0:
+        return None
+    return coupled_entries(
+        RadialModes(
+            frequency=disk.frequency,
+            nodal_diameter=disk_diameter,
+            column=disk.column,
+            family=disk_family,
+            angles=disk.tip_angle - disk.tip_angle[0],
+            motion=lambda chosen: (disk.tip_radial[:, chosen], disk.tip_tangential[:, chosen]),
+        ),
+        RadialModes(
+            frequency=wall.frequency,
+            nodal_diameter=wall_diameter,
+            column=wall.column,
+            family=wall_family,
+            angles=2.0 * np.pi * np.arange(len(wall.nodal)) / len(wall.nodal),
+            motion=lambda chosen: (wall.nodal[:, W, chosen], wall.nodal[:, U, chosen]),
+        ),
+        damping_ratio=float(disk.damping_ratio.max(initial=0.0)),
+    )

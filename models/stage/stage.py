@@ -1,0 +1,210 @@
+"""From a case to a stage: finite elements, reduction, modes and their labels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.elements.bladed_disk import BladedDisk
+from bladewhirl.models.elements.build import (
+    case_bladed_disk,
+    case_casing,
+    case_clearance,
+    lowest_frequency,
+    numbers_within_reach,
+    tip_in_sector,
+)
+from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, Casing
+from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.modal.describe import stage_arrays
+from bladewhirl.models.modal.frequencies import Frequencies, family_errors, lowest_frequencies
+from bladewhirl.models.modal.labels import mode_families
+from bladewhirl.models.modal.modes import Modes, structure_modes
+from bladewhirl.models.modal.reduction import Reduction, craig_bampton
+from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
+from bladewhirl.models.stage.kept_modes import KeptModes, kept_modes
+
+FULL_FREQUENCIES = 7
+"""Frequencies of the full model found for each nodal diameter: five families, the suspension
+pair, and one more."""
+
+MOST_ENTRIES = 5e8
+"""Largest number of entries (4 GB) in the shapes of a reduced model's modes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stage:
+    """A bladed disk and a casing: in full, reduced, and with their modes named."""
+
+    case: Case
+    disk: BladedDisk
+    casing: Casing
+    disk_frequencies: Frequencies  #: of the full bladed disk, as supported in the case
+    reference_frequency: float  #: lowest of the full bladed disk with a free centre [rad/s]
+    reduction: Reduction  #: of the bladed disk
+    disk_family: tuple[str, ...]  #: of each of its modes
+    frequency_error: dict[str, float]  #: largest relative one of the reduction, by family
+    casing_modes: Modes  #: all of them; the casing is not reduced
+    casing_family: tuple[str, ...]
+    rotor: ReducedRotor  #: in all modes
+    reduced_casing: ReducedCasing  #: in all modes
+    kept: KeptModes  #: which of them a march has
+
+    @property
+    def speed(self) -> float:
+        """Speed of rotation Omega [rad/s], counter-clockwise."""
+        return self.case.march.speed.rad_per_s(self.reference_frequency)
+
+    @property
+    def symmetry(self) -> dict[str, str]:
+        """Symmetry found of each body, and the path that follows from it."""
+        return {
+            "bladed_disk": self.disk.structure.symmetry,
+            "casing": self.casing.structure.symmetry,
+        }
+
+    @property
+    def boundary_sets(self) -> dict[str, IntArray]:
+        """Degrees of freedom of the bladed disk that the reduction keeps, by name."""
+        return boundary_sets(self.disk)
+
+    @property
+    def arrays(self) -> StageArrays:
+        """What a result needs to know of the stage, by the modes that a march has."""
+        return stage_arrays(
+            self.disk,
+            self.reduction.modes.take(self.kept.rotor),
+            tuple(self.disk_family[mode] for mode in self.kept.rotor),
+            self.casing,
+            self.casing_modes.take(self.kept.casing),
+            tuple(self.casing_family[mode] for mode in self.kept.casing),
+            shaft=self.case.shaft,
+            clearance=self.reduced_casing.clearance[:, 0],
+        )
+
+
+def build_stage(case: Case) -> Stage:
+    """Build the stage of a case.
+
+    Raises:
+        CaseError: more fixed-interface modes than internal degrees of freedom, a stage too large,
+            modes to keep that it does not have, or numbers that finite elements can't be made of.
+    """
+    with numbers_within_reach(case):
+        disk = case_bladed_disk(case, clamped=case.shaft.clamped)
+        _check_reduction(case, disk)
+        casing = case_casing(case)
+        tip, wall = tip_in_sector(disk), (RADIAL, TANGENTIAL)
+        full = lowest_frequencies(disk.structure, FULL_FREQUENCIES)
+        reference = _reference_frequency(case, disk, full)
+        reduction = craig_bampton(
+            disk.structure,
+            np.concatenate([*boundary_sets(disk).values()]),
+            case.reduction.fixed_interface_modes,
+            tip,
+        )
+        lowest_frequency(disk, reduction.modes.frequency)  # not lost in the reduction
+        casing_modes = structure_modes(casing.structure, wall)
+        disk_family = mode_families(disk.structure, reduction.modes, tip, "bladed-disk")
+        casing_family = mode_families(casing.structure, casing_modes, wall, "casing")
+    rotor = _reduced_rotor(case, disk, reduction.modes)
+    reduced_casing = _reduced_casing(case, casing, casing_modes)
+    return Stage(
+        case=case,
+        disk=disk,
+        casing=casing,
+        disk_frequencies=full,
+        reference_frequency=reference,
+        reduction=reduction,
+        disk_family=disk_family,
+        frequency_error=family_errors(reduction.modes, list(disk_family), full),
+        casing_modes=casing_modes,
+        casing_family=casing_family,
+        rotor=rotor,
+        reduced_casing=reduced_casing,
+        kept=kept_modes(
+            case,
+            (rotor, reduction.modes.nodal_diameter, disk_family),
+            (reduced_casing, casing_modes.nodal_diameter, casing_family),
+        ),
+    )
+
+
+def boundary_sets(disk: BladedDisk) -> dict[str, IntArray]:
+    """Degrees of freedom of a bladed disk that the casing and the shaft act on, by name."""
+    return {
+        "tip_radial": disk.tip_radial,
+        "tip_tangential": disk.tip_tangential,
+        "centre": disk.centre,
+    }
+
+
+def _reference_frequency(case: Case, disk: BladedDisk, full: Frequencies) -> float:
+    """Lowest frequency of the full bladed disk with a free centre [rad/s].
+
+    Raises:
+        FloatingPointError: it is lost in rounding.
+    """
+    if case.shaft.clamped:
+        free = case_bladed_disk(case, clamped=False)
+        disk, full = free, lowest_frequencies(free.structure, FULL_FREQUENCIES)
+    return lowest_frequency(disk, (found[0] for found in full.values()))
+
+
+def _reduced_rotor(case: Case, disk: BladedDisk, modes: Modes) -> ReducedRotor:
+    centre = np.zeros((2, modes.count))
+    centre[: len(disk.centre)] = modes.shapes[disk.centre]  # none when clamped
+    return ReducedRotor(
+        frequency=modes.frequency,
+        damping_ratio=np.full(modes.count, case.damping.ratio),
+        tip_radial=modes.shapes[disk.tip_radial],
+        tip_tangential=modes.shapes[disk.tip_tangential],
+        centre=centre,
+        tip_angle=disk.tip_angles,
+        tip_radius=disk.model.tip_radius,
+        tip_recess=disk.model.tip_recess,
+        column=disk.blade_columns(modes.column),
+        dampers=np.sqrt(case.shaft.dampings)[:, None] * centre,
+        anisotropy=0.0 if case.shaft.clamped else case.shaft.anisotropy,
+    )
+
+
+def _reduced_casing(case: Case, casing: Casing, modes: Modes) -> ReducedCasing:
+    return ReducedCasing(
+        frequency=modes.frequency,
+        damping_ratio=np.full(modes.count, case.damping.ratio),
+        nodal=casing.nodal(modes.shapes),
+        clearance=case_clearance(case),
+        radius=casing.mesh.radius,
+        column=modes.column,
+        dampers=casing.dampers @ modes.shapes,
+    )
+
+
+def _check_reduction(case: Case, disk: BladedDisk) -> None:
+    """Refuse what can't be reduced.
+
+    Raises:
+        CaseError: more modes than internal degrees of freedom, or too large a model.
+    """
+    boundary = sum(map(len, boundary_sets(disk).values()))
+    internal = disk.structure.size - boundary
+    key, wanted = "reduction.fixed_interface_modes", case.reduction.fixed_interface_modes
+    if wanted > internal:
+        expected = f"at most {internal}, the internal degrees of freedom of the bladed disk"
+        raise CaseError([case_fault(case, key, expected)])
+    if disk.structure.size * (boundary + wanted) > MOST_ENTRIES:
+        expected = (
+            f"a bladed disk of fewer degrees of freedom than {disk.structure.size}, or fewer "
+            f"fixed-interface modes: at most {MOST_ENTRIES:g} entries in the modes' shapes"
+        )
+        raise CaseError([Fault(key="bladed_disk", expected=expected)])
+    nodal = 4 * case.casing.elements
+    if nodal**2 > MOST_ENTRIES:
+        expected = f"at most {int(MOST_ENTRIES**0.5) // 4} elements"
+        raise CaseError([case_fault(case, "casing.elements", expected)])

@@ -1,0 +1,1 @@
+"""Results opened, and displacements, strains and sections recovered from them."""

@@ -1,0 +1,331 @@
+"""Physical fields of a result: what moves where, in which axes, at which records.
+
+A result keeps modal coordinates. Here they become displacements and velocities of points, for
+many records at once. Rotor axes turn counter-clockwise by `speed` times time; casing and observer
+stand still. Velocities are rates of displacement (R(Omega t) u_dot): the transport velocity
+Omega x r of the turning disk is not part of them.
+"""
+
+from typing import Literal, get_args
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bladewhirl.models.inputs.errors import UserError
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+Quantity = Literal["displacement", "velocity"]
+
+FRAMES_PER_REVOLUTION = 24  #: fewer pictures a revolution make a turning wheel hard to follow
+
+
+class ViewError(UserError, ValueError):
+    """A view of a result that can't be had: its window, number of frames, factor or file."""
+
+
+def rotate(vectors: Array, angle: Array | float) -> Array:
+    """Plane vectors (..., 2) turned counter-clockwise by `angle` [rad], broadcast over (...)."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    x, y = vectors[..., 0], vectors[..., 1]
+    turned: Array = np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+    return turned
+
+
+def turn(dataset: xr.Dataset, records: IntArray) -> Array:
+    """Angle of the rotor axes at the records (record,) [rad]."""
+    angle: Array = dataset.attrs["speed"] * dataset["time"].values[records]
+    return angle
+
+
+def frame_records(
+    dataset: xr.Dataset, frames: int, start: float | None = None, end: float | None = None
+) -> IntArray:
+    """Indices of up to `frames` records, evenly spread over [start, end] [s].
+
+    Instants are snapped to the nearest record and doubles are dropped, so a window with fewer
+    records than frames gives each record once. `end` may lie beyond the run, which may have
+    ended early. ViewError where nothing is left to choose from.
+    """
+    time = dataset["time"].values
+    first = time[0] if start is None else start
+    last = time[-1] if end is None else min(end, time[-1])
+    if frames < 1:
+        raise ViewError(f"number of frames must be at least 1, got {frames}")
+    if not time[0] <= first <= last:
+        raise ViewError(
+            f"window [{first:g}, {last if end is None else end:g}] s must be ordered and begin "
+            f"inside the run, which covers [{time[0]:g}, {time[-1]:g}] s"
+        )
+    return np.unique(nearest_records(dataset, np.linspace(first, last, frames)))
+
+
+def nearest_records(dataset: xr.Dataset, instants: Array) -> IntArray:
+    """Index of the record nearest to each instant [s]."""
+    time = dataset["time"].values
+    if len(time) == 1:
+        return np.zeros(len(instants), dtype=np.int64)
+    after = np.clip(np.searchsorted(time, instants), 1, len(time) - 1)
+    before = instants - time[after - 1] < time[after] - instants
+    return np.where(before, after - 1, after)
+
+
+def sampling_hint(dataset: xr.Dataset, records: IntArray) -> str | None:
+    """A line for the user if the records show less than 24 frames a revolution, else None."""
+    speed = abs(dataset.attrs["speed"])
+    time = dataset["time"].values
+    if len(records) < 2 or speed == 0:
+        return None
+    revolutions = speed * (time[records[-1]] - time[records[0]]) / (2 * np.pi)
+    rate = (len(records) - 1) / revolutions
+    if rate >= FRAMES_PER_REVOLUTION:
+        return None
+    window = 2 * np.pi / speed * len(records) / FRAMES_PER_REVOLUTION
+    return (
+        f"{len(records)} frames over {revolutions:.1f} revolutions are {rate:.2g} a revolution; "
+        f"for a smooth turn choose a window of at most {window:.3g} s, or more frames"
+    )
+
+
+def history(dataset: xr.Dataset, name: str, records: IntArray) -> Array:
+    """A variable over time at the records (record, ...), without reading the rest of it."""
+    values: Array = dataset[name].isel(time=records).values
+    return values
+
+
+def combine(coordinates: Array, shape: Array) -> Array:
+    """Field (record, point, 2) from coordinates (record, mode) and shapes (point, 2, mode), by
+    one matrix product over all records.
+    """
+    flat: Array = coordinates @ shape.reshape(-1, shape.shape[-1]).T
+    return flat.reshape(len(coordinates), -1, 2)
+
+
+def rotor_field(
+    dataset: xr.Dataset, quantity: Quantity, records: IntArray, *, rotating: bool = False
+) -> Array:
+    """Vectors at the rotor's nodes (record, rotor_node, 2) [m or m/s], x and y.
+
+    Args:
+        dataset: a result.
+        quantity: "displacement", or "velocity" as seen in the rotating frame.
+        records: numbers of the records to look at, ``np.arange(dataset.sizes["time"])`` for all.
+        rotating: along the rotating axes; else along the static ones.
+
+    Raises:
+        ViewError: another quantity.
+    """
+    if quantity not in get_args(Quantity):
+        known = " or ".join(f'"{name}"' for name in get_args(Quantity))
+        raise ViewError(f"quantity {quantity!r}: expected {known}")
+    coordinates = history(dataset, f"rotor_{quantity}", records)
+    field = combine(coordinates, dataset["rotor_shape"].values[:, :2])
+    return field if rotating else rotate(field, turn(dataset, records)[:, None])
+
+
+def rotor_points(dataset: xr.Dataset, records: IntArray, *, rotating: bool = False) -> Array:
+    """Undeformed nodes (record, rotor_node, 2) [m], turned with the rotor axes if static."""
+    points = dataset["rotor_point"].values
+    angle = np.zeros(len(records)) if rotating else turn(dataset, records)
+    return rotate(points[None], angle[:, None])
+
+
+def line_rows(dataset: xr.Dataset, per_line: int) -> tuple[Array, Array]:
+    """Undeformed stations (rotor_line, per_line + 1, 2) [m] along every beam, and their
+    displacement for unit modal coordinates (rotor_line, per_line + 1, 2, rotor_mode), both in
+    rotating axes: linear along the beam, cubic Hermite across it, as in the finite elements.
+    """
+    start, span, axes, local, turn_rows = line_shapes(dataset)
+    length = np.linalg.norm(span, axis=1)
+    x = np.linspace(0.0, 1.0, per_line + 1)
+    cubic = cubic_weights(x)
+    axial = np.einsum("es,lem->lsm", np.stack([1 - x, x]), local[:, :, 0])
+    across = np.einsum("es,lem->lsm", cubic[::2], local[:, :, 1])
+    across += np.einsum("l,es,lem->lsm", length, cubic[1::2], turn_rows)
+    rows: Array = np.einsum("lad,lsam->lsdm", axes, np.stack([axial, across], axis=2))
+    points: Array = start[:, None] + x[:, None] * span[:, None]
+    return points, rows
+
+
+def line_slope_rows(dataset: xr.Dataset, per_line: int) -> Array:
+    """Rotation of a beam's cross-section (rotor_line, per_line + 1, rotor_mode) at the stations
+    of `line_rows`, for unit modal coordinates: the slope of the cubic across it.
+    """
+    _, span, _, local, turn_rows = line_shapes(dataset)
+    slopes = slope_weights(np.linspace(0.0, 1.0, per_line + 1))
+    across = np.einsum("es,lem->lsm", slopes[::2], local[:, :, 1])
+    across /= np.linalg.norm(span, axis=1)[:, None, None]
+    return np.asarray(across + np.einsum("es,lem->lsm", slopes[1::2], turn_rows))
+
+
+def line_shapes(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array, Array]:
+    """Every beam in its own axes: its start (rotor_line, 2) [m], the span to its end (the same),
+    its axes (rotor_line, axis, 2), along it and a quarter turn further, and for unit modal
+    coordinates its ends' displacement in them (rotor_line, end, axis, rotor_mode) and rotation
+    (rotor_line, end, rotor_mode).
+    """
+    ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
+    shape = dataset["rotor_shape"].values[dataset["rotor_line"].values]
+    span = ends[:, 1] - ends[:, 0]
+    along = span / np.linalg.norm(span, axis=1)[:, None]
+    axes = np.stack([along, rotate(along, np.pi / 2)], axis=1)
+    local = np.einsum("lad,ledm->leam", axes, shape[:, :, :2])
+    return ends[:, 0], span, axes, local, shape[:, :, 2]
+
+
+def ring_angles(dataset: xr.Dataset, per_element: int) -> Array:
+    """Angles (casing_node * per_element,) [rad]: each casing element cut into equal arcs."""
+    first = dataset["casing_angle"].values
+    span = np.mod(np.roll(first, -1) - first, 2 * np.pi)
+    cuts = np.arange(per_element) / per_element
+    angle: Array = (first[:, None] + span[:, None] * cuts).ravel()
+    return angle
+
+
+def station_angles(dataset: xr.Dataset, per_element: int) -> Array:
+    """Angles (casing_node, per_element + 1) [rad]: those cuts, with both ends of elements."""
+    first = dataset["casing_angle"].values
+    span = np.mod(np.roll(first, -1) - first, 2 * np.pi)
+    angle: Array = first[:, None] + span[:, None] * np.linspace(0.0, 1.0, per_element + 1)
+    return angle
+
+
+def wall_rows(dataset: xr.Dataset, weights: Array) -> Array:
+    """Radial and tangential displacement of every casing element for unit modal coordinates
+    (casing_node, station, 2, casing_mode), where `weights` (4, station) are `cubic_weights`; with
+    `slope_weights` or `curvature_weights` derivatives by the share of the element's length.
+    """
+    shape = dataset["casing_shape"].values
+    nodal = shape.reshape(len(shape), 2, 2, -1)  # node, (w, u), (value, slope), mode
+    ends = np.stack([nodal, np.roll(nodal, -1, axis=0)], axis=1)
+    length = element_lengths(dataset)[:, None, None, None]
+    rows = np.einsum("es,lecm->lscm", weights[::2], ends[:, :, :, 0])
+    rows += length * np.einsum("es,lecm->lscm", weights[1::2], ends[:, :, :, 1])
+    return np.asarray(rows)
+
+
+def element_lengths(dataset: xr.Dataset) -> Array:
+    """Arc length of every casing element (casing_node,) [m]."""
+    first = dataset["casing_angle"].values
+    length: Array = dataset.attrs["casing_radius"] * np.mod(np.roll(first, -1) - first, 2 * np.pi)
+    return length
+
+
+def hermite_weights(dataset: xr.Dataset, angle: Array) -> tuple[IntArray, IntArray, Array]:
+    """First node, second node (point,) and weights (point, 4) of the cubic at the given angles.
+
+    The weights multiply value and slope d/ds of the first node, then of the second.
+    """
+    first = dataset["casing_angle"].values
+    inside = np.mod(angle - first[0], 2 * np.pi)
+    left = np.searchsorted(first - first[0], inside, side="right") - 1
+    right = (left + 1) % len(first)
+    span = np.mod(first[right] - first[left], 2 * np.pi)
+    length = span * dataset.attrs["casing_radius"]
+    x = (inside - (first[left] - first[0])) / span
+    weights = cubic_weights(x).T
+    weights[:, 1::2] *= length[:, None]
+    return left, right, weights
+
+
+def casing_rows(dataset: xr.Dataset, angle: Array) -> Array:
+    """Radial (outward) and tangential (+theta) displacement at the angles (point,) for unit
+    modal coordinates: (point, 2, casing_mode), by the casing's own cubic interpolation.
+    """
+    left, right, weights = hermite_weights(dataset, angle)
+    shape = dataset["casing_shape"].values
+    pairs = shape.reshape(len(shape), 2, 2, -1)  # node, (w, u), (value, slope), mode
+    at_left = np.einsum("pk,pckm->pcm", weights[:, :2], pairs[left])
+    at_right = np.einsum("pk,pckm->pcm", weights[:, 2:], pairs[right])
+    rows: Array = at_left + at_right
+    return rows
+
+
+def casing_polar_field(
+    dataset: xr.Dataset, quantity: Quantity, records: IntArray, angle: Array
+) -> Array:
+    """Radial and tangential components (record, point, 2) [m or m/s] at static angles [rad]."""
+    coordinates = history(dataset, f"casing_{quantity}", records)
+    return combine(coordinates, casing_rows(dataset, angle))
+
+
+def casing_field(
+    dataset: xr.Dataset,
+    quantity: Quantity,
+    records: IntArray,
+    angle: Array,
+    *,
+    rotating: bool = False,
+) -> Array:
+    """Vectors of the casing (record, point, 2) [m or m/s] in static (or rotating) axes."""
+    field = rotate(casing_polar_field(dataset, quantity, records, angle), angle)
+    return rotate(field, -turn(dataset, records)[:, None]) if rotating else field
+
+
+def casing_points(
+    dataset: xr.Dataset, records: IntArray, angle: Array, *, rotating: bool = False
+) -> Array:
+    """Undeformed casing points (record, point, 2) [m]; seen from the rotor they turn back."""
+    back = -turn(dataset, records) if rotating else np.zeros(len(records))
+    seen = angle + back[:, None]
+    points: Array = dataset.attrs["casing_radius"] * np.stack([np.cos(seen), np.sin(seen)], -1)
+    return points
+
+
+def clearance_at(dataset: xr.Dataset, angle: Array) -> Array:
+    """Clearance (point,) [m] at static angles [rad], linear between the casing's nodes."""
+    left, right, _ = hermite_weights(dataset, angle)
+    node = dataset["casing_angle"].values
+    span = np.mod(node[right] - node[left], 2 * np.pi)
+    share = np.mod(angle - node[left], 2 * np.pi) / span
+    clearance = dataset["clearance"].values
+    between: Array = (1 - share) * clearance[left] + share * clearance[right]
+    return between
+
+
+def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = False) -> Array:
+    """Force of the casing on each tip (record, blade, 2) [N], normal and friction together.
+
+    It is the impulse since the record before, divided by the time between the two (`record_step`,
+    less where a run ends between records): a mean over that time, which exists in the limit of
+    small steps where the peak force does not. The normal part pushes inward, positive friction
+    drags the blade towards -theta.
+    """
+    first = dataset.attrs["record_step"]
+    between = np.diff(dataset["time"].values, prepend=dataset["time"].values[0] - first)
+    step = between[records, None]
+    polar = np.stack(
+        [
+            -history(dataset, "contact_impulse", records) / step,
+            -history(dataset, "friction_impulse", records) / step,
+        ],
+        axis=-1,
+    )
+    angle = dataset["tip_angle"].values[None]
+    return rotate(polar, angle if rotating else angle + turn(dataset, records)[:, None])
+
+
+def radial_part(vectors: Array, points: Array) -> Array:
+    """Component (...) of vectors (..., 2) along the outward radius at points (..., 2); zero at
+    the centre, which has no outward direction.
+    """
+    radius = np.linalg.norm(points, axis=-1)
+    dot = np.sum(vectors * points, axis=-1)
+    part: Array = np.divide(dot, radius, out=np.zeros_like(dot), where=radius > 0)
+    return part
+
+
+def cubic_weights(x: Array) -> Array:
+    """Cubic Hermite weights (4, point) of value, slope at 0 and value, slope at 1 (unit length)."""
+    return np.stack([1 - x**2 * (3 - 2 * x), x * (1 - x) ** 2, x**2 * (3 - 2 * x), x**2 * (x - 1)])
+
+
+def slope_weights(x: Array) -> Array:
+    """First derivatives of `cubic_weights`."""
+    return np.stack([6 * x * (x - 1), (1 - x) * (1 - 3 * x), 6 * x * (1 - x), x * (3 * x - 2)])
+
+
+def curvature_weights(x: Array) -> Array:
+    """Second derivatives of `cubic_weights`."""
+    return np.stack([12 * x - 6, 6 * x - 4, 6 - 12 * x, 6 * x - 2])

@@ -1,0 +1,83 @@
+"""Axial and bending strain of beams and of the casing's wall, from the recovered field.
+
+A beam's strain at a distance y from its line is eps - y kappa: the axial strain eps and the
+change of curvature kappa of the finite elements themselves, so that stresses belong to the same
+energy as the motion (`models.elements`). y is positive a quarter turn counter-clockwise from the
+beam's direction, on the casing outward. What is called bending strain here is kappa t / 2, its
+value at the right (on the casing: the inner) surface; at the left (outer) it is the opposite.
+
+Rods make eps constant in an element and cubics make kappa linear, so the ends of an element hold
+the extremes of a straight prismatic beam; the thickness of a tapered one is that at the place. Both
+jump from one element to the next: stations are an element's own.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields.beam_sections import rotor_sections
+from bladewhirl.postprocess.fields.fields import (
+    Array,
+    cubic_weights,
+    curvature_weights,
+    element_lengths,
+    line_shapes,
+    slope_weights,
+    wall_rows,
+)
+
+
+class StrainRows(NamedTuple):
+    """Strains for unit modal coordinates, both (element, station, mode) [kg^-1/2/m]."""
+
+    axial: Array
+    bending: Array
+
+
+class Strains(NamedTuple):
+    """Strains at some records, both (record, element, station) [1]."""
+
+    axial: Array
+    bending: Array
+
+    @classmethod
+    def of(cls, coordinates: Array, rows: StrainRows) -> "Strains":
+        """Strains for modal coordinates (record, mode)."""
+        return cls(
+            *(
+                (coordinates @ row.reshape(-1, row.shape[-1]).T).reshape(-1, *row.shape[:2])
+                for row in rows
+            )
+        )
+
+
+def rotor_strain_rows(dataset: xr.Dataset, per_line: int = 1) -> StrainRows:
+    """Strains at the ends of that many equal pieces of every beam: (rotor_line, per_line + 1,
+    rotor_mode), with eps = u' and kappa = w''.
+    """
+    _, span, _, local, rotation = line_shapes(dataset)
+    length = np.linalg.norm(span, axis=1)[:, None, None]
+    x = np.linspace(0.0, 1.0, per_line + 1)
+    axial = (local[:, 1, 0] - local[:, 0, 0])[:, None] / length
+    curvature = np.einsum("es,lem->lsm", curvature_weights(x)[::2], local[:, :, 1]) / length**2
+    curvature += np.einsum("es,lem->lsm", curvature_weights(x)[1::2], rotation) / length
+    half = rotor_sections(dataset, "thickness", per_line)[..., None] / 2
+    return StrainRows(np.repeat(axial, len(x), axis=1), half * curvature)
+
+
+def casing_strain_rows(dataset: xr.Dataset, per_element: int) -> StrainRows:
+    """Strains at the ends of that many equal pieces of every casing element: (casing_node,
+    per_element + 1, casing_mode), with eps = u' + w / R, and kappa = w'' - u' / R or, where the
+    case takes the shallow arch, w''. As in the elements, the wall is thin: y / R is neglected.
+    """
+    radius = float(dataset.attrs["casing_radius"])
+    length = element_lengths(dataset)[:, None, None]
+    x = np.linspace(0.0, 1.0, per_element + 1)
+    radial = wall_rows(dataset, cubic_weights(x))[:, :, 0]
+    stretch = wall_rows(dataset, slope_weights(x))[:, :, 1] / length
+    curvature = wall_rows(dataset, curvature_weights(x))[:, :, 0] / length**2
+    if str(dataset["casing_curvature"].values) == "exact":
+        curvature -= stretch / radius
+    half = dataset["casing_thickness"].values[:, None, None] / 2
+    return StrainRows(stretch + radial / radius, half * curvature)

@@ -1,0 +1,100 @@
+"""Windows of time: a part of a run, its late part, and spans in which records are summed up."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from bladewhirl.postprocess.fields.fields import Array, IntArray, ViewError
+
+LATE_SHARE = 1.0 / 3.0
+"""Share of the time, at its end, that is taken for the motion after its onset."""
+
+EVEN = 1e-6
+"""Relative difference from the record step at which records still count as equally spaced."""
+
+
+def select_window(
+    dataset: xr.Dataset, start: float | None = None, end: float | None = None
+) -> xr.Dataset:
+    """The records within [start, end] [s], both at the run's ends by default, read when used.
+
+    Raises:
+        ViewError: the window is not in order, or holds fewer than two records.
+    """
+    time = dataset["time"].values
+    first = time[0] if start is None else start
+    last = time[-1] if end is None else end
+    slack = 1e-9 * (time[-1] - time[0])  # records are at rounded multiples of their step
+    chosen = slice(*np.searchsorted(time, [first - slack, last + slack]))
+    if not first < last or len(time[chosen]) < 2:
+        raise ViewError(
+            f"window [{first:g}, {last:g}] s must be ordered and hold two records or more of the "
+            f"run, which covers [{time[0]:g}, {time[-1]:g}] s in {len(time)}"
+        )
+    return dataset.isel(time=chosen)
+
+
+def late_part(dataset: xr.Dataset) -> xr.Dataset:
+    """The last third of the time, read when used."""
+    time = dataset["time"].values
+    begin = time[-1] - LATE_SHARE * (time[-1] - time[0])
+    return dataset.isel(time=slice(int(np.searchsorted(time, begin)), None))
+
+
+def evenly_spaced(dataset: xr.Dataset, fewest: int) -> tuple[xr.Dataset, float]:
+    """The records that are equally spaced, and their step [s].
+
+    The last record of a march that diverged, or was interrupted, may come early: it is dropped.
+
+    Raises:
+        ViewError: the others are not equally spaced, or fewer than `fewest`.
+    """
+    time = dataset["time"].values
+    steps = np.diff(time)
+    step = float(np.median(steps)) if len(steps) else 0.0
+    uneven = np.abs(steps - step) > EVEN * step
+    if len(steps) and uneven[-1]:
+        dataset, uneven = dataset.isel(time=slice(None, -1)), uneven[:-1]
+    if uneven.any():
+        at = float(time[int(np.argmax(uneven))])
+        raise ViewError(f"a spectrum needs equally spaced records; their step changes at {at:g} s")
+    if dataset.sizes["time"] < fewest:
+        raise ViewError(
+            f"a spectrum needs {fewest} equally spaced records or more, "
+            f"the window holds {dataset.sizes['time']}"
+        )
+    return dataset, step
+
+
+def span_starts(time: Array, spans: int) -> IntArray:
+    """First record of each of up to that many equal spans of time; empty spans are left out."""
+    if len(time) <= spans:
+        return np.arange(len(time))
+    number = np.minimum((time - time[0]) * spans // np.ptp(time), spans - 1)
+    return np.unique(number, return_index=True)[1]
+
+
+def span_means(values: Array, starts: IntArray) -> Array:
+    """Mean over time, the first axis, from each start to the next."""
+    count = np.diff(starts, append=len(values))
+    sums = np.add.reduceat(values, starts, axis=0)
+    return np.asarray(sums / count.reshape(-1, *[1] * (values.ndim - 1)))
+
+
+def span_edges(time: Array, starts: IntArray, begin: float) -> Array:
+    """Borders of the spans [s], (span + 1,): from `begin`, each to its last record."""
+    ends = time[np.append(starts[1:], len(time)) - 1]
+    return np.concatenate([[begin], ends])
+
+
+def window_label(dataset: xr.Dataset) -> str:
+    """The time covered, in words."""
+    first, last = dataset["time"].values[[0, -1]]
+    return f"{first:.3g} to {last:.3g} s"
+
+
+def few_time_ticks(axes: Axes) -> None:
+    """Keep the labels of a time axis apart: those of a short window have many digits."""
+    axes.locator_params(axis="x", nbins=5)

@@ -1,0 +1,1 @@
+"""Figures of modes, Campbell and veering diagrams, and stability charts."""

@@ -1,0 +1,180 @@
+"""Figures of a coupled mode in time: deformed shapes (Fig. 13), orbits and phases (Fig. 14)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.pictures.drawing import Drawing, Ribbon
+from bladewhirl.postprocess.plotting.style import (
+    COLOURS,
+    FULL_WIDTH,
+    SEQUENTIAL,
+    new_figure,
+    styled,
+)
+from bladewhirl.postprocess.run.orbits import FRAMES, whirl
+from bladewhirl.solvers.stability.coupled_modes import CoupledMotion
+
+MILLI, MICRO = 1e3, 1e6
+
+ARROWS = 8
+"""Arrows along an orbit."""
+
+ARROW: Mapping[str, Any] = {
+    "arrowstyle": "-|>,head_width=0.2,head_length=0.4",
+    "color": COLOURS["k = 1"],
+    "shrinkA": 0.0,
+    "shrinkB": 0.0,
+}
+
+
+def motion_dataset(motion: CoupledMotion, *, reference: float) -> xr.Dataset:
+    """What a coupled mode does in time, as measured from its fields.
+
+    Args:
+        motion: of the coupled mode.
+        reference: frequency that speeds are multiples of [rad/s].
+    """
+    metre, radian = {"units": "m"}, {"units": "rad"}
+    moves = motion.nodal_diameter == 1  # the only waves with a shaft phase
+    nothing = np.full(len(motion.time), np.nan)
+    static = motion.shaft_static
+    phase = np.unwrap(np.arctan2(static[:, 1], static[:, 0])) if moves else nothing
+    return xr.Dataset(
+        data_vars={
+            "shaft_phase": ("time", phase, radian),
+            "smallest_clearance_phase": ("time", motion.smallest_clearance_angle, radian),
+            "shaft_lead": ("time", motion.shaft_lead if moves else nothing, radian),
+            "rotor_amplitude": ("time", np.abs(motion.rotor_wave), metre),
+            "casing_amplitude": ("time", np.abs(motion.casing_wave), metre),
+        },
+        coords={"time": ("time", motion.time, {"units": "s"})},
+        attrs={
+            "title": "coupled mode in time, static frame",
+            "nodal_diameter": motion.nodal_diameter,
+            "speed": motion.speed,
+            "reference_frequency": reference,
+            "rotor_wave_speed": motion.rotor_wave_speed,  # rad/s, forward positive
+            "casing_wave_speed": motion.casing_wave_speed,
+        },
+    )
+
+
+@styled
+def plot_orbits(orbit: xr.Dataset) -> Figure:
+    """Draw the shaft's growing orbit in rotating and static axes, Fig. 14(a) and (b).
+
+    Arrows show the way it goes; each title names the whirl as measured.
+
+    Args:
+        orbit: from `orbits.shaft_orbit`.
+    """
+    figure = new_figure(height=0.052)
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    edge = 1.1 * MICRO * float(orbit["radius"].max())
+    for axes, frame in zip(panels, FRAMES, strict=True):
+        path = MICRO * orbit[frame].values
+        axes.plot(*path.T, color=COLOURS["rotor"], linewidth=0.6)
+        for record in np.linspace(0.0, len(path) - 1.0, ARROWS + 1).astype(np.int64)[1:]:
+            axes.annotate("", path[record], path[record - 1], arrowprops=ARROW)
+        found = whirl(orbit, frame)
+        axes.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge), xlabel="x [µm]")
+        axes.set_title(f"{frame} frame\n{found.direction}, {abs(found.rate) / (2 * np.pi):.3g} Hz")
+    panels[0].set_ylabel("y [µm]")
+    return figure
+
+
+@styled
+def plot_phases(data: xr.Dataset) -> Figure:
+    """Draw the static phase of shaft and smallest clearance, Fig. 14(c), and their difference.
+
+    Where the shaft rests, in waves of other nodal diameters than one, the clearance stands alone.
+
+    Args:
+        data: from `motion_dataset`.
+    """
+    moves = data.attrs["nodal_diameter"] == 1
+    figure = new_figure(height=0.07 if moves else 0.05)
+    rows: dict[str, Any] = {"nrows": 2, "height_ratios": (2, 1)} if moves else {}
+    panels = np.atleast_1d(figure.subplots(sharex=True, **rows))
+    time = MILLI * data["time"].values
+    curves = (("shaft", "rotor", "-"), ("smallest clearance", "casing", "--"))
+    for name, key, style in curves if moves else curves[1:]:
+        phase = data[f"{name.replace(' ', '_')}_phase"].values
+        wrapped = np.angle(np.exp(1j * phase))
+        # A jump from pi to -pi is no motion: break the line there.
+        jumps = np.abs(np.diff(wrapped, prepend=wrapped[0])) > np.pi
+        degrees = np.degrees(np.where(jumps, np.nan, wrapped))
+        panels[0].plot(time, degrees, style, color=COLOURS[key], label=name, linewidth=1.2)
+    panels[0].set_ylabel("phase, static frame [°]")
+    if moves:
+        panels[1].plot(time, np.degrees(data["shaft_lead"]), color=COLOURS["k = 1"])
+        panels[1].set_ylabel("shaft leads [°]")
+    for axes in panels:
+        axes.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), xlim=(time[0], time[-1]))
+    panels[-1].set_xlabel("time [ms]")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
+    return figure
+
+
+@styled
+def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
+    """Draw the deformed stage at some records side by side in static axes, Fig. 13.
+
+    Displacements and the clearance are exaggerated alike (see `drawing`), so bodies touch in the
+    picture where they touch in truth. A dot marks the shaft, an open dot the smallest clearance,
+    a cross the axis of rotation.
+
+    Args:
+        dataset: a result, or a coupled mode laid out like one.
+        records: which records, up to four look well.
+    """
+    figure = new_figure(width=FULL_WIDTH, height=0.055)
+    panels = np.atleast_1d(figure.subplots(1, len(records)))
+    drawing = Drawing(dataset, records)
+    size = 1.02 * drawing.reach()[0]
+    norm = Normalize(0.0, MILLI * drawing.largest_displacement)
+    gaps = dataset["gap"].values[records]
+    for axes, index in zip(panels, range(len(records)), strict=True):
+        picture = drawing.picture(index)
+        for ribbon in (picture.casing, picture.rotor):
+            shown = _draw_ribbon(axes, ribbon, norm)
+        near = picture.tips[int(np.argmin(gaps[index]))]
+        dot: Mapping[str, Any] = {
+            "color": COLOURS["contact"],
+            "markersize": 5,
+            "linestyle": "none",
+            "marker": "o",
+        }
+        axes.plot(*near, **dot, markerfacecolor="none")
+        axes.plot(0.0, 0.0, "+", color=COLOURS["rest"], markersize=5)
+        axes.plot(*picture.shaft, "o", color=COLOURS["k = 1"], markersize=3)
+        axes.set(aspect="equal", xlim=(-size, size), ylim=(-size, size))
+        axes.set_axis_off()
+        axes.set_title(f"{MILLI * picture.time:.4g} ms")
+    figure.colorbar(shown, ax=panels, label="displacement [mm]", shrink=0.7)
+    return figure
+
+
+def _draw_ribbon(axes: Axes, ribbon: Ribbon, norm: Normalize) -> PolyCollection:
+    """Quads between the stations of a ribbon, coloured by displacement in mm."""
+    sides = ribbon.sides
+    corners: Array = np.stack(
+        [sides[:, :-1, 0], sides[:, 1:, 0], sides[:, 1:, 1], sides[:, :-1, 1]], axis=-2
+    )
+    value = 0.5 * MILLI * (ribbon.values[:, :-1, 0] + ribbon.values[:, 1:, 0])
+    quads = PolyCollection(
+        [*corners.reshape(-1, 4, 2)], cmap=SEQUENTIAL, norm=norm, linewidth=0.3, edgecolor="face"
+    )
+    quads.set_array(value.ravel())
+    axes.add_collection(quads)
+    return quads

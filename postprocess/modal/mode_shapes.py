@@ -1,0 +1,272 @@
+"""Pictures of mode shapes (Fig. 6): at rest and deformed, with the centre marked; and as a GIF."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize, to_rgb
+from matplotlib.figure import Figure
+from PIL import Image
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.modal.labels import Body
+from bladewhirl.postprocess.fields.fields import casing_rows, line_rows, ring_angles, rotate
+from bladewhirl.postprocess.pictures.drawing import magnify
+from bladewhirl.postprocess.plotting.style import (
+    COLOURS,
+    COLUMN_WIDTH,
+    SEQUENTIAL,
+    new_figure,
+    styled,
+)
+
+DRAWN = 0.2
+"""Largest displacement in a picture, as a share of the radius."""
+
+BEAM_PIECES = 8
+"""A beam is drawn as this many straight pieces, along its Hermite curve, ..."""
+
+MOST_PIECES = 16_000
+"""... or fewer, where the bladed disk would be drawn as more than so many."""
+
+RING_POINTS = 360
+"""And the casing as at least this many."""
+
+COLUMNS = 3
+"""Panels side by side in a column of a page."""
+
+MARGIN = 1.02
+"""Half the width of a picture over the largest distance of anything from its middle."""
+
+CENTRE_RESTS = 1e-6
+"""Share of the largest displacement below which the centre is said to rest."""
+
+GIF_SIZE = 0.085
+"""Width of a GIF [m], at `GIF_DPI` dots an inch."""
+
+GIF_DPI = 180
+GIF_FRAME = 40  #: [ms], a whole number of a GIF's ticks
+GIF_COLOURS = 128
+
+
+class Outline:
+    """Lines of one body, at rest and displaced, for any modal coordinates.
+
+    Displacements are drawn as in `drawing`: what the body shares is a shift, the rest goes along
+    arcs about the shifted centre, so that a blade that bends does not grow longer.
+    """
+
+    def __init__(self, data: xr.Dataset, body: Body) -> None:
+        if body == "bladed-disk":
+            pieces = min(BEAM_PIECES, max(1, MOST_PIECES // data.sizes["rotor_line"]))
+            stations, rows = line_rows(data, pieces)
+            self.rest = stations
+            self._rows = rows.reshape(-1, 2, rows.shape[-1])
+            self._shift = data["rotor_shape"].values[int(data["centre_node"]), :2]
+            self.radius = float(data.attrs["tip_radius"])
+        else:
+            angle = ring_angles(data, -(-RING_POINTS // data.sizes["casing_node"]))
+            angle = np.append(angle, angle[0])
+            self.radius = float(data.attrs["casing_radius"])
+            self.rest = self.radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)[None]
+            polar = np.moveaxis(casing_rows(data, angle), -1, 1)
+            self._rows = np.moveaxis(rotate(polar, angle[:, None]), 1, -1)
+            self._shift = self._rows[:-1].mean(axis=0)
+
+    def largest(self, coordinates: FloatArray) -> float:
+        """Largest displacement for any of the coordinates (..., modes)."""
+        return float(np.linalg.norm(self._rows @ np.atleast_2d(coordinates).T, axis=1).max())
+
+    def moved(self, coordinates: FloatArray, factor: float) -> FloatArray:
+        """Drawn points (lines, stations, 2) [m], displacements multiplied."""
+        drawn = magnify(
+            self.rest.reshape(-1, 2), self._rows @ coordinates, self._shift @ coordinates, factor
+        )
+        return drawn.reshape(self.rest.shape)
+
+    def size(self, coordinates: FloatArray) -> FloatArray:
+        """Magnitude of the displacement in the middle of each piece, (lines, stations - 1)."""
+        magnitude = np.linalg.norm(self._rows @ coordinates, axis=-1).reshape(self.rest.shape[:2])
+        return np.asarray(0.5 * (magnitude[:, 1:] + magnitude[:, :-1]))
+
+    def centre(self, coordinates: FloatArray, factor: float) -> FloatArray:
+        """Drawn centre, (2,) [m]."""
+        return np.asarray(factor * self._shift @ coordinates)
+
+
+class Sketch:
+    """A body in axes: grey at rest, deformed in the colours of its displacement."""
+
+    def __init__(self, axes: Axes, outline: Outline, *, largest: float, linewidth: float) -> None:
+        self._axes, self._outline, self.largest = axes, outline, largest
+        self._factor = DRAWN * outline.radius / largest
+        rest = LineCollection([*outline.rest], color=COLOURS["rest"], linewidth=0.5 * linewidth)
+        axes.add_collection(rest)
+        self.lines = LineCollection(
+            [],
+            cmap=SEQUENTIAL,
+            norm=Normalize(0.0, 1.0),
+            linewidth=linewidth,
+            capstyle="round",
+        )
+        axes.add_collection(self.lines)
+        size = 4.5 * linewidth
+        (self.rest,) = axes.plot(
+            0.0,
+            0.0,
+            "x",
+            color=COLOURS["total"],
+            zorder=4,
+            markersize=0.7 * size,
+            label="centre at rest",
+        )
+        (self.centre,) = axes.plot(
+            [], [], "o", color=COLOURS["k = 1"], zorder=3, markersize=size, label="centre displaced"
+        )
+        axes.set(aspect="equal")
+        axes.set_axis_off()
+
+    def look(self, coordinates: FloatArray) -> None:
+        """Take in the body in all of the motion (..., modes), in a frame of fixed size."""
+        reach = self._outline.radius
+        for instant in np.atleast_2d(coordinates):
+            drawn = self._outline.moved(instant, self._factor)
+            reach = max(reach, float(np.linalg.norm(drawn, axis=-1).max()))
+        limits = (-MARGIN * reach, MARGIN * reach)
+        self._axes.set(xlim=limits, ylim=limits)
+
+    def show(self, coordinates: FloatArray) -> None:
+        """Draw the displacement of some modal coordinates, (modes,)."""
+        points = self._outline.moved(coordinates, self._factor)
+        pieces = np.stack([points[:, :-1], points[:, 1:]], axis=-2)
+        self.lines.set_segments([*pieces.reshape(-1, 2, 2)])
+        self.lines.set_array((self._outline.size(coordinates) / self.largest).ravel())
+        self.centre.set_data(*self._outline.centre(coordinates, self._factor)[:, None])
+
+
+@styled
+def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
+    """Draw the mode shapes of a body side by side, Fig. 6.
+
+    A cross marks where the centre rests, a dot where it is displaced to, and how far that is in
+    percent of the largest displacement of the mode; a casing's centre is its mean motion.
+
+    Args:
+        data: a stage by some of its modes, see `mode_motion.stage_dataset`; one panel a mode.
+        body: whose modes.
+    """
+    prefix = "rotor" if body == "bladed-disk" else "casing"
+    modes = data.sizes[f"{prefix}_mode"]
+    columns = min(modes, COLUMNS)
+    rows = -(-modes // columns)
+    figure = new_figure(width=COLUMN_WIDTH, height=0.018 + rows * 0.039 * COLUMNS / columns)
+    figure.set_layout_engine("constrained", hspace=0.08)
+    panels = figure.subplots(rows, columns, squeeze=False).ravel()
+    outline = Outline(data, body)
+    reference = float(data.attrs["reference_frequency"])
+    for mode, axes in enumerate(panels):
+        if mode >= modes:
+            axes.set_axis_off()
+            continue
+        coordinates = np.eye(modes)[mode]
+        sketch = Sketch(axes, outline, largest=outline.largest(coordinates), linewidth=0.8)
+        sketch.look(coordinates)
+        sketch.show(coordinates)
+        name = mode_title(
+            str(data[f"{prefix}_family"].values[mode]),
+            int(data[f"{prefix}_nodal_diameter"].values[mode]),
+        )
+        frequency = float(data[f"{prefix}_frequency"].values[mode])
+        axes.set_title(name)
+        share = float(np.linalg.norm(outline.centre(coordinates, 1.0)) / sketch.largest)
+        moves = f"centre {100 * share:.1f} %" if share > CENTRE_RESTS else "centre at rest"
+        below = {"transform": axes.transAxes, "ha": "center", "va": "top"}
+        axes.text(0.5, -0.02, f"{_digits(frequency / reference)} ω$_1$\n{moves}", **below)
+    figure.colorbar(
+        sketch.lines,
+        ax=[*panels],
+        location="bottom",
+        label="displacement / largest one [–]",
+        shrink=0.5,
+        aspect=30,
+        ticks=[0.0, 0.5, 1.0],
+    )
+    figure.legend(handles=[sketch.rest, sketch.centre], loc="outside upper center", ncols=2)
+    return figure
+
+
+def animate_mode(data: xr.Dataset, body: Body, path: Path) -> Path:
+    """Write one period of a mode as a GIF that loops; returns its path.
+
+    Args:
+        data: a mode in time, from `mode_motion`.
+        body: that moves.
+        path: of the file, which is replaced when complete.
+    """
+    draft = path.with_name(f".{path.stem}.part.gif")
+    try:
+        _write_gif(_pictures(data, body), draft)
+        os.replace(draft, path)
+    finally:
+        draft.unlink(missing_ok=True)
+    return path
+
+
+@styled
+def _pictures(data: xr.Dataset, body: Body) -> list[Image.Image]:
+    prefix = "rotor" if body == "bladed-disk" else "casing"
+    coordinates = data[f"{prefix}_displacement"].values
+    outline = Outline(data, body)
+    figure = new_figure(width=GIF_SIZE, height=1.08 * GIF_SIZE)
+    axes = figure.subplots()
+    sketch = Sketch(axes, outline, largest=outline.largest(coordinates), linewidth=1.4)
+    frequency = float(data[f"{prefix}_frequency"].values[0])
+    reference = float(data.attrs["reference_frequency"])
+    note = f"{frequency / (2 * np.pi):.4g} Hz = {_digits(frequency / reference)} ω$_1$"
+    axes.set_title(f"{data.attrs['title']}\n{note}", fontsize=9, linespacing=1.3)
+    canvas = FigureCanvasAgg(figure)
+    figure.set_dpi(GIF_DPI)
+    pictures = []
+    sketch.look(coordinates)
+    for instant in coordinates:
+        sketch.show(instant)
+        canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib's own
+        pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
+        pictures.append(Image.fromarray(pixels[..., :3].copy()))
+    return pictures
+
+
+def _write_gif(pictures: list[Image.Image], path: Path) -> None:
+    palette = _palette(pictures[len(pictures) // 8])
+    frames = [one.quantize(palette=palette, dither=Image.Dither.NONE) for one in pictures]
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=GIF_FRAME, loop=0)
+
+
+def _palette(sample: Image.Image) -> Image.Image:
+    """One palette for all pictures, so that colours don't flicker: those meant, and edges."""
+    named = [to_rgb(COLOURS[name]) for name in ("total", "rest", "k = 1")]
+    meant = np.vstack(
+        [[1.0, 1.0, 1.0], *named, colormaps[SEQUENTIAL](np.linspace(0, 1, 64))[:, :3]]
+    )
+    exact = np.round(255 * meant).astype(np.uint8).ravel().tolist()
+    edges = sample.quantize(GIF_COLOURS - len(meant)).getpalette() or []
+    palette = Image.new("P", (1, 1))
+    palette.putpalette((exact + edges)[: 3 * GIF_COLOURS])
+    return palette
+
+
+def mode_title(family: str, nodal_diameter: int) -> str:
+    """A mode in words: "1F, k = 2", "suspension"."""
+    return family if family == "suspension" else f"{family}, k = {nodal_diameter}"
+
+
+def _digits(ratio: float) -> str:
+    """A normalised frequency: three decimals, or four digits where it is small."""
+    return f"{ratio:.3f}" if ratio >= 0.1 else f"{ratio:.4g}"

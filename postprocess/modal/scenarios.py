@@ -1,0 +1,210 @@
+"""Contact scenarios of k = 1 modes (Figs 9 and 10): where contact is, and phases that show it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import FancyArrowPatch
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
+from bladewhirl.solvers.stability.scenario import (
+    Scenario,
+    mode_scenario,
+    motion_scenario,
+    smallest_clearance_angle,
+)
+
+TIMES, ANGLES = 97, 1440
+"""Instants of one turn, and angles at which the gap is looked at."""
+
+DRAWN_CLEARANCE = 0.16
+"""The clearance in a picture, as a share of the tip radius."""
+
+ZONE = np.radians(40.0)
+"""Half the angle over which blades are drawn in contact."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WhirlingModes:
+    """A k = 1 mode of the rotor and one of the casing that move in step, contact just closing."""
+
+    name: str  #: of the rotor's mode
+    shaft: float  #: displacement of the centre [m]
+    rotor: float  #: radial amplitude of the tips, positive on the side of +x [m]
+    casing: float  #: radial amplitude of the casing [m]
+    frequency: float  #: of the rotor's mode [rad/s]
+    speed: float  #: at which the modes coincide [rad/s]
+    clearance: float  #: at rest [m]
+
+    @property
+    def scenario(self) -> Scenario:
+        """Where contact is with respect to the shaft."""
+        return mode_scenario(shaft=self.shaft, rotor=self.rotor, casing=self.casing)
+
+
+def scenario_dataset(modes: WhirlingModes, *, reference: float) -> xr.Dataset:
+    """One turn of the rotor in two coincident modes, in the rotating frame: phases, as measured.
+
+    The wave travels backward on the rotor. The smallest clearance is looked for along the tips.
+
+    Args:
+        modes: that move in step.
+        reference: frequency that speeds are multiples of [rad/s].
+    """
+    time = 2.0 * np.pi / modes.speed * np.linspace(0.0, 1.0, TIMES)
+    turning = np.exp(-1j * modes.frequency * time)
+    angle = 2.0 * np.pi * np.arange(ANGLES) / ANGLES
+    crest = np.real(np.multiply.outer(turning, np.exp(-1j * angle)))
+    gap = modes.clearance + (modes.casing - modes.rotor) * crest
+    place = smallest_clearance_angle(gap, angle)
+    shaft = modes.shaft * np.stack([turning.real, turning.imag], axis=-1)
+    measured = motion_scenario(shaft=shaft, clearance_angle=place)
+    phase = np.angle(modes.shaft * turning)
+    return xr.Dataset(
+        {
+            "shaft_phase": ("time", phase, {"units": "rad"}),
+            "smallest_clearance_phase": (
+                "time",
+                np.angle(np.exp(1j * place)),
+                {"units": "rad"},
+            ),
+            "smallest_clearance": ("time", gap.min(axis=1), {"units": "m"}),
+        },
+        coords={"time": ("time", time, {"units": "s"})},
+        attrs={
+            "title": f"{modes.name}: {measured.kind} contact scenario",
+            "mode": modes.name,
+            "scenario": measured.kind,
+            "shaft_lead": measured.lead,
+            "shaft_amplitude": modes.shaft,
+            "rotor_amplitude": modes.rotor,
+            "casing_amplitude": modes.casing,
+            "clearance": modes.clearance,
+            "frequency": modes.frequency,
+            "speed": modes.speed,
+            "reference_frequency": reference,
+        },
+    )
+
+
+@styled
+def plot_scenario(data: xr.Dataset) -> Figure:
+    """Draw where contact is, and the phases of shaft and smallest clearance, Fig. 9 or 10.
+
+    Above, rotor and casing as the rings of Fig. 4, clearance and displacements enlarged alike: the
+    shaft's displacement, blades in contact, friction on them, and the whirl it drives. Below, the
+    phases over one turn, rotating frame.
+
+    Args:
+        data: from `scenario_dataset`.
+    """
+    figure = new_figure(height=0.108)
+    upper, lower = figure.subplots(2, 1, height_ratios=(1.5, 1.0))
+    _draw_rings(upper, data)
+    turns = data["time"].values * data.attrs["speed"] / (2.0 * np.pi)
+    for name, key, style, width in (
+        ("shaft", "shaft_phase", "-", 1.2),
+        ("smallest clearance", "smallest_clearance_phase", "--", 1.8),
+    ):
+        colour = COLOURS["rotor" if name == "shaft" else "contact"]
+        phase = _broken(np.degrees(data[key].values))
+        lower.plot(turns, phase, style, color=colour, linewidth=width, label=name)
+    lower.set(
+        xlim=(0.0, 1.0),
+        ylim=(-190.0, 190.0),
+        yticks=(-180, -90, 0, 90, 180),
+        xlabel="turns of the rotor [–]",
+        ylabel="phase [°]",
+    )
+    lower.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    handles, labels = upper.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=3)
+    return figure
+
+
+def _draw_rings(axes: Axes, data: xr.Dataset) -> None:
+    """The rings and what acts on the shaft; the shaft is displaced towards +x."""
+    clearance = float(data.attrs["clearance"])
+    drawn = DRAWN_CLEARANCE / clearance
+    sense = np.sign(data.attrs["shaft_amplitude"])
+    centre, wall, shaft = (
+        sense * drawn * float(data.attrs[f"{name}_amplitude"])
+        for name in ("rotor", "casing", "shaft")
+    )
+    side = np.sign(centre - wall)
+    rings: tuple[tuple[float, float, Mapping[str, Any]], ...] = (
+        (0.0, 1.0, {"color": COLOURS["rest"], "linestyle": "--", "label": "tips at rest"}),
+        (centre, 1.0, {"color": COLOURS["rotor"], "linewidth": 1.2, "label": "tips"}),
+        (
+            wall,
+            1.0 + DRAWN_CLEARANCE,
+            {"color": COLOURS["casing"], "linewidth": 2.0, "label": "casing"},
+        ),
+    )
+    for middle, radius, look in rings:
+        axes.plot(*_arc(middle, radius, np.pi), **look)
+    contact: Mapping[str, Any] = {
+        "color": COLOURS["contact"],
+        "linewidth": 3.0,
+        "solid_capstyle": "round",
+    }
+    axes.plot(*_arc(centre, side, ZONE), label="contact", **contact)
+    zone = np.linspace(-ZONE, ZONE, 5)
+    outward = side * np.stack([np.cos(zone), np.sin(zone)], axis=-1)
+    for normal in outward:
+        tip = normal + np.array([centre, 0.0])
+        axes.plot(*np.stack([[shaft, 0.0], tip]).T, color=COLOURS["rest"], linewidth=0.5)
+        drag = np.array([normal[1], -normal[0]])  # towards -theta
+        start = tip - 0.12 * normal - 0.1 * drag
+        _arrow(axes, start, start + 0.28 * drag, COLOURS["suspension"])
+    axes.plot([], [], color=COLOURS["suspension"], label="friction")
+    _arrow(axes, (0.0, 0.0), (shaft, 0.0), COLOURS["k = 0"], width=1.4)
+    axes.plot([], [], color=COLOURS["k = 0"], linewidth=1.4, label="shaft")
+    axes.plot(0.0, 0.0, "x", color=COLOURS["total"], markersize=3.0)
+    reach = 1.03 * max(1.0 + DRAWN_CLEARANCE + abs(wall), 1.0 + abs(centre))
+    axes.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
+    axes.set_axis_off()
+    kind = data.attrs["scenario"]
+    driven = "backward" if kind == "standard" else "forward"
+    axes.set_title(f"{data.attrs['mode']}, {kind}: friction drives {driven} whirl")
+
+
+def _arc(middle: float, radius: float, half_angle: float) -> FloatArray:
+    """Points (2, angles) of an arc about +x; about -x where the radius is negative."""
+    angle = np.linspace(-half_angle, half_angle, 240)
+    return np.stack([middle + radius * np.cos(angle), radius * np.sin(angle)])
+
+
+def _arrow(
+    axes: Axes,
+    start: FloatArray | tuple[float, float],
+    end: FloatArray | tuple[float, float],
+    colour: str,
+    width: float = 0.9,
+) -> None:
+    axes.add_patch(
+        FancyArrowPatch(
+            tuple(start),
+            tuple(end),
+            arrowstyle="-|>",
+            mutation_scale=5.0,
+            color=colour,
+            linewidth=width,
+            shrinkA=0.0,
+            shrinkB=0.0,
+            zorder=4,
+        )
+    )
+
+
+def _broken(degrees: FloatArray) -> FloatArray:
+    """A jump from 180 to -180 is no motion: break the line there."""
+    jump = np.abs(np.diff(degrees, prepend=degrees[0])) > 180.0
+    return np.where(jump, np.nan, degrees)

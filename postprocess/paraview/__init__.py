@@ -1,0 +1,1 @@
+"""Results as time series for ParaView."""

@@ -1,0 +1,204 @@
+"""The stage as surfaces: beams and wall as boxes of their true thickness and width.
+
+Every beam, and every element of the casing, is a box swept along a line by stations of its own,
+so that strains, which jump from one element to the next, are kept as they are. A box moves as its
+cross-sections do, which stay plane and normal: a corner at the distance y from the line gets the
+line's displacement minus y times the rotation along it.
+"""
+
+from dataclasses import dataclass
+
+import meshio
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields.beam_sections import rotor_sections
+from bladewhirl.postprocess.fields.fields import (
+    Array,
+    IntArray,
+    Quantity,
+    clearance_at,
+    cubic_weights,
+    element_lengths,
+    history,
+    line_rows,
+    line_slope_rows,
+    rotate,
+    slope_weights,
+    station_angles,
+    turn,
+    wall_rows,
+)
+from bladewhirl.postprocess.fields.strains import (
+    StrainRows,
+    Strains,
+    casing_strain_rows,
+    rotor_strain_rows,
+)
+
+BEAM_PIECES = 2  #: a cubic between two nodes looks smooth, and its strains are linear
+ARC_POINTS = 180  #: the casing is cut into at least this many pieces
+SIDES = np.array([0, 1, 1, 0])  #: right, left, left, right: the corners of a cross-section
+ENDS = np.array([-0.5, -0.5, 0.5, 0.5])  #: where they are out of the plane, in widths
+
+
+@dataclass(frozen=True, kw_only=True)
+class Boxes:
+    """Boxes along lines, at rest, in the axes of their own body."""
+
+    body: str  #: "rotor" or "casing"
+    line: Array  #: stations (element, station, 2) [m]
+    normal: Array  #: across the line, to its left or, on the casing, outward (as `line`)
+    offset: Array  #: of the right (inner) and left (outer) side along it (as `line`) [m]
+    width: Array  #: (element, station or 1) [m]
+    modulus: Array  #: (element, station or 1) [Pa]
+    rows: Array  #: displacement for unit coordinates (element, station, 2, mode)
+    turn_rows: Array  #: rotation of the cross-section, counter-clockwise (element, station, mode)
+    strain_rows: StrainRows
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of elements and of stations along each."""
+        return self.line.shape[0], self.line.shape[1]
+
+    def points(self) -> Array:
+        """Corners (element * station * 4, 3) [m]."""
+        place = self.line[:, :, None] + self._beside()
+        height = np.broadcast_to(ENDS * self.width[..., None], place.shape[:-1])
+        return np.concatenate([place, height[..., None]], axis=-1).reshape(-1, 3)
+
+    def quads(self) -> IntArray:
+        """Faces (quad, 4), seen from outside counter-clockwise: four along each piece, and one at
+        both ends of a box.
+        """
+        elements, stations = self.shape
+        first = 4 * (stations * np.arange(elements)[:, None] + np.arange(stations - 1))[..., None]
+        corner = np.arange(4)
+        following = np.roll(corner, -1)
+        ring = np.stack([corner, following, following + 4, corner + 4], axis=1)
+        sides = (first[..., None] + ring).reshape(-1, 4)
+        begin = 4 * stations * np.arange(elements)[:, None] + corner[::-1]
+        end = 4 * stations * np.arange(elements)[:, None] + 4 * (stations - 1) + corner
+        quads: IntArray = np.vstack([sides, begin, end])
+        along, normal = self.line[0, 1] - self.line[0, 0], self.normal[0, 0]
+        mirrored = along[0] * normal[1] - along[1] * normal[0] < 0
+        return quads[:, ::-1] if mirrored else quads
+
+    def vectors(self, dataset: xr.Dataset, quantity: Quantity, records: IntArray) -> Array:
+        """Displacement or velocity (record, corner, 2) [m or m/s] in the body's axes."""
+        coordinates = history(dataset, f"{self.body}_{quantity}", records)
+        count = len(records)
+        flat = self.rows.reshape(-1, self.rows.shape[-1])
+        line = (coordinates @ flat.T).reshape(count, *self.shape, 1, 2)
+        turned = coordinates @ self.turn_rows.reshape(-1, self.rows.shape[-1]).T
+        across = rotate(self._beside(), np.pi / 2)  # the effect of a small turn
+        moved = line + turned.reshape(count, *self.shape, 1, 1) * across
+        return np.asarray(moved.reshape(count, -1, 2))
+
+    def strains(self, dataset: xr.Dataset, records: IntArray) -> Strains:
+        """Axial and bending strain at the stations (record, element, station) [1]."""
+        coordinates = history(dataset, f"{self.body}_displacement", records)
+        return Strains.of(coordinates, self.strain_rows)
+
+    def _beside(self) -> Array:
+        """Corners from the line (element, station, 4, 2) [m], in the plane."""
+        return np.asarray(self.offset[:, :, SIDES, None] * self.normal[:, :, None])
+
+
+def rotor_boxes(dataset: xr.Dataset, pieces: int = BEAM_PIECES) -> Boxes:
+    """The beams of the rotor, in rotating axes."""
+    line, rows = line_rows(dataset, pieces)
+    along = (line[:, -1] - line[:, 0])[:, None]
+    normal = rotate(along / np.linalg.norm(along, axis=-1)[..., None], np.pi / 2)
+    half = rotor_sections(dataset, "thickness", pieces)[..., None] / 2
+    return Boxes(
+        body="rotor",
+        line=line,
+        normal=np.broadcast_to(normal, line.shape),
+        offset=np.broadcast_to(half * np.array([-1.0, 1.0]), line.shape),
+        width=rotor_sections(dataset, "width", pieces),
+        modulus=rotor_sections(dataset, "young_modulus", pieces),
+        rows=rows,
+        turn_rows=line_slope_rows(dataset, pieces),
+        strain_rows=rotor_strain_rows(dataset, pieces),
+    )
+
+
+def casing_boxes(dataset: xr.Dataset, arc_points: int = ARC_POINTS) -> Boxes:
+    """The wall of the casing, in static axes, from the surface that is rubbed outward."""
+    pieces = -(-arc_points // dataset.sizes["casing_node"])
+    angle = station_angles(dataset, pieces)
+    outward = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    clearance = clearance_at(dataset, angle.ravel()).reshape(angle.shape)
+    radius = float(dataset.attrs["tip_radius"]) + clearance
+    wall = np.broadcast_to(dataset["casing_thickness"].values[:, None], angle.shape)
+    x = np.linspace(0.0, 1.0, pieces + 1)
+    polar = wall_rows(dataset, cubic_weights(x))
+    slope = wall_rows(dataset, slope_weights(x))[:, :, 0]
+    slope /= element_lengths(dataset)[:, None, None]
+    return Boxes(
+        body="casing",
+        line=radius[..., None] * outward,
+        normal=outward,
+        offset=np.stack([np.zeros_like(wall), wall], axis=-1),
+        width=dataset["casing_width"].values[:, None],
+        modulus=dataset["casing_young_modulus"].values[:, None],
+        rows=np.moveaxis(rotate(np.moveaxis(polar, 2, -1), angle[..., None]), -1, 2),
+        turn_rows=polar[:, :, 1] / float(dataset.attrs["casing_radius"]) - slope,
+        strain_rows=casing_strain_rows(dataset, pieces),
+    )
+
+
+class SurfaceSeries:
+    """A body's boxes as meshes, record by record; what does not change is made once."""
+
+    def __init__(self, dataset: xr.Dataset, boxes: Boxes, *, rotating: bool) -> None:
+        self._dataset, self._boxes = dataset, boxes
+        self._turns = (boxes.body == "rotor") != rotating
+        self._sense = 1.0 if boxes.body == "rotor" else -1.0
+        self._points = boxes.points()
+        self._cells = [("quad", boxes.quads())]
+
+    @property
+    def points(self) -> int:
+        """Number of corners of one mesh."""
+        return len(self._points)
+
+    def meshes(self, records: IntArray) -> list[meshio.Mesh]:
+        """One mesh a record, in single precision: points, `displacement` [m], `velocity` [m/s],
+        `radial_displacement` [m], `axial_strain`, `bending_strain` [1], `axial_stress`,
+        `bending_stress` and, at the surface itself, `surface_stress` [Pa].
+        """
+        boxes, count = self._boxes, len(records)
+        angle = self._sense * turn(self._dataset, records)[:, None] if self._turns else 0.0
+        displacement = boxes.vectors(self._dataset, "displacement", records)
+        radius = np.linalg.norm(self._points[:, :2], axis=1)
+        outward = self._points[:, :2] / np.where(radius > 0, radius, 1.0)[:, None]
+        strains = boxes.strains(self._dataset, records)
+        modulus = boxes.modulus
+        bend = np.where(SIDES == 0, 1.0, -1.0)  # bending strain is that of the right side
+        surface = strains.axial[..., None] + strains.bending[..., None] * bend
+        fields: dict[str, Array] = {
+            "displacement": _in_space(rotate(displacement, angle)),
+            "velocity": _in_space(rotate(boxes.vectors(self._dataset, "velocity", records), angle)),
+            "radial_displacement": np.sum(displacement * outward, axis=-1),
+            "surface_stress": (modulus[..., None] * surface).reshape(count, -1),
+        }
+        for name, strain in (("axial", strains.axial), ("bending", strains.bending)):
+            for kind, values in (("strain", strain), ("stress", modulus * strain)):
+                fields[f"{name}_{kind}"] = np.repeat(values.reshape(count, -1), 4, axis=1)
+        place = np.broadcast_to(self._points, (count, *self._points.shape)).copy()
+        place[..., :2] = rotate(place[..., :2], angle)
+        single = {name: values.astype(np.float32) for name, values in fields.items()}
+        return [
+            meshio.Mesh(
+                place[index].astype(np.float32),
+                self._cells,
+                point_data={name: values[index] for name, values in single.items()},
+            )
+            for index in range(count)
+        ]
+
+
+def _in_space(vectors: Array) -> Array:
+    return np.concatenate([vectors, np.zeros_like(vectors[..., :1])], axis=-1)

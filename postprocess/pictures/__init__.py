@@ -1,0 +1,1 @@
+"""Stages, runs and modes drawn with pyvista: stills, sheets, films and web pages."""

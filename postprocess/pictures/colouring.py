@@ -1,0 +1,222 @@
+"""What the stage in a picture is coloured by: any field of a result, or the parts it consists of.
+
+Values are true, whatever the exaggeration. They are given at both sides of beams and wall, since
+the strain of bending is not the same there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, get_args
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields.beam_sections import rotor_sections
+from bladewhirl.postprocess.fields.blades import line_blades
+from bladewhirl.postprocess.fields.fields import (
+    Array,
+    IntArray,
+    Quantity,
+    ViewError,
+    casing_rows,
+    combine,
+    history,
+    line_rows,
+    ring_angles,
+)
+from bladewhirl.postprocess.fields.strains import Strains, casing_strain_rows, rotor_strain_rows
+from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL
+from bladewhirl.postprocess.plotting.units import length_unit
+from bladewhirl.postprocess.run.stresses import require_sections, stress_unit
+
+Field = Literal[
+    "displacement", "velocity", "axial-strain", "bending-strain", "stress", "gap", "part"
+]
+
+DIVERGING = "RdBu_r"
+"""Colour map of signed values, told apart by colour-blind readers."""
+
+PART_COLOURS = tuple(
+    COLOURS[name] for name in ("k = 0", "other k", "suspension", "k = 1", "contact", "rest")
+)
+"""Of the rotor's parts, in turn; the casing has its own."""
+
+
+class Stations(NamedTuple):
+    """How finely beams and wall are cut."""
+
+    per_line: int  #: pieces of a beam
+    per_element: int  #: pieces of an element of the casing
+
+
+@dataclass(frozen=True, kw_only=True)
+class Colouring:
+    """True values of a field in a picture; NaN where it has none."""
+
+    name: str  #: as it is written beside the scale, without unit
+    unit: str  #: in which it is written; "" for parts
+    scale: float  #: how many of it are one in SI
+    rotor: Array  #: (record, line, station, side)
+    casing: Array  #: (record, station, side), not closed
+    signed: bool = False
+    parts: Mapping[str, str] | None = None  #: colours of parts by name; values are their numbers
+
+    @property
+    def colour_map(self) -> str | list[str]:
+        """Name of a colour map, or a list of colours."""
+        if self.parts is not None:
+            return list(self.parts.values())
+        return DIVERGING if self.signed else SEQUENTIAL
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Ends of the colour scale in `unit`."""
+        if self.parts is not None:
+            return (-0.5, len(self.parts) - 0.5)
+        end = scale_end(self.scale * self.largest)
+        return (-end if self.signed else 0.0, end)
+
+    @property
+    def largest(self) -> float:
+        """Largest magnitude."""
+        sizes = [np.abs(values[np.isfinite(values)]) for values in (self.rotor, self.casing)]
+        return float(max(np.max(size, initial=0.0) for size in sizes))
+
+
+def colouring(
+    dataset: xr.Dataset, field: Field, records: IntArray, stations: Stations
+) -> Colouring:
+    """A field at the given records.
+
+    Raises:
+        ViewError: no such field.
+        ResultError: strain or stress of an old result that knows no sections.
+    """
+    if field not in get_args(Field):
+        raise ViewError(f"colour must be one of {', '.join(get_args(Field))}, got {field!r}")
+    makers: Mapping[str, Callable[[], Colouring]] = {
+        "displacement": lambda: _magnitude(dataset, "displacement", records, stations),
+        "velocity": lambda: _magnitude(dataset, "velocity", records, stations),
+        "gap": lambda: _gap(dataset, records, stations),
+        "part": lambda: _parts(dataset, records, stations),
+    }
+    make = makers.get(field, lambda: _strained(dataset, field, records, stations))
+    return make()
+
+
+def _magnitude(
+    dataset: xr.Dataset, quantity: Quantity, records: IntArray, stations: Stations
+) -> Colouring:
+    """Magnitude of displacement or velocity."""
+    _, rows = line_rows(dataset, stations.per_line)
+    angle = ring_angles(dataset, stations.per_element)
+    rotor, casing = (
+        np.linalg.norm(combine(history(dataset, f"{body}_{quantity}", records), own), axis=-1)
+        for body, own in (
+            ("rotor", rows.reshape(-1, 2, rows.shape[-1])),
+            ("casing", casing_rows(dataset, angle)),
+        )
+    )
+    largest = float(max(rotor.max(), casing.max()))
+    unit, scale = length_unit(largest) if quantity == "displacement" else ("m/s", 1.0)
+    return Colouring(
+        name=quantity,
+        unit=unit,
+        scale=scale,
+        rotor=_on_both_sides(rotor.reshape(len(records), *rows.shape[:2])),
+        casing=_on_both_sides(casing),
+    )
+
+
+def _strained(dataset: xr.Dataset, field: str, records: IntArray, stations: Stations) -> Colouring:
+    """Axial or bending strain, or the stress at the surface."""
+    require_sections(dataset)
+    rotor = Strains.of(
+        history(dataset, "rotor_displacement", records),
+        rotor_strain_rows(dataset, stations.per_line),
+    )
+    wall = Strains.of(
+        history(dataset, "casing_displacement", records),
+        casing_strain_rows(dataset, stations.per_element),
+    )
+    both = [
+        _at_surfaces(rotor, field, rotor_sections(dataset, "young_modulus", stations.per_line)),
+        _at_surfaces(wall, field, dataset["casing_young_modulus"].values[:, None])[:, :, :-1],
+    ]
+    largest = float(max(np.abs(values).max() for values in both))
+    unit, scale = stress_unit(largest) if field == "stress" else strain_unit(largest)
+    return Colouring(
+        name={"stress": "surface stress"}.get(field, field.replace("-", " ")),
+        unit=unit,
+        scale=scale,
+        rotor=both[0],
+        casing=both[1].reshape(len(records), -1, 2),
+        signed=True,
+    )
+
+
+def _at_surfaces(strains: Strains, field: str, modulus: Array) -> Array:
+    """Values (record, element, station, side), right or inner side first."""
+    bend = strains.bending[..., None] * np.array([1.0, -1.0])
+    axial = strains.axial[..., None] + 0.0 * bend
+    if field == "bending-strain":
+        return np.asarray(bend)
+    if field == "axial-strain":
+        return np.asarray(axial)
+    return np.asarray(modulus[..., None] * (axial + bend))
+
+
+def _gap(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colouring:
+    """The gap at its tip for every blade."""
+    gap, blade = history(dataset, "gap", records), line_blades(dataset)
+    values = np.where(blade >= 0, gap[:, blade], np.nan)
+    rotor = np.repeat(values[:, :, None], stations.per_line + 1, axis=2)
+    unit, scale = length_unit(float(gap.max()))
+    casing = np.full((len(records), stations.per_element * dataset.sizes["casing_node"]), np.nan)
+    return Colouring(
+        name="gap at the tip",
+        unit=unit,
+        scale=scale,
+        rotor=_on_both_sides(rotor),
+        casing=_on_both_sides(casing),
+    )
+
+
+def _parts(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colouring:
+    """Numbers of parts: those of the rotor in the order of the mesh, then the casing."""
+    part = dataset["rotor_part"].values.astype(str)
+    names = list(dict.fromkeys(part))
+    number = np.array([names.index(name) for name in part], dtype=np.float64)
+    shape = (len(records), len(part), stations.per_line + 1)
+    wall = (len(records), stations.per_element * dataset.sizes["casing_node"])
+    colours = [PART_COLOURS[index % len(PART_COLOURS)] for index in range(len(names))]
+    shown = {name or "other beams": colour for name, colour in zip(names, colours, strict=True)}
+    return Colouring(
+        name="part",
+        unit="",
+        scale=1.0,
+        rotor=_on_both_sides(np.broadcast_to(number[:, None], shape)),
+        casing=_on_both_sides(np.full(wall, float(len(names)))),
+        parts=shown | {"casing": COLOURS["casing"]},
+    )
+
+
+def _on_both_sides(values: Array) -> Array:
+    return np.repeat(values[..., None], 2, axis=-1)
+
+
+def strain_unit(strain: float) -> tuple[str, float]:
+    """Unit in which a strain reads well, and how many of it are one."""
+    return ("mm/m", 1e3) if strain >= 1e-3 else ("µm/m", 1e6)
+
+
+def scale_end(largest: float) -> float:
+    """The end of a colour scale from 0 that holds a value and whose quarters are short numbers."""
+    if largest == 0:
+        return 1.0
+    decade = 10.0 ** np.floor(np.log10(largest))
+    steps = (1, 1.2, 1.6, 2, 2.4, 3.2, 4, 5, 6, 8, 10)
+    # The tolerance keeps a value of 1.2 that rounding made 1.2000000000000002.
+    return float(decade * min(step for step in steps if step * decade >= largest * (1 - 1e-9)))

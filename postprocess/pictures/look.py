@@ -1,0 +1,78 @@
+"""Colours and sizes of the stage in pictures, whatever draws it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.pictures.symbols import Symbols
+
+INK = "#20262e"
+FAINT = "#5f6872"
+BACKGROUND = "white"
+NO_VALUE = "#cdd2d8"  #: of what has no value of the field that colours the rest
+MASS_COLOUR = "#f0e442"  #: yellow, apart from the colours of parts
+FORCE_COLOUR = "#d55e00"  #: vermilion, apart from the whole map in every kind of colour vision
+
+# Sizes of drawn things, as shares of the picture's radius.
+OUTLINE = 0.0035
+HUB = 0.022
+MARK = 0.014
+RIM = 0.006  #: light, around hub and mark, which stand on parts of any colour
+EDGE = 0.002  #: light, on both sides of strokes
+CONTACT_DISC = 0.014
+ARROW_WIDTH = 0.011
+LONGEST_ARROW = 0.17
+SPRING, GROUND, STRUT = 0.0032, 0.0026, 0.011  #: widths of strokes
+MARGIN = 1.04
+
+FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
+"""The font of matplotlib's figures, so that pictures and plots look alike."""
+
+SQUARE = 0.75
+"""Share of a picture's width that the stage takes; the panel has the rest."""
+
+
+def strokes_of(symbols: Symbols) -> list[tuple[str, float, str, Array]]:
+    """Name, width, colour and ends (stroke, 2, 2) of each kind of stroke, lowest first."""
+    return [
+        ("struts", STRUT, INK, symbols.struts),
+        ("ground", GROUND, FAINT, symbols.ground),
+        ("springs", SPRING, INK, symbols.springs),
+        ("dampers", SPRING, INK, symbols.dampers),
+    ]
+
+
+def newtons(force: float) -> str:
+    """A force with three figures in N, kN or MN."""
+    for unit, size in (("MN", 1e6), ("kN", 1e3)):
+        if force >= size:
+            return f"{force / size:.3g} {unit}"
+    return f"{force:.3g} N"
+
+
+def contact_words(forces: Array) -> str:
+    """How many blades touch, and how hard, from forces (blade, 2) [N]."""
+    size = np.linalg.norm(forces, axis=1)
+    touching = int(np.count_nonzero(size))
+    if not touching:
+        return "no contact"
+    return f"{touching} of {len(size)} blades touch\nlargest force {newtons(size.max())}"
+
+
+def speed_words(dataset: xr.Dataset) -> str:
+    """The speed in three units, a line each."""
+    speed = float(dataset.attrs["speed"])
+    relative = speed / float(dataset.attrs["reference_frequency"])
+    return f"{speed:.5g} rad/s\n{speed * 30 / np.pi:.5g} rpm\n{relative:.4g} × lowest mode"
+
+
+def enlargement(factor: float) -> str:
+    """How large displacements are drawn."""
+    if factor == 1:
+        return "true size"
+    return f"displacement and clearance\ndrawn {factor:g} times as large"

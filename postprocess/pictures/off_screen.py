@@ -1,0 +1,104 @@
+"""Can pictures be made here without a display? Asked before VTK is, which would crash."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bladewhirl.models.inputs.errors import UserError
+
+if TYPE_CHECKING:
+    import pyvista
+
+Pixels = NDArray[np.uint8]  #: (height, width, 3)
+
+PACKAGES = "libegl1 libegl-mesa0 libgl1-mesa-dri libx11-6"
+_CHOICE, _EGL = "VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow"
+_PLATFORM_DEVICE = 0x313F  # EGL_PLATFORM_DEVICE_EXT
+_MOST_DEVICES = 16
+
+
+class OffScreenError(UserError):
+    """The system lacks what drawing without a display needs; the message says what to install."""
+
+
+@functools.cache
+def require_off_screen() -> None:
+    """Make VTK draw off-screen through EGL, or raise OffScreenError in one line.
+
+    On Linux VTK loads OpenGL when the first window opens and dies by a segmentation fault where
+    libEGL or a driver is missing, so the same steps are tried here. Other systems bring
+    theirs, and whoever set VTK_DEFAULT_OPENGL_WINDOW to another window is taken at their word.
+    """
+    if not sys.platform.startswith("linux") or os.environ.get(_CHOICE, _EGL) != _EGL:
+        return
+    try:
+        egl = ctypes.CDLL("libEGL.so.1")
+    except OSError as error:
+        raise _missing("libEGL.so.1") from error
+    if not _has_driver(egl):
+        raise _missing("an OpenGL driver for libEGL.so.1")
+    # Without this VTK first tries an X display: a warning where there is none, a crash where
+    # libX11 is missing too.
+    os.environ[_CHOICE] = _EGL
+
+
+@contextmanager
+def off_screen_plotter(size: tuple[int, int]) -> Iterator[pyvista.Plotter]:
+    """A white plotter of that size in pixels, without a display; OffScreenError where there can be
+    none. pyvista is loaded here, since it must not be before that is known.
+    """
+    require_off_screen()
+    import pyvista
+
+    plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
+    try:
+        plotter.set_background("white")
+        plotter.enable_anti_aliasing("msaa", multi_samples=8)
+        yield plotter
+    finally:
+        plotter.close()
+
+
+def pixels_of(plotter: pyvista.Plotter) -> Pixels:
+    """What a plotter shows."""
+    plotter.render()
+    return np.array(plotter.screenshot(return_img=True), dtype=np.uint8)
+
+
+def _missing(what: str) -> OffScreenError:
+    return OffScreenError(
+        f"drawing without a display needs {what}, which was not found; "
+        f"on Debian or Ubuntu: apt-get install {PACKAGES}"
+    )
+
+
+def _has_driver(egl: ctypes.CDLL) -> bool:
+    """Whether EGL starts on at least one device, a graphics card or a software driver.
+
+    Displays are left open: ending them would end those that VTK may hold in this process.
+    """
+    pointer, integer = ctypes.c_void_p, ctypes.c_int
+    egl.eglGetProcAddress.restype = pointer
+    query_address = egl.eglGetProcAddress(b"eglQueryDevicesEXT")
+    display_address = egl.eglGetProcAddress(b"eglGetPlatformDisplayEXT")
+    if not (query_address and display_address):
+        return False
+    query = ctypes.CFUNCTYPE(
+        ctypes.c_uint, integer, ctypes.POINTER(pointer), ctypes.POINTER(integer)
+    )(query_address)
+    open_display = ctypes.CFUNCTYPE(pointer, ctypes.c_uint, pointer, pointer)(display_address)
+    egl.eglInitialize.argtypes = [pointer, pointer, pointer]
+    devices, found = (pointer * _MOST_DEVICES)(), integer(0)
+    if not query(_MOST_DEVICES, devices, ctypes.byref(found)):
+        return False
+    displays = (open_display(_PLATFORM_DEVICE, device, None) for device in devices[: found.value])
+    return any(display and egl.eglInitialize(display, None, None) for display in displays)

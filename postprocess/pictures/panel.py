@@ -1,0 +1,208 @@
+"""What stands beside the stage in a picture: title, time, contact, colour scale, shaft's orbit."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping
+
+import numpy as np
+import pyvista
+import xarray as xr
+
+from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.pictures.drawing import Picture
+from bladewhirl.postprocess.pictures.look import (
+    FAINT,
+    FONT,
+    FORCE_COLOUR,
+    INK,
+    NO_VALUE,
+    SQUARE,
+    contact_words,
+    enlargement,
+    speed_words,
+)
+from bladewhirl.postprocess.pictures.scene import (
+    CIRCLE,
+    StageScene,
+    disc_triangles,
+)
+from bladewhirl.postprocess.pictures.shaft_trail import shaft_trail
+from bladewhirl.postprocess.pictures.symbols import KINDS, sample
+
+SCALE_TOP, SCALE_FOOT = 0.455, 0.05  #: of colour scale or key, as shares of the window
+ORBIT_TOP, ORBIT_SIZE = 0.475, 0.17  #: of the inset; the scale then begins below it
+KEY_STEP = 0.034
+KEY_LETTERS, LINE_LETTERS = 27, 32
+
+
+class Panel:
+    """What the picture shows, in words, and the colour scale, right of the stage. With `trail`,
+    consecutive records, an inset shows the shaft's orbit through them.
+    """
+
+    def __init__(
+        self,
+        scene: StageScene,
+        dataset: xr.Dataset,
+        *,
+        note: str = "",
+        trail: IntArray | None = None,
+    ) -> None:
+        self._plotter, drawing = scene.plotter, scene.drawing
+        shown = [f"{drawing.frame} frame", enlargement(drawing.exaggeration)]
+        write_title(scene.plotter, dataset)
+        self._time = write(scene.plotter, "", 0.885, 22)
+        write(scene.plotter, f"speed\n{speed_words(dataset)}", 0.82, 13)
+        write(scene.plotter, "\n".join([*shown, note] if note else shown), 0.7, 13, color=FAINT)
+        self._contact = write(scene.plotter, "", 0.565, 14, color=FORCE_COLOUR)
+        self._orbit = None if trail is None else Orbit(scene, dataset, trail)
+        top = SCALE_TOP if trail is None else ORBIT_TOP - 0.06 - ORBIT_SIZE
+        if drawing.colouring.parts is None:
+            write_scale(scene, top)
+        else:
+            write_key(scene.plotter, drawing.colouring.parts, top)
+
+    def show(self, picture: Picture) -> None:
+        """Bring time, contacts and orbit up to date."""
+        self._time.input = f"t = {1e3 * picture.time:.1f} ms"
+        self._contact.input = contact_words(picture.forces)
+        if self._orbit is not None:
+            self._orbit.show(picture.time)
+
+    def show_span(self, first: float, last: float) -> None:
+        """Say which times [s] are shown, where they are many."""
+        self._time.input = f"{1e3 * first:.4g} to {1e3 * last:.4g} ms"
+        self._contact.input = ""
+
+
+class Orbit:
+    """The way of the shaft's centre through records, and how far it has come."""
+
+    def __init__(self, scene: StageScene, dataset: xr.Dataset, records: IntArray) -> None:
+        drawing = scene.drawing
+        self._time = dataset["time"].values[records]
+        trail = shaft_trail(dataset, records, drawing.frame)
+        write(scene.plotter, trail.title, ORBIT_TOP, 13)
+        width, height = scene.plotter.window_size
+        low = scene.place(SQUARE + 0.02, ORBIT_TOP - 0.045 - ORBIT_SIZE)
+        high = scene.place(SQUARE + 0.02 + ORBIT_SIZE * height / width, ORBIT_TOP - 0.045)
+        self._middle, half = (low + high) / 2, (high[1] - low[1]) / 2
+        self._way = self._middle + half * trail.places
+        angle = np.linspace(0.0, 2 * np.pi, 73)
+        circle = self._middle + half * np.column_stack([np.cos(angle), np.sin(angle)])
+        across = np.array([[-half, 0.0], [half, 0.0], [0.0, 0.0], [0.0, -half], [0.0, half]])
+        for line in (circle, self._middle + across):
+            self._add(scene.plotter, line, NO_VALUE, 1.5)
+        self._add(scene.plotter, self._way, FAINT, 1.0)
+        self._trail = self._add(scene.plotter, self._way, FORCE_COLOUR, 2.5)
+        self._disc = 0.05 * half * CIRCLE
+        self._dot = pyvista.PolyData.from_regular_faces(
+            _on_plane(self._middle + self._disc), disc_triangles(1)
+        )
+        scene.plotter.add_mesh(self._dot, color=INK, lighting=False)
+
+    def show(self, time: float) -> None:
+        """Bring the trail to a time [s]."""
+        past = int(np.searchsorted(self._time, time, side="right"))
+        seen = self._way.copy()
+        seen[past:] = self._way[past - 1]
+        self._trail.points[:, :2] = seen
+        self._dot.points[:, :2] = self._way[past - 1] + self._disc
+
+    @staticmethod
+    def _add(plotter: pyvista.Plotter, line: Array, colour: str, width: float) -> pyvista.PolyData:
+        points = _on_plane(line if len(line) > 1 else np.repeat(line, 2, axis=0))
+        mesh = pyvista.PolyData(points, lines=[len(points), *range(len(points))])
+        plotter.add_mesh(
+            mesh, color=colour, line_width=width * plotter.window_size[1] / 960, lighting=False
+        )
+        return mesh
+
+
+def _on_plane(points: Array) -> Array:
+    return np.column_stack([points, np.zeros(len(points))])
+
+
+def write_title(plotter: pyvista.Plotter, dataset: xr.Dataset) -> None:
+    """Put the case's title on top."""
+    write(plotter, textwrap.fill(str(dataset.attrs["title"]), 24, max_lines=2), 0.97, 16)
+
+
+def write_scale(scene: StageScene, top: float) -> None:
+    """Put the colour scale below `top`."""
+    plotter, colouring = scene.plotter, scene.drawing.colouring
+    write(plotter, f"{colouring.name} [{colouring.unit}]", top, 13)
+    bar = plotter.add_scalar_bar(
+        title="",
+        mapper=scene.colours,
+        vertical=True,
+        position_x=SQUARE + 0.02,
+        position_y=SCALE_FOOT,
+        width=0.05,
+        height=top - 0.045 - SCALE_FOOT,
+        n_labels=5,
+        fmt="%.3g",
+        color=INK,
+        label_font_size=round(14 * plotter.window_size[1] / 960),
+    )
+    bar.GetLabelTextProperty().SetFontFamily(4)  # VTK_FONT_FILE
+    bar.GetLabelTextProperty().SetFontFile(FONT)
+
+
+def write_key(
+    plotter: pyvista.Plotter,
+    colours: Mapping[str, str],
+    top: float,
+    *,
+    sign: str = "\N{BLACK SQUARE}",
+) -> None:
+    """Name colours below `top`."""
+    for number, (name, colour) in enumerate(colours.items()):
+        height = top - KEY_STEP * number
+        write(plotter, sign, height, 19, color=INK, indent=-0.0012)
+        write(plotter, sign, height - 0.0015, 16, color=colour)
+        write(plotter, _short(name), height - 0.005, 13, indent=0.025)
+
+
+def write_symbols(scene: StageScene, top: float) -> int:
+    """Name the symbols of springs, dampers and struts that are drawn, below `top`; how many."""
+    drawn = scene.drawing.picture(0).symbols
+    left, right, number = 0.018, 0.06, 0
+    for kind, (name, _) in KINDS.items():
+        if len(getattr(drawn, kind)):
+            height = top - KEY_STEP * number - 0.012
+            start, end = (scene.place(SQUARE + across, height) for across in (left, right))
+            scene.symbols(sample(kind, start, end))
+            write(scene.plotter, name, height + 0.007, 13, indent=right - 0.008)
+            number += 1
+    return number
+
+
+def write(
+    plotter: pyvista.Plotter,
+    text: str,
+    top: float,
+    size: float,
+    *,
+    color: str = INK,
+    indent: float = 0.0,
+) -> pyvista.Text:
+    """Put text into the panel, its upper edge at a share of the window's height."""
+    width, height = plotter.window_size
+    actor: pyvista.Text = plotter.add_text(
+        text,
+        position=(round((SQUARE + 0.02 + indent) * width), round(top * height)),
+        font_size=round(0.7 * size * height / 960),
+        color=color,
+        font_file=FONT,
+        name=f"panel at {top}, {indent}",
+    )
+    actor.prop.SetVerticalJustificationToTop()
+    actor.prop.SetLineSpacing(1.25)
+    return actor
+
+
+def _short(name: str) -> str:
+    """A name that fits into a line of the key."""
+    return name if len(name) <= KEY_LETTERS else name[: KEY_LETTERS - 1] + "\N{HORIZONTAL ELLIPSIS}"

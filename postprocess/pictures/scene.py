@@ -1,0 +1,238 @@
+"""The stage in a pyvista plotter: actors that are made once and moved from record to record."""
+
+import matplotlib
+import numpy as np
+import pyvista
+from matplotlib.colors import ListedColormap
+
+from bladewhirl.postprocess.fields.fields import Array, IntArray, rotate
+from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows, widened
+from bladewhirl.postprocess.pictures.look import (
+    ARROW_WIDTH,
+    BACKGROUND,
+    CONTACT_DISC,
+    EDGE,
+    FAINT,
+    FORCE_COLOUR,
+    HUB,
+    INK,
+    LONGEST_ARROW,
+    MARGIN,
+    MARK,
+    MASS_COLOUR,
+    NO_VALUE,
+    OUTLINE,
+    RIM,
+    SQUARE,
+    strokes_of,
+)
+from bladewhirl.postprocess.pictures.symbols import MASS, Symbols
+
+DISC_CORNERS = 32
+CIRCLE = np.column_stack(
+    [f(2 * np.pi * np.arange(DISC_CORNERS) / DISC_CORNERS) for f in (np.cos, np.sin)]
+)
+
+
+class StageScene:
+    """A drawing of the stage in a plotter, moved in place by `show`.
+
+    Works in any `pyvista.Plotter`, on a screen or off it. Colours are true values of the drawing's
+    field in its unit. Without `marks`, shaft and first blade have no dots. Layers are a hair apart
+    in z, so look along z, as `look` does.
+    """
+
+    def __init__(self, plotter: pyvista.Plotter, drawing: Drawing, *, marks: bool = True) -> None:
+        self.plotter = plotter
+        self.drawing = drawing
+        stage, contact = drawing.reach()
+        self._size = max(stage, contact / (1 - LONGEST_ARROW))  # arrows end on the tips
+        force = drawing.largest_force
+        self._metres_per_newton = LONGEST_ARROW * self._size / force if force else 0.0
+        first = drawing.picture(0)
+        self._outlines, self._ribbons = [], []
+        for ribbon in (first.casing, first.rotor):
+            quads = _strip_quads(*ribbon.values.shape[:2])
+            corners = ribbon.values.size
+            self._outlines.append(self._add(corners, quads, layer=0, color=INK))
+            self._ribbons.append(self._add(corners, quads, layer=1))
+        # Strokes have light edges: they cross parts of any colour.
+        self._edges, self._strokes = (
+            {
+                name: self._add(
+                    4 * len(strokes),
+                    _stroke_quads(len(strokes)),
+                    layer=layer,
+                    color=shade or colour,
+                )
+                for name, _, colour, strokes in strokes_of(first.symbols)
+            }
+            for layer, shade in ((1.7, BACKGROUND), (2, ""))
+        )
+        blades: IntArray = np.arange(len(first.tips))[:, None]
+        disc = disc_triangles(1)
+        masses = len(first.symbols.masses)
+        self._masses = [
+            self._add(masses * DISC_CORNERS, disc_triangles(masses), layer=layer, color=colour)
+            for layer, colour in ((3, INK), (4, MASS_COLOUR))
+        ]
+        (self._hub_rim, self._hub), (self._mark_rim, self._mark) = (
+            [
+                self._add(DISC_CORNERS, disc, layer=layer, color=colour, shown=marks)
+                for layer, colour in ((5, BACKGROUND), (5.5, INK))
+            ]
+            for _ in range(2)
+        )
+        self._discs = self._add(
+            blades.size * DISC_CORNERS, disc_triangles(blades.size), layer=6, color=FORCE_COLOUR
+        )
+        self._arrows = self._add(
+            7 * blades.size,
+            7 * blades + np.array([0, 1, 5, 6]),
+            7 * blades + np.array([2, 3, 4]),
+            layer=7,
+            color=FORCE_COLOUR,
+        )
+        self.show(first)
+
+    def show(self, picture: Picture) -> None:
+        """Move everything to where it is in the picture; points and colours change in place."""
+        circle = self._size * CIRCLE
+        for outline, mesh, ribbon in zip(
+            self._outlines, self._ribbons, (picture.casing, picture.rotor), strict=True
+        ):
+            _move(outline, widened(ribbon.sides, OUTLINE * self._size))
+            _move(mesh, ribbon.sides)
+            mesh.point_data["value"][:] = self.drawing.colouring.scale * ribbon.values.ravel()
+        for name, width, _, strokes in strokes_of(picture.symbols):
+            _move(self._edges[name], stroke_corners(strokes, (width + 2 * EDGE) * self._size))
+            _move(self._strokes[name], stroke_corners(strokes, width * self._size))
+        for mesh, share in zip(self._masses, (MASS + OUTLINE, MASS), strict=True):
+            _move(mesh, picture.symbols.masses[:, None] + share * circle)
+        for mesh, middle, share in (
+            (self._hub_rim, picture.shaft, HUB + RIM),
+            (self._hub, picture.shaft, HUB),
+            (self._mark_rim, picture.mark, MARK + RIM),
+            (self._mark, picture.mark, MARK),
+        ):
+            _move(mesh, middle + share * circle)
+        touching = np.any(picture.forces, axis=1)[:, None, None]
+        _move(self._discs, picture.tips[:, None] + CONTACT_DISC * touching * circle)
+        width = ARROW_WIDTH * self._size
+        _move(self._arrows, arrows(picture.tips, picture.forces, self._metres_per_newton, width))
+
+    def dots(self, middles: Array, size: float, colour: str, *, layer: int) -> None:
+        """Add outlined discs that stay, at points (dot, 2) [m], as large as a share of all."""
+        faces = disc_triangles(len(middles))
+        for step, share, shade in ((0, size + OUTLINE, INK), (1, size, colour)):
+            mesh = self._add(len(middles) * DISC_CORNERS, faces, layer=layer + step, color=shade)
+            _move(mesh, middles[:, None] + share * self._size * CIRCLE)
+
+    def symbols(self, symbols: Symbols) -> None:
+        """Add symbols that stay."""
+        for _, width, colour, strokes in strokes_of(symbols):
+            mesh = self._add(4 * len(strokes), _stroke_quads(len(strokes)), layer=2, color=colour)
+            _move(mesh, stroke_corners(strokes, width * self._size))
+
+    def look(self) -> None:
+        """Look along the axis, the stage in the left part of the window, at a fixed scale."""
+        aside = self.place(0.5, 0.5)[0]
+        self.plotter.enable_parallel_projection()
+        self.plotter.camera_position = [(aside, 0, 10 * self._size), (aside, 0, 0), (0, 1, 0)]
+        self.plotter.camera.parallel_scale = self._half_height
+        self.plotter.reset_camera_clipping_range()
+
+    def place(self, across: float, up: float) -> Array:
+        """The point of the plane [m] that `look` shows at these shares of the window."""
+        width, height = self.plotter.window_size
+        half = self._half_height * width / height
+        middle = (1 - SQUARE) * half
+        return np.array([middle + (2 * across - 1) * half, (2 * up - 1) * self._half_height])
+
+    @property
+    def _half_height(self) -> float:
+        """Half of the window's height in the plane [m]."""
+        width, height = self.plotter.window_size
+        return float(MARGIN * self._size * max(1.0, height / (SQUARE * width)))
+
+    def _add(
+        self,
+        points: int,
+        *faces: IntArray,
+        layer: float,
+        color: str | None = None,
+        shown: bool = True,
+    ) -> pyvista.PolyData:
+        """An unlit mesh of polygons, coloured by the field where no colour is given."""
+        space = np.zeros((points, 3))
+        space[:, 2] = 1e-3 * layer * self._size
+        cells = np.concatenate([np.insert(f, 0, f.shape[1], axis=1).ravel() for f in faces])
+        mesh = pyvista.PolyData(space, cells)
+        if color is None:
+            mesh.point_data["value"] = np.zeros(points)
+        if not (points and shown):
+            return mesh
+        colouring = self.drawing.colouring
+        map_ = colouring.colour_map
+        actor = self.plotter.add_mesh(
+            mesh,
+            color=color,
+            scalars=None if color else "value",
+            cmap=None if color else ListedColormap(map_) if isinstance(map_, list) else map_,
+            clim=colouring.limits,
+            nan_color=NO_VALUE,
+            interpolate_before_map=True,
+            lighting=False,
+            show_scalar_bar=False,
+        )
+        if color is None:
+            self.colours = actor.mapper
+        return mesh
+
+
+def scene_colours(drawing: Drawing, levels: int) -> Array:
+    """The colours (colour, 3) between 0 and 1 that a scene is made of, the map's in steps."""
+    own = [BACKGROUND, INK, FAINT, FORCE_COLOUR, NO_VALUE, MASS_COLOUR]
+    map_ = drawing.colouring.colour_map
+    shades = (
+        map_ if isinstance(map_, list) else matplotlib.colormaps[map_](np.linspace(0, 1, levels))
+    )
+    colours: Array = np.array([pyvista.Color(shade).float_rgb for shade in [*own, *shades]])
+    return colours
+
+
+def stroke_corners(strokes: Array, width: float) -> Array:
+    """Corners (stroke, 4, 2) of strokes (stroke, 2, 2) of that width [m]; a stroke is longer by it,
+    so that those of a zigzag meet.
+    """
+    span = strokes[:, 1] - strokes[:, 0]
+    length = np.linalg.norm(span, axis=-1, keepdims=True)
+    along = np.divide(span, length, out=np.zeros_like(span), where=length > 0) * width / 2
+    aside = rotate(along, np.pi / 2)
+    start, end = strokes[:, 0] - along, strokes[:, 1] + along
+    return np.stack([start - aside, end - aside, end + aside, start + aside], axis=1)
+
+
+def _stroke_quads(strokes: int) -> IntArray:
+    return np.arange(4 * strokes).reshape(-1, 4)
+
+
+def _strip_quads(lines: int, stations: int) -> IntArray:
+    """Quads (quad, 4) of ribbons whose points are ordered (line, station, side)."""
+    start = 2 * (np.arange(lines)[:, None] * stations + np.arange(stations - 1)).reshape(-1, 1)
+    quads: IntArray = start + np.array([0, 1, 3, 2])
+    return quads
+
+
+def disc_triangles(discs: int) -> IntArray:
+    """Triangles (triangle, 3) of discs. As one polygon each they would be cut into triangles when
+    first shown, which fails for good while a disc has no size.
+    """
+    corner = np.arange(1, DISC_CORNERS - 1)
+    fan = np.column_stack([np.zeros_like(corner), corner, corner + 1])
+    triangles: IntArray = (DISC_CORNERS * np.arange(discs)[:, None, None] + fan).reshape(-1, 3)
+    return triangles
+
+
+def _move(mesh: pyvista.PolyData, points: Array) -> None:
+    mesh.points[:, :2] = points.reshape(-1, 2)

@@ -1,0 +1,224 @@
+"""A run as one HTML file that any browser plays without a network: zoom, time, values by pointing.
+
+The page holds its pictures as places in 16 bits and colours in 8, packed, and the program that
+draws them (`web_page.html`). Everything that can be worked out here is: the page only draws.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import zlib
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import xarray as xr
+from matplotlib.colors import to_hex
+
+from bladewhirl.postprocess.fields.blades import member_names
+from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.pictures.colouring import Colouring, Field
+from bladewhirl.postprocess.pictures.drawing import Drawing, Frame, Picture, arrows
+from bladewhirl.postprocess.pictures.look import (
+    ARROW_WIDTH,
+    CONTACT_DISC,
+    FAINT,
+    FORCE_COLOUR,
+    HUB,
+    INK,
+    LONGEST_ARROW,
+    MARGIN,
+    MARK,
+    MASS_COLOUR,
+    NO_VALUE,
+    OUTLINE,
+    contact_words,
+    enlargement,
+    speed_words,
+    strokes_of,
+)
+from bladewhirl.postprocess.pictures.render import Progress
+from bladewhirl.postprocess.pictures.shaft_trail import shaft_trail
+from bladewhirl.postprocess.pictures.symbols import MASS
+from bladewhirl.postprocess.plotting.files import checked_target, replacing
+
+FULL = 32767  #: of a signed number of 16 bits
+SHADES = 128
+NONE = 255  #: shade of what has no value
+
+
+def render_page(
+    dataset: xr.Dataset,
+    path: str | Path,
+    records: IntArray,
+    *,
+    exaggeration: float | None = None,
+    frame: Frame = "static",
+    colour: Field = "displacement",
+    progress: Progress | None = None,
+) -> Path:
+    """An HTML page of the given records (see `animation_records`); returns its path.
+
+    Exaggeration, frame and colour are those of `Drawing`. `progress` is told pictures done and
+    pictures in all. ViewError for another kind of file.
+    """
+    target = checked_target(path, ".html")
+    drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
+    stage, contact = drawing.reach()
+    size = max(stage, contact / (1 - LONGEST_ARROW)) * MARGIN
+    places, shades, layout = _pack(drawing, size, progress)
+    text = (
+        resources.files("bladewhirl.postprocess.pictures")
+        .joinpath("web_page.html")
+        .read_text("utf-8")
+    )
+    about = {
+        **_words(dataset, drawing),
+        **_looks(drawing.colouring),
+        "strokes": [
+            [name, width * FULL / MARGIN, shade]
+            for name, width, shade, _ in strokes_of(drawing.picture(0).symbols)
+        ],
+        **_orbit(dataset, drawing),
+        "layout": layout,
+        "casingShades": drawing.colouring.rotor[0].size,
+        "members": _members(dataset),
+    }
+    for name, value in {
+        "TITLE": html.escape(str(dataset.attrs["title"])),
+        "INK": INK,
+        "FAINT": FAINT,
+        "FORCE": FORCE_COLOUR,
+        "ABOUT": json.dumps(about, allow_nan=False).replace("</", "<\\/"),
+        "PLACES": base64.b64encode(zlib.compress(places.tobytes())).decode(),
+        "SHADES": base64.b64encode(zlib.compress(shades.tobytes())).decode(),
+    }.items():
+        text = text.replace(f"@{name}@", value)
+    with replacing(target) as draft:
+        draft.write_text(text, encoding="utf-8")
+    return target
+
+
+def _pack(
+    drawing: Drawing, size: float, progress: Progress | None
+) -> tuple[Array, Array, dict[str, list[int]]]:
+    """Places (record, number) and shades (record, number) of all records, and where in a record
+    what lies: by name the first number and the shape.
+    """
+    places, shades, layout = [], [], dict[str, list[int]]()
+    for index in range(len(drawing)):
+        shapes = _shapes(drawing, drawing.picture(index), size)
+        if not layout:
+            first = 0
+            for name, values in shapes.items():
+                layout[name] = [first, *values.shape]
+                first += values.size
+        places.append(np.concatenate([values.ravel() for values in shapes.values()]))
+        rotor, casing = drawing.colouring.rotor[index], drawing.colouring.casing[index]
+        values = np.concatenate([rotor.ravel(), casing.ravel(), casing[0]])
+        shades.append(_shades(drawing.colouring, values))
+        if progress is not None:
+            progress(index + 1, len(drawing))
+    whole = np.round(FULL / size * np.array(places))
+    return whole.astype("<i2"), np.array(shades), layout
+
+
+def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Array]:
+    """What is drawn, by name [m]; that of lines (line, station, ...)."""
+    force = drawing.largest_force
+    length = LONGEST_ARROW * size / MARGIN / force if force else 0.0
+    return {
+        "rotor": picture.rotor.sides,
+        "casing": picture.casing.sides,
+        **{name: strokes for name, _, _, strokes in strokes_of(picture.symbols)},
+        "masses": picture.symbols.masses,
+        "arrows": arrows(picture.tips, picture.forces, length, ARROW_WIDTH * size),
+        "tips": picture.tips,
+        "shaft": picture.shaft,
+        "mark": picture.mark,
+    }
+
+
+def _colours(colouring: Colouring) -> list[str]:
+    if not isinstance(colouring.colour_map, str):
+        return colouring.colour_map
+    shades = matplotlib.colormaps[colouring.colour_map](np.linspace(0.0, 1.0, SHADES))
+    return [to_hex(shade) for shade in shades]
+
+
+def _shades(colouring: Colouring, values: Array) -> Array:
+    """Numbers of the colours of true values."""
+    low, high = colouring.limits
+    if colouring.parts is not None:
+        low, high = 0.0, len(colouring.parts) - 1.0
+    last = len(_colours(colouring)) - 1
+    share = (colouring.scale * values - low) / (high - low)
+    missing = ~np.isfinite(share)
+    shades = np.round(last * np.clip(np.where(missing, 0.0, share), 0.0, 1.0))
+    return np.where(missing, NONE, shades).astype(np.uint8)
+
+
+def _words(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
+    """Text of the page, and what touches when."""
+    pictures = [drawing.picture(index) for index in range(len(drawing))]
+    notes = [
+        speed_words(dataset),
+        f"{drawing.frame} frame",
+        enlargement(drawing.exaggeration),
+    ]
+    return {
+        "title": str(dataset.attrs["title"]),
+        "notes": "\n".join(notes),
+        "times": [f"t = {1e3 * time:.1f} ms" for time in drawing.times],
+        "contact": [contact_words(picture.forces) for picture in pictures],
+        "touching": [np.any(picture.forces, axis=1).astype(int).tolist() for picture in pictures],
+    }
+
+
+def _looks(colouring: Colouring) -> dict[str, Any]:
+    """Colours, and sizes in units of the page's places."""
+    unit = FULL / MARGIN
+    ticks = np.linspace(*colouring.limits, 5)
+    parts = colouring.parts
+    return {
+        "ink": INK,
+        "faint": FAINT,
+        "force": FORCE_COLOUR,
+        "none": NO_VALUE,
+        "massColour": MASS_COLOUR,
+        "outline": OUTLINE * unit,
+        "hub": HUB * unit,
+        "markSize": MARK * unit,
+        "disc": CONTACT_DISC * unit,
+        "mass": MASS * unit,
+        "seam": 0.0,
+        "colours": _colours(colouring),
+        "limits": list(colouring.limits),
+        "unit": colouring.unit,
+        "value": parts is None,
+        "key": None if parts is None else list(parts.items()),
+        "scaleTitle": f"{colouring.name} [{colouring.unit}]",
+        "ticks": [f"{tick:.3g}" for tick in ticks],
+    }
+
+
+def _orbit(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
+    """The shaft's way through all records from the first to the last, in units of a circle."""
+    records = np.arange(drawing.records.min(), drawing.records.max() + 1)
+    trail = shaft_trail(dataset, records, drawing.frame)
+    return {
+        "orbit": np.round(trail.places, 4).tolist(),
+        "orbitPlace": (drawing.records - records[0]).tolist(),
+        "orbitTitle": trail.title,
+    }
+
+
+def _members(dataset: xr.Dataset) -> list[str]:
+    """What each beam belongs to."""
+    names, member = member_names(dataset)
+    return [names[number] for number in member]

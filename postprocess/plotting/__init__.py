@@ -1,0 +1,1 @@
+"""Style, legends, units and files of every figure."""

@@ -1,0 +1,30 @@
+"""Files of pictures: their names, and that they are whole or not there."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from bladewhirl.postprocess.fields.fields import ViewError
+
+
+@contextmanager
+def replacing(target: Path) -> Iterator[Path]:
+    """A draft beside the target that takes its place when complete and goes when it fails."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    draft = target.with_name(f".{target.stem}.part{target.suffix}")
+    try:
+        yield draft
+        os.replace(draft, target)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def checked_target(path: str | Path, *suffixes: str) -> Path:
+    """The path, if it ends in one of the suffixes; else ViewError."""
+    target = Path(path)
+    if target.suffix.lower() not in suffixes:
+        raise ViewError(f"{target} must end in {' or '.join(suffixes)}")
+    return target

@@ -1,0 +1,341 @@
+"""The report of a run: what came out and why, its figures with words, its numbers, its case."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.windows import late_part, window_label
+from bladewhirl.postprocess.plotting.style import speed_label
+from bladewhirl.postprocess.reports.contact_explorer import contact_explorer
+from bladewhirl.postprocess.reports.page import (
+    Page,
+    ReportFigure,
+    Section,
+    Table,
+    Text,
+    as_png,
+)
+from bladewhirl.postprocess.reports.words import (
+    CONTACT,
+    ENERGIES,
+    FREQUENCIES,
+    REGIME,
+    SHAFT,
+    FigureWords,
+)
+from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes, contact_maps
+from bladewhirl.postprocess.run.contact_side import contact_phase
+from bladewhirl.postprocess.run.energies import strain_energies
+from bladewhirl.postprocess.run.figures import Drawn, RunFigures
+from bladewhirl.postprocess.run.orbits import MILLI, shaft_orbit, whirl
+from bladewhirl.postprocess.run.regimes import CRITERION, Regime, RegimeName, classify
+from bladewhirl.postprocess.run.summary import MARCH_REPORT, summarise, summary_rows
+
+TONES: Mapping[RegimeName, str] = {
+    "divergent": "bad",
+    "sustained": "fair",
+    "damped": "good",
+    "no-contact": "good",
+}
+
+MEANINGS: Mapping[RegimeName, str] = {
+    "divergent": "the motion grows until a linear model has nothing left to say",
+    "sustained": "blades and casing go on touching, without growth beyond its uncertainty",
+    "damped": "blades and casing touched, and the motion came free of the casing again",
+    "no-contact": "no blade ever touched the casing",
+}
+
+LATE = "over the last third"
+"""When a whirl and a contact scenario are those of."""
+
+UNKNOWN = ("complementarity residual", "time step / critical", "wall time")
+"""Rows of the summary that a march tells when it ends in order."""
+
+
+def run_report(
+    dataset: xr.Dataset, provenance: Mapping[str, object] | None = None, *, name: str = ""
+) -> Page:
+    """The report of a run, to be written by `report_page.write_page`.
+
+    A march that was interrupted or killed is reported up to its last record, and said to be so.
+
+    Args:
+        dataset: a result.
+        provenance: what made the run, as in provenance.json.
+        name: of the run, such as its folder.
+
+    Raises:
+        ViewError: fewer than two records.
+    """
+    figures = RunFigures(dataset)
+    regime = classify(dataset, strain_energies(dataset)["total"].values)
+    orbit, maps = shaft_orbit(dataset), contact_maps(dataset)
+    classes = contact_classes(_late(dataset))
+    reason = str(dataset.attrs.get("end_reason", "completed"))
+    ended = reason in ("completed", "divergent")
+    sections = [
+        Section(
+            name="verdict",
+            title="Regime, and why",
+            words=f"{_sentence(MEANINGS[regime.name])} The rule below is applied from above; the "
+            "first line that fits is the regime.",
+            blocks=[*report_figures(figures.draw, REGIME), _criterion(regime)],
+        ),
+        Section(
+            name="shaft",
+            title="Motion of the shaft",
+            words="",
+            blocks=list(report_figures(figures.draw, SHAFT)),
+        ),
+        Section(
+            name="contact",
+            title="Contact of blades and casing",
+            words="",
+            blocks=[
+                contact_explorer(maps, orbit),
+                *report_figures(figures.draw, CONTACT),
+                _blades(dataset, classes),
+            ],
+        ),
+        Section(
+            name="frequencies",
+            title="Frequencies",
+            words="",
+            blocks=list(report_figures(figures.draw, FREQUENCIES)),
+        ),
+        Section(
+            name="energy",
+            title="Strain energy and stress",
+            words="",
+            blocks=list(report_figures(figures.draw, ENERGIES)),
+        ),
+        Section(
+            name="numbers",
+            title="Numbers",
+            words="",
+            blocks=[_summary(dataset)],
+        ),
+        Section(
+            name="case",
+            title="Case and provenance",
+            words="",
+            blocks=[_case_text(dataset), *provenance_tables(dataset, provenance)],
+        ),
+    ]
+    return Page(
+        title=str(dataset.attrs.get("title", "")) or "Run",
+        subject=", ".join(filter(None, [name, made_by(dataset, provenance)])),
+        verdict=_sentence(regime.name).rstrip(".") + ("" if ended else " so far"),
+        tone=TONES[regime.name] if ended else "open",
+        reason=f"{_sentence(MEANINGS[regime.name])} {_sentence(regime.reason)}",
+        warnings=_warnings(dataset, reason),
+        figures=_glance(dataset, orbit, classes),
+        sections=sections,
+    )
+
+
+def _case_text(dataset: xr.Dataset) -> Text:
+    """The resolved case of a result."""
+    return Text(
+        name="resolved-case",
+        title="Resolved case",
+        text=str(dataset.attrs.get("case", "")).strip(),
+        caption="All keys with the values used, SI units; bladewhirl run on these lines repeats "
+        "the run.",
+    )
+
+
+def provenance_tables(
+    dataset: xr.Dataset, provenance: Mapping[str, object] | None
+) -> Iterator[Table]:
+    """What made a result: program, machine, and versions of what it uses."""
+    made = {
+        name: str(value) for name, value in (provenance or {}).items() if isinstance(value, str)
+    }
+    made.setdefault("bladewhirl", str(dataset.attrs.get("version", "")))
+    if dataset.attrs.get("symmetry"):
+        made["symmetry"] = str(dataset.attrs["symmetry"])
+    yield Table(name="provenance", title="Provenance", rows=list(made.items()))
+    used = (provenance or {}).get("dependencies")
+    if isinstance(used, Mapping):
+        yield Table(
+            name="dependencies",
+            title="Versions of the libraries",
+            rows=[(str(name), str(version)) for name, version in used.items()],
+            folded=True,
+        )
+
+
+def report_figures(
+    draw: Callable[[str], Drawn], plans: Mapping[str, FigureWords]
+) -> Iterator[ReportFigure]:
+    """Figures of a result with their words, and why there is none where one can't be had.
+
+    Args:
+        draw: draws the figure of a name, or raises ViewError.
+        plans: the words, by name.
+    """
+    for name, plan in plans.items():
+        picture, obstacle = None, ""
+        try:
+            picture = as_png(draw(name)[0])
+        except ViewError as error:
+            obstacle = str(error)
+        yield ReportFigure(
+            name=name,
+            title=plan.title,
+            caption=plan.caption,
+            picture=picture,
+            obstacle=obstacle,
+            wide=plan.wide,
+        )
+
+
+def criterion_rows(criterion: str) -> list[tuple[str, str]]:
+    """The rule by which regimes are told apart, by name of the regime."""
+    rules = [rule.partition(": ") for rule in criterion.split("; ")]
+    return [(name, words) for name, colon, words in rules if colon]
+
+
+def _criterion(regime: Regime) -> Table:
+    """The rule by which regimes are told apart, its line that applied marked."""
+    named = criterion_rows(CRITERION)
+    return Table(
+        name="criterion",
+        title="Criterion",
+        rows=named,
+        wide=False,
+        marked=[name for name, _ in named].index(regime.name),
+    )
+
+
+def _blades(dataset: xr.Dataset, classes: xr.Dataset) -> Table:
+    """Every blade: how often it touches, and how hard."""
+    late = _late(dataset)
+    since = late.isel(time=slice(1, None))
+    time = dataset["time"].values
+    length = float(late["time"].values[-1] - late["time"].values[0])
+    mean = since["contact_impulse"].sum("time").values / length
+    step = np.diff(time)[:, None]
+    largest = (dataset["contact_impulse"].values[1:] / step).max(axis=0)
+    gap = MILLI * dataset["gap"].values.min(axis=0)
+    rows = [
+        (
+            str(blade),
+            str(classes["contact_class"].values[blade]),
+            f"{100 * float(classes['share'].values[blade]):.4g}",
+            f"{mean[blade]:.4g}",
+            f"{largest[blade]:.4g}",
+            f"{max(gap[blade], 0.0):.4g}",
+        )
+        for blade in range(dataset.sizes["blade"])
+    ]
+    return Table(
+        name="blades",
+        title="Blades",
+        caption=f"Class, share and mean force over {window_label(late)}; largest force (a mean "
+        "over the time between two records) and smallest gap over the whole run.",
+        head=("blade", "class", "time in contact [%]", "mean force [N]", "largest [N]", "gap [mm]"),
+        rows=rows,
+        numbers=True,
+        folded=True,
+    )
+
+
+def _late(dataset: xr.Dataset) -> xr.Dataset:
+    """The last third of the time; all of it where that has not the two records a mean needs."""
+    late = late_part(dataset)
+    return late if late.sizes["time"] > 1 else dataset
+
+
+def _summary(dataset: xr.Dataset) -> Table:
+    known = {name: dataset.attrs.get(name, math.nan) for name in MARCH_REPORT}
+    done = float(dataset["time"].values[-1]) / float(dataset.attrs["time_step"])
+    missing = any(math.isnan(float(known[name])) for name in MARCH_REPORT)
+    if missing:
+        known |= {"steps": round(done), "unsolved_steps": 0}
+    rows = summary_rows(summarise(dataset, known))
+    left_out = {"because", *(UNKNOWN if missing else ())}  # the page begins with the reason
+    kept = [row for row in rows.items() if row[0] not in left_out]
+    return Table(name="summary", title="Summary", rows=kept)
+
+
+def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
+    end = f"{float(dataset['time'].values[-1]):.6g} s"
+    message = str(dataset.attrs.get("end_message", ""))
+    if reason == "completed":
+        return []
+    if reason == "divergent":
+        remedy = message.partition("; ")[2]  # what happened is said beside the regime
+        return [_sentence(remedy)] if remedy else []
+    if reason == "interrupted":
+        return [f"The march was interrupted: all that follows is up to {end}."]
+    return [
+        f"The march is unfinished: it was killed, or is still running. All that follows is up to "
+        f"{end}, the last record written."
+    ]
+
+
+def _glance(
+    dataset: xr.Dataset, orbit: xr.Dataset, classes: xr.Dataset
+) -> list[tuple[str, str, str]]:
+    """What one wants to know first: name, value, remark."""
+    late = _late(orbit)
+    radius = MILLI * float(orbit["radius"].max())
+    share = MILLI * float(orbit.attrs["smallest_clearance"])
+    touched = int((dataset["contact_steps"].sum("time").values > 0).sum())
+    counts = {name: int((classes["contact_class"].values == name).sum()) for name in CLASS_COLOURS}
+    phases = contact_phase(_late(dataset), late)
+    touches = bool(phases["impulse"].any())
+    found = [
+        ("speed", *_split(speed_label(dataset))),
+        ("end of the march", f"{float(dataset['time'].values[-1]):.6g} s", ""),
+        (
+            "largest shaft displacement",
+            f"{radius:.4g} mm",
+            f"{radius / share:.3g} times the clearance" if share else "",
+        ),
+    ]
+    for frame in ("rotating", "static"):
+        seen = whirl(late, frame)
+        rate = f"{abs(seen.rate) / (2 * np.pi):.3g} Hz, " if seen.direction != "none" else ""
+        found.append((f"whirl, {frame} frame", seen.direction, rate + LATE))
+    found.append(
+        (
+            "blades that touched",
+            f"{touched} of {dataset.sizes['blade']}",
+            ", ".join(f"{count} {name}" for name, count in counts.items() if count),
+        )
+    )
+    lead = float(phases.attrs["lead"])
+    shows = touches and not math.isnan(lead)
+    found.append(
+        (
+            "contact scenario",
+            str(phases.attrs["scenario"]) if touches else "no contact",
+            (f"shaft leads by {math.degrees(lead):.0f}°, " if shows else "") + LATE,
+        )
+    )
+    return found
+
+
+def _split(label: str) -> tuple[str, str]:
+    """A value and what is in brackets after it."""
+    value, _, rest = label.partition(" (")
+    return value, rest.rstrip(")")
+
+
+def made_by(dataset: xr.Dataset, provenance: Mapping[str, object] | None) -> str:
+    """Program and date of a result, in words."""
+    date = str((provenance or {}).get("date", ""))[:16].replace("T", " ")
+    version = dataset.attrs.get("version", "")
+    return f"bladewhirl {version}" + (f", {date} UTC" if date else "")
+
+
+def _sentence(words: str) -> str:
+    return words[:1].upper() + words[1:].rstrip(".") + "."

@@ -1,0 +1,300 @@
+"""The report of a sweep: which regimes where, its maps, its points, its case."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.reports.headline import headline, key_name
+from bladewhirl.postprocess.reports.page import (
+    Explorer,
+    Page,
+    ReportFigure,
+    Section,
+    Table,
+    Text,
+)
+from bladewhirl.postprocess.reports.run import (
+    criterion_rows,
+    made_by,
+    provenance_tables,
+    report_figures,
+)
+from bladewhirl.postprocess.reports.sweep_explorer import (
+    frequency_explorer,
+    points_explorer,
+    regime_explorer,
+)
+from bladewhirl.postprocess.reports.words import MAPS, SWEEP
+from bladewhirl.postprocess.run.orbits import MILLI
+from bladewhirl.postprocess.run.regimes import CERTAINTY, CRITERION, rate_text
+from bladewhirl.postprocess.sweep.dataset import swept
+from bladewhirl.postprocess.sweep.drawing import REGIME_COLOURS
+from bladewhirl.postprocess.sweep.figures import SweepFigures
+from bladewhirl.postprocess.sweep.frequency_map import frequency_map
+from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key, other_keys
+from bladewhirl.postprocess.sweep.swept_axes import in_handy_units
+
+WINDOWED = ("frequency-map", "energy-families")
+"""Figures over the window that the dataset's `window` names; others are over the last third."""
+
+MOST_POINTS = 2000
+"""Points in the table of a page: more make it slow, and are in the dataset."""
+
+WORST_FIRST = tuple(reversed(list(REGIME_COLOURS)))
+
+TONES = {"divergent": "bad", "sustained": "fair", "damped": "good", "no-contact": "good"}
+
+NAMES = {
+    "divergent": "Divergent",
+    "sustained": "Sustained contact",
+    "damped": "Damped",
+    "no-contact": "No contact",
+}
+
+
+def sweep_report(
+    dataset: xr.Dataset,
+    provenance: Mapping[str, object] | None = None,
+    failures: Sequence[tuple[str, str]] = (),
+    *,
+    name: str = "",
+) -> Page:
+    """The report of a sweep, to be written by `report_page.write_page`.
+
+    A sweep that is not finished, or has failed points, is reported with what there is.
+
+    Args:
+        dataset: from `open_sweep`.
+        provenance: what made the sweep, as in provenance.json.
+        failures: points that failed: their values in words, and why.
+        name: of the sweep, such as its folder.
+    """
+    state = dataset["state"].values
+    done, failed = int((state == "done").sum()), int((state == "failed").sum())
+    points = _points(dataset) if done else None
+    counts = _counts(points)
+    verdict, tone = _verdict(counts, state.size, done, failed)
+    keys = [str(dataset[key].attrs["long_name"]) for key in swept(dataset)]
+    sections = [
+        Section(
+            name="regimes",
+            title="Regimes",
+            words="",
+            blocks=[*_regime_maps(dataset, points), *_drawn(dataset, ("regimes",)), _criterion()],
+        ),
+        Section(
+            name="frequencies",
+            title="Frequencies",
+            words="",
+            blocks=[*_frequency_maps(dataset, done), *_drawn(dataset, ("frequency-map",))],
+        ),
+        Section(
+            name="motion",
+            title="Motion and contact",
+            words="",
+            blocks=list(_drawn(dataset, _others(dataset))),
+        ),
+        Section(
+            name="points",
+            title="Points",
+            words="",
+            blocks=[*_failures(failures), *_point_table(points)],
+        ),
+        Section(
+            name="case",
+            title="Case and provenance",
+            words="",
+            blocks=[_case_text(dataset), *provenance_tables(dataset, provenance)],
+        ),
+    ]
+    return Page(
+        title=(str(dataset.attrs.get("title", "")) or "Sweep") + ", sweep",
+        subject=", ".join(filter(None, [name, made_by(dataset, provenance)])),
+        verdict=verdict,
+        tone=tone,
+        reason=headline(points, counts, ", ".join(keys)),
+        warnings=_warnings(state.size, done, failed),
+        figures=_glance(dataset, counts, done),
+        sections=[part for part in sections if part.blocks],
+    )
+
+
+def _others(dataset: xr.Dataset) -> list[str]:
+    """Figures that have no section of their own; maps need two keys."""
+    placed = {"regimes", "frequency-map"} | (set() if len(swept(dataset)) > 1 else {MAPS})
+    return [name for name in SWEEP if name not in placed]
+
+
+def _points(dataset: xr.Dataset) -> xr.Dataset:
+    """What the maps and tables tell of every point, over (line, key), keys in handy units."""
+    names = ["regime", "shaft_radius_max", "growth_rate", "growth_error", "end_time"]
+    found = in_handy_units(along(dataset, main_key(dataset), [*names, "contact_share"]))
+    touched = (found["contact_share"] > 0).sum("blade")
+    regime = found["regime"].where(found["state"] == "done", "no result")
+    return found.assign(touched=touched, regime=regime).drop_vars("contact_share")
+
+
+def _counts(points: xr.Dataset | None) -> dict[str, int]:
+    if points is None:
+        return {}
+    found = {name: int((points["regime"].values == name).sum()) for name in WORST_FIRST}
+    return {name: count for name, count in found.items() if count}
+
+
+def _verdict(counts: Mapping[str, int], points: int, done: int, failed: int) -> tuple[str, str]:
+    """The worst regime there is, and how often; and its tone."""
+    if not counts:
+        return "No result yet" if points > failed else "No result", "open"
+    worst = next(iter(counts))
+    where = f"{counts[worst]} of {done} points" if counts[worst] < done else f"all {done} points"
+    so_far = " so far" if done + failed < points else ""
+    return f"{NAMES[worst]} at {where}{so_far}", TONES[worst]
+
+
+def _warnings(points: int, done: int, failed: int) -> list[str]:
+    missing = points - done - failed
+    found = []
+    if missing:
+        found.append(
+            f"The sweep is unfinished: {missing} of {points} points are missing; bladewhirl sweep "
+            "--resume finishes it."
+        )
+    if failed:
+        found.append(f"{failed} of {points} points failed; the reasons are listed under Points.")
+    return found
+
+
+def _glance(
+    dataset: xr.Dataset, counts: Mapping[str, int], done: int
+) -> list[tuple[str, str, str]]:
+    found = [("points done", f"{done} of {dataset['state'].size}", "")]
+    keys = in_handy_units(dataset[swept(dataset)])
+    for key in swept(dataset):
+        values = keys[key].values
+        unit = str(keys[key].attrs["units"])
+        words = f"{values.min():.5g} to {values.max():.5g}" if len(values) > 1 else f"{values[0]:g}"
+        remark = f"{len(values)} values" + ("" if unit == "1" else f", {unit}")
+        found.append((str(dataset[key].attrs["long_name"]), words, remark))
+    found += [(name, str(count), f"{100 * count / done:.3g} %") for name, count in counts.items()]
+    return found
+
+
+def _drawn(dataset: xr.Dataset, names: Sequence[str]) -> Iterator[ReportFigure]:
+    plans = {name: SWEEP[name] for name in names}
+    for name in plans.keys() & set(WINDOWED):
+        plans[name] = replace(plans[name], caption=_windowed(dataset, plans[name].caption))
+    return report_figures(SweepFigures(dataset).draw, plans)
+
+
+def _windowed(dataset: xr.Dataset, caption: str) -> str:
+    """A caption, and which time the spectra and the mean energies of a sweep are of."""
+    window = str(dataset.attrs.get("window", ""))
+    return f"{caption} {window[:1].upper()}{window[1:]}." if window else caption
+
+
+def _regime_maps(dataset: xr.Dataset, points: xr.Dataset | None) -> Iterator[Explorer]:
+    if points is None:
+        return
+    others = [name for name in swept(dataset) if name != points.attrs["along"]]
+    if len(others) == 1 and points.sizes[LINE] > 1:
+        yield regime_explorer(points, others[0])
+    yield points_explorer(points)
+
+
+def _frequency_maps(dataset: xr.Dataset, done: int) -> Iterator[Explorer]:
+    if done:
+        found = frequency_explorer(frequency_map(dataset, main_key(dataset)))
+        yield replace(found, caption=_windowed(dataset, found.caption))
+
+
+def _criterion() -> Table:
+    return Table(
+        name="criterion",
+        title="Criterion of the regimes",
+        caption="Applied from above: the first line that fits is the regime.",
+        rows=criterion_rows(CRITERION),
+        folded=True,
+    )
+
+
+def _failures(failures: Sequence[tuple[str, str]]) -> Iterator[Table]:
+    if failures:
+        yield Table(name="failures", title="Failed points", head=("point", "reason"), rows=failures)
+
+
+def _point_table(points: xr.Dataset | None) -> Iterator[Table]:
+    if points is None:
+        return
+    key, others = points[str(points.attrs["along"])], other_keys(points)
+    column = {str(name): points[name].values for name in points.data_vars}
+    rows = [
+        (
+            f"{at:.6g}",
+            *(f"{other.values[line]:.6g}" for other in others),
+            str(column["regime" if column["state"][line, n] == "done" else "state"][line, n]),
+            _number(MILLI * column["shaft_radius_max"][line, n]),
+            rate_text(column["growth_rate"][line, n], column["growth_error"][line, n]),
+            _number(column["touched"][line, n] if column["state"][line, n] == "done" else np.nan),
+            _number(column["end_time"][line, n]),
+        )
+        for line in range(points.sizes[LINE])
+        for n, at in enumerate(key.values)
+    ]
+    left_out = len(rows) - MOST_POINTS
+    yield Table(
+        name="all-points",
+        title=f"All points ({len(rows)})",
+        caption=f"Growth rates ± {CERTAINTY:g} standard errors."
+        + (f" The first {MOST_POINTS}; the others are in the dataset." if left_out > 0 else ""),
+        head=(
+            *(_headed(each) for each in (key, *others)),
+            "regime",
+            "largest shaft displacement [mm]",
+            "growth rate [1/s]",
+            "blades that touched",
+            "end [s]",
+        ),
+        rows=rows[:MOST_POINTS],
+        numbers=True,
+        folded=True,
+    )
+
+
+def _headed(key: xr.DataArray) -> str:
+    units = str(key.attrs["units"])
+    return key_name(key) if units == "1" else f"{key_name(key)} [{units}]"
+
+
+def _case_text(dataset: xr.Dataset) -> Text:
+    """The resolved case, with a remark where a key is swept."""
+    lines, table, marked = [], "", []
+    values = {key_name(dataset[key]): dataset[key].values for key in swept(dataset)}
+    for line in str(dataset.attrs.get("case", "")).strip().splitlines():
+        if heading := re.fullmatch(r"\[([^\[\]]+)\]", line):
+            table = f"{heading[1]}."
+        own = f"{table}{line.partition(' = ')[0]}" if " = " in line else ""
+        here = [key for key in values if own and f"{key}.".startswith(f"{own}.")]
+        remarks = [f"{key}: {len(values[key])} values" for key in here]
+        lines.append(f"{line}  # swept, {', '.join(remarks)}" if here else line)
+        marked += here
+    unmarked = [key for key in values if key not in marked]
+    settings = " ".join(f"--set {key}=VALUE" for key in values)
+    return Text(
+        name="resolved-case",
+        title="Resolved case",
+        text="\n".join(lines),
+        caption="All keys with the values used, SI units. Lines marked as swept "
+        f"({', '.join(marked)}) have another value at every point"
+        + (f", and {', '.join(unmarked)} is not among them" if unmarked else "")
+        + f"; bladewhirl run on these lines with {settings} (in SI units, or with a unit) "
+        "repeats a point.",
+    )
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}" if np.isfinite(value) else "–"

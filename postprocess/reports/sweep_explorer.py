@@ -1,0 +1,319 @@
+"""Maps of a sweep to point at: spectra over a swept key, and every point with its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.plotting.style import SEQUENTIAL
+from bladewhirl.postprocess.reports.contact_explorer import buttons, plain_layout
+from bladewhirl.postprocess.reports.page import Explorer
+from bladewhirl.postprocess.run.orbits import MILLI
+from bladewhirl.postprocess.run.regimes import CERTAINTY, rate_text
+from bladewhirl.postprocess.sweep.drawing import REGIME_COLOURS, line_label
+from bladewhirl.postprocess.sweep.frequency_map import DECADES, LINES
+from bladewhirl.postprocess.sweep.quantities import LINE, cell_edges
+from bladewhirl.postprocess.sweep.swept_axes import in_handy_units, is_wide, key_label
+
+if TYPE_CHECKING:
+    pass
+
+MOST_ROWS, MOST_COLUMNS = 500, 500
+"""Frequencies and points of a map at most: of more, each cell is the largest of neighbours."""
+
+SYMBOLS: Mapping[str, str] = {
+    "no-contact": "circle-open",
+    "damped": "triangle-down",
+    "sustained": "circle",
+    "divergent": "triangle-up",
+}
+
+MODE_DASHES: Mapping[str, str] = {
+    "suspension": "longdash",
+    "1F k=1": "dash",
+    "casing k=1": "dashdot",
+}
+"""Of the lines of modes."""
+
+MAP_CAPTION = (
+    "Amplitude of the shaft [mm] over the swept key and frequency, forward upwards, rotating "
+    "frame, as colour on a logarithmic scale; dotted: engine orders, broken: modes of one nodal "
+    "diameter. Point at it for the numbers, drag to zoom in, double-click to see all, click names "
+    "to hide lines. Look for a band that leaves an engine order and locks onto a mode."
+)
+
+POINTS_CAPTION = (
+    "Every point of the sweep: largest displacement of the shaft [mm] over the swept key, coloured "
+    "and shaped by regime. Point at one for its numbers, growth rates ± "
+    f"{CERTAINTY:g} standard errors; click a regime's name to hide it. An end at the displacement "
+    "limit bounds what a divergent point shows."
+)
+
+REGIME_MAP_CAPTION = (
+    "Regime over the two swept keys. Point at a cell for its numbers, growth rates ± "
+    f"{CERTAINTY:g} standard errors; look for where one regime borders on another."
+)
+
+
+def frequency_explorer(maps: xr.Dataset) -> Explorer:
+    """Spectra over the swept key; where other keys are swept too, a button shows another line.
+
+    Args:
+        maps: from `frequency_map.frequency_map`.
+    """
+    import plotly.graph_objects as go
+
+    maps = in_handy_units(maps)
+    in_multiples = maps["frequency"].attrs["units"] == "1"
+    unit = "/ reference frequency" if in_multiples else "[Hz]"
+    top = np.log10(np.nanmax(MILLI * maps["amplitude"].values, initial=0.0) or 1.0)
+    traces: list[Any] = []
+    owner: list[int] = []
+    for number in range(maps.sizes[LINE]):
+        own = _map_traces(maps.isel({LINE: number}), top, shown=number == 0)
+        traces += own
+        owner += [number] * len(own)
+    limit = float(np.abs(cell_edges(maps["frequency"].values, logarithmic=False)).max())
+    labels = [line_label(maps.isel({LINE: number})) for number in range(maps.sizes[LINE])]
+    shown = [[number == own for own in owner] for number in range(maps.sizes[LINE])]
+    key = maps[str(maps.attrs["along"])]
+    layout = plain_layout(
+        xaxis=_key_axis(key),
+        yaxis={
+            "title": {"text": f"frequency {unit}, forward positive"},
+            "range": [-limit, limit],
+            "showgrid": False,
+        },
+        legend={"orientation": "h", "y": -0.16, "yanchor": "top"},
+        updatemenus=[buttons(labels, shown)] if len(labels) > 1 else [],
+        template=None,
+    )
+    return Explorer(
+        name="frequency-explorer",
+        title="Frequency map",
+        caption=MAP_CAPTION,
+        plots=[go.Figure(traces, layout)],
+    )
+
+
+def points_explorer(points: xr.Dataset) -> Explorer:
+    """Largest displacement of the shaft over the swept key, every point with its numbers.
+
+    Args:
+        points: over (line, key): `regime`, `shaft_radius_max` [m], `growth_rate` and
+            `growth_error` [1/s], `end_time` [s], `touched` [1], as `sweep_report` has them.
+    """
+    import plotly.graph_objects as go
+
+    points = in_handy_units(points)
+    key = points[str(points.attrs["along"])]
+    flat = _flat(points)
+    traces = [
+        go.Scatter(
+            x=flat["key"][own],
+            y=flat["radius"][own],
+            mode="markers",
+            name=f"{name} ({np.count_nonzero(own)})",
+            marker={"color": colour, "symbol": SYMBOLS[name], "size": 9, "line": {"width": 1.5}},
+            text=flat["words"][own].tolist(),
+            hovertemplate="%{text}<extra></extra>",
+        )
+        for name, colour in REGIME_COLOURS.items()
+        if (own := flat["regime"] == name).any()
+    ]
+    spread = flat["radius"][flat["radius"] > 0]
+    wide = spread.size > 0 and is_wide(spread)
+    layout = plain_layout(
+        xaxis=_key_axis(key),
+        yaxis={
+            "title": {"text": "largest shaft displacement [mm]"},
+            "type": "log" if wide else "linear",
+            **({} if wide else {"rangemode": "tozero"}),
+        },
+        legend={"orientation": "h", "y": -0.16, "yanchor": "top"},
+        showlegend=True,
+        template=None,
+    )
+    return Explorer(
+        name="points-explorer",
+        title="Every point",
+        caption=POINTS_CAPTION,
+        plots=[go.Figure(traces, layout)],
+    )
+
+
+def regime_explorer(points: xr.Dataset, other: str) -> Explorer:
+    """Regime over two swept keys, every point with its numbers.
+
+    Args:
+        points: as `points_explorer` takes it.
+        other: the other swept key.
+    """
+    import plotly.graph_objects as go
+
+    points = in_handy_units(points)
+    key = points[str(points.attrs["along"])]
+    names = list(REGIME_COLOURS)
+    code = np.full(points["regime"].shape, np.nan)
+    for number, name in enumerate(names):
+        code[points["regime"].values == name] = number
+    share = np.linspace(0.0, 1.0, len(names) + 1)
+    scale = [
+        [float(edge), colour]
+        for colour, low, high in zip(REGIME_COLOURS.values(), share[:-1], share[1:], strict=True)
+        for edge in (low, high)
+    ]
+    words = _flat(points)["words"].reshape(points["regime"].shape)
+    # Heatmaps space their cells by the values; categories would hide how far apart they are.
+    heat = go.Heatmap(
+        x=key.values,
+        y=points[other].values,
+        z=code,
+        zmin=-0.5,
+        zmax=len(names) - 0.5,
+        colorscale=scale,
+        colorbar={"tickvals": list(range(len(names))), "ticktext": names, "thickness": 14},
+        text=words.tolist(),
+        hovertemplate="%{text}<extra></extra>",
+        xgap=1,
+        ygap=1,
+    )
+    layout = plain_layout(
+        xaxis={**_key_axis(key), "showgrid": False},
+        yaxis={**_key_axis(points[other]), "showgrid": False},
+        template=None,
+    )
+    return Explorer(
+        name="regime-explorer",
+        title="Regime map",
+        caption=REGIME_MAP_CAPTION,
+        plots=[go.Figure([heat], layout)],
+    )
+
+
+def _map_traces(one: xr.Dataset, top: float, *, shown: bool) -> Sequence[Any]:
+    import plotly.graph_objects as go
+
+    key = str(one.attrs["along"])
+    place = _thinned(one[key].values, MOST_COLUMNS, np.maximum, 0)
+    frequency = one["frequency"].values
+    starts = _starts(len(frequency), MOST_ROWS)
+    middle = np.add.reduceat(frequency, starts) / np.diff(starts, append=len(frequency))
+    amplitude = _thinned(MILLI * one["amplitude"].values, MOST_COLUMNS, np.fmax, 0)
+    amplitude = np.fmax.reduceat(amplitude, starts, axis=1).T
+    floor = 10.0 ** (top - DECADES)
+    level = np.log10(np.maximum(amplitude, floor))
+    ticks = np.arange(np.ceil(top - DECADES), np.floor(top) + 1)
+    traces: list[Any] = [
+        go.Heatmap(
+            x=place,
+            y=middle.astype(np.float32),
+            z=level.astype(np.float32),
+            zmin=top - DECADES,
+            zmax=top,
+            colorscale=SEQUENTIAL,
+            colorbar={
+                "title": {"text": "amplitude of the shaft [mm]", "side": "right"},
+                "thickness": 14,
+                "tickvals": ticks.tolist(),
+                "ticktext": [f"{10.0**tick:g}" for tick in ticks],
+            },
+            customdata=_words_of(amplitude),
+            hovertemplate=(
+                "%{x:.5g}, frequency %{y:.4g}<br>amplitude %{customdata} mm<extra></extra>"
+            ),
+            visible=shown,
+        )
+    ]
+    known = one.isel({key: np.flatnonzero(np.isfinite(one["engine_order"][:, 0].values))})
+    along = known[key].values
+
+    def line(level: Array, name: str, group: str, look: Mapping[str, Any], legend: bool) -> Any:
+        return go.Scatter(
+            x=along,
+            y=level,
+            mode="lines",
+            line=look,
+            name=group,
+            legendgroup=group,
+            showlegend=legend,
+            visible=shown,
+            hovertemplate=f"{name}: %{{y:.4g}}<extra></extra>",
+        )
+
+    named = "engine orders"
+    for order in known["order"].values:
+        level = known["engine_order"].sel(order=order).values
+        look = {"color": "#ffffff", "dash": "dot", "width": 1}
+        traces.append(line(level, f"{order:+d} Ω", named, look, False))
+    # White lines would not be seen in the legend, which is on white.
+    look = {"color": "#5b6575", "dash": "dot", "width": 1.5}
+    traces.append(line(np.full(len(along), np.nan), named, named, look, True))
+    for name, (colour, _) in LINES.items():
+        for way in ("backward", "forward"):
+            level = known["mode_line"].sel(mode=name, direction=way).values
+            look = {"color": colour, "dash": MODE_DASHES[name], "width": 1.5}
+            traces.append(line(level, f"{name}, {way}", name, look, way == "forward"))
+    return traces
+
+
+def _flat(points: xr.Dataset) -> dict[str, Any]:
+    """Values of all points in one row, and words for each."""
+    key = str(points.attrs["along"])
+    shape = points["regime"].shape
+    place = np.broadcast_to(points[key].values, shape).ravel()
+    names = [line_label(points.isel({LINE: number})) for number in range(shape[0])]
+    column = {
+        name: points[name].values.ravel()
+        for name in ("regime", "growth_rate", "growth_error", "end_time", "touched", "state")
+    }
+    radius = MILLI * points["shaft_radius_max"].values.ravel()
+    own, unit = (str(points[key].attrs[name]) for name in ("long_name", "units"))
+    unit = "" if unit == "1" else f" {unit}"
+    words = []
+    for number, at in enumerate(place):
+        lines = [f"<b>{column['regime'][number]}</b>", f"{own} = {at:.6g}{unit}"]
+        lines += filter(None, [names[number // shape[1]]])
+        if column["state"][number] != "done":
+            lines[0] = f"<b>{column['state'][number]}</b>"
+        else:
+            rate, error = column["growth_rate"][number], column["growth_error"][number]
+            judged = f"{rate_text(rate, error)} 1/s" if np.isfinite(rate) else "not to be judged"
+            lines += [
+                f"largest shaft displacement {radius[number]:.4g} mm",
+                f"growth rate {judged}",
+                f"blades that touched {column['touched'][number]:.0f}",
+                f"end {column['end_time'][number]:.4g} s",
+            ]
+        words.append("<br>".join(lines))
+    return {
+        "key": place,
+        "radius": radius,
+        "regime": column["regime"],
+        "words": np.array(words, dtype=object),
+    }
+
+
+def _key_axis(values: xr.DataArray) -> dict[str, Any]:
+    return {
+        "title": {"text": key_label(values)},
+        "type": "log" if is_wide(values.values) else "linear",
+    }
+
+
+def _starts(count: int, most: int) -> Any:
+    """First of each of so many groups of neighbours at most."""
+    return np.unique(np.arange(min(count, most)) * count // min(count, most))
+
+
+def _thinned(values: Array, most: int, reduce: np.ufunc, axis: int) -> Array:
+    return np.asarray(reduce.reduceat(values, _starts(values.shape[axis], most), axis=axis))
+
+
+def _words_of(values: Array) -> list[list[str]]:
+    """Numbers to read."""
+    return [["–" if np.isnan(value) else f"{value:.3g}" for value in row] for row in values]

@@ -1,0 +1,1 @@
+"""What one run says: orbits, spectra, energies, contact, regime, summary."""

@@ -1,0 +1,237 @@
+"""Gaps and contact forces over blade and time, and which blades touch how often (Fig. 21)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.figure import Figure
+
+from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.windows import (
+    few_time_ticks,
+    select_window,
+    span_edges,
+    span_starts,
+    window_label,
+)
+from bladewhirl.postprocess.plotting.style import (
+    COLOURS,
+    SEQUENTIAL,
+    new_figure,
+    speed_label,
+    styled,
+)
+from bladewhirl.postprocess.run.orbits import MILLI
+
+PERMANENT = 0.99
+"""Share of the time in contact from which a blade counts as in permanent contact."""
+
+COLUMNS = 600
+"""Spans of time that a map has at most: more would not be seen."""
+
+BRIGHTEST = 99.0
+"""Percentile of the forces above zero that gets the brightest colour, where a few peaks would
+leave the rest dark."""
+
+PEAK = 1.5
+"""Ratio of the largest force to that percentile from which this is so."""
+
+CLASS_COLOURS: Mapping[str, str] = {
+    "permanent": COLOURS["contact"],
+    "intermittent": COLOURS["k = 0"],
+    "free": COLOURS["rest"],
+}
+
+CLASS_HATCHES: Mapping[str, str] = {"permanent": "////", "intermittent": "....", "free": ""}
+
+CLASS_MARKS: Mapping[str, tuple[str, bool]] = {
+    "permanent": ("s", True),
+    "intermittent": ("D", True),
+    "free": ("o", False),
+}
+"""Mark of each class, and whether it is filled."""
+
+
+def contact_maps(dataset: xr.Dataset, columns: int = COLUMNS) -> xr.Dataset:
+    """Gaps and forces of every blade in up to that many equal spans of time.
+
+    Nothing between records is missed: gaps are the smallest of all steps in a span, forces the
+    impulse in it over its length.
+
+    Args:
+        dataset: a result, of the time that is wanted.
+        columns: spans at most; the records themselves where they are fewer.
+
+    Returns:
+        over (time, blade): `gap` [m], smallest; `force` [N], mean normal force, positive where
+        the casing pushes inward; `friction` [N], mean, positive where it drags towards -theta;
+        `touched`, whether there was contact. `time` [s] is the end of each span, `edge` (edge,)
+        are the borders.
+
+    Raises:
+        ViewError: fewer than two records.
+    """
+    begin = float(select_window(dataset)["time"][0])
+    dataset = dataset.isel(time=slice(1, None))  # a record tells of the time since the one before
+    time = dataset["time"].values
+    starts = span_starts(time, columns)
+    edges = span_edges(time, starts, begin)
+    length = np.diff(edges)[:, None]
+
+    def total(name: str) -> Array:
+        return np.asarray(np.add.reduceat(dataset[name].values, starts, axis=0))
+
+    plane = ("time", "blade")
+    newton = {"units": "N"}
+    gap = np.minimum.reduceat(dataset["gap"].values, starts, axis=0)
+    return xr.Dataset(
+        {
+            "gap": (plane, gap, {"units": "m"}),
+            "force": (plane, total("contact_impulse") / length, newton),
+            "friction": (plane, total("friction_impulse") / length, newton),
+            "touched": (plane, total("contact_steps") > 0),
+        },
+        coords={
+            "time": ("time", edges[1:], {"units": "s"}),
+            "edge": ("edge", edges, {"units": "s"}),
+            "blade": np.arange(dataset.sizes["blade"]),
+        },
+        attrs={
+            "title": "gaps and contact forces of the blades",
+            **{name: dataset.attrs[name] for name in ("speed", "reference_frequency")},
+        },
+    )
+
+
+def contact_classes(dataset: xr.Dataset) -> xr.Dataset:
+    """Share of the time that each blade is in contact, and the class that follows from it.
+
+    The share is that of the time steps between the first and the last record. *Permanent* is 99 %
+    or more, *free* none, *intermittent* what lies between.
+
+    Args:
+        dataset: a result of two records or more, of the time that is wanted.
+
+    Returns:
+        over blade: `share` [1] and `contact_class`; over record times nothing.
+    """
+    time = select_window(dataset)["time"].values
+    steps = (time[-1] - time[0]) / dataset.attrs["time_step"]
+    # Counts at a record are those since the record before.
+    share = dataset["contact_steps"].isel(time=slice(1, None)).sum("time").values / round(steps)
+    names = np.select([share >= PERMANENT, share > 0], ["permanent", "intermittent"], "free")
+    return xr.Dataset(
+        {
+            "share": ("blade", share, {"units": "1"}),
+            "contact_class": ("blade", names),
+        },
+        coords={"blade": np.arange(dataset.sizes["blade"])},
+        attrs={
+            "title": "share of the time in contact",
+            "window": window_label(dataset),
+            **{name: dataset.attrs[name] for name in ("speed", "reference_frequency")},
+        },
+    )
+
+
+@styled
+def plot_gaps(maps: xr.Dataset) -> Figure:
+    """Draw the gap of every blade over time in mm, contact in a colour of its own, Fig. 21.
+
+    Args:
+        maps: from `contact_maps`.
+    """
+    figure, axes = _map_axes(maps)
+    gap = MILLI * maps["gap"].values
+    picture = axes.pcolormesh(
+        maps["edge"], _blade_edges(maps), gap.T, cmap=SEQUENTIAL, vmin=0.0, rasterized=True
+    )
+    figure.colorbar(picture, ax=axes, label="gap [mm]")
+    touched = np.ma.masked_equal(maps["touched"].values, False)
+    contact = ListedColormap([COLOURS["contact"]])
+    axes.pcolormesh(maps["edge"], _blade_edges(maps), touched.T, cmap=contact, rasterized=True)
+    axes.plot([], [], "s", color=COLOURS["contact"], label="contact")
+    figure.legend(loc="outside lower center")
+    return figure
+
+
+@styled
+def plot_forces(maps: xr.Dataset) -> Figure:
+    """Draw the mean normal force on every blade over time, Fig. 21.
+
+    Args:
+        maps: from `contact_maps`.
+    """
+    figure, axes = _map_axes(maps)
+    force = maps["force"].values
+    largest, top = float(force.max()), force_limit(force)
+    unit, scale = ("kN", 1e-3) if top >= 1e3 else ("N", 1.0)
+    picture = axes.pcolormesh(
+        maps["edge"],
+        _blade_edges(maps),
+        np.ma.masked_less_equal(scale * force.T, 0.0),
+        cmap=SEQUENTIAL,
+        norm=Normalize(0.0, scale * top),
+        rasterized=True,
+    )
+    over = "max" if largest > top else "neither"
+    figure.colorbar(picture, ax=axes, label=f"mean normal force [{unit}]", extend=over)
+    return figure
+
+
+@styled
+def plot_contact_classes(classes: xr.Dataset) -> Figure:
+    """Draw the share of the time each blade is in contact, coloured by class.
+
+    A mark of its class ends every bar, so that the smallest shares are seen too.
+
+    Args:
+        classes: from `contact_classes`.
+    """
+    figure = new_figure(height=0.05)
+    axes = figure.add_subplot()
+    blade, share = classes["blade"].values, 100 * classes["share"].values
+    for name, colour in CLASS_COLOURS.items():
+        own = classes["contact_class"].values == name
+        axes.bar(blade[own], share[own], color=colour)
+        label = f"{name}: {np.count_nonzero(own)}"
+        mark, filled = CLASS_MARKS[name]
+        (marks,) = axes.plot(blade[own], share[own], mark, color=colour, zorder=3, label=label)
+        marks.set(markersize=3.0, markerfacecolor=colour if filled else "white")
+        marks.set_clip_on(not own.any())  # unclipped, a line of no points takes room
+    axes.set(xlabel="blade", ylabel="time in contact [%]", ylim=(0, 100))
+    axes.set_xlim(-0.7, len(blade) - 0.3)
+    axes.locator_params(axis="x", integer=True)
+    axes.grid(axis="x", visible=False)
+    axes.set_title(f"{speed_label(classes)}, {classes.attrs['window']}")
+    figure.legend(loc="outside lower center", ncols=3)
+    return figure
+
+
+def force_limit(force: Array) -> float:
+    """The force that gets the brightest colour, in the unit of the forces; 1 where there are none:
+    the largest, unless a few peaks would leave the rest dark.
+    """
+    pushed = force[force > 0]
+    if not len(pushed):
+        return 1.0
+    largest, usual = float(pushed.max()), float(np.percentile(pushed, BRIGHTEST))
+    return usual if largest > PEAK * usual else largest
+
+
+def _map_axes(maps: xr.Dataset) -> tuple[Figure, Axes]:
+    figure = new_figure(height=0.06)
+    axes = figure.add_subplot()
+    axes.grid(False)
+    axes.set(xlabel="time [s]", ylabel="blade", title=speed_label(maps))
+    axes.locator_params(axis="y", integer=True)
+    few_time_ticks(axes)
+    return figure, axes
+
+
+def _blade_edges(maps: xr.Dataset) -> Array:
+    return np.arange(maps.sizes["blade"] + 1, dtype=np.float64) - 0.5

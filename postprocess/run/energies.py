@@ -1,0 +1,116 @@
+"""Who holds the strain energy of the bladed disk: suspension, first blade family, the rest."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.fields.result import reduce_modes
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
+
+SUSPENSION = "suspension"
+FIRST_FAMILY = "1F"
+
+SMOOTHED_PERIODS = 30.0
+"""A run of more periods of the reference frequency is drawn as means over a period, closely: its
+ripple at twice the frequency would fill the figure."""
+
+PLOT_POINTS = 300
+"""Points that a line of means has at most: in a longer run each stands for several periods."""
+
+PLOT_DECADES = 6.0
+"""Decades below the largest energy that the plot shows."""
+
+
+def strain_energies(dataset: xr.Dataset) -> xr.Dataset:
+    """Strain energy of the bladed disk with its shaft springs over time, by groups of modes [J].
+
+    In mass-normalised modes 1/2 x^T K x = sum of 1/2 omega_i^2 q_i^2 (the paper's Eq. 22), so each
+    mode has its own share and the groups add up to the whole:
+
+    * `suspension` (time,): the modes that the shaft springs hold;
+    * `first_family` (time, nodal_diameter): the first blade family by nodal diameter;
+    * `rest` (time,): all others;
+    * `total` (time,).
+    """
+    family = dataset["rotor_family"].values
+    diameter = dataset["rotor_nodal_diameter"].values
+    first = family == FIRST_FAMILY
+    diameters = np.unique(diameter[first])
+    groups = [family == SUSPENSION, *(first & (diameter == k) for k in diameters)]
+    groups.append(~np.logical_or.reduce(groups))
+    weights = 0.5 * dataset["rotor_frequency"].values ** 2 * np.array(groups, dtype=float)
+    held = reduce_modes(dataset, "rotor_displacement", weights, np.square)
+    joule = {"units": "J"}
+    return xr.Dataset(
+        data_vars={
+            "suspension": ("time", held[:, 0], joule),
+            "first_family": (("time", "nodal_diameter"), held[:, 1:-1], joule),
+            "rest": ("time", held[:, -1], joule),
+            "total": ("time", held.sum(axis=1), joule),
+        },
+        coords={
+            "time": ("time", dataset["time"].values, {"units": "s"}),
+            "nodal_diameter": diameters,
+        },
+        attrs={
+            "title": "strain energy of the bladed disk with its shaft springs",
+            "speed": dataset.attrs["speed"],
+            "reference_frequency": dataset.attrs["reference_frequency"],
+        },
+    )
+
+
+@styled
+def plot_energy(energies: xr.Dataset) -> Figure:
+    """Draw the strain energies over time on a logarithmic axis, from `strain_energies`.
+
+    All nodal diameters but 0 and 1 are added together, as in the paper's Figs 17(b) and 22. A
+    long run is drawn as means over a period of the reference frequency, which the title says.
+    Terms that stay zero are left out.
+    """
+    family = energies["first_family"]
+    terms = {"total": energies["total"].values, "suspension": energies["suspension"].values}
+    for k in family["nodal_diameter"].values:
+        name = f"k = {k}" if k in (0, 1) else "other k"
+        terms[name] = terms.get(name, 0.0) + family.sel(nodal_diameter=k).values
+    terms["rest"] = energies["rest"].values
+
+    time = energies["time"].values
+    first = _first_of_means(time, 2 * np.pi / energies.attrs["reference_frequency"])
+    figure = new_figure(height=0.062)
+    axes = figure.add_subplot()
+    for name, energy in terms.items():
+        if energy.any():
+            axes.plot(
+                _means(time, first),
+                _means(energy, first),
+                color=COLOURS[name],
+                linewidth=2.0 if name == "total" else 1.0,
+                label=f"1F, {name}" if "k" in name.split() else name,
+            )
+    top = terms["total"].max()
+    if top > 0:
+        axes.set_yscale("log")
+        axes.set_ylim(top * 10**-PLOT_DECADES, top * 3)
+        figure.legend(loc="outside lower center", ncols=3)
+    drawn = f", mean over {1e3 * np.ptp(time) / len(first):.3g} ms"
+    axes.set(xlabel="time [s]", ylabel="strain energy [J]")
+    axes.set_title(f"{speed_label(energies)}{drawn if len(first) < len(time) else ''}")
+    return figure
+
+
+def _first_of_means(time: Array, period: float) -> IntArray:
+    """First record of each drawn point: of every record in a short run, else of equal spans."""
+    periods = np.ptp(time) / period
+    if periods <= SMOOTHED_PERIODS:
+        return np.arange(len(time))
+    spans = int(min(periods, PLOT_POINTS))
+    number = np.minimum((time - time[0]) * spans // np.ptp(time), spans - 1)
+    return np.unique(number, return_index=True)[1]
+
+
+def _means(values: Array, first: IntArray) -> Array:
+    """Mean of the values from each first record to the next."""
+    means: Array = np.add.reduceat(values, first) / np.diff(first, append=len(values))
+    return means

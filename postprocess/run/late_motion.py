@@ -1,0 +1,89 @@
+"""The motion of a run's last third in a few numbers: whirl, contact side, contacts, sections."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from scipy.interpolate import CubicHermiteSpline
+
+from bladewhirl.postprocess.fields.fields import Array, ViewError
+from bladewhirl.postprocess.fields.windows import late_part
+from bladewhirl.postprocess.run.blade_contact import contact_classes
+from bladewhirl.postprocess.run.contact_side import contact_phase
+from bladewhirl.postprocess.run.orbits import FRAMES, whirl
+from bladewhirl.postprocess.run.poincare import poincare_map
+from bladewhirl.postprocess.run.whirl import whirl_history
+
+
+def late_motion(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
+    """Reduce the last third of a run to what tells one motion from another.
+
+    Args:
+        dataset: a result.
+        orbit: from `orbits.shaft_orbit`, of the same time.
+
+    Returns:
+        `late_radius` [m], root mean square; `whirl_rotating` and `whirl_static`, directions;
+        `whirl_frequency` [Hz] in the rotating frame, forward positive, nan at rest (in the static
+        frame it is higher by the speed), and `whirl_scatter` [Hz], its standard deviation over the
+        spans of `whirl_history`, nan where there is but one; `scenario`, `shaft_lead` [rad] and
+        `lead_steadiness` of `contact_phase`; `late_contact_share` (blade,), nan for a single
+        record; `section` (revolution, axis) [m], the Poincaré map, which is the same in both
+        frames; `radius_peak` (peak,) [m], local maxima of the displacement.
+    """
+    late, path = late_part(dataset), late_part(orbit)
+    phases = contact_phase(late, path)
+    turning = {frame: whirl(path, frame) for frame in FRAMES}
+    sense = -1.0 if orbit.attrs["speed"] < 0 else 1.0
+    radius = float(np.sqrt(np.mean(path["radius"].values ** 2)))
+    rates = whirl_history(path)["rate"].sel(frame="rotating").values
+    rates = rates[np.isfinite(rates)]
+    hertz = {"units": "Hz"}
+    rate = sense * turning["rotating"].rate if radius > 0 else np.nan
+    scatter = rates.std() if len(rates) > 1 else np.nan
+    if path.sizes["time"] > 1:
+        share = contact_classes(late)["share"].values
+    else:
+        share = np.full(dataset.sizes["blade"], np.nan)
+    return xr.Dataset(
+        {
+            "late_radius": ((), radius, {"units": "m"}),
+            **{f"whirl_{frame}": ((), turning[frame].direction) for frame in FRAMES},
+            "whirl_frequency": ((), rate / (2 * np.pi), hertz),
+            "whirl_scatter": ((), scatter / (2 * np.pi), hertz),
+            "scenario": ((), phases.attrs["scenario"].replace(" ", "-")),
+            "shaft_lead": ((), phases.attrs["lead"], {"units": "rad"}),
+            "lead_steadiness": ((), phases.attrs["steadiness"], {"units": "1"}),
+            "late_contact_share": ("blade", share, {"units": "1"}),
+            "section": (("revolution", "axis"), _sections(path), {"units": "m"}),
+            "radius_peak": ("peak", radius_peaks(path), {"units": "m"}),
+        }
+    )
+
+
+def radius_peaks(orbit: xr.Dataset) -> Array:
+    """Local maxima of the displacement [m], (peaks,), between records too.
+
+    The square of the displacement is the cubic through its values and rates at the records; a
+    maximum is where its rate, taken as linear between two records, falls through zero.
+
+    Args:
+        orbit: from `orbits.shaft_orbit`, of the time that is wanted.
+    """
+    time = orbit["time"].values
+    place, velocity = orbit["rotating"].values, orbit["rotating_velocity"].values
+    square, rate = np.sum(place**2, axis=1), 2.0 * np.sum(place * velocity, axis=1)
+    before = np.flatnonzero((rate[:-1] > 0) & (rate[1:] <= 0))
+    if not before.size:
+        return np.empty(0)
+    share = rate[before] / (rate[before] - rate[before + 1])
+    instants = time[before] + share * (time[before + 1] - time[before])
+    return np.asarray(np.sqrt(CubicHermiteSpline(time, square, rate)(instants)))
+
+
+def _sections(orbit: xr.Dataset) -> Array:
+    """Places once a revolution (revolutions, 2) [m]; none where the time holds no revolution."""
+    try:
+        return np.asarray(poincare_map(orbit)["place"].values)
+    except ViewError:
+        return np.empty((0, 2))

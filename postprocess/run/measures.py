@@ -1,0 +1,194 @@
+"""A march, asked what the claims ask: regime, whirl, contact side, energies, blades, casing."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields.result import reduce_modes
+from bladewhirl.postprocess.fields.windows import late_part, select_window
+from bladewhirl.postprocess.run.blade_contact import contact_classes
+from bladewhirl.postprocess.run.contact_side import contact_phase
+from bladewhirl.postprocess.run.energies import strain_energies
+from bladewhirl.postprocess.run.orbits import Frame, Whirl, shaft_orbit, whirl
+from bladewhirl.postprocess.run.poincare import poincare_map
+from bladewhirl.postprocess.run.regimes import Regime, classify
+from bladewhirl.postprocess.run.whirl import whirl_history
+
+HOLDERS = ("suspension", "k = 0", "k = 1", "other k", "rest")
+"""Who holds strain energy; "k" are nodal diameters of the first blade family."""
+
+
+class Motion:
+    """A result, measured when asked; what is measured is kept."""
+
+    def __init__(self, result: xr.Dataset) -> None:
+        """Look at a result, which must stay open."""
+        self.result = result
+
+    @cached_property
+    def orbit(self) -> xr.Dataset:
+        """From `shaft_orbit`."""
+        return shaft_orbit(self.result)
+
+    @cached_property
+    def energies(self) -> xr.Dataset:
+        """Strain energy [J] over time of each of `HOLDERS`, and `total`."""
+        found = strain_energies(self.result)
+        family = found["first_family"]
+        diameter = family["nodal_diameter"].values
+        parts = {
+            "suspension": found["suspension"].values,
+            "k = 0": family.values[:, diameter == 0].sum(axis=1),
+            "k = 1": family.values[:, diameter == 1].sum(axis=1),
+            "other k": family.values[:, diameter > 1].sum(axis=1),
+            "rest": found["rest"].values,
+            "total": found["total"].values,
+        }
+        return xr.Dataset(
+            {name: ("time", values) for name, values in parts.items()},
+            coords={"time": found["time"]},
+        )
+
+    @cached_property
+    def regime(self) -> Regime:
+        """From `classify`."""
+        return classify(self.result, self.energies["total"].values)
+
+    @property
+    def diverges(self) -> bool:
+        """Whether the regime is divergent."""
+        return self.regime.name == "divergent"
+
+    @property
+    def end(self) -> float:
+        """Time of the last record [s]."""
+        return float(self.result["time"][-1])
+
+    @cached_property
+    def first_contact(self) -> float:
+        """Time of the record before the first contact [s]; infinite without contact."""
+        touched = np.flatnonzero(self.result["contact_steps"].values.any(axis=1))
+        if not touched.size:
+            return float("inf")
+        return float(self.result["time"][max(0, touched[0] - 1)])
+
+    @property
+    def reference(self) -> float:
+        """Frequency that speeds are multiples of [rad/s]."""
+        return float(self.result.attrs["reference_frequency"])
+
+    @cached_property
+    def radius(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """Displacement of the shaft at every record [m]."""
+        return np.asarray(self.orbit["radius"].values)
+
+    def record_at(self, time: float) -> int:
+        """Number of records up to a time [s], one at least."""
+        return max(1, int(np.searchsorted(self.result["time"].values, time, side="right")))
+
+    def radius_between(self, start: float, end: float) -> tuple[float, float]:
+        """Mean of the shaft's displacement in a window, and largest less smallest [m]."""
+        values = select_window(self.orbit, start, end)["radius"].values
+        return float(values.mean()), float(np.ptp(values))
+
+    def late_whirl(self, frame: Frame) -> Whirl:
+        """Whirl over the last third of the time."""
+        return whirl(late_part(self.orbit), frame)
+
+    @cached_property
+    def late_whirl_rates(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """Whirl in the static frame in equal spans of the last third [rad/s]."""
+        rates = whirl_history(late_part(self.orbit))["rate"].sel(frame="static").values
+        return np.asarray(rates[np.isfinite(rates)])
+
+    @cached_property
+    def late_phase(self) -> xr.Dataset:
+        """From `contact_phase`, over the last third of the time."""
+        return contact_phase(late_part(self.result), late_part(self.orbit))
+
+    @property
+    def scenario(self) -> str:
+        """Contact scenario over the last third of the time."""
+        return str(self.late_phase.attrs["scenario"])
+
+    @property
+    def lead(self) -> float:
+        """Angle by which the shaft leads the contact over the last third of the time [degrees]."""
+        return float(np.degrees(self.late_phase.attrs["lead"]))
+
+    def energy(self, start: float, end: float) -> dict[str, float]:
+        """Mean strain energy of each of `HOLDERS` in a window, and `total` [J]."""
+        window = select_window(self.energies, start, end)
+        return {name: float(window[name].mean()) for name in (*HOLDERS, "total")}
+
+    def share(self, start: float, end: float) -> dict[str, float]:
+        """Share of the strain energy of each of `HOLDERS` in a window."""
+        found = self.energy(start, end)
+        total = found.pop("total") or 1.0
+        return {name: value / total for name, value in found.items()}
+
+    @property
+    def late(self) -> tuple[float, float]:
+        """The last third of the time [s]."""
+        return 2.0 / 3.0 * self.end, self.end
+
+    def onset(self, share: float) -> float:
+        """Time after which the strain energy stays above that share of its last value [s].
+
+        The energy is averaged over periods of the reference frequency.
+        """
+        time, total = self.energies["time"].values, self.energies["total"].values
+        number = (time * self.reference / (2.0 * np.pi)).astype(int)
+        first = np.flatnonzero(np.diff(number, prepend=-1))
+        mean = np.add.reduceat(total, first) / np.diff(first, append=len(total))
+        below = np.flatnonzero(mean < share * mean[-1])
+        return float(time[first[below[-1] + 1]]) if len(below) else 0.0
+
+    @cached_property
+    def blades(self) -> dict[str, int]:
+        """How many blades are in permanent and intermittent contact in the last third, and free."""
+        classes = contact_classes(late_part(self.result))["contact_class"].values
+        return {
+            name: int(np.count_nonzero(classes == name))
+            for name in ("permanent", "intermittent", "free")
+        }
+
+    @property
+    def touched(self) -> bool:
+        """Whether any tip ever touched."""
+        return bool((self.result["contact_steps"] > 0).any())
+
+    @property
+    def touches_late(self) -> bool:
+        """Whether any tip touched in the last third of the time."""
+        return self.blades["free"] < self.result.sizes["blade"]
+
+    def section_scatter(self) -> float:
+        """Spread of the Poincaré map's places in the last third over their distance from 0."""
+        place = poincare_map(late_part(self.orbit))["place"].values
+        spread = np.hypot(*(place - place.mean(axis=0)).T).max()
+        return float(spread / np.hypot(*place.T).mean())
+
+    @cached_property
+    def casing_motion(self) -> float:
+        """Largest radial displacement of a casing node in the last third [m]."""
+        late = late_part(self.result)
+        radial = self.result["casing_shape"].isel(casing_component=0).values
+        return float(np.abs(reduce_modes(late, "casing_displacement", radial)).max())
+
+
+def orbit_distance(one: Motion, other: Motion, *, until: float = np.inf) -> float:
+    """Root mean square distance of two orbits in rotating axes over the radius of the second.
+
+    Records that only one of them has, or later than a time [s], don't count; NaN where the second
+    rests.
+    """
+    a, b = one.orbit["rotating"].values, other.orbit["rotating"].values
+    records = min(len(a), len(b), other.record_at(until))
+    apart = np.sqrt(np.mean(np.sum((a[:records] - b[:records]) ** 2, axis=1)))
+    size = np.sqrt(np.mean(other.radius[:records] ** 2))
+    return float(apart / size) if size else float("nan")

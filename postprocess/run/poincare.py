@@ -1,0 +1,112 @@
+"""The shaft in state space, and once a revolution: Poincaré map (Figs 20c and d)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
+
+from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.windows import late_part, window_label
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
+from bladewhirl.postprocess.plotting.units import length_unit, velocity_unit
+from bladewhirl.postprocess.run.orbits import LONG_LINE, PALE, Frame
+
+
+def poincare_map(orbit: xr.Dataset, frame: Frame = "static") -> xr.Dataset:
+    """Place and velocity of the shaft once a revolution, whenever blade 0 lies on +x.
+
+    Between records the place is the cubic through places and velocities, the velocity a cubic
+    spline. A motion that repeats with every revolution is one point.
+
+    Args:
+        orbit: from `orbits.shaft_orbit`, of the time that is wanted.
+        frame: of the observer; the paper's is the static one.
+
+    Returns:
+        `place` [m] and `velocity` [m/s] over (time, axis): time [s] of each revolution.
+
+    Raises:
+        ViewError: the rotor does not turn, or not once in this time.
+    """
+    time = orbit["time"].values
+    speed = abs(float(orbit.attrs["speed"]))
+    turned = speed * time[[0, -1]] / (2 * np.pi)
+    first, last = np.ceil(turned[0] - 1e-9), np.floor(turned[1] + 1e-9)
+    if speed == 0 or last < first or len(time) < 2:
+        raise ViewError(
+            f"a Poincaré map needs a revolution or more, the rotor makes {np.ptp(turned):.3g} in "
+            f"{window_label(orbit)}"
+        )
+    instants = np.clip(2 * np.pi * np.arange(first, last + 1) / speed, time[0], time[-1])
+    place, velocity = orbit[frame].values, orbit[f"{frame}_velocity"].values
+    plane = ("time", "axis")
+    return xr.Dataset(
+        {
+            "place": (plane, CubicHermiteSpline(time, place, velocity)(instants), {"units": "m"}),
+            "velocity": (plane, CubicSpline(time, velocity)(instants), {"units": "m/s"}),
+        },
+        coords={"time": ("time", instants, {"units": "s"}), "axis": ["x", "y"]},
+        attrs={
+            "title": "Poincaré map of the shaft, once a revolution",
+            "frame": frame,
+            **{name: orbit.attrs[name] for name in ("speed", "reference_frequency")},
+        },
+    )
+
+
+def state_space(orbit: xr.Dataset, frame: Frame = "static") -> xr.Dataset:
+    """Place and velocity of the shaft over (time, axis) in one frame, [m] and [m/s].
+
+    Args:
+        orbit: from `orbits.shaft_orbit`.
+        frame: of the observer.
+    """
+    renamed = orbit[[frame, f"{frame}_velocity"]].rename(
+        {frame: "place", f"{frame}_velocity": "velocity"}
+    )
+    return renamed.assign_attrs(title="state space of the shaft", frame=frame)
+
+
+@styled
+def plot_state_space(states: xr.Dataset, sections: xr.Dataset) -> Figure:
+    """Draw velocity over place along x: the motion (left) and once a revolution (right).
+
+    The last third of the time is strong, what came before it pale; both panels have the same axes.
+
+    Args:
+        states: from `state_space`.
+        sections: from `poincare_map`, of the same frame.
+    """
+    figure = new_figure(height=0.058)
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    late_from = late_part(states)["time"].values[0]
+    length, to_length = length_unit(float(abs(states["place"]).max()))
+    rate, to_rate = velocity_unit(float(abs(states["velocity"]).max()))
+    for axes, data, mark, title in (
+        (panels[0], states, {"linestyle": "-"}, "motion"),
+        (
+            panels[1],
+            sections,
+            {"linestyle": "", "marker": ".", "markersize": 3},
+            "every revolution",
+        ),
+    ):
+        late = data["time"].values >= late_from
+        for chosen, colour, width in ((~late, PALE, 0.4), (late, COLOURS["rotor"], 0.8)):
+            look: dict[str, Any] = {**mark, "color": colour, "linewidth": width}
+            axes.plot(
+                to_length * data["place"].values[chosen, 0],
+                to_rate * data["velocity"].values[chosen, 0],
+                rasterized=np.count_nonzero(chosen) > LONG_LINE,
+                label=window_label(data.isel(time=chosen)) if chosen.any() else None,
+                **look,
+            )
+        axes.set(title=title, xlabel=f"x [{length}]")
+    panels[0].set_ylabel(f"velocity along x [{rate}]")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    figure.suptitle(f"{states.attrs['frame']} frame, {speed_label(states)}")
+    return figure

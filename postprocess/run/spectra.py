@@ -1,0 +1,286 @@
+"""Spectrum and spectrogram of the shaft, forward and backward apart, with the lines of modes.
+
+The shaft's place is one complex number z = x + i y, so that exp(i omega t) goes round
+counter-clockwise: its transform tells forward from backward motion, which that of x alone (the
+paper's Figs 15 and 17a) does not. Frequencies are positive for forward motion, in the sense of
+rotation. A circle of radius r has the amplitude r at one frequency; a straight vibration has half
+its amplitude at two. Transforms have a Blackman-Harris window, whose side lobes are below all that
+is drawn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.windows import evenly_spaced, few_time_ticks, window_label
+from bladewhirl.postprocess.plotting.style import (
+    COLOURS,
+    SEQUENTIAL,
+    new_figure,
+    speed_label,
+    styled,
+)
+from bladewhirl.postprocess.run.energies import FIRST_FAMILY, SUSPENSION
+from bladewhirl.postprocess.run.orbits import MILLI, Frame
+
+FEWEST_RECORDS = 16
+"""Records without which a spectrum says nothing."""
+
+SHARE, PERIODS, MOST = 1.0 / 12.0, 5.0, 0.5
+"""A slice of the spectrogram: that share of the time, but at least so many periods of the
+reference frequency, and at most that share."""
+
+SLICES = 200
+"""Slices of a spectrogram, about."""
+
+PADDING = 4
+"""Transforms are padded with zeros to that many times their length, for smooth lines."""
+
+DECADES = 4.0
+"""Decades below the largest amplitude that are drawn."""
+
+MARGIN = 1.12
+"""How far the drawn frequencies go beyond the outermost line of a mode."""
+
+ORDER = "Ω"
+"""Label of the line of the speed."""
+
+LINE_COLOURS: Mapping[str, str] = {
+    FIRST_FAMILY: COLOURS["k = 1"],
+    SUSPENSION: COLOURS["suspension"],
+    "casing": COLOURS["casing"],
+    ORDER: COLOURS["rest"],
+}
+
+LINE_DASHES: Mapping[str, Any] = {
+    FIRST_FAMILY: (0, (3, 2)),
+    SUSPENSION: (0, (8, 3)),
+    "casing": (0, (6, 2, 1.2, 2)),
+    ORDER: ":",
+}
+"""Told apart without colour."""
+
+
+def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
+    """Frequencies at which modes that can move the shaft are seen in a frame [rad/s].
+
+    That is the first family and the suspension of the bladed disk and the lowest mode of the
+    casing, one nodal diameter each, forward and backward; between the frames their frequencies
+    differ by the speed. And the speed: of a load at rest in space as the rotor sees it, or of one
+    fixed in the rotor as an observer at rest does.
+
+    Args:
+        dataset: a result.
+        frame: of the observer.
+
+    Returns:
+        (line,), forward positive, with the coordinate `mode`: "1F", "suspension", "casing", "Ω".
+    """
+    speed = abs(float(dataset.attrs["speed"]))
+    rotor_shift, casing_shift = (0.0, -speed) if frame == "rotating" else (speed, 0.0)
+    frequency = dataset["rotor_frequency"].values
+    family, diameter = dataset["rotor_family"].values, dataset["rotor_nodal_diameter"].values
+    names, values = [ORDER], [rotor_shift + casing_shift]
+    for name in (FIRST_FAMILY, SUSPENSION):
+        own = frequency[(family == name) & (diameter == 1)]
+        if len(own):
+            names += [name] * 2
+            values += [rotor_shift - own.min(), rotor_shift + own.min()]
+    wall = dataset["casing_frequency"].values[dataset["casing_nodal_diameter"].values == 1]
+    if len(wall):
+        names += ["casing"] * 2
+        values += [casing_shift - wall.min(), casing_shift + wall.min()]
+    return xr.DataArray(
+        values, dims="line", coords={"mode": ("line", names)}, attrs={"units": "rad/s"}
+    )
+
+
+def shaft_spectrum(orbit: xr.Dataset, frame: Frame = "rotating") -> xr.Dataset:
+    """Amplitude of the shaft over frequency, by one transform of all records.
+
+    Args:
+        orbit: from `orbits.shaft_orbit`, of the time that is wanted.
+        frame: of the observer.
+
+    Returns:
+        `amplitude` (frequency,) [m], frequency [rad/s] ascending, forward positive.
+
+    Raises:
+        ViewError: too few records, or not equally spaced.
+    """
+    # Loaded when used: it takes longer than all of postprocess together.
+    from scipy.signal.windows import blackmanharris
+
+    even, step = evenly_spaced(orbit, FEWEST_RECORDS)
+    records = even.sizes["time"]
+    window = blackmanharris(records, sym=False)
+    transform = np.fft.fft(window * _phasor(even, frame), PADDING * records) / window.sum()
+    frequency = 2 * np.pi * np.fft.fftfreq(PADDING * records, step)
+    return xr.Dataset(
+        {"amplitude": ("frequency", np.abs(np.fft.fftshift(transform)), {"units": "m"})},
+        coords={"frequency": ("frequency", np.fft.fftshift(frequency), {"units": "rad/s"})},
+        attrs=_attributes(orbit, "spectrum of the shaft", frame)
+        | {"resolution": 2 * np.pi / (records * step), "window": window_label(even)},
+    )
+
+
+def shaft_spectrogram(
+    orbit: xr.Dataset, frame: Frame = "rotating", length: float | None = None
+) -> xr.Dataset:
+    """Amplitude of the shaft over frequency and time, Fig. 17(a).
+
+    Args:
+        orbit: from `orbits.shaft_orbit`, of the time that is wanted.
+        frame: of the observer.
+        length: of a slice [s]; a twelfth of the time, or five periods of the reference
+            frequency where that is longer, but not more than half the time, when None.
+
+    Returns:
+        `amplitude` (frequency, time) [m]: frequency [rad/s] ascending, forward positive; time [s]
+        the middle of each slice. Slices lie wholly within the records.
+
+    Raises:
+        ViewError: too few records, or not equally spaced.
+    """
+    from scipy.signal import ShortTimeFFT
+    from scipy.signal.windows import blackmanharris
+
+    even, step = evenly_spaced(orbit, FEWEST_RECORDS)
+    records = even.sizes["time"]
+    if length is None:
+        period = 2 * np.pi / orbit.attrs["reference_frequency"]
+        length = min(max(SHARE * records * step, PERIODS * period), MOST * records * step)
+    size = int(np.clip(round(length / step), FEWEST_RECORDS // 2, records))
+    transform = ShortTimeFFT(
+        blackmanharris(size, sym=False),
+        hop=max((records - size) // SLICES, 1),
+        fs=1.0 / step,
+        fft_mode="centered",
+        mfft=PADDING * size,
+        scale_to="magnitude",
+    )
+    inside = transform.lower_border_end[1], transform.upper_border_begin(records)[1]
+    slices = transform.stft(_phasor(even, frame), *inside)
+    time = even["time"].values[0] + transform.t(records, *inside)
+    return xr.Dataset(
+        {"amplitude": (("frequency", "time"), np.abs(slices), {"units": "m"})},
+        coords={
+            "frequency": ("frequency", 2 * np.pi * transform.f, {"units": "rad/s"}),
+            "time": ("time", time, {"units": "s"}),
+        },
+        attrs=_attributes(orbit, "spectrogram of the shaft", frame)
+        | {"resolution": 2 * np.pi / (size * step), "slice": size * step},
+    )
+
+
+def around_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
+    """The frequencies that are drawn: so far that all lines are seen.
+
+    Args:
+        spectrum: from `shaft_spectrum` or `shaft_spectrogram`.
+        lines: from `modal_lines`, of the same frame.
+    """
+    edge = MARGIN * float(np.abs(lines).max())
+    return spectrum.sel(frequency=slice(-edge, edge))
+
+
+@styled
+def plot_spectrum(spectrum: xr.Dataset, lines: xr.DataArray) -> Figure:
+    """Draw the shaft's amplitude over frequency in Hz with the lines of modes.
+
+    Args:
+        spectrum: from `shaft_spectrum`.
+        lines: from `modal_lines`, of the same frame.
+    """
+    figure = new_figure(height=0.055)
+    axes = figure.add_subplot()
+    shown = around_lines(spectrum, lines)
+    amplitude = MILLI * shown["amplitude"].values
+    top = amplitude.max() or 1.0  # all at rest: 1 mm
+    floor = top * 10**-DECADES
+    axes.plot(
+        _hertz(shown["frequency"].values),
+        np.maximum(amplitude, floor),
+        color=COLOURS["rotor"],
+        linewidth=0.8,
+    )
+    axes.set_yscale("log")
+    axes.set_ylim(floor, 2 * top)
+    axes.set(xlabel="frequency [Hz]   ← backward  forward →", ylabel="amplitude [mm]")
+    axes.set_xlim(*_hertz(shown["frequency"].values[[0, -1]]))
+    _draw_lines(axes, lines, axes.axvline)
+    axes.set_title(
+        f"{spectrum.attrs['frame']} frame, {spectrum.attrs['window']}\n{speed_label(spectrum)}"
+    )
+    figure.legend(loc="outside lower center", ncols=4, handlelength=2.6)
+    return figure
+
+
+@styled
+def plot_spectrogram(spectrogram: xr.Dataset, lines: xr.DataArray) -> Figure:
+    """Draw the shaft's amplitude over frequency in Hz and time with the lines of modes.
+
+    Args:
+        spectrogram: from `shaft_spectrogram`.
+        lines: from `modal_lines`, of the same frame.
+    """
+    figure = new_figure(height=0.07)
+    axes = figure.add_subplot()
+    shown = around_lines(spectrogram, lines)
+    amplitude = MILLI * shown["amplitude"].values
+    top = amplitude.max() or 1.0
+    picture = axes.pcolormesh(
+        shown["time"],
+        _hertz(shown["frequency"].values),
+        np.maximum(amplitude, top * 10**-DECADES),
+        norm=LogNorm(top * 10**-DECADES, top),
+        cmap=SEQUENTIAL,
+        shading="nearest",
+        rasterized=True,
+    )
+    axes.grid(False)
+    few_time_ticks(axes)
+    _draw_lines(axes, lines, axes.axhline)
+    axes.set(xlabel="time [s]", ylabel="frequency [Hz]\n← backward  forward →")
+    frame, slice_length = spectrogram.attrs["frame"], 1e3 * spectrogram.attrs["slice"]
+    axes.set_title(f"{frame} frame, slices of {slice_length:.3g} ms\n{speed_label(spectrogram)}")
+    figure.colorbar(picture, ax=axes, label="amplitude [mm]")
+    figure.legend(loc="outside lower center", ncols=4, handlelength=2.6)
+    return figure
+
+
+def _phasor(orbit: xr.Dataset, frame: Frame) -> Array:
+    """x + i y of the shaft, mirrored where the rotor turns clockwise, so forward is positive."""
+    x, y = orbit[frame].values.T
+    return np.asarray(x + (-1j if orbit.attrs["speed"] < 0 else 1j) * y)
+
+
+def _attributes(orbit: xr.Dataset, title: str, frame: Frame) -> dict[str, Any]:
+    kept = {name: orbit.attrs[name] for name in ("speed", "reference_frequency")}
+    return {"title": title, "frame": frame, **kept}
+
+
+def _draw_lines(axes: Axes, lines: xr.DataArray, draw: Any) -> None:
+    """Lines of modes, one name for the two of a mode."""
+    named: set[str] = set()
+    for value, mode in zip(lines.values, lines["mode"].values, strict=True):
+        draw(
+            _hertz(value),
+            color=LINE_COLOURS[mode],
+            linestyle=LINE_DASHES[mode],
+            linewidth=1.6 if mode == ORDER else 0.9,
+            label=f"_{mode}" if mode in named else mode,
+        )
+        named.add(str(mode))
+
+
+def _hertz(frequency: Array) -> Array:
+    return np.asarray(frequency) / (2 * np.pi)

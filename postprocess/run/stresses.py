@@ -1,0 +1,283 @@
+"""Stresses in blades, disk and casing over time, their extremes, and a figure of them.
+
+Stress is E times strain (`strains`), linear as the model is: no yield, no stress concentration
+where beams meet, no centrifugal stress. At a surface it is axial plus or minus bending.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from bladewhirl.postprocess.fields.beam_sections import rotor_sections
+from bladewhirl.postprocess.fields.blades import member_names
+from bladewhirl.postprocess.fields.fields import Array, IntArray, station_angles
+from bladewhirl.postprocess.fields.result import ResultError, portions
+from bladewhirl.postprocess.fields.strains import (
+    StrainRows,
+    Strains,
+    casing_strain_rows,
+    rotor_strain_rows,
+)
+from bladewhirl.postprocess.fields.windows import few_time_ticks, span_starts
+from bladewhirl.postprocess.plotting.style import (
+    COLOURS,
+    FULL_WIDTH,
+    new_figure,
+    speed_label,
+    styled,
+)
+
+CASING_PIECES = 4
+"""Pieces of a casing element at whose ends strains are taken: they are not linear in it."""
+
+PORTION_BYTES = 64e6
+"""Room that the strains of the records looked at together take."""
+
+COLUMNS = 1000
+"""Spans of time that a line of the figure has at most; the largest of each is drawn."""
+
+SECTIONS = ("rotor_width", "rotor_young_modulus", "casing_young_modulus", "casing_curvature")
+"""What stresses need to know of the stage beyond what other analyses do."""
+
+UNITS = {
+    "axial_strain": "1",
+    "axial_stress": "Pa",
+    "bending_strain": "1",
+    "bending_stress": "Pa",
+    "largest_stress": "Pa",
+    "smallest_stress": "Pa",
+}
+"""What is known of every member at every time."""
+
+
+class _Body(NamedTuple):
+    """A body whose beams are sorted into members."""
+
+    history: str
+    rows: StrainRows
+    modulus: Array  #: (element, station or 1) [Pa]
+    place: Array  #: of each station, undeformed (element, station, 2) [m]
+    member: IntArray  #: (element,), sorted
+
+
+def stress_history(dataset: xr.Dataset) -> xr.Dataset:
+    """Largest stresses and strains in every blade, every other part of the rotor and the casing.
+
+    Args:
+        dataset: a result, of the time that is wanted.
+
+    Returns:
+        over (time, member), where members are "blade 0", ..., the other parts, "casing":
+        `axial_stress` [Pa] and `axial_strain` [1], the one largest in magnitude, signed;
+        `bending_stress` [Pa] and `bending_strain` [1], the largest magnitude at a surface;
+        `largest_stress` and `smallest_stress` [Pa], at any surface. Over member:
+        `peak_stress` [Pa], the one largest in magnitude of all times, signed, with `peak_time`
+        [s] and `peak_radius` [m], when and at which undeformed radius.
+
+    Raises:
+        ResultError: an old result that knows no sections.
+    """
+    names, bodies = _bodies(dataset)
+    time = dataset["time"].values
+    out = {name: np.empty((len(time), len(names))) for name in UNITS}
+    peak = {name: np.zeros(len(names)) for name in ("stress", "time", "radius")}
+    first = 0
+    for body in bodies:
+        starts = np.flatnonzero(np.diff(body.member, prepend=-1))
+        columns = slice(first, first + len(starts))
+        first += len(starts)
+        for portion in portions(dataset, _records_together(body)):
+            strains = Strains.of(dataset[body.history].isel(time=portion).values, body.rows)
+            axial, bending = strains.axial, np.abs(strains.bending)
+            modulus = body.modulus
+            found = {
+                "axial_strain": _largest(axial, starts),
+                "axial_stress": _largest(modulus * axial, starts),
+                "bending_strain": _maximum(bending, starts),
+                "bending_stress": _maximum(modulus * bending, starts),
+                "largest_stress": _maximum(modulus * (axial + bending), starts),
+                "smallest_stress": -_maximum(modulus * (bending - axial), starts),
+            }
+            for name, values in found.items():
+                out[name][portion, columns] = values
+            _note_peaks(peak, columns, body, starts, time[portion], axial, bending)
+    plane = ("time", "member")
+    return xr.Dataset(
+        {
+            **{name: (plane, values, {"units": UNITS[name]}) for name, values in out.items()},
+            "peak_stress": ("member", peak["stress"], {"units": "Pa"}),
+            "peak_time": ("member", peak["time"], {"units": "s"}),
+            "peak_radius": ("member", peak["radius"], {"units": "m"}),
+        },
+        coords={"time": ("time", time, {"units": "s"}), "member": names},
+        attrs={
+            "title": "stresses, linear, by beam theory",
+            "blades": dataset.sizes["blade"],
+            **{name: dataset.attrs[name] for name in ("speed", "reference_frequency")},
+        },
+    )
+
+
+def require_sections(dataset: xr.Dataset) -> None:
+    """See that a result knows what strains and stresses are made from.
+
+    Raises:
+        ResultError: it was made before bladewhirl recorded that.
+    """
+    for name in SECTIONS:
+        if name not in dataset:
+            raise ResultError(f"expected a result with {name!r} for stresses: run the case anew")
+
+
+def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
+    require_sections(dataset)
+    names, member = member_names(dataset)
+    order = np.argsort(member, kind="stable")
+    present = np.unique(member)
+    rotor = rotor_strain_rows(dataset)
+    ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
+    nodes = dataset.sizes["casing_node"]
+    angles = station_angles(dataset, CASING_PIECES)
+    ring = dataset.attrs["casing_radius"] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    bodies = [
+        _Body(
+            "rotor_displacement",
+            StrainRows(*(row[order] for row in rotor)),
+            rotor_sections(dataset, "young_modulus", 1)[order],
+            ends[order],
+            member[order],
+        ),
+        _Body(
+            "casing_displacement",
+            casing_strain_rows(dataset, CASING_PIECES),
+            dataset["casing_young_modulus"].values[:, None],
+            ring,
+            np.zeros(nodes, dtype=np.int64),
+        ),
+    ]
+    return [*(names[number] for number in present), "casing"], bodies
+
+
+def _records_together(body: _Body) -> int:
+    """Records whose strains fit in the room given to them."""
+    stations = int(np.prod(body.rows.axial.shape[:2]))
+    return max(1, int(PORTION_BYTES / (8 * 4 * stations)))
+
+
+def _maximum(values: Array, starts: IntArray) -> Array:
+    """Largest value of each member (record, member), of values (record, element, station)."""
+    return np.asarray(np.maximum.reduceat(values.max(axis=2), starts, axis=1))
+
+
+def _largest(values: Array, starts: IntArray) -> Array:
+    """The value largest in magnitude of each member, signed."""
+    high, low = _maximum(values, starts), -_maximum(-values, starts)
+    return np.where(high >= -low, high, low)
+
+
+def _note_peaks(
+    peak: dict[str, Array],
+    columns: slice,
+    body: _Body,
+    starts: IntArray,
+    time: Array,
+    axial: Array,
+    bending: Array,
+) -> None:
+    """Bring the extremes of all times up to date with those of a portion of records."""
+    size = body.modulus * (np.abs(axial) + bending)
+    for column, (first, end) in zip(
+        range(columns.start, columns.stop), _ranges(starts, size.shape[1]), strict=True
+    ):
+        own = size[:, first:end]
+        at = np.unravel_index(int(np.argmax(own)), own.shape)
+        if own[at] <= abs(peak["stress"][column]):
+            continue
+        sign = 1.0 if axial[:, first:end][at] >= 0 else -1.0
+        peak["stress"][column] = sign * own[at]
+        peak["time"][column] = time[at[0]]
+        peak["radius"][column] = np.linalg.norm(body.place[first:end][at[1:]])
+
+
+def _ranges(starts: IntArray, count: int) -> Iterator[tuple[int, int]]:
+    return zip(starts.tolist(), [*starts[1:].tolist(), count], strict=True)
+
+
+@styled
+def plot_stress(history: xr.Dataset) -> Figure:
+    """Draw the largest stress in blades, other parts and casing over time, and the extremes of
+    every blade.
+
+    Args:
+        history: from `stress_history`.
+    """
+    figure = new_figure(width=FULL_WIDTH, height=0.065)
+    over_time, over_blades = figure.subplots(1, 2, gridspec_kw={"wspace": 0.12})
+    blades = int(history.attrs["blades"])
+    size = np.maximum(history["largest_stress"].values, -history["smallest_stress"].values)
+    unit, scale = stress_unit(float(size.max()))
+    _draw_time(over_time, history, scale * size, blades)
+    over_time.set(xlabel="time [s]", ylabel=f"largest stress [{unit}]", ylim=(0, None))
+    over_time.set_title("of all blades, and elsewhere")
+    few_time_ticks(over_time)
+    _draw_blades(over_blades, history.isel(member=slice(0, blades)), scale)
+    over_blades.set(xlabel="blade", ylabel=f"stress [{unit}]", title="extremes of each blade")
+    over_time.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=4)
+    over_blades.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
+    figure.suptitle(f"surface stress by beam theory, {speed_label(history)}")
+    return figure
+
+
+LINES = (
+    (COLOURS["rotor"], "-"),
+    (COLOURS["k = 1"], "--"),
+    (COLOURS["suspension"], "-."),
+    (COLOURS["k = 0"], ":"),
+    (COLOURS["contact"], (0, (5, 1, 1, 1, 1, 1))),
+    (COLOURS["other k"], (0, (1, 1))),
+)
+
+
+def _draw_time(axes: Axes, history: xr.Dataset, size: Array, blades: int) -> None:
+    """The largest of each span of time: of the blades together, and of each other member."""
+    time = history["time"].values
+    starts = span_starts(time, COLUMNS)
+    shown = np.maximum.reduceat(size, starts, axis=0)
+    at = time[np.append(starts[1:], len(time)) - 1]
+    names = history["member"].values.astype(str)[blades:]
+    for number, name in enumerate(names[:-1]):
+        colour, dashes = LINES[1 + number % (len(LINES) - 1)]
+        axes.plot(at, shown[:, blades + number], color=colour, linestyle=dashes, label=name)
+    axes.plot(at, shown[:, -1], color=COLOURS["casing"], label="casing")
+    axes.plot(at, shown[:, :blades].max(axis=1), color=COLOURS["rotor"], label="blades")
+
+
+def _draw_blades(axes: Axes, history: xr.Dataset, scale: float) -> None:
+    """Bars from the smallest to the largest surface stress, the axial part inside."""
+    blade = np.arange(history.sizes["member"])
+    for high, low, colour, width, label in (
+        ("largest_stress", "smallest_stress", COLOURS["rest"], 0.8, "at a surface"),
+        ("axial_stress", "axial_stress", COLOURS["k = 0"], 0.4, "axial alone"),
+    ):
+        top = np.maximum(scale * history[high].max("time").values, 0.0)
+        bottom = np.minimum(scale * history[low].min("time").values, 0.0)
+        axes.bar(blade, top - bottom, width, bottom, color=colour, label=label)
+    reach = 1.1 * scale * float(abs(history["peak_stress"]).max()) or 1.0
+    axes.set_ylim(-reach, reach)
+    axes.axhline(0.0, color="black", linewidth=0.6)
+    axes.locator_params(axis="x", integer=True)
+    axes.grid(axis="x", visible=False)
+
+
+def stress_unit(largest: float) -> tuple[str, float]:
+    """Unit in which a stress [Pa] reads well, and how many of it are a pascal."""
+    for unit, scale in (("GPa", 1e-9), ("MPa", 1e-6), ("kPa", 1e-3)):
+        if largest * scale >= 1:
+            return unit, scale
+    return "Pa", 1.0

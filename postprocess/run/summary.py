@@ -1,0 +1,220 @@
+"""The figures that sum up a run: `summary.json` and the same as a table on screen."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TypedDict
+
+import numpy as np
+import xarray as xr
+from rich.table import Table
+
+from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.result import reduce_modes
+from bladewhirl.postprocess.run.energies import FIRST_FAMILY, strain_energies
+from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.postprocess.run.regimes import RegimeName, classify
+
+EnergyHolders = TypedDict(
+    "EnergyHolders", {"suspension": float, "1F": dict[str, float], "rest": float}
+)
+"""Strain energies [J]; the first family's by nodal diameter, named as in JSON ("0", "1", ...)."""
+
+LARGE_DISPLACEMENT = 0.3
+"""Share of the tip radius from which linear bending of a blade is off by a tenth."""
+
+MARCH_REPORT = (
+    "complementarity_residual",
+    "unsolved_steps",
+    "dt_over_critical",
+    "steps",
+    "wall_time",
+    "us_per_step",
+)
+"""What the march alone knows."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Summary:
+    """A run in figures; the fields are the keys of `summary.json`."""
+
+    regime: RegimeName
+    regime_criterion: str  #: how regimes are told apart, and what decided here
+    growth_rate: float | None  #: of the amplitude [1/s]; None where it can't be judged
+    growth_rate_error: float | None  #: one standard error of it [1/s]
+    end_reason: str  #: "completed", "divergent" or "interrupted"
+    end_time: float  #: [s]
+    shaft_radius_max: float  #: over the records [m]
+    shaft_radius_final: float  #: [m]
+    tip_displacement_max: float  #: of any blade tip, in any direction, over the records [m]
+    strain_energy_max: float  #: bladed disk with its shaft springs, over the records [J]
+    strain_energy_final: EnergyHolders  #: [J]
+    contact_share: list[float]  #: share of all steps with contact, of each blade
+    gap_violation_max: float  #: deepest penetration at any step [m]
+    energy_residual: float  #: of the ledger, over its largest term
+    complementarity_residual: float  #: largest over the steps, over the gap's scale
+    unsolved_steps: int  #: steps whose complementarity problem no exact method solved
+    dt_over_critical: float  #: time step over the critical one
+    steps: int
+    wall_time: float  #: [s]
+    us_per_step: float  #: [µs]
+
+    def to_json(self) -> str:
+        """One JSON document at full precision."""
+        return json.dumps(asdict(self), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary:
+    """Sum up a result, read portion by portion.
+
+    Args:
+        dataset: a result.
+        march_report: `complementarity_residual`, `unsolved_steps`, `dt_over_critical`, `steps`,
+            `wall_time` [s] and `us_per_step` [µs], which the histories don't hold; other entries
+            are ignored.
+
+    Raises:
+        ValueError: an entry of the report is missing.
+    """
+    missing = [key for key in MARCH_REPORT if key not in march_report]
+    if missing:
+        raise ValueError(f"march report: expected {', '.join(MARCH_REPORT)}; lacks {missing}")
+    energies = strain_energies(dataset)
+    radius = shaft_orbit(dataset)["radius"].values
+    regime = classify(dataset, energies["total"].values)
+    steps = int(march_report["steps"])
+    contact_steps = dataset["contact_steps"].sum("time").values
+    return Summary(
+        regime=regime.name,
+        regime_criterion=f"{regime.criterion}. Here: {regime.reason}.",
+        growth_rate=regime.growth.rate if regime.growth else None,
+        growth_rate_error=regime.growth.error if regime.growth else None,
+        end_reason=str(dataset.attrs["end_reason"]),
+        end_time=float(dataset["time"][-1]),
+        shaft_radius_max=float(radius.max()),
+        shaft_radius_final=float(radius[-1]),
+        tip_displacement_max=_largest_tip_displacement(dataset),
+        strain_energy_max=float(energies["total"].max()),
+        strain_energy_final=_holders(energies.isel(time=-1)),
+        contact_share=(contact_steps / max(steps, 1)).tolist(),
+        gap_violation_max=max(0.0, -float(dataset["gap"].min())),
+        energy_residual=energy_residual(dataset),
+        complementarity_residual=float(march_report["complementarity_residual"]),
+        unsolved_steps=int(march_report["unsolved_steps"]),
+        dt_over_critical=float(march_report["dt_over_critical"]),
+        steps=steps,
+        wall_time=float(march_report["wall_time"]),
+        us_per_step=float(march_report["us_per_step"]),
+    )
+
+
+def energy_residual(dataset: xr.Dataset) -> float:
+    """How far the energy ledger is from closing, relative to its largest term; 0 at rest.
+
+    At every record energy - energy_0 = external + normal + friction + coupling work - damping
+    loss, all since the first record; `damping_work` is what damping has taken, so it is positive.
+    """
+    works = {
+        name: dataset[f"{name}_work"].values
+        for name in ("external", "normal", "friction", "coupling", "damping")
+    }
+    energy = dataset["energy"].values
+    since: dict[str, Array] = {name: work - work[0] for name, work in works.items()}
+    taken = since.pop("damping")
+    gained = sum(since.values()) - taken
+    error = np.abs(energy - energy[0] - gained).max()
+    largest = max(np.abs(term).max() for term in (energy, *works.values()))
+    return float(error / largest) if largest > 0 else 0.0
+
+
+def write_summary(summary: Summary, path: str | Path) -> Path:
+    """Write `summary.json`."""
+    path = Path(path)
+    path.write_text(summary.to_json(), encoding="utf-8")
+    return path
+
+
+def summary_rows(summary: Summary) -> dict[str, str]:
+    """The summary in words: rounded, in handy units, the blades counted."""
+    held = summary.strain_energy_final
+    family = held["1F"]
+    total = held["suspension"] + sum(family.values()) + held["rest"]
+    other = sum(energy for k, energy in family.items() if k not in ("0", "1"))
+    shares = summary.contact_share
+    touched = [share for share in shares if share > 0]
+    share = (
+        f", {100 * min(touched):.3g} to {100 * max(touched):.3g} % of the steps" if touched else ""
+    )
+
+    def part(energy: float) -> str:
+        return f"{energy:.4g} J ({100 * energy / total:.1f} %)" if total else "0 J"
+
+    return {
+        "regime": summary.regime,
+        "because": summary.regime_criterion.rpartition("Here: ")[2],
+        "end time": f"{summary.end_time:.6g} s, {summary.end_reason}",
+        "shaft radius, largest": f"{1e3 * summary.shaft_radius_max:.4g} mm",
+        "shaft radius, final": f"{1e3 * summary.shaft_radius_final:.4g} mm",
+        "tip displacement, largest": f"{1e3 * summary.tip_displacement_max:.4g} mm",
+        "strain energy, largest": f"{summary.strain_energy_max:.4g} J",
+        "strain energy, final": f"{total:.4g} J",
+        "  suspension": part(held["suspension"]),
+        **{f"  {FIRST_FAMILY}, k = {k}": part(family[k]) for k in ("0", "1") if k in family},
+        f"  {FIRST_FAMILY}, other k": part(other),
+        "  rest": part(held["rest"]),
+        "blades that touched": f"{len(touched)} of {len(shares)}{share}",
+        "deepest penetration": f"{summary.gap_violation_max:.3g} m",
+        "energy residual": f"{summary.energy_residual:.3g}",
+        "complementarity residual": f"{summary.complementarity_residual:.3g}",
+        "time step / critical": f"{summary.dt_over_critical:.3g}",
+        "steps": f"{summary.steps}",
+        "wall time": f"{summary.wall_time:.3g} s ({summary.us_per_step:.3g} µs a step)",
+    }
+
+
+def summary_table(summary: Summary) -> Table:
+    """The summary as a table to read."""
+    table = Table(show_header=False, box=None, pad_edge=False)
+    table.add_column(style="cyan", no_wrap=True)
+    table.add_column(overflow="fold")
+    for name, value in summary_rows(summary).items():
+        table.add_row(name, f"[bold]{value}[/]" if name == "regime" else value)
+    return table
+
+
+def displacement_hints(summary: Summary, tip_radius: float) -> tuple[str, ...]:
+    """A line where blades bend further than a linear model holds, else none.
+
+    Args:
+        summary: of a run.
+        tip_radius: [m]
+    """
+    limit = LARGE_DISPLACEMENT * tip_radius
+    if summary.tip_displacement_max <= limit:
+        return ()
+    return (
+        f"tips moved up to {summary.tip_displacement_max:.3g} m, and from about {limit:.2g} m on "
+        "a linear model is off by a tenth or more: take the kind of motion from it, not its size",
+    )
+
+
+def _largest_tip_displacement(dataset: xr.Dataset) -> float:
+    """Of any tip at any record [m]."""
+    blades = dataset.sizes["blade"]
+    shapes = dataset["rotor_shape"].values[dataset["tip_node"].values, :2]
+    moved = reduce_modes(dataset, "rotor_displacement", shapes.reshape(2 * blades, -1))
+    square = (moved.reshape(-1, blades, 2) ** 2).sum(axis=2)
+    return float(np.sqrt(square.max()))
+
+
+def _holders(energies: xr.Dataset) -> EnergyHolders:
+    """Strain energies of the groups at one record."""
+    family = energies["first_family"]
+    return {
+        "suspension": float(energies["suspension"]),
+        "1F": {
+            str(k): float(family.sel(nodal_diameter=k)) for k in family["nodal_diameter"].values
+        },
+        "rest": float(energies["rest"]),
+    }

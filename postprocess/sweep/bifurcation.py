@@ -1,0 +1,92 @@
+"""Bifurcation diagram of a sweep: what recurs of the late motion, over a swept key."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.plotting.legends import legends_below, set_title
+from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.units import length_unit
+from bladewhirl.postprocess.run.orbits import LONG_LINE
+from bladewhirl.postprocess.sweep.drawing import (
+    MOST_LINES,
+    Line,
+    left_out_note,
+    lines_group,
+    lines_of,
+)
+from bladewhirl.postprocess.sweep.quantities import LINE, along
+from bladewhirl.postprocess.sweep.swept_axes import in_handy_units, key_axis, side_by_side
+
+PARTS = {
+    "section_x": "x once a revolution",
+    "section_radius": "radius once a revolution",
+    "radius_peak": "local maxima of radius",
+}
+
+DOT = 2.2
+"""Size of marks [points]."""
+
+
+def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
+    """Poincaré sections and local maxima of the shaft's displacement in the last third.
+
+    A motion that repeats with every revolution has one section, one that repeats with every
+    second has two, a whirl out of step with the rotor lies in a band; a circle about the origin has
+    one radius in any case.
+
+    Args:
+        dataset: from `open_sweep`.
+        key: dimension to go along.
+
+    Returns:
+        over (line, key, section) [m]: `section_x` and `section_y`, whenever blade 0 lies on +x, so
+        the same in both frames; `section_radius`; `radius_peak`. NaN behind the last.
+    """
+    found = along(dataset, key, ["section_x", "section_y", "radius_peak"])
+    radius = ((found["section_x"] ** 2 + found["section_y"] ** 2) ** 0.5).assign_attrs(units="m")
+    return found.assign(section_radius=radius).assign_attrs(
+        title="bifurcation diagram: the shaft in the last third of each march"
+    )
+
+
+@styled
+def plot_bifurcation(found: xr.Dataset) -> Figure:
+    """Draw sections and maxima in mm or µm, a mark each; lines stand side by side at each value.
+
+    Args:
+        found: from `bifurcation`.
+    """
+    found = in_handy_units(found)
+    largest = max(float(np.nanmax(np.abs(found[name].values), initial=0.0)) for name in PARTS)
+    unit, scale = length_unit(largest)
+    lines = [line._replace(size=4.0) for line in lines_of(found)]  # in the legend
+    figure = new_figure(width=FULL_WIDTH, height=0.15)
+    panels = figure.subplots(len(PARTS), 1, sharex=True)
+    for axes, (name, label) in zip(panels, PARTS.items(), strict=True):
+        for number, line in enumerate(lines):
+            place = found[str(found.attrs["along"])].values
+            _draw_marks(axes, line, side_by_side(place, number, len(lines)), scale, name)
+        axes.set_ylabel(f"{label} [{unit}]")
+    key_axis(panels[-1], found)
+    note = "; lines side by side at each value" if len(lines) > 1 else ""
+    set_title(figure, found.attrs["title"] + note + left_out_note(found.sizes[LINE], MOST_LINES))
+    legends_below(figure, lines_group(found, lines, "radius_peak", dashed=False))
+    return figure
+
+
+def _draw_marks(axes: Axes, line: Line, place: Array, scale: float, name: str) -> None:
+    values = scale * line.data[name].values
+    axes.plot(
+        np.repeat(place, values.shape[1]),
+        values.ravel(),
+        line.mark,
+        color=line.colour,
+        markersize=DOT,
+        markeredgewidth=0.0,
+        rasterized=values.size > LONG_LINE,
+    )

@@ -1,0 +1,168 @@
+"""What a sweep keeps of a run: spectrum, energies, regime, and histories thinned out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from scipy.signal import zoom_fft
+
+from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.run.energies import strain_energies
+from bladewhirl.postprocess.run.late_motion import late_motion
+from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.postprocess.run.regimes import classify
+from bladewhirl.postprocess.run.summary import energy_residual
+from bladewhirl.postprocess.sweep.dataset import (
+    FLAGS,
+    MODE_LINES,
+    SECTIONS,
+    VARIABLES,
+    WINDOW_SHARE,
+    Layout,
+    flag,
+)
+
+FEWEST_RECORDS = 16
+"""Records in a window, below which there is no spectrum."""
+
+Digest = dict[str, np.ndarray]
+"""Arrays of the shapes and dtypes that `Layout` and `VARIABLES` give."""
+
+
+def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> Digest:
+    """Reduce a result to what a sweep keeps of it.
+
+    A function of the result alone: no clock, no machine.
+
+    Args:
+        dataset: a result.
+        report: `complementarity_residual`, `dt_over_critical` and `steps` of the march.
+        layout: sizes; what the result does not fill is NaN.
+    """
+    time = dataset["time"].values
+    orbit = shaft_orbit(dataset)
+    energies = strain_energies(dataset)
+    regime = classify(dataset, energies["total"].values)
+    radius = orbit["radius"].values
+    groups = _groups(energies, layout)
+    steps = int(report["steps"])
+    step = float(dataset.attrs["record_step"])
+    first = len(time) - max(1, round(min(layout.window, WINDOW_SHARE * np.ptp(time)) / step))
+    sense = -1.0 if dataset.attrs["speed"] < 0.0 else 1.0
+    motion = orbit["rotating"].values @ np.array([1.0, 1.0j])
+    touched = dataset["contact_steps"].sum("time").values / max(steps, 1)
+    values = {
+        "regime": regime.name,
+        "end_reason": dataset.attrs["end_reason"],
+        "end_time": time[-1],
+        "steps": steps,
+        "rotation_speed": dataset.attrs["speed"],
+        "reference_frequency": dataset.attrs["reference_frequency"],
+        "growth_rate": regime.growth.rate if regime.growth else np.nan,
+        "growth_error": regime.growth.error if regime.growth else np.nan,
+        "shaft_radius_max": radius.max(),
+        "shaft_radius_final": radius[-1],
+        "strain_energy_max": energies["total"].max(),
+        "contact_share": _padded(touched, layout.blades),
+        "smallest_clearance": orbit.attrs["smallest_clearance"],
+        **_late(dataset, orbit, layout),
+        "gap_violation_max": max(0.0, -float(dataset["gap"].min())),
+        "energy_residual": energy_residual(dataset),
+        "complementarity_residual": report["complementarity_residual"],
+        "dt_over_critical": report["dt_over_critical"],
+        "window_start": time[first],
+        "spectrum": complex_spectrum(
+            motion.real[first:] + sense * 1j * motion.imag[first:],
+            step,
+            layout.frequency,
+        ),
+        "mode_frequency": _mode_frequencies(dataset),
+        "energy_mean": groups[first:].mean(axis=0),
+        "energy_max": groups.max(axis=0),
+        **_thinned(time, motion, groups, layout.samples),
+    }
+    numbers = {
+        name: flag(name, str(value)) if name in FLAGS else value for name, value in values.items()
+    }
+    return {name: np.asarray(numbers[name], dtype=VARIABLES[name].kind) for name in VARIABLES}
+
+
+def complex_spectrum(motion: Array, step: float, frequency: Array) -> Array:
+    """Magnitude of the spectrum of a motion x + i y at signed frequencies.
+
+    With a Hann window, whose sum is divided by: r exp(2 pi i f t) has r at f. The frequencies
+    need not be those of the window's length, so that runs of different length share theirs.
+
+    Args:
+        motion: evenly sampled, complex, (samples,).
+        step: between samples [s].
+        frequency: evenly spaced, ascending, within 1 / (2 step) of zero [Hz], (frequencies,).
+
+    Returns:
+        magnitudes in the unit of the motion, (frequencies,); NaN where samples are too few.
+    """
+    count = len(motion)
+    if count < FEWEST_RECORDS:
+        return np.full(len(frequency), np.nan)
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * (np.arange(count) + 0.5) / count)
+    # Turned so that the lowest frequency becomes zero: zoom_fft begins there.
+    turned = window * motion * np.exp(-2j * np.pi * frequency[0] * step * np.arange(count))
+    span = frequency[-1] - frequency[0]
+    found = zoom_fft(turned, [0.0, span], m=len(frequency), fs=1.0 / step, endpoint=True)
+    return np.asarray(np.abs(found) / window.sum())
+
+
+def _late(dataset: xr.Dataset, orbit: xr.Dataset, layout: Layout) -> dict[str, object]:
+    """What is kept of the late motion, arrays padded to their room."""
+    late = late_motion(dataset, orbit)
+    section = late["section"].values[-SECTIONS:]
+    return {
+        **{str(name): values.item() for name, values in late.data_vars.items() if not values.ndim},
+        "late_contact_share": _padded(late["late_contact_share"].values, layout.blades),
+        "section_x": _padded(section[:, 0], SECTIONS),
+        "section_y": _padded(section[:, 1], SECTIONS),
+        "radius_peak": _padded(late["radius_peak"].values[-SECTIONS:], SECTIONS),
+    }
+
+
+def _groups(energies: xr.Dataset, layout: Layout) -> Array:
+    """Strain energy of each of the layout's groups [J], (time, groups)."""
+    family = np.full((energies.sizes["time"], layout.nodal_diameters), np.nan)
+    found = energies["nodal_diameter"].values
+    family[:, found] = energies["first_family"].values
+    return np.column_stack([energies["suspension"].values, family, energies["rest"].values])
+
+
+def _mode_frequencies(dataset: xr.Dataset) -> Array:
+    """Lowest frequency of each of `MODE_LINES` [Hz]; NaN where there is no such mode."""
+    found = []
+    for body, family in MODE_LINES.values():
+        own = dataset[f"{body}_nodal_diameter"].values == 1
+        if family is not None:
+            own &= dataset[f"{body}_family"].values == family
+        frequency = dataset[f"{body}_frequency"].values[own]
+        found.append(frequency.min() / (2.0 * np.pi) if frequency.size else np.nan)
+    return np.array(found)
+
+
+def _thinned(time: Array, motion: Array, groups: Array, samples: int) -> dict[str, Array]:
+    """Histories in equal spans of records, as many as there are samples (or records)."""
+    spans = min(samples, len(time))
+    first = np.arange(spans) * len(time) // spans
+    counts = np.diff(first, append=len(time))
+    return {
+        "history_time": _padded(time[first], samples),
+        "orbit_x": _padded(motion.real[first], samples),
+        "orbit_y": _padded(motion.imag[first], samples),
+        "radius_history": _padded(np.maximum.reduceat(np.abs(motion), first), samples),
+        "energy_history": _padded(np.add.reduceat(groups, first) / counts[:, None], samples),
+    }
+
+
+def _padded(values: Array, length: int) -> Array:
+    """Values with NaN after them up to a length along the first axis."""
+    out = np.full((length, *values.shape[1:]), np.nan)
+    out[: len(values)] = values
+    return out

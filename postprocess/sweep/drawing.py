@@ -1,0 +1,237 @@
+"""What the figures of sweeps have in common: looks and names of lines, regimes, panels."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import matplotlib
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.plotting.legends import Group
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, SEQUENTIAL, new_figure
+from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
+
+MOST_LINES = 8
+"""Lines in a figure: more are not told apart."""
+
+MOST_PANELS = 6
+"""Panels of a figure that has one for each line."""
+
+KEY_PARTS = 2
+"""Last parts of a key that say what it is: casing.clearance."""
+
+REGIME_COLOURS: Mapping[str, str] = {
+    "no-contact": COLOURS["rest"],
+    "damped": COLOURS["casing"],
+    "sustained": COLOURS["k = 0"],
+    "divergent": COLOURS["k = 1"],
+}
+"""In the order of danger."""
+
+REGIME_MARKS: Mapping[str, str] = {
+    "no-contact": "_",
+    "damped": "v",
+    "sustained": "o",
+    "divergent": "^",
+}
+
+DASHES: Sequence[Any] = (
+    "-",
+    (0, (4, 1.5)),
+    (0, (1.2, 1.2)),
+    (0, (6, 1.5, 1.5, 1.5)),
+    (0, (8, 3)),
+    (0, (4, 1, 1, 1, 1, 1)),
+    (0, (2.5, 2.5)),
+    (0, (1, 3)),
+)
+"""Of lines in turn."""
+
+MARKS = ("o", "s", "D", "^", "v", "P", "X", "h")
+"""Of the points of lines in turn, where marks don't tell something else."""
+
+WIDTHS, SIZES = (2.6, 0.9), (7.0, 2.8)
+"""Width of the first and the last line, and size of their marks [points]: earlier ones are larger,
+so that they are seen below later ones that coincide with them."""
+
+
+class Line(NamedTuple):
+    """One line of points, and how it is drawn."""
+
+    data: xr.Dataset
+    colour: Any
+    label: str  #: values of the other keys; empty where there are none
+    dash: Any
+    mark: str
+    width: float  #: [points]
+    size: float  #: of marks [points]
+
+
+def lines_of(data: xr.Dataset) -> Iterator[Line]:
+    """The lines that a figure shows: `MOST_LINES` at most, evenly chosen.
+
+    They differ in colour, dashes, mark and size.
+    """
+    shown = chosen(data.sizes[LINE], MOST_LINES)
+    count, labels = len(shown), line_values(data)
+    shades = matplotlib.colormaps[SEQUENTIAL](np.linspace(0.0, 0.85, count))
+    widths, sizes = (np.linspace(*ends, count) for ends in (WIDTHS, SIZES))
+    for place, number in enumerate(shown):
+        yield Line(
+            data=data.isel({LINE: number}),
+            colour=COLOURS["rotor"] if count == 1 else shades[place],
+            label=labels[number],
+            dash=DASHES[place],
+            mark=MARKS[place],
+            width=1.0 if count == 1 else float(widths[place]),
+            size=3.5 if count == 1 else float(sizes[place]),
+        )
+
+
+def lines_group(
+    data: xr.Dataset,
+    lines: Sequence[Line],
+    name: str,
+    *,
+    dashed: bool = True,
+    marked: bool = True,
+) -> Group:
+    """Entries of a legend for lines; there are none where a figure has one line only.
+
+    Args:
+        data: that the lines are of.
+        lines: from `lines_of`.
+        name: of the variable that is drawn; a line that has no value of it says so.
+        dashed: the lines are drawn as such, not by their points only.
+        marked: points have the marks of their lines.
+    """
+    if len(lines) == 1:
+        return Group([])
+    entries: list[tuple[Line2D, str]] = []
+    for line in lines:
+        drawn = Line2D(
+            [],
+            [],
+            color=line.colour,
+            linestyle=line.dash if dashed else "none",
+            linewidth=line.width,
+            marker=line.mark if marked else "none",
+            markersize=line.size,
+        )
+        some = bool(np.isfinite(line.data[name].values).any())
+        entries.append((drawn, line.label if some else f"{line.label}: no point"))
+    return Group(entries, line_keys(data))
+
+
+def draw_marks(axes: Axes, line: Line, place: Array, values: Array, *, filled: Any) -> None:
+    """Draw the marks of a line's points, some filled, the others open.
+
+    Args:
+        axes: to draw on.
+        line: that the points are of.
+        place: of the points along the key, (points,).
+        values: (points,).
+        filled: which of them, booleans, (points,).
+    """
+    for own, face in ((filled, line.colour), (~filled, "white")):
+        axes.plot(
+            place[own], values[own], line.mark, color=line.colour, mfc=face, markersize=line.size
+        )
+
+
+def mark_entry(
+    mark: str, label: str, *, filled: bool = True, colour: str = COLOURS["rotor"]
+) -> tuple[Line2D, str]:
+    """Entry of a legend for a mark."""
+    face = colour if filled else "white"
+    drawn = Line2D([], [], color=colour, marker=mark, mfc=face, linestyle="none", markersize=4.0)
+    return drawn, label
+
+
+def chosen(count: int, most: int) -> list[int]:
+    """All of so many, or the first, the last and others evenly between them."""
+    spread = np.linspace(0, count - 1, min(count, most))
+    return [int(number) for number in spread.round()]
+
+
+def left_out_note(count: int, most: int) -> str:
+    """What a title says of lines that are not drawn."""
+    return f" ({most} of {count} lines, the others are in the data)" if count > most else ""
+
+
+def line_label(one: xr.Dataset) -> str:
+    """Values of the other keys of a line, in words."""
+    return ", ".join(
+        f"{values.attrs.get('long_name', name)} = {_amount(float(values), values)}"
+        for name, values in one.coords.items()
+        if values.ndim == 0 and "long_name" in values.attrs
+    )
+
+
+def line_keys(data: xr.Dataset) -> str:
+    """The other keys, whose values `line_values` gives; empty where there are none."""
+    return ", ".join(
+        ".".join(str(values.attrs["long_name"]).split(".")[-KEY_PARTS:])
+        for values in other_keys(data)
+    )
+
+
+def line_values(data: xr.Dataset) -> list[str]:
+    """Values of the other keys of each line with their units, in the order of `line_keys`."""
+    keys = other_keys(data)
+    return [
+        ", ".join(_amount(float(values[number]), values) for values in keys)
+        for number in range(data.sizes[LINE])
+    ]
+
+
+def panel_titles(data: xr.Dataset) -> list[str]:
+    """Title of a panel for each line: the name of one other key and its value; of several, of
+    which `panels_note` gives the names, the values only.
+    """
+    if len(other_keys(data)) > 1:
+        return line_values(data)
+    return [line_label(data.isel({LINE: number})) for number in range(data.sizes[LINE])]
+
+
+def panels_note(data: xr.Dataset, what: str) -> str:
+    """What a figure's title says of its panels ("panels", "rows"); see `panel_titles`."""
+    return f"\n{what}: {line_keys(data)}" if len(other_keys(data)) > 1 else ""
+
+
+def _amount(value: float, values: xr.DataArray) -> str:
+    units = str(values.attrs.get("units", "1"))
+    return f"{value:.4g}" if units == "1" else f"{value:.4g} {units}"
+
+
+def panel_grid(count: int, *, height: float) -> tuple[Figure, Sequence[Axes]]:
+    """A figure of so many panels, in two columns from four on, the last place free if need be.
+
+    Args:
+        count: of panels, 1 to `MOST_PANELS`.
+        height: of a panel [m].
+    """
+    columns = 2 if count >= 4 else 1
+    rows = -(-count // columns)
+    figure = new_figure(width=FULL_WIDTH, height=height * rows)
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    panels = [axes for row in grid for axes in row]
+    for spare in panels[count:]:
+        spare.remove()
+    return figure, panels[:count]
+
+
+def label_outer(panels: Sequence[Axes]) -> None:
+    """Leave labels to the panels of `panel_grid` that have no other one below or to the left."""
+    columns = 2 if len(panels) >= 4 else 1
+    for number, axes in enumerate(panels):
+        below, left = number + columns >= len(panels), number % columns == 0
+        axes.tick_params(labelbottom=below, labelleft=left)
+        if not below:
+            axes.set_xlabel("")

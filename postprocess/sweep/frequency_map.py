@@ -1,0 +1,265 @@
+"""Frequency map of a sweep: spectrum of the shaft over a swept key (Figs 15 and 19).
+
+Spectra are read a few points at a time, and only the frequencies and as many columns as a map can
+show are kept, so that the map of a sweep of any size takes the same memory.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+
+from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.plotting.legends import Group, legends_below, set_title
+from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL, styled
+from bladewhirl.postprocess.run.orbits import MILLI
+from bladewhirl.postprocess.run.spectra import LINE_DASHES
+from bladewhirl.postprocess.sweep.dataset import swept
+from bladewhirl.postprocess.sweep.drawing import (
+    MOST_PANELS,
+    chosen,
+    label_outer,
+    left_out_note,
+    panel_grid,
+    panel_titles,
+    panels_note,
+)
+from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges
+from bladewhirl.postprocess.sweep.swept_axes import in_handy_units, is_wide, key_axis
+
+MOST_COLUMNS = 1000
+"""Columns of a map at most: of more points, neighbours share one."""
+
+PORTION = 256
+"""Points whose spectra are read at a time."""
+
+DECADES = 4.0
+"""Decades below the largest amplitude that a map shows."""
+
+MARGIN = 1.15
+"""How far a map goes beyond the outermost line of a rotor mode that it is to show."""
+
+ENGINE_ORDERS = "engine orders"
+
+ORDERS = tuple(order for order in range(-4, 5) if order != 0)
+"""Engine orders that have lines; the zeroth is the axis."""
+
+LINES: Mapping[str, tuple[str, bool]] = {
+    "suspension": (COLOURS["suspension"], True),
+    "1F k=1": (COLOURS["k = 1"], True),
+    "casing k=1": (COLOURS["casing"], False),
+}
+"""Modes that have lines in a map: colour, and whether the map is made to reach them."""
+
+MODE_DASHES: Mapping[str, Any] = {
+    "suspension": LINE_DASHES["suspension"],
+    "1F k=1": LINE_DASHES["1F"],
+    "casing k=1": LINE_DASHES["casing"],
+}
+"""Of the lines of modes, as in spectra: told apart from the dots of engine orders."""
+
+OUTLINE = [withStroke(linewidth=1.6, foreground="black")]
+"""Around white lines and letters, which stand on every colour of a map."""
+
+INSIDE = 0.9
+"""Share of the axes within which the names of engine orders stay."""
+
+
+def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
+    """Spectra of the shaft along a swept key, and the lines to draw over them.
+
+    Args:
+        dataset: from `open_sweep`.
+        key: dimension to go along.
+
+    Returns:
+        over (line, key), of as many lines as are drawn: `amplitude` (..., frequency) [m];
+        `frequency` is in multiples of the reference frequency where all points share it, else in
+        Hz, forward positive. In the same unit, as seen in the rotating frame: `mode_line` (...,
+        mode, direction), waves on the casing being slowed by the speed, and `engine_order` (...,
+        order). Of more points than `MOST_COLUMNS` each column is the largest of neighbours.
+
+    Raises:
+        ViewError: no point is done.
+    """
+    names = ["rotation_speed", "reference_frequency", "mode_frequency"]
+    points = along(dataset, key, names)
+    with_points = np.flatnonzero((points["state"] == "done").any(key).values)
+    drawn = with_points[chosen(len(with_points), MOST_PANELS)]
+    points = points.isel({LINE: drawn})
+    unit, units = _unit(points)
+    lines = _mode_lines(points)
+    frequency = dataset["frequency"].values
+    reach = _reach(lines, float(frequency[-1]))
+    inside = slice(*np.searchsorted(frequency, [-reach, np.nextafter(reach, np.inf)]))
+    column = _columns(points.sizes[key])
+    amplitude = [
+        _amplitudes(dataset.isel(_position(dataset, key, number)), key, column, inside)
+        for number in drawn
+    ]
+    speed = np.abs(points["rotation_speed"]) / (2 * np.pi)
+    orders = speed * xr.DataArray(list(ORDERS), dims="order", coords={"order": list(ORDERS)})
+    points = points.assign(mode_line=lines / unit, engine_order=orders / unit)
+    at = points.isel({key: np.unique(column, return_index=True)[1]})
+    maps = at.drop_vars([*names, "state"]).assign(
+        amplitude=((LINE, key, "frequency"), np.array(amplitude), {"units": "m"})
+    )
+    for name in ("mode_line", "engine_order"):
+        maps[name].attrs = {"units": units}
+    return maps.assign_coords(
+        frequency=("frequency", frequency[inside] / unit, {"units": units})
+    ).assign_attrs(
+        title="spectra of the shaft, rotating frame",
+        lines=len(with_points),
+        window=dataset.attrs["window"],
+        points_per_column=int(np.bincount(column).max()),
+    )
+
+
+def _unit(points: xr.Dataset) -> tuple[float, str]:
+    """Frequency [Hz] that a map's are multiples of, and their unit."""
+    reference = points["reference_frequency"].values / (2 * np.pi)
+    known = reference[np.isfinite(reference)]
+    return (float(known[0]), "1") if np.all(known == known[0]) else (1.0, "Hz")
+
+
+def _mode_lines(points: xr.Dataset) -> xr.DataArray:
+    """Frequencies [Hz] of `LINES` in the rotating frame, (line, key, mode, direction)."""
+    own = points["mode_frequency"].sel(mode=list(LINES))
+    speed = np.abs(points["rotation_speed"]) / (2 * np.pi)
+    on_casing = own["mode"].astype(str).str.startswith("casing")
+    direction = xr.DataArray(
+        [-1.0, 1.0], dims="direction", coords={"direction": ["backward", "forward"]}
+    )
+    return (own * direction - speed * on_casing).transpose(LINE, ..., "mode", "direction")
+
+
+def _reach(lines: xr.DataArray, available: float) -> float:
+    """Largest frequency that a map shows [Hz]."""
+    wanted = [name for name, (_, reached) in LINES.items() if reached]
+    outermost = np.nanmax(np.abs(lines.sel(mode=wanted).values), initial=0.0)
+    return float(min(MARGIN * outermost, available)) if outermost > 0.0 else available
+
+
+def _columns(points: int) -> IntArray:
+    """Column of each point, in order."""
+    return np.arange(points) * min(points, MOST_COLUMNS) // points
+
+
+def _position(dataset: xr.Dataset, key: str, line: int) -> dict[str, int]:
+    """Where a line of `along` lies in the dataset, whose values may be in any order."""
+    others = [name for name in swept(dataset) if name != key]
+    place = np.unravel_index(line, [dataset.sizes[name] for name in others]) if others else ()
+    return {
+        name: int(np.argsort(dataset[name].values)[number])
+        for name, number in zip(others, place, strict=True)
+    }
+
+
+def _amplitudes(one: xr.Dataset, key: str, column: IntArray, inside: slice) -> Array:
+    """Spectra of a line of points [m], (columns, frequencies); read a few at a time."""
+    spectrum = one["spectrum"].isel(frequency=inside)
+    rank = np.argsort(np.argsort(one[key].values))
+    done = one["state"].values == "done"
+    found = np.full((column[-1] + 1, spectrum.sizes["frequency"]), np.nan)
+    for first in range(0, len(rank), PORTION):
+        part = slice(first, first + PORTION)
+        values = spectrum.isel({key: part}).transpose(key, "frequency").values
+        kept = done[part]
+        np.fmax.at(found, column[rank[part][kept]], values[kept])
+    return found
+
+
+@styled
+def plot_frequency_map(maps: xr.Dataset) -> Figure:
+    """Draw maps from `frequency_map`: amplitude over the swept key and signed frequency.
+
+    Dotted lines are engine orders, dashed ones modes, of which the legend names those that are
+    seen. Points without a result are left white.
+    """
+    maps = in_handy_units(maps)
+    amplitude = MILLI * maps["amplitude"].values
+    top = np.nanmax(amplitude, initial=0.0) or 1.0
+    count, titles = maps.sizes[LINE], panel_titles(maps)
+    figure, panels = panel_grid(count, height=0.1 if count == 1 else 0.07)
+    for number, axes in enumerate(panels):
+        picture = _draw_map(axes, maps.isel({LINE: number}), top)
+        axes.set_title(titles[number])
+        key_axis(axes, maps, cells=True, share=0.9 if count < 4 else 0.55)
+    label_outer(panels)
+    figure.colorbar(picture, ax=list(panels), label="amplitude of the shaft [mm]", pad=0.01)
+    unit = "/ reference frequency" if maps["frequency"].attrs["units"] == "1" else "[Hz]"
+    label = f"frequency {unit}, forward positive"
+    if count == 1:
+        panels[0].set_ylabel(label)
+    else:
+        figure.supylabel(label, fontsize="medium")
+    note = left_out_note(int(maps.attrs["lines"]), MOST_PANELS)
+    set_title(figure, maps.attrs["title"] + note + panels_note(maps, "panels"))
+    named = {
+        name: handle
+        for axes in panels
+        for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    names = [name for name in (*LINES, ENGINE_ORDERS) if name in named]
+    legends_below(figure, Group([(named[name], name) for name in names]))
+    return figure
+
+
+def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
+    """One map; returns what a colour bar needs."""
+    key = str(one.attrs["along"])
+    place, floor = one[key].values, top * 10.0**-DECADES
+    edges = cell_edges(place, logarithmic=is_wide(place))
+    heights = cell_edges(one["frequency"].values, logarithmic=False)
+    picture = axes.pcolormesh(
+        edges,
+        heights,
+        np.maximum(MILLI * one["amplitude"].values, floor).T,
+        norm=LogNorm(floor, top),
+        cmap=SEQUENTIAL,
+        rasterized=True,
+    )
+    limit = float(np.abs(heights).max())
+    axes.set(xlim=edges[[0, -1]], ylim=(-limit, limit))
+    axes.grid(False)
+    # Lines go on where a point has no result.
+    one = one.isel({key: np.flatnonzero(np.isfinite(one["engine_order"][:, 0].values))})
+    place = one[key].values
+    for name, (colour, _) in LINES.items():
+        backward, forward = one["mode_line"].sel(mode=name).transpose("direction", key).values
+        for level in (backward, forward):
+            if np.nanmin(np.abs(level), initial=np.inf) <= limit:
+                axes.plot(place, level, linestyle=MODE_DASHES[name], color=colour, label=name)
+    for order in ORDERS:
+        _draw_order(axes, place, one["engine_order"].sel(order=order).values, order, limit)
+    axes.plot([], [], color="grey", linestyle=":", linewidth=0.8, label=ENGINE_ORDERS)
+    return picture
+
+
+def _draw_order(axes: Axes, place: Array, level: Array, order: int, limit: float) -> None:
+    """Line of an engine order, named near where it leaves the map, well inside its frame."""
+    seen = np.flatnonzero(np.isfinite(level) & (np.abs(level) <= INSIDE * limit))
+    if not seen.size:
+        return
+    axes.plot(place, level, color="white", linestyle=":", linewidth=0.8, path_effects=OUTLINE)
+    at = place[seen[-1]]
+    share = axes.transAxes.inverted().transform(axes.transData.transform((at, 0.0)))[0]
+    axes.annotate(
+        f"{order:+d}Ω".replace("+1Ω", "+Ω").replace("-1Ω", "-Ω").replace("-", "−"),
+        (at, level[seen[-1]]),
+        xytext=(2 if share < 1 - INSIDE else -2, 1),
+        textcoords="offset points",
+        color="white",
+        ha="left" if share < 1 - INSIDE else "right",
+        va="bottom",
+        path_effects=OUTLINE,
+    )

@@ -1,0 +1,219 @@
+"""Quantities of all points of a sweep, along one swept key: small arrays, read without histories.
+
+All are over (line, KEY) first. KEY is the swept key that is gone along, ascending; a line is a
+combination of the other swept keys, which are coordinates of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields.fields import Array, ViewError
+from bladewhirl.postprocess.sweep.dataset import FORMAT, swept
+
+LINE = "line"
+"""Dimension of the combinations of the other keys."""
+
+MOTION = 1e-3
+"""Share of the smallest clearance by which the shaft has to move (root mean square over the last
+third) before it has a whirl or a contact side: what is below is the rest of a decay, or rounding.
+"""
+
+
+def main_key(dataset: xr.Dataset) -> str:
+    """The dimension that figures are drawn along: the speed if it is swept, else the first."""
+    names = swept(dataset)
+    return "march_speed" if "march_speed" in names else names[0]
+
+
+def other_keys(data: xr.Dataset) -> list[xr.DataArray]:
+    """Swept keys beside the one that is gone along, (line,) each.
+
+    Args:
+        data: over (line, KEY).
+    """
+    return [
+        values
+        for values in data.coords.values()
+        if values.dims == (LINE,) and "long_name" in values.attrs
+    ]
+
+
+def along(dataset: xr.Dataset, key: str, names: Sequence[str]) -> xr.Dataset:
+    """Some variables of a sweep along a key, loaded; where a point is not done they are NaN.
+
+    Args:
+        dataset: from `open_sweep`.
+        key: dimension to go along.
+        names: of variables.
+
+    Returns:
+        the variables and `state` over (line, key, ...); attribute `along`.
+
+    Raises:
+        ViewError: no point is done, or the sweep is of a format that has not all of these.
+    """
+    others = [name for name in swept(dataset) if name != key]
+    found = as_lines(in_order(dataset, names), others)
+    return found.transpose(LINE, key, ...).assign_attrs(along=key)
+
+
+def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
+    """Some variables and `state` over the swept keys, all ascending, loaded; see `along`.
+
+    Args:
+        dataset: from `open_sweep`.
+        names: of variables.
+
+    Raises:
+        ViewError: as of `along`.
+    """
+    missing = [name for name in names if name not in dataset]
+    if missing:
+        raise ViewError(
+            f"{', '.join(missing)}: not in this sweep, which is of format"
+            f" {dataset.attrs.get('format', 1)} (this one writes {FORMAT}); sweep anew to have them"
+        )
+    if not (dataset["state"] == "done").any():
+        raise ViewError("no point of the sweep is done: there is nothing to draw")
+    chosen = dataset[[*names, "state"]].compute().sortby(swept(dataset))
+    done = chosen["state"] == "done"
+    for name in names:
+        if chosen[name].dtype.kind == "f":
+            chosen[name] = chosen[name].where(done).assign_attrs(dataset[name].attrs)
+    return chosen.drop_attrs(deep=False)
+
+
+def as_lines(found: xr.Dataset, keys: Sequence[str]) -> xr.Dataset:
+    """Put swept keys into the one dimension `LINE`, a combination of them each; one if none.
+
+    Args:
+        found: from `in_order`.
+        keys: that become coordinates of `LINE`.
+    """
+    if not keys:
+        return found.expand_dims(LINE)
+    lines = found.stack({LINE: keys}).reset_index(LINE)
+    for name in keys:
+        lines[name].attrs.update(found[name].attrs)
+    return lines
+
+
+def shaft_radius(dataset: xr.Dataset, key: str) -> xr.Dataset:
+    """Largest and final displacement of the shaft [m], and the smallest clearance (Fig. 24).
+
+    Args:
+        dataset: from `open_sweep`.
+        key: dimension to go along.
+
+    Returns:
+        over (line, key): `shaft_radius_max`, `shaft_radius_final`, `regime`.
+    """
+    names = ["shaft_radius_max", "shaft_radius_final", "regime"]
+    return along(dataset, key, names).assign_attrs(title="displacement of the shaft's centre")
+
+
+def regimes(dataset: xr.Dataset, key: str) -> xr.Dataset:
+    """Regime and growth rate with its standard error [1/s].
+
+    Args:
+        dataset: from `open_sweep`.
+        key: dimension to go along.
+
+    Returns:
+        over (line, key): `regime`, `growth_rate`, `growth_error`, nan where it can't be judged.
+    """
+    found = along(dataset, key, ["regime", "growth_rate", "growth_error"])
+    return found.assign_attrs(
+        title="regime, and growth of the amplitude", criterion=dataset.attrs["criterion"]
+    )
+
+
+def whirls(dataset: xr.Dataset, key: str) -> xr.Dataset:
+    """Whirl of the shaft over the last third, in both frames.
+
+    Args:
+        dataset: from `open_sweep`.
+        key: dimension to go along.
+
+    Returns:
+        over (line, key): `frequency` (line, key, frame) [Hz], forward positive, and its `scatter`
+        [Hz], nan where the shaft moves less than `MOTION` of the clearance; `direction` (line, key,
+        frame), "forward", "backward" or "none", there "at rest"; `mode_frequency` [Hz].
+    """
+    names = ["whirl_frequency", "whirl_scatter", "whirl_rotating", "whirl_static"]
+    names += ["rotation_speed", "mode_frequency", *_MOVING]
+    found = along(dataset, key, names)
+    moves = _moves(found)
+    speed = np.abs(found["rotation_speed"]) / (2 * np.pi)
+    frame = xr.DataArray(["rotating", "static"], dims="frame")
+    rotating = found["whirl_frequency"].where(moves)
+    direction = xr.concat([found["whirl_rotating"], found["whirl_static"]], dim=frame)
+    places = (LINE, key, "frame")
+    return xr.Dataset(
+        {
+            "frequency": xr.concat([rotating, rotating + speed], dim=frame).transpose(*places),
+            "scatter": found["whirl_scatter"].where(moves),
+            "direction": direction.where(moves | (found["state"] != "done"), "at rest").transpose(
+                *places
+            ),
+            "mode_frequency": found["mode_frequency"],
+            "rotation_frequency": speed,
+            "state": found["state"],
+        },
+        attrs={"title": "whirl of the shaft over the last third of each march", "along": key},
+    )
+
+
+def contact_sides(dataset: xr.Dataset, key: str) -> xr.Dataset:
+    """Which side contact is on over the last third: how far the shaft leads it.
+
+    Args:
+        dataset: from `open_sweep`.
+        key: dimension to go along.
+
+    Returns:
+        over (line, key): `shaft_lead` [rad] and `lead_steadiness`; `scenario`. Where no blade
+        touches in that time the scenario is "no-contact", where the shaft moves less than `MOTION`
+        of the clearance it is "at-rest"; the others are nan there.
+    """
+    names = ["shaft_lead", "lead_steadiness", "scenario", "late_contact_share", *_MOVING]
+    found = along(dataset, key, names)
+    known = found["state"] == "done"
+    moves = _moves(found)
+    touches = (found["late_contact_share"] > 0).any("blade")
+    for name in ("shaft_lead", "lead_steadiness"):
+        found[name] = found[name].where(moves & touches).assign_attrs(found[name].attrs)
+    scenario = found["scenario"].where(touches | ~known, "no-contact")
+    found["scenario"] = scenario.where(moves | ~known, "at-rest")
+    return found.drop_vars(["late_contact_share", *_MOVING]).assign_attrs(
+        title="side of the contact over the last third of each march"
+    )
+
+
+def cell_edges(values: Array, *, logarithmic: bool) -> Array:
+    """Borders of cells around values, midway between them, (values + 1,).
+
+    Args:
+        values: ascending, (values,); a single one gets a cell of unit width.
+        logarithmic: midway by ratio.
+    """
+    places = np.log(values) if logarithmic else np.asarray(values, dtype=np.float64)
+    if len(places) == 1:
+        edges = places[0] + np.array([-0.5, 0.5])
+    else:
+        middle = 0.5 * (places[1:] + places[:-1])
+        first, last = 2 * places[0] - middle[0], 2 * places[-1] - middle[-1]
+        edges = np.concatenate([[first], middle, [last]])
+    return np.asarray(np.exp(edges) if logarithmic else edges)
+
+
+_MOVING = ["late_radius", "smallest_clearance"]
+
+
+def _moves(found: xr.Dataset) -> xr.DataArray:
+    """Whether the shaft moves enough to be asked how."""
+    return found["late_radius"] >= MOTION * found["smallest_clearance"]

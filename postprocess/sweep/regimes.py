@@ -1,0 +1,166 @@
+"""Regime of each point of a sweep, and how fast the motion grows or decays."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import NullLocator
+from numpy.typing import NDArray
+
+from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.plotting.legends import Group, legends_below, set_title
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.run.regimes import CERTAINTY
+from bladewhirl.postprocess.sweep.about_zero import linear_threshold, threshold_ticks
+from bladewhirl.postprocess.sweep.drawing import (
+    MOST_LINES,
+    REGIME_COLOURS,
+    REGIME_MARKS,
+    Line,
+    left_out_note,
+    line_keys,
+    lines_group,
+    lines_of,
+    mark_entry,
+)
+from bladewhirl.postprocess.sweep.quantities import LINE, cell_edges
+from bladewhirl.postprocess.sweep.swept_axes import in_handy_units, is_wide, key_axis
+
+NOT_JUDGED = "no growth rate: the marches are too short to judge it, or at rest"
+
+MOST_MARKED = 24
+"""Columns, and rows, of cells up to which each has the mark of its regime."""
+
+HATCH = "//////"
+"""Where there is no result."""
+
+Names = NDArray[np.str_]
+
+
+@styled
+def plot_regimes(found: xr.Dataset) -> Figure:
+    """Draw the regime of every point as a strip for each line, and below it the growth rate.
+
+    Bars reach to `regimes.CERTAINTY` standard errors. Points without a result are hatched.
+
+    Args:
+        found: from `sweep_quantities.regimes`.
+    """
+    found = in_handy_units(found)
+    key, lines = str(found.attrs["along"]), list(lines_of(found))
+    strips = 0.005 * len(lines) + 0.005
+    figure = new_figure(width=FULL_WIDTH, height=0.08 + strips)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(strips, 0.05))
+    _draw_strips(upper, lines, key)
+    if len(lines) > 1:
+        upper.set_title(f"rows: {line_keys(found)}", loc="left")
+    for line in lines:
+        _draw_growth(lower, line, key)
+    _scale_growth(lower, found)
+    lower.axhline(0.0, color=COLOURS["total"], linewidth=0.6, zorder=1)
+    lower.set_ylabel("growth rate [1/s]")
+    key_axis(lower, found, cells=True)
+    set_title(
+        figure,
+        f"{found.attrs['title']}, ± {CERTAINTY:g} standard errors"
+        + left_out_note(found.sizes[LINE], MOST_LINES),
+    )
+    legends_below(
+        figure,
+        Group(regime_entries(found["regime"].values)),
+        lines_group(found, lines, "growth_rate", marked=False),
+    )
+    return figure
+
+
+def _scale_growth(axes: Axes, found: xr.Dataset) -> None:
+    """Make the axis of growth rates linear about zero only where a few are far larger."""
+    rate, error = found["growth_rate"].values, found["growth_error"].values
+    if not np.isfinite(rate).any():
+        axes.text(0.5, 0.6, NOT_JUDGED, ha="center", transform=axes.transAxes)
+        axes.set_yticks([0.0])
+    elif threshold := linear_threshold(rate, error):
+        reach = float(np.nanmax(np.abs(rate) + CERTAINTY * np.nan_to_num(error)))
+        axes.set_yscale("symlog", linthresh=threshold)
+        axes.set_yticks(threshold_ticks(threshold, reach))
+        axes.yaxis.set_minor_locator(NullLocator())
+
+
+def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
+    """Draw cells coloured by regime, with its mark if they are few, hatched where there is none.
+
+    Args:
+        axes: that the cells fill.
+        x: middles of the cells, (columns,).
+        y: the same, (rows,).
+        regime: names, (rows, columns).
+    """
+    codes = np.full(regime.shape, -1)
+    for number, name in enumerate(REGIME_COLOURS):
+        codes[regime == name] = number
+    axes.grid(False)
+    axes.patch.set(hatch=HATCH, edgecolor=COLOURS["rest"])
+    axes.pcolormesh(
+        *(cell_edges(middles, logarithmic=is_wide(middles)) for middles in (x, y)),
+        np.ma.masked_less(codes, 0),
+        cmap=ListedColormap(list(REGIME_COLOURS.values())),
+        vmin=-0.5,
+        vmax=len(REGIME_COLOURS) - 0.5,
+        rasterized=True,
+    )
+    if max(regime.shape) > MOST_MARKED:
+        return
+    for name, mark in REGIME_MARKS.items():
+        row, column = np.nonzero(regime == name)
+        axes.plot(
+            x[column], y[row], mark, color="black", markersize=2.5, scalex=False, scaley=False
+        )
+
+
+def regime_entries(regime: Names) -> list[tuple[Patch | tuple[Patch, Line2D], str]]:
+    """Entries of a legend: the regimes that there are, with how many points each has.
+
+    Args:
+        regime: names, of any shape.
+    """
+    entries: list[tuple[Patch | tuple[Patch, Line2D], str]] = []
+    for name, colour in REGIME_COLOURS.items():
+        if count := int(np.count_nonzero(regime == name)):
+            mark = mark_entry(REGIME_MARKS[name], name)[0]
+            entries.append(((Patch(color=colour), mark), f"{name}: {count}"))
+    if rest := int(np.count_nonzero(~np.isin(regime, list(REGIME_COLOURS)))):
+        hatched = Patch(fc="white", ec=COLOURS["rest"], hatch=HATCH)
+        entries.append((hatched, f"no result: {rest}"))
+    return entries
+
+
+def _draw_strips(axes: Axes, lines: list[Line], key: str) -> None:
+    place = lines[0].data[key].values
+    rows = np.array([line.data["regime"].values for line in lines])
+    at = np.arange(len(lines), dtype=np.float64)
+    draw_regimes(axes, place, at, rows)
+    axes.set(ylim=(-0.5, len(lines) - 0.5), yticks=at)
+    axes.set_yticklabels([line.label or "regime" for line in lines])
+    axes.invert_yaxis()
+
+
+def _draw_growth(axes: Axes, line: Line, key: str) -> None:
+    one = line.data
+    place, rate = one[key].values, one["growth_rate"].values
+    drawn, _, _ = axes.errorbar(
+        place,
+        rate,
+        CERTAINTY * one["growth_error"].values,
+        color=line.colour,
+        linewidth=line.width,
+        elinewidth=0.6 * line.width,
+    )
+    drawn.set_linestyle(line.dash)
+    for name, mark in REGIME_MARKS.items():
+        own = one["regime"].values == name
+        axes.plot(place[own], rate[own], mark, color=line.colour, markersize=line.size)

@@ -1,0 +1,140 @@
+"""Whirl of the shaft, and the side of its contact, over a swept key."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from bladewhirl.postprocess.plotting.legends import Group, legends_below, set_title
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.sweep.drawing import (
+    MOST_LINES,
+    Line,
+    draw_marks,
+    left_out_note,
+    lines_group,
+    lines_of,
+    mark_entry,
+)
+from bladewhirl.postprocess.sweep.quantities import LINE
+from bladewhirl.postprocess.sweep.swept_axes import in_handy_units, key_axis
+
+SCENARIO_MARKS: Mapping[str, tuple[str, bool]] = {
+    "standard": ("o", True),
+    "inverted": ("s", True),
+    "unsteady": ("o", False),
+}
+"""Mark of each scenario, and whether it is filled."""
+
+UNDRAWN: Mapping[str, str] = {"no-contact": "nothing touches", "at-rest": "the shaft rests"}
+"""Of points without a side of the contact, in words."""
+
+
+@styled
+def plot_whirls(found: xr.Dataset) -> Figure:
+    """Draw the whirl's frequency in both frames in Hz, forward upwards, with its scatter.
+
+    Filled marks have a clear direction. A shaft that hardly moves has no mark.
+
+    Args:
+        found: from `sweep_quantities.whirls`.
+    """
+    found = in_handy_units(found)
+    lines = list(lines_of(found))
+    figure = new_figure(width=FULL_WIDTH, height=0.12)
+    panels = figure.subplots(2, 1, sharex=True)
+    for axes, frame in zip(panels, found["frame"].values, strict=True):
+        axes.axhline(0.0, color=COLOURS["total"], linewidth=0.6)
+        for line in lines:
+            _draw_whirl(axes, line._replace(data=line.data.sel(frame=frame)))
+        axes.set_ylabel(f"{frame} frame [Hz]\n← backward  forward →")
+        axes.margins(y=0.1)
+    key_axis(panels[1], found)
+    set_title(figure, found.attrs["title"] + left_out_note(found.sizes[LINE], MOST_LINES))
+    marks = [
+        mark_entry("o", "clear direction (filled)"),
+        mark_entry("o", "no clear direction (open)", filled=False),
+    ]
+    legends_below(figure, Group(marks), lines_group(found, lines, "frequency"))
+    return figure
+
+
+@styled
+def plot_contact_sides(found: xr.Dataset) -> Figure:
+    """Draw by how much the shaft leads the contact, and how steadily.
+
+    Within 90 degrees, the grey band, contact is standard, outside it is inverted; open marks are
+    motions without a steady lead. Points at which nothing touches have no mark.
+
+    Args:
+        found: from `sweep_quantities.contact_sides`.
+    """
+    found = in_handy_units(found)
+    figure = new_figure(width=FULL_WIDTH, height=0.11)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, 1.0))
+    lines = list(lines_of(found))
+    for line in lines:
+        _draw_side(upper, lower, line)
+    band = upper.axhspan(-90, 90, color=COLOURS["rest"], alpha=0.25, linewidth=0, zorder=0)
+    upper.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), ylabel="shaft leads [°]")
+    lower.set(ylim=(0.0, 1.05), ylabel="steadiness")
+    key_axis(lower, found)
+    set_title(figure, found.attrs["title"] + left_out_note(found.sizes[LINE], MOST_LINES))
+    counts = {name: int((found["scenario"] == name).sum()) for name in (*SCENARIO_MARKS, *UNDRAWN)}
+    marks = [
+        mark_entry(mark, f"{name}: {counts[name]}", filled=filled)
+        for name, (mark, filled) in SCENARIO_MARKS.items()
+        if counts[name]
+    ]
+    unmarked = [
+        (Line2D([], [], linestyle="none"), f"{words}: {counts[name]}, no mark")
+        for name, words in UNDRAWN.items()
+        if counts[name]
+    ]
+    within = (band, "where contact is standard")
+    legends_below(
+        figure,
+        Group([within, *marks, *unmarked]),
+        lines_group(found, lines, "shaft_lead", marked=False),
+    )
+    return figure
+
+
+def _draw_side(upper: Axes, lower: Axes, line: Line) -> None:
+    one = line.data
+    place, lead = one[str(one.attrs["along"])].values, np.degrees(one["shaft_lead"].values)
+    for name, (mark, filled) in SCENARIO_MARKS.items():
+        own = one["scenario"].values == name
+        face = line.colour if filled else "white"
+        upper.plot(place[own], lead[own], mark, color=line.colour, mfc=face, markersize=line.size)
+    lower.plot(
+        place,
+        one["lead_steadiness"].values,
+        marker=".",
+        markersize=line.size,
+        color=line.colour,
+        linestyle=line.dash,
+        linewidth=line.width,
+    )
+
+
+def _draw_whirl(axes: Axes, line: Line) -> None:
+    one = line.data
+    place, frequency = one[str(one.attrs["along"])].values, one["frequency"].values
+    drawn, _, _ = axes.errorbar(
+        place,
+        frequency,
+        one["scatter"].fillna(0.0).values,
+        color=line.colour,
+        linewidth=line.width,
+        elinewidth=0.6 * line.width,
+        capsize=1.5,
+    )
+    drawn.set_linestyle(line.dash)
+    clear = np.isin(one["direction"].values, ["forward", "backward"])
+    draw_marks(axes, line, place, frequency, filled=clear)

@@ -1,0 +1,128 @@
+"""Axes of figures of sweeps that show a swept key: unit, scale, ticks and limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator, ScalarFormatter
+
+from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.plotting.units import handy_unit
+from bladewhirl.postprocess.sweep.quantities import cell_edges
+
+WIDE_RANGE = 50.0
+"""Ratio of the largest to the smallest value of a key from which its axis is logarithmic."""
+
+MOST_TICKS = 12
+"""Ticks at swept values on an axis as wide as a page; of more than twice as many values, ticks are
+where they usually are."""
+
+MARGIN = 0.03
+"""Share of the swept range that is left free on both sides of points, so that none is cut."""
+
+
+def in_handy_units(found: xr.Dataset) -> xr.Dataset:
+    """The same with the values of swept keys in units in which they read well.
+
+    Args:
+        found: swept keys, coordinates with a `long_name`, in SI units.
+    """
+    handy = {}
+    for name, values in found.coords.items():
+        if "long_name" in values.attrs and values.dtype.kind == "f" and values.size:
+            size = float(np.abs(values.values).max())
+            unit, scale = handy_unit(size, str(values.attrs.get("units", "1")))
+            rounded = np.round(scale * values.values, 12)  # 0.1 mm, not 0.10000000000000002
+            handy[str(name)] = (values.dims, rounded, {**values.attrs, "units": unit})
+    return found.assign_coords(handy)
+
+
+def key_axis(
+    axes: Axes,
+    data: xr.Dataset,
+    *,
+    of_y: bool = False,
+    key: str = "",
+    cells: bool = False,
+    share: float = 1.0,
+) -> None:
+    """Label an axis with a swept key over the whole swept range, with ticks at the values if they
+    are few, and make it logarithmic where its values ask for it.
+
+    Args:
+        axes: that has it.
+        data: with the key.
+        of_y: the vertical axis.
+        key: other than the one that is gone along.
+        cells: reach to the borders of cells around the values, as of maps; else to the values.
+        share: of a page's width that the axis takes.
+    """
+    values = data[key or str(data.attrs["along"])]
+    place, wide = values.values, is_wide(values.values)
+    axis = axes.yaxis if of_y else axes.xaxis
+    if of_y:
+        axes.set_yscale("log" if wide else "linear")
+    else:
+        axes.set_xscale("log" if wide else "linear")
+    axis.set_label_text(key_label(values))
+    limits = cell_edges(place, logarithmic=wide)[[0, -1]] if cells else _around(place, wide)
+    (axes.set_ylim if of_y else axes.set_xlim)(*limits)
+    most = max(2, int(MOST_TICKS * share))
+    if len(place) <= 2 * most:
+        axis.set_major_locator(FixedLocator(_spread(place, most, wide).tolist()))
+        axis.set_minor_locator(NullLocator())
+        plain = ScalarFormatter(useOffset=False)
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}") if wide else plain)
+
+
+def is_wide(values: Array) -> bool:
+    """Whether values are better seen on a logarithmic axis."""
+    return bool(np.min(values) > 0 and np.max(values) >= WIDE_RANGE * np.min(values))
+
+
+def key_label(values: xr.DataArray) -> str:
+    """Name of a swept key with its unit."""
+    name, units = str(values.attrs["long_name"]), str(values.attrs["units"])
+    if name == "march.speed" and units == "1":
+        return "speed Ω / reference frequency"
+    return name if units == "1" else f"{name} [{units}]"
+
+
+def side_by_side(place: Array, number: int, count: int) -> Array:
+    """Places of one of several lines whose points are drawn beside each other, not on top.
+
+    Args:
+        place: values of a key, ascending, (values,).
+        number: of the line, from 0.
+        count: of all lines.
+    """
+    wide = is_wide(place)
+    at = np.log(place) if wide else place.astype(np.float64)
+    gap = float(np.diff(at).min()) if len(at) > 1 else 1.0
+    moved = at + 0.5 * gap * ((number + 0.5) / count - 0.5)
+    return np.asarray(np.exp(moved) if wide else moved)
+
+
+def _around(place: Array, wide: bool) -> Array:
+    """Limits a little outside the first and the last value, (2,)."""
+    if len(place) == 1:
+        return cell_edges(place, logarithmic=wide)
+    ends = np.log(place[[0, -1]]) if wide else place[[0, -1]].astype(np.float64)
+    free = MARGIN * (ends[1] - ends[0])
+    # Points of lines side by side reach a quarter of a gap beyond.
+    if len(place) <= MOST_TICKS:
+        free = max(free, 0.3 * float(np.diff(np.log(place) if wide else place).min()))
+    ends = ends + np.array([-free, free])
+    return np.asarray(np.exp(ends) if wide else ends)
+
+
+def _spread(place: Array, most: int, wide: bool) -> Array:
+    """Those of the values that lie far enough apart for so many ticks."""
+    at = np.log(place) if wide else place
+    apart = (at[-1] - at[0]) / most
+    kept = [0]
+    for number in range(1, len(at)):
+        if at[number] - at[kept[-1]] >= apart * (1 - 1e-9):
+            kept.append(number)
+    return np.asarray(place[kept])

@@ -1,0 +1,1 @@
+"""The march of a contact problem in time, and its recording."""

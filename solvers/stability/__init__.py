@@ -1,0 +1,1 @@
+"""Growth rates, unstable zones, Floquet analysis, coincidence and veering."""

@@ -1,0 +1,226 @@
+"""Coupled modes in time: the four steps of Section 3.3.2.
+
+1. eigenvectors of the autonomous system at one speed and spring stiffness (`coupled_modes`),
+2. the response of one of them in time,
+3. back to the coordinates u by P(t) of Eq. (16),
+4. through mode shapes to the shaft, the tips and the casing (`coupled_motion`).
+
+What the motion does is measured from the fields: a radial field with nodal diameter k,
+Re(C exp(-i k theta)), has its crest at theta = arg(C) / k, so the wave travels forward, in the
+sense of rotation, where arg(C) grows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bladewhirl.models.coupling.invariant_frame import frame_matrices, state_matrix
+from bladewhirl.models.coupling.springs import ComplexArray, CouplingModes, FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoupledMode:
+    """One mode of the autonomous system: q = Re(shape exp(eigenvalue t))."""
+
+    modes: CouplingModes  #: the modes coupled; `shape` is zero outside one nodal diameter
+    speed: float  #: Omega [rad/s]
+    nodal_diameter: int  #: k of the entries that take part
+    eigenvalue: complex  #: [1/s]
+    shape: ComplexArray  #: in the invariant coordinates q, largest entry one, (modes.size,)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RadialShapes:
+    """What a unit coordinate does to shaft, tips and casing [kg^-1/2]; coordinates as in u."""
+
+    centre: FloatArray  #: x and y of the centre node, rotating axes, (2, size)
+    tips: FloatArray  #: radial displacement of each tip, (tips, size)
+    tip_angle: FloatArray  #: of equally spaced tips in the rotating frame [rad], (tips,)
+    casing: FloatArray  #: radial displacement of stations on the casing, (stations, size)
+    casing_angle: FloatArray  #: of equally spaced stations in the static frame [rad], (stations,)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoupledMotion:
+    """A coupled mode in time, as large as makes tip and casing touch at the last instant."""
+
+    time: FloatArray  #: [s], (times,)
+    nodal_diameter: int  #: k of the motion
+    speed: float  #: Omega [rad/s]
+    displacement: FloatArray  #: coordinates u [kg^1/2 m], (times, size)
+    velocity: FloatArray  #: their rates [kg^1/2 m/s], (times, size)
+    shaft: FloatArray  #: centre in rotating axes [m], (times, 2)
+    rotor_wave: ComplexArray  #: C of the tips' radial field, rotating frame [m], (times,)
+    casing_wave: ComplexArray  #: C of the casing's radial field, static frame [m], (times,)
+
+    @property
+    def shaft_static(self) -> FloatArray:
+        """Centre in static axes [m], (times, 2)."""
+        turned = _complex(self.shaft) * np.exp(1j * self.speed * self.time)
+        return np.stack([turned.real, turned.imag], axis=-1)
+
+    @property
+    def stretch(self) -> ComplexArray:
+        """C of casing minus rotor in the static frame [m], (times,): the change of clearance."""
+        turn = np.exp(1j * self.nodal_diameter * self.speed * self.time)
+        return np.asarray(self.casing_wave - self.rotor_wave * turn)
+
+    @property
+    def smallest_clearance_angle(self) -> FloatArray:
+        """Static angle at which the clearance is smallest, one of k [rad], (times,), unwrapped."""
+        return np.unwrap(np.angle(-self.stretch)) / max(self.nodal_diameter, 1)
+
+    @property
+    def rotor_wave_speed(self) -> float:
+        """Rate at which the rotor's crest moves in the rotating frame, forward positive [rad/s]."""
+        return self._crest_speed(self.rotor_wave)
+
+    @property
+    def casing_wave_speed(self) -> float:
+        """Rate at which the casing's crest moves in the static frame, forward positive [rad/s]."""
+        return self._crest_speed(self.casing_wave)
+
+    @property
+    def whirl_speed(self) -> float:
+        """Rate of the shaft's orbit in the rotating frame, forward positive [rad/s]; k = 1."""
+        return phase_rate(self.time, _complex(self.shaft))
+
+    @property
+    def whirl_speed_static(self) -> float:
+        """Rate of the shaft's orbit in the static frame, forward positive [rad/s]; k = 1."""
+        return phase_rate(self.time, _complex(self.shaft_static))
+
+    @property
+    def shaft_lead(self) -> FloatArray:
+        """Angle of the shaft's displacement less that of the smallest clearance, (times,) [rad].
+
+        In (-pi, pi]: zero is the paper's standard contact scenario, pi the inverted one; k = 1.
+        """
+        return np.angle(-_complex(self.shaft_static) / self.stretch)
+
+    def _crest_speed(self, wave: ComplexArray) -> float:
+        return phase_rate(self.time, wave) / max(self.nodal_diameter, 1)
+
+
+def coupled_modes(
+    modes: CouplingModes, *, speed: float, kappa: float, with_pi: bool = True
+) -> list[CoupledMode]:
+    """Modes of the autonomous system, the fastest growing first, one of each conjugate pair.
+
+    Args:
+        modes: the modes to couple.
+        speed: Omega [rad/s].
+        kappa: spring stiffness [N/m].
+        with_pi: keep the factor pi of Eq. (8).
+    """
+    found = []
+    for k in modes.harmonics:
+        chosen = np.flatnonzero(modes.nodal_diameter == k)
+        part = modes.take(chosen)
+        coordinates = np.flatnonzero(np.isin(modes.entry, chosen))
+        values, vectors = np.linalg.eig(
+            state_matrix(part, speed=speed, kappa=kappa, with_pi=with_pi)
+        )
+        for i in np.flatnonzero(values.imag >= 0.0):
+            shape = np.zeros(modes.size, dtype=np.complex128)
+            vector = vectors[: part.size, i]
+            shape[coordinates] = vector / vector[np.argmax(np.abs(vector))]
+            found.append(
+                CoupledMode(
+                    modes=modes,
+                    speed=speed,
+                    nodal_diameter=k,
+                    eigenvalue=complex(values[i]),
+                    shape=shape,
+                )
+            )
+    return sorted(found, key=lambda mode: (-mode.eigenvalue.real, mode.eigenvalue.imag))
+
+
+def modal_response(mode: CoupledMode, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Coordinates u and their rates of a coupled mode in time (steps 2 and 3).
+
+    Args:
+        mode: the mode.
+        time: [s], (times,).
+
+    Returns:
+        u and du/dt, each (times, size), for `mode.shape` as it is.
+    """
+    q = np.exp(np.multiply.outer(time, mode.eigenvalue))[:, None] * mode.shape
+    rate = (mode.eigenvalue * q).real[..., None]
+    frame, frame_rate = frame_matrices(mode.modes, speed=mode.speed, time=time)
+    position = q.real[..., None]
+    return (frame @ position)[..., 0], (frame_rate @ position + frame @ rate)[..., 0]
+
+
+def coupled_motion(
+    mode: CoupledMode, *, time: FloatArray, shapes: RadialShapes, clearance: float
+) -> CoupledMotion:
+    """Motion of shaft, tips and casing in a coupled mode (steps 2 to 4).
+
+    Args:
+        mode: the mode.
+        time: [s], (times,).
+        shapes: of shaft, tips and casing for unit coordinates.
+        clearance: at rest [m]; the motion is scaled to close it at the last instant.
+
+    Raises:
+        ValueError: the mode does not change the clearance.
+    """
+    u, velocity = modal_response(mode, time)
+    k = mode.nodal_diameter
+    rotor = wave_coefficient(u @ shapes.tips.T, shapes.tip_angle, k)
+    casing = wave_coefficient(u @ shapes.casing.T, shapes.casing_angle, k)
+    motion = CoupledMotion(
+        time=time,
+        nodal_diameter=k,
+        speed=mode.speed,
+        displacement=u,
+        velocity=velocity,
+        shaft=u @ shapes.centre.T,
+        rotor_wave=rotor,
+        casing_wave=casing,
+    )
+    last = float(np.abs(motion.stretch[-1]))
+    if last <= 1e-12 * (np.abs(rotor[-1]) + np.abs(casing[-1])):
+        raise ValueError(f"the mode at {mode.eigenvalue:.6g} 1/s does not change the clearance")
+    scale = clearance / last
+    return CoupledMotion(
+        time=time,
+        nodal_diameter=k,
+        speed=mode.speed,
+        displacement=scale * u,
+        velocity=scale * velocity,
+        shaft=scale * motion.shaft,
+        rotor_wave=scale * rotor,
+        casing_wave=scale * casing,
+    )
+
+
+def wave_coefficient(field: FloatArray, angle: FloatArray, k: int) -> ComplexArray:
+    """Coefficient C of the part Re(C exp(-i k theta)) of a field at equally spaced angles.
+
+    Args:
+        field: (..., angles).
+        angle: [rad], (angles,).
+        k: nodal diameter, up to half the number of angles.
+
+    Returns:
+        (...); real for k = 0 and, where that is half the number of angles, in phase with it.
+    """
+    count = len(angle)
+    single = k == 0 or 2 * k == count
+    return np.asarray(field @ np.exp(1j * k * angle) * ((1.0 if single else 2.0) / count))
+
+
+def phase_rate(time: FloatArray, phasor: NDArray[np.complex128]) -> float:
+    """Mean rate of a phasor's phase [rad/s], by least squares."""
+    return float(np.polyfit(time - time.mean(), np.unwrap(np.angle(phasor)), 1)[0])
+
+
+def _complex(vectors: FloatArray) -> ComplexArray:
+    return np.asarray(vectors[..., 0] + 1j * vectors[..., 1])

@@ -1,0 +1,162 @@
+"""Floquet analysis of x'' + D x' + K(t) x = 0 with K(t) of period T, by direct integration.
+
+Knows nothing of invariant frames, so it is an independent check of them. The state is carried over
+one period by the sixth-order Magnus integrator on Gauss-Legendre nodes; steps are doubled until
+the monodromy matrix no longer changes.
+
+Reference: S. Blanes, F. Casas, J. A. Oteo, J. Ros, The Magnus expansion and some of its
+applications, Physics Reports 470 (2009) 151-238, Section 5.4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+
+from bladewhirl.models.coupling.springs import (
+    ComplexArray,
+    CouplingModes,
+    FloatArray,
+    periodic_stiffness,
+)
+
+FEWEST_STEPS = 8
+MOST_STEPS = 1 << 17
+
+NODES = 0.5 + np.sqrt(15.0) / 10.0 * np.array([-1.0, 0.0, 1.0])
+"""Gauss-Legendre nodes of one step, as shares of it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Floquet:
+    """What one period does to a linear system."""
+
+    period: float  #: T [s]
+    monodromy: FloatArray  #: (x, x') after one period from (x, x') before, (..., 2 n, 2 n)
+    steps: int  #: integration steps over the period
+    change: float  #: relative change of the scaled monodromy matrix at the last doubling
+
+    @property
+    def multipliers(self) -> ComplexArray:
+        """Eigenvalues of the monodromy matrix, (..., 2 n)."""
+        return np.asarray(np.linalg.eigvals(self.monodromy), dtype=np.complex128)
+
+    @property
+    def exponents(self) -> ComplexArray:
+        """Logarithms of the multipliers over T [1/s], imaginary parts up to pi / T, (..., 2 n)."""
+        return np.asarray(np.log(self.multipliers) / self.period)
+
+    @property
+    def growth(self) -> FloatArray:
+        """Largest real part of the exponents [1/s], (...)."""
+        return np.asarray(np.max(self.exponents.real, axis=-1))
+
+
+def floquet(
+    stiffness: Callable[[FloatArray], FloatArray],
+    *,
+    period: float,
+    damping: FloatArray | None = None,
+    tolerance: float = 1e-11,
+) -> Floquet:
+    """Integrate a periodic system over one period.
+
+    Args:
+        stiffness: K at times (m,) [s], as (m, ..., n, n) [1/s^2]; further axes hold systems that
+            share the period.
+        period: T [s].
+        damping: D [1/s], broadcast to (..., n, n); none when None.
+        tolerance: relative change of the monodromy matrix at which doubling stops.
+
+    Raises:
+        ArithmeticError: the tolerance was not met with `MOST_STEPS` steps.
+    """
+    first = stiffness(np.zeros(1))[0]
+    drag = np.broadcast_to(0.0 if damping is None else damping, first.shape)
+    unit = np.sqrt(np.abs(first).max()) or 1.0  # x is measured in x' / unit, for equal sizes
+    steps = max(FEWEST_STEPS, int(np.ceil(0.25 * period * unit)))
+    coarse = _propagate(stiffness, drag, period, steps, unit)
+    while 2 * steps <= MOST_STEPS:
+        steps *= 2
+        fine = _propagate(stiffness, drag, period, steps, unit)
+        change = float(np.abs(fine - coarse).max() / np.abs(fine).max())
+        if change <= tolerance:
+            size = first.shape[-1]
+            scale = np.where(np.arange(2 * size) < size, unit, 1.0)
+            monodromy = fine * scale / scale[:, None]
+            return Floquet(period=period, monodromy=monodromy, steps=steps, change=change)
+        coarse = fine
+    raise ArithmeticError(
+        f"monodromy matrix: expected a change below {tolerance:g} with at most {MOST_STEPS} steps,"
+        f" got {change:g}"
+    )
+
+
+def coupled_floquet(
+    modes: CouplingModes, *, speed: float, kappa: float, with_pi: bool = True
+) -> dict[int, Floquet]:
+    """Integrate the coupled rotor and casing over one turn, each nodal diameter apart.
+
+    Args:
+        modes: the coupled modes.
+        speed: Omega, not zero [rad/s].
+        kappa: spring stiffness [N/m].
+        with_pi: keep the factor pi of Eq. (8).
+
+    Returns:
+        what a turn does to the modes of each nodal diameter.
+    """
+
+    def over_one_turn(part: CouplingModes) -> Floquet:
+        return floquet(
+            lambda times: periodic_stiffness(
+                part, kappa=kappa, angle=speed * times, with_pi=with_pi
+            ),
+            period=2.0 * np.pi / abs(speed),
+            damping=np.diag(part.damping_rate[part.entry]),
+        )
+
+    return {k: over_one_turn(modes.harmonic(k)) for k in modes.harmonics}
+
+
+def _propagate(
+    stiffness: Callable[[FloatArray], FloatArray],
+    damping: FloatArray,
+    period: float,
+    steps: int,
+    unit: float,
+) -> FloatArray:
+    """Product of the steps' exponentials: the monodromy matrix of (unit x, x')."""
+    step = period / steps
+    times = step * np.add.outer(np.arange(steps), NODES)
+    early, middle, late = (
+        _state_matrices(stiffness(times[:, node]), damping, unit) for node in range(len(NODES))
+    )
+    linear = step * middle
+    slope = np.sqrt(15.0) / 3.0 * step * (late - early)
+    bend = 10.0 / 3.0 * step * (late - 2.0 * middle + early)
+    inner = _commutator(linear, slope)
+    outer = -_commutator(linear, 2.0 * bend + inner) / 60.0
+    correction = _commutator(-20.0 * linear - bend + inner, slope + outer) / 240.0
+    factors = np.asarray(la.expm(linear + bend / 12.0 + correction))
+    while len(factors) > 1:  # pairwise, so that products are batched
+        odd = factors[-1:] if len(factors) % 2 else factors[:0]
+        factors = np.concatenate([factors[1::2] @ factors[: len(factors) - 1 : 2], odd])
+    return np.asarray(factors[0])
+
+
+def _state_matrices(stiffness: FloatArray, damping: FloatArray, unit: float) -> FloatArray:
+    """Matrices of d(unit x, x')/dt, (m, ..., 2 n, 2 n)."""
+    size = stiffness.shape[-1]
+    state = np.zeros((*stiffness.shape[:-2], 2 * size, 2 * size))
+    state[..., :size, size:] = unit * np.eye(size)
+    state[..., size:, :size] = -stiffness / unit
+    state[..., size:, size:] = -damping
+    return state
+
+
+def _commutator(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.asarray(a @ b - b @ a)

@@ -1,0 +1,33 @@
+"""Eigenvalues followed continuously along a line of parameters (Fig. 12)."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from bladewhirl.models.coupling.springs import ComplexArray, FloatArray
+
+
+def track(parameter: FloatArray, values: ComplexArray) -> ComplexArray:
+    """Reorder spectra so that each column is one continuous branch.
+
+    Each spectrum is assigned to the straight continuation of the branches found so far, with the
+    least sum of squared distances: branches that only cross keep their direction. Where two
+    branches truly meet, which is which beyond the meeting is a convention.
+
+    Args:
+        parameter: position along the line, strictly monotonic, (m,).
+        values: spectra in any order, (m, n).
+
+    Returns:
+        (m, n), rows of `values` reordered; the first row keeps its order.
+    """
+    branches = np.array(values)
+    for i in range(1, len(branches)):
+        expected = branches[i - 1]
+        if i > 1:
+            share = (parameter[i] - parameter[i - 1]) / (parameter[i - 1] - parameter[i - 2])
+            expected = expected + share * (branches[i - 1] - branches[i - 2])
+        distance = np.abs(expected[:, None] - branches[i][None, :]) ** 2
+        branches[i] = branches[i][linear_sum_assignment(distance)[1]]
+    return branches

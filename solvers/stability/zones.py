@@ -1,0 +1,231 @@
+"""Borders of the unstable zones by root finding (Fig. 11).
+
+Without damping every real mu of `bladewhirl.solvers.stability.growth.whirl_matrix` has a
+signature, the sign of sum_i nu_i |X_i|^2: positive and negative ones meet and turn complex, equal
+ones avoid each other. As the speed grows, positive casing waves sink below negative rotor waves, and a zone of
+instability lies at each exchange. The counts of exchanges begun and ended climb ladders, of which
+bisection finds each rung, so that no zone is too narrow to be found.
+
+With damping, and for nodal diameters that hold a single mode, the sign of the growth rate is
+followed instead along a line of speeds, refined inside the undamped zones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bladewhirl.models.coupling.invariant_frame import state_matrix
+from bladewhirl.models.coupling.springs import (
+    BoolArray,
+    CouplingModes,
+    FloatArray,
+    IntArray,
+)
+from bladewhirl.solvers.stability.growth import (
+    growth_rate,
+    is_unstable,
+    whirl_matrix,
+)
+
+BISECTIONS = 60
+"""Halvings of a speed range: more than a float64 can tell apart."""
+
+SAMPLES = 400
+"""Speeds at which the sign of the growth is first looked at, where it has to be sampled."""
+
+INSIDE = 9
+"""Further speeds sampled inside each undamped zone."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnstableZones:
+    """Intervals of unstable speeds, one row for each zone at each spring stiffness.
+
+    An interval that reaches beyond the range of speeds looked at is cut there.
+    """
+
+    kappa: FloatArray  #: spring stiffness [N/m], (rows,)
+    lower: FloatArray  #: speed at which the zone begins [rad/s], (rows,)
+    upper: FloatArray  #: speed at which it ends [rad/s], (rows,)
+    growth: FloatArray  #: growth rate in the middle [1/s], (rows,)
+    casing: IntArray  #: casing entry that takes the largest part in the growing mode, (rows,)
+    rotor: IntArray  #: rotor entry that does, (rows,)
+
+
+def unstable_zones(
+    modes: CouplingModes,
+    *,
+    kappas: FloatArray,
+    low: float,
+    high: float,
+    with_pi: bool = True,
+) -> UnstableZones:
+    """Find every interval of unstable speeds at each spring stiffness.
+
+    Args:
+        modes: the coupled modes.
+        kappas: spring stiffnesses [N/m], (n,); zones have no width at zero, which gives no row.
+        low: lowest speed [rad/s].
+        high: highest speed [rad/s].
+        with_pi: keep the factor pi of Eq. (8).
+
+    Returns:
+        rows sorted by nodal diameter, stiffness, speed.
+    """
+    kappas = np.asarray(kappas, dtype=np.float64)
+    kappas = kappas[kappas > 0.0]
+    found: list[UnstableZones] = []
+    for k in modes.harmonics:
+        chosen = np.flatnonzero((modes.nodal_diameter == k) & (modes.amplitude != 0.0))
+        bodies = np.unique(modes.on_casing[chosen])
+        if k == 0 or len(bodies) < 2:
+            continue  # positive definite in one frame: stable at every speed
+        part = modes.take(chosen)
+        row, lower, upper = _intervals(part, kappas, low, high, with_pi)
+        middle = 0.5 * (lower + upper)
+        growth, leading = _growing_mode(part, middle, kappas[row], with_pi)
+        casing, rotor = (
+            chosen[np.argmax(np.where(part.on_casing == body, leading, -1.0), axis=-1)]
+            for body in (True, False)
+        )
+        found.append(
+            UnstableZones(
+                kappa=kappas[row],
+                lower=lower,
+                upper=upper,
+                growth=growth,
+                casing=casing,
+                rotor=rotor,
+            )
+        )
+    return _join(found)
+
+
+def exchanges(
+    modes: CouplingModes, speed: FloatArray, kappa: FloatArray, *, with_pi: bool
+) -> tuple[IntArray, IntArray]:
+    """Count the positive waves that have met and that have passed a negative one, undamped.
+
+    Args:
+        modes: pairs of one nodal diameter, none with zero amplitude.
+        speed: Omega [rad/s], (n,).
+        kappa: spring stiffness [N/m], positive, (n,).
+        with_pi: keep the factor pi of Eq. (8).
+
+    Returns:
+        exchanges begun and ended, each (n,); they differ by the growing waves, and neither falls
+        as the speed grows.
+    """
+    undamped = replace(modes, damping_ratio=np.zeros(modes.entries))
+    mu = np.asarray(np.linalg.eigvals(whirl_matrix(undamped, speed, kappa, with_pi=with_pi)))
+    nu = mu[..., None] + np.multiply.outer(speed, modes.frame_rate)[:, None, :]
+    with np.errstate(divide="ignore"):  # a wave that stays alone has an infinite share: its sign
+        shares = nu.real * np.abs(modes.amplitude / (modes.frequency**2 - nu**2)) ** 2
+    growing = mu.imag != 0.0  # counted with its conjugate as one positive and one negative wave
+    positive = np.where(growing, mu.imag > 0.0, shares.sum(axis=-1) > 0.0)
+    opposite = positive[:, :, None] & ~positive[:, None, :]
+    above, below = mu.real[:, None, :], mu.real[:, :, None]
+    ended = np.sum(opposite & (below < above), axis=(1, 2))
+    return ended + np.sum(growing & positive, axis=-1), ended
+
+
+def _intervals(
+    modes: CouplingModes, kappas: FloatArray, low: float, high: float, with_pi: bool
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Rows of kappas and the lower and upper speeds of the zones of one nodal diameter."""
+    if np.all(modes.paired):
+        ladder = _ladder(modes, kappas, low, high, with_pi)
+        if not np.any(modes.damping_ratio):
+            return ladder
+    else:
+        ladder = (np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
+    row, lower, upper = ladder
+    inside = np.linspace(lower, upper, INSIDE + 2)
+
+    def unstable(speed: FloatArray, kappa: float) -> BoolArray:
+        return is_unstable(growth_rate(modes, speed=speed, kappa=kappa, with_pi=with_pi), speed)
+
+    rows, starts, ends = [], [], []
+    for i, kappa in enumerate(kappas):
+        speeds = np.unique(np.append(np.linspace(low, high, SAMPLES), inside[:, row == i]))
+        there = unstable(speeds, kappa)
+        changes = np.flatnonzero(there[1:] != there[:-1])
+        before = there[changes]
+
+        def changed(
+            speed: FloatArray, before: BoolArray = before, kappa: float = kappa
+        ) -> BoolArray:
+            return np.asarray(unstable(speed, kappa) != before)
+
+        border = _bisect(changed, speeds[changes], speeds[changes + 1])
+        starts.append(np.append(speeds[:1][there[:1]], border[~before]))
+        ends.append(np.append(border[before], speeds[-1:][there[-1:]]))
+        rows.append(np.full(len(starts[-1]), i))
+    return np.concatenate(rows), np.concatenate(starts), np.concatenate(ends)
+
+
+def _ladder(
+    modes: CouplingModes, kappas: FloatArray, low: float, high: float, with_pi: bool
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Zones without damping, from the count of exchanges."""
+    ended = exchanges(modes, np.full(len(kappas), low), kappas, with_pi=with_pi)[1]
+    begun = exchanges(modes, np.full(len(kappas), high), kappas, with_pi=with_pi)[0]
+    row = np.repeat(np.arange(len(kappas)), np.maximum(begun - ended, 0))
+    rung = np.concatenate(
+        [np.zeros(0), *(np.arange(a, b) for a, b in zip(ended, begun, strict=True))]
+    )
+
+    def counts(speed: FloatArray) -> tuple[IntArray, IntArray]:
+        return exchanges(modes, speed, kappas[row], with_pi=with_pi)
+
+    ends = np.full(len(row), low), np.full(len(row), high)
+    lower = _bisect(lambda speed: counts(speed)[0] > rung, *ends)
+    upper = _bisect(lambda speed: counts(speed)[1] > rung, *ends)
+    # Zones that overlap make one interval.
+    apart = (row[1:] != row[:-1]) | (lower[1:] > upper[:-1])
+    return (
+        row[np.append(row[:1] >= 0, apart)],
+        lower[np.append(row[:1] >= 0, apart)],
+        upper[np.append(apart, row[:1] >= 0)],
+    )
+
+
+def _bisect(
+    past: Callable[[FloatArray], BoolArray], low: FloatArray, high: FloatArray
+) -> FloatArray:
+    """Speeds at which `past` turns true, between low and high, (n,)."""
+    for _ in range(BISECTIONS if low.size else 0):
+        middle = 0.5 * (low + high)
+        beyond = past(middle)
+        low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+    return 0.5 * (low + high)
+
+
+def _growing_mode(
+    modes: CouplingModes, speed: FloatArray, kappa: FloatArray, with_pi: bool
+) -> tuple[FloatArray, FloatArray]:
+    """Growth rate (n,) and squared size of each entry in the growing mode (n, entries)."""
+    states = state_matrix(modes, speed=speed, kappa=kappa, with_pi=with_pi)
+    values, vectors = np.linalg.eig(states)
+    growing = np.argmax(values.real, axis=-1)
+    shape = np.take_along_axis(vectors, growing[:, None, None], axis=-1)[:, : modes.size, 0]
+    size = np.zeros((len(speed), modes.entries))
+    np.add.at(size.T, modes.entry, np.abs(shape.T) ** 2)
+    return values.real.max(axis=-1), size
+
+
+def _join(zones: list[UnstableZones]) -> UnstableZones:
+    """Put rows together; none gives empty arrays."""
+    none = np.zeros(0)
+    numbers = np.zeros(0, dtype=np.int64)
+    return UnstableZones(
+        kappa=np.concatenate([none, *(z.kappa for z in zones)]),
+        lower=np.concatenate([none, *(z.lower for z in zones)]),
+        upper=np.concatenate([none, *(z.upper for z in zones)]),
+        growth=np.concatenate([none, *(z.growth for z in zones)]),
+        casing=np.concatenate([numbers, *(z.casing for z in zones)]),
+        rotor=np.concatenate([numbers, *(z.rotor for z in zones)]),
+    )

@@ -1,0 +1,69 @@
+"""`bladewhirl campbell`: at which speeds waves on rotor and casing coincide."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def campbell(
+    case: Annotated[Path, typer.Argument(help="Case file.", show_default=False)],
+    speeds: Annotated[
+        str, typer.Option(metavar="START:STOP", help="Speeds of the diagrams, times ω₁.")
+    ] = "0:3",
+    operating: Annotated[
+        str, typer.Option(metavar="START:STOP", help="Operating range to shade, times ω₁.")
+    ] = "0.6:2",
+    families: Annotated[
+        int, typer.Option(help="Families of the bladed disk, the suspension pair apart.")
+    ] = 5,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Folder to make; CASE-campbell by default."),
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Write into a folder that exists.")
+    ] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    overrides: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change the case: casing.support=2e3."),
+    ] = None,
+) -> None:
+    """Find coincidence speeds and draw Campbell diagrams, in the rotating and the static frame.
+
+    Where k Ω = ω_casing + ω_rotor, Eq. (14), a wave that travels forward on the casing keeps pace
+    with one that travels backward on the rotor, and contact feeds both. The table has the speeds
+    inside --speeds; JSON has those of every nodal diameter and family. With --json and no -o
+    nothing is written.
+    """
+    from bladewhirl.models.inputs.errors import UserError
+    from bladewhirl.studies.commands.ranges import parse_interval
+    from bladewhirl.studies.modal.campbell import (
+        coincidence_list,
+        draw_campbell,
+        find_coincidences,
+        print_coincidences,
+    )
+    from bladewhirl.studies.modal.case_modes import modes_of_case
+    from bladewhirl.studies.runs.figures_folder import check_figure_folder
+
+    shown = parse_interval("--speeds", speeds)
+    operated = parse_interval("--operating", operating)
+    if families < 1:
+        raise UserError(f"--families {families}: expected a whole number of one or more")
+    folder = output if output is not None or json else Path(f"{case.stem}-campbell")
+    check_figure_folder(folder, overwrite=overwrite)
+    stage = modes_of_case(case, overrides)
+    found = find_coincidences(stage, families=families, speeds=shown, operating=operated)
+    if folder is not None:
+        draw_campbell(found, folder)
+    if json:
+        import json as json_text
+
+        typer.echo(json_text.dumps(coincidence_list(found), indent=2, allow_nan=False))
+        return
+    print_coincidences(found)
+    typer.echo(f"Wrote {folder}.")

@@ -1,0 +1,114 @@
+"""The command line: registers the commands, and turns faults of the user's into one line each.
+
+A command is a plain function in a module of its own, named after it. At import such a module may
+load the standard library and typer only; what the command needs is imported when it runs, so that
+``bladewhirl --help`` answers at once.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from importlib import metadata
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from bladewhirl.studies.commands.campbell import campbell
+from bladewhirl.studies.commands.convergence import convergence
+from bladewhirl.studies.commands.export import export
+from bladewhirl.studies.commands.mesh import mesh
+from bladewhirl.studies.commands.modes import modes
+from bladewhirl.studies.commands.new import new
+from bladewhirl.studies.commands.plot import plot
+from bladewhirl.studies.commands.render import render
+from bladewhirl.studies.commands.report import report
+from bladewhirl.studies.commands.reproduce import reproduce
+from bladewhirl.studies.commands.run import run
+from bladewhirl.studies.commands.search import search
+from bladewhirl.studies.commands.show import show
+from bladewhirl.studies.commands.stability import stability
+from bladewhirl.studies.commands.sweep import sweep
+from bladewhirl.studies.commands.veering import veering
+
+USER_ERROR = 2
+"""Exit code when the user can put it right; click uses the same for wrong options."""
+
+
+class UserErrorGroup(TyperGroup):
+    """Commands whose `UserError`s end in their lines on standard error, with no traceback."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command."""
+        try:
+            return super().invoke(ctx)
+        except Exception as error:
+            # Looked up, not imported: where it is not loaded nothing can have raised it.
+            faults = sys.modules.get("bladewhirl.models.inputs.errors")
+            if faults is None or not isinstance(error, faults.UserError):
+                raise
+            for line in error.lines:
+                typer.echo(line, err=True)
+            raise typer.Exit(USER_ERROR) from None
+
+
+app = typer.Typer(
+    name="bladewhirl",
+    cls=UserErrorGroup,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _reflowed(text: str) -> str:
+    """A docstring whose paragraphs are one line each, for the terminal to break where it ends."""
+    return "\n\n".join(" ".join(part.split()) for part in text.split("\n\n"))
+
+
+for command in (
+    campbell,
+    convergence,
+    export,
+    mesh,
+    modes,
+    new,
+    plot,
+    render,
+    report,
+    reproduce,
+    run,
+    search,
+    show,
+    stability,
+    sweep,
+    veering,
+):
+    app.command(help=_reflowed(command.__doc__ or ""))(command)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"bladewhirl {metadata.version('bladewhirl')}")
+        raise typer.Exit
+
+
+@app.callback()
+def bladewhirl(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version and leave."
+        ),
+    ] = False,
+) -> None:
+    """Whirl of bladed disks in contact with flexible casings."""
+
+
+def main() -> None:
+    """Entry point of the command ``bladewhirl``."""
+    # Matrices of one sector are small: on a busy machine threads make their products wait for
+    # each other, twenty times as long as one thread needs. NumPy, not loaded yet, heeds this.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    app()

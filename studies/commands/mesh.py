@@ -1,0 +1,97 @@
+"""`bladewhirl mesh`: what is in a mesh, and meshes written in other formats."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from bladewhirl.meshes.files.groups import GroupedLines
+
+
+def mesh(
+    source: Annotated[
+        Path, typer.Argument(help="Case file, or a mesh file: .msh of Gmsh, .vtu, .inp of Abaqus.")
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", help="Write it: .vtu, .msh or .inp."),
+    ] = None,
+    overrides: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change the case, march.speed=1.2."),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")] = False,
+) -> None:
+    r"""List the groups of a mesh, and write it in a format of choice.
+
+    Of a case that is the undeformed bladed disk, in metres, with its sets as groups and its
+    sections, materials, masses, springs and links as data: \[bladed_disk.mesh] reads it back. A
+    mesh file is written as it is, in its own units.
+    """
+    from rich.console import Console
+
+    from bladewhirl.meshes.files.groups import MeshFileError
+    from bladewhirl.meshes.files.registry import left_out, write_line_mesh
+    from bladewhirl.models.inputs.errors import UserError
+
+    lines = _content(source, overrides or [])
+    Console().print(*_listing(lines), sep="\n")
+    if output is None:
+        return
+    if output.exists() and not force:
+        raise UserError(f"{output}: already exists; --force overwrites it")
+    try:
+        write_line_mesh(output, lines)
+    except MeshFileError as error:
+        raise UserError(f"{output}: expected {error}") from None
+    except (OSError, ValueError) as error:  # ValueError: a null in the path
+        raise UserError(f"{output}: cannot be written ({error})") from None
+    missing = left_out(output, lines)
+    if missing:
+        typer.echo(f"{output} does not hold {', '.join(missing)}; .vtu and .msh do.", err=True)
+    typer.echo(f"Wrote {output}.")
+
+
+def _content(source: Path, overrides: list[str]) -> GroupedLines:
+    """Lines of a case or a mesh file."""
+    from bladewhirl.meshes.files.groups import MeshFileError
+    from bladewhirl.meshes.files.registry import READERS, read_line_mesh
+    from bladewhirl.models.case.file import faults_from, read_case
+    from bladewhirl.models.elements.build import case_beam_model
+    from bladewhirl.models.geometry.mesh_data import grouped_lines
+    from bladewhirl.models.inputs.errors import UserError
+
+    if source.suffix.lower() not in READERS:
+        with faults_from(source, overrides):
+            model = case_beam_model(read_case(source, overrides))
+        return grouped_lines(model)
+    if overrides:
+        raise UserError(f"--set {overrides[0]}: expected a case file to change, not {source}")
+    try:
+        return read_line_mesh(source)
+    except MeshFileError as error:
+        raise UserError(f"{source}: expected {error}") from None
+
+
+def _listing(lines: GroupedLines) -> tuple[object, ...]:
+    """Size and groups of a mesh, to print."""
+    from rich.table import Table
+
+    low, high = lines.points.min(axis=0), lines.points.max(axis=0)
+    size = (
+        f"{len(lines.points)} nodes, {len(lines.lines)} lines,"
+        f" x {low[0]:.6g} to {high[0]:.6g}, y {low[1]:.6g} to {high[1]:.6g}"
+    )
+    table = Table(box=None, pad_edge=False)
+    table.add_column("group", style="cyan")
+    table.add_column("of")
+    table.add_column("members", justify="right")
+    for kind, groups in (("nodes", lines.node_groups), ("lines", lines.line_groups)):
+        for name, members in groups.items():
+            table.add_row(name, kind, str(len(members)))
+    data = [f"{name} (nodes)" for name in lines.node_data]
+    data += [f"{name} (lines)" for name in lines.line_data]
+    return (size, table, *([f"data: {', '.join(data)}"] if data else []))

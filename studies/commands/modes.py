@@ -1,0 +1,78 @@
+"""`bladewhirl modes`: natural frequencies by nodal diameter and family, and how modes look."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def modes(
+    case: Annotated[Path, typer.Argument(help="Case file.", show_default=False)],
+    count: Annotated[int, typer.Option(help="How many of the lowest modes of each body.")] = 60,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder to make for pictures and films.")
+    ] = None,
+    shapes: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAMES",
+            help='Modes to picture: "1F:0,1F:1,suspension,casing:1F:2"; without ":k", of all nodal'
+            " diameters. The lowest by default.",
+        ),
+    ] = None,
+    animate: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAMES", help="Modes to film. By default 1F:1, and suspension if there is one."
+        ),
+    ] = None,
+    wave: Annotated[
+        str | None,
+        typer.Option(
+            help="What films show: standing, forward or backward. By default the wave that"
+            " contact feeds: backward on the bladed disk, forward on the casing."
+        ),
+    ] = None,
+    films: Annotated[bool, typer.Option(help="Films, as GIF and VTK series.")] = True,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Write into a folder that exists.")
+    ] = False,
+    overrides: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change the case: shaft.stiffness=1e7."),
+    ] = None,
+) -> None:
+    """List natural frequencies of the full bladed disk, centre free and clamped, and casing.
+
+    Normalised frequencies are multiples of the lowest one with a free centre, ω₁. Purity is the
+    share of a mode that its nodal diameter holds: 1 where blades are alike. With -o: mode shapes,
+    contact scenarios of the first k = 1 mode, and films. With --json and no -o nothing is written.
+    """
+    from bladewhirl.models.inputs.errors import UserError
+    from bladewhirl.studies.modal.case_modes import modes_of_case
+    from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
+    from bladewhirl.studies.modal.mode_tables import mode_lists, print_modes
+    from bladewhirl.studies.runs.figures_folder import check_figure_folder
+
+    if count < 1:
+        raise UserError(f"--count {count}: expected a whole number of one or more")
+    given = {"--shapes": shapes, "--animate": animate, "--wave": wave}
+    unused = [name for name, value in given.items() if value is not None]
+    if output is None and unused:
+        raise UserError(f"{unused[0]}: for pictures; expected a folder for them, -o DIR")
+    check_figure_folder(output, overwrite=overwrite)
+    stage = modes_of_case(case, overrides)
+    if output is not None:
+        plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
+    if json:
+        import json as json_text
+
+        typer.echo(json_text.dumps(mode_lists(stage, count), indent=2, allow_nan=False))
+    else:
+        print_modes(stage, count)
+    if output is not None:
+        draw_modes(stage, plan, output)
+        typer.echo(f"Wrote {output}.", err=json)

@@ -1,0 +1,31 @@
+"""`bladewhirl report`: a run or a sweep as one HTML file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+REPORT_NAME = "report.html"
+"""File of a report in the folder that it is about."""
+
+
+def report(
+    directory: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder of a run or a sweep, finished or not.")
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", help="File; DIR/report.html if none."),
+    ] = None,
+) -> None:
+    """Write a report as one HTML file that any browser shows without a network.
+
+    It holds the regime and why, the figures of `bladewhirl plot` with words, maps to point at, the
+    numbers, the resolved case and what made it. An older report is replaced.
+    """
+    from bladewhirl.studies.runs.reports import write_report
+
+    written = write_report(directory, output)
+    typer.echo(f"Wrote {written}.")

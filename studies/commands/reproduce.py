@@ -1,0 +1,142 @@
+"""`bladewhirl reproduce`: judge the claims of the source paper."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from bladewhirl.studies.commands.run import EXIT_INTERRUPTED
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from bladewhirl.studies.paper.judge import Told
+
+FOLDER = Path("reproduction")
+"""Where results go if no folder is named."""
+
+
+def reproduce(
+    claims: Annotated[
+        list[int] | None,
+        typer.Argument(metavar="CLAIM", help="Numbers of claims; all if none.", show_default=False),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Marches of 2.5 s, coarse sweeps, no repeats.")
+    ] = False,
+    speed_step: Annotated[
+        float | None,
+        typer.Option(
+            "--speed-step",
+            help="Step of all sweeps over speed; the paper's maps have 0.005. Their own is 0.01"
+            " under distortion, 0.025 under imbalance, 0.35 for six modes under imbalance.",
+        ),
+    ] = None,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder of marches and scorecard.")
+    ] = FOLDER,
+    overrides: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="KEY=VALUE", help="Change all cases alike: casing.wall.thickness=8e-3."
+        ),
+    ] = None,
+    repeats: Annotated[
+        int | None,
+        typer.Option(help="How often marches are repeated with a force changed by 1e-7.", min=1),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(help="Local processes; one a core if none.", min=1)
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="An existing dask scheduler, tcp://host:8786."),
+    ] = None,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print the scorecard as one JSON document.")
+    ] = False,
+) -> None:
+    """Judge what the source paper claims, from marches and sweeps made here.
+
+    Each claim is compared with the paper by thresholds in the code: it holds, holds partly, does
+    not hold, or can't be tested. Claims 1 to 15 are judged by the stage for modal work, the others
+    by the two contact cases. DIR keeps all marches: what is there is used again, so an interrupted
+    reproduction goes on where it was.
+    """
+    from rich.console import Console
+
+    from bladewhirl.models.case.file import override_values
+    from bladewhirl.models.inputs.errors import UserError
+    from bladewhirl.studies.paper.judge import (
+        REPEATS,
+        Plan,
+        chosen_claims,
+        reproduce_claims,
+        write_scorecard,
+    )
+    from bladewhirl.studies.paper.scorecard import scorecard_table
+
+    if scheduler is not None and workers is not None:
+        raise UserError("--scheduler, --workers: expected one of them; a scheduler has its workers")
+    changes = override_values(overrides or [])
+    plan = Plan(
+        claims=chosen_claims(claims or []),
+        changes=changes,
+        modal_changes=changes,
+        quick=quick,
+        repeats=repeats or (1 if quick else REPEATS),
+        speed_step=speed_step,
+    )
+    with _progress(Console(stderr=True)) as told, _interruptible(output):
+        card, lab = reproduce_claims(plan, output, workers=workers, scheduler=scheduler, told=told)
+    with lab:
+        written = write_scorecard(card, lab, output)
+    if json:
+        typer.echo(card.to_json(), nl=False)
+    else:
+        Console().print(scorecard_table(card))
+        typer.echo(f"Wrote {' and '.join(map(str, written))}.")
+
+
+@contextmanager
+def _interruptible(output: Path) -> Iterator[None]:
+    """Say after Ctrl-C how to go on."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        typer.echo(f"interrupted; the same command goes on with what is in {output}", err=True)
+        raise typer.Exit(EXIT_INTERRUPTED) from None
+
+
+@contextmanager
+def _progress(console: Console) -> Iterator[Told]:
+    """Marches and points of sweeps done and the time left, on a terminal."""
+    from rich import progress as bars
+
+    from bladewhirl.studies.paper.judge import Told
+    from bladewhirl.studies.sweeps.sweep import Watch
+
+    with bars.Progress(
+        bars.TextColumn("{task.description}"),
+        bars.BarColumn(),
+        bars.MofNCompleteColumn(),
+        bars.TimeRemainingColumn(),
+        bars.TextColumn("left"),
+        console=console,
+        transient=True,
+        disable=not console.is_terminal,
+    ) as bar:
+        marches = bar.add_task("marches", total=None)
+        sweep = bar.add_task("sweep over speed", total=None)
+        yield Told(
+            marches=lambda done, total: bar.update(marches, completed=done, total=total),
+            sweep=Watch(
+                progress=lambda done, failed, points: bar.update(
+                    sweep, completed=done + failed, total=points
+                )
+            ),
+        )

@@ -1,0 +1,193 @@
+"""`bladewhirl show`: a case in full, and what follows from it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rich.table import Table
+
+    from bladewhirl.models.stage.stage import Stage
+    from bladewhirl.studies.runs.derived import Derived, Mode, Rate
+
+
+NO_DIAMETER = 10**9
+"""Sorts what has no nodal diameter last."""
+
+
+def show(
+    case: Annotated[Path, typer.Argument(help="Case file.")],
+    overrides: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change the case, march.speed=1.2."),
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    png: Annotated[
+        bool, typer.Option("--png", help="Draw the stage: parts, sets, springs, supports.")
+    ] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="File of the drawing; the case's name.png if none."),
+    ] = None,
+) -> None:
+    """Print a case with every key, and the figures that follow from it.
+
+    These are masses, lowest frequencies, the speed in rpm, the critical time step, the load of an
+    imbalance, what the reduction kept and how well, and the size of a run.
+    """
+    import json as json_text
+    from dataclasses import asdict
+
+    from rich.console import Console
+
+    from bladewhirl.models.case.file import dumps_case, faults_from, read_case
+    from bladewhirl.models.inputs.errors import CaseError, UserError
+    from bladewhirl.models.stage.build import time_step_faults
+    from bladewhirl.models.stage.hints import stage_hints
+    from bladewhirl.models.stage.stage import build_stage
+    from bladewhirl.studies.runs.derived import derive
+
+    if output is not None and not png:
+        raise UserError("--output: not without --png, which draws")
+    values = overrides or []
+    checked = read_case(case, values)
+    with faults_from(case, values):
+        stage = build_stage(checked)
+        faults = list(time_step_faults(stage))
+        if faults:
+            raise CaseError(faults)
+        derived = derive(stage)
+    for hint in stage_hints(stage):
+        typer.echo(f"Hint: {hint}.", err=True)
+    if png:
+        _draw(stage, output or Path(f"{case.stem}.png"))
+    if json:
+        tables = checked.model_dump(mode="json", exclude_none=True)
+        document = {"case": tables, "derived": asdict(derived)}
+        typer.echo(json_text.dumps(document, indent=2, allow_nan=False, ensure_ascii=False))
+        return
+    console = Console()
+    typer.echo(dumps_case(checked))
+    console.print(_figures(derived), _frequencies(derived), sep="\n")
+
+
+def _draw(stage: Stage, target: Path) -> None:
+    """Draw the stage and say so, beside what is printed."""
+    from bladewhirl.models.inputs.errors import UserError
+    from bladewhirl.postprocess.pictures.stage_picture import draw_stage, stage_at_rest
+
+    at_rest = stage_at_rest(
+        stage.arrays,
+        title=stage.case.title,
+        tip_radius=stage.rotor.tip_radius,
+        casing_radius=stage.reduced_casing.radius,
+        clamped=stage.case.shaft.clamped,
+    )
+    try:
+        draw_stage(at_rest, target, node_sets=stage.disk.mesh.node_sets)
+    except OSError as error:
+        raise UserError(f"{target}: cannot be written ({error.strerror})") from None
+    typer.echo(f"Wrote {target}.", err=True)
+
+
+def _figures(derived: Derived) -> Table:
+    from rich.table import Table
+
+    table = Table(show_header=False, box=None, pad_edge=False)
+    table.add_column(style="cyan", no_wrap=True)
+    table.add_column(overflow="fold")
+    for name, text in _rows(derived):
+        table.add_row(name, text)
+    return table
+
+
+def _rows(derived: Derived) -> Iterator[tuple[str, str]]:
+    from bladewhirl.studies.runs.derived import MARCHES
+
+    reduction = derived.reduction
+    yield "bladed disk", f"{derived.bladed_disk_mass:.5g} kg"
+    yield "casing", f"{derived.casing_mass:.5g} kg"
+    yield "reference frequency", _text(derived.reference_frequency)
+    yield "speed", _text(derived.speed)
+    if derived.suspension is not None:
+        yield "suspension modes", _text(derived.suspension)
+    if derived.imbalance is not None:
+        load = derived.imbalance
+        yield "imbalance", f"{load.unbalance:.4g} kg m, {load.force:.5g} N at this speed"
+    if derived.distortion is not None:
+        answer = 1e3 * derived.distortion.static_displacement
+        yield "casing mode loaded", _text(derived.distortion.frequency)
+        yield "its static answer", f"{answer:.4g} mm"
+    sets = ", ".join(f"{size} {name}" for name, size in reduction.boundary.items())
+    yield (
+        "reduced model",
+        f"{reduction.modes} modes: {sets}, {reduction.fixed_interface_modes} fixed-interface"
+        f" of {reduction.internal}",
+    )
+    yield (
+        "its frequency errors",
+        ", ".join(f"{name} {100 * error:.2g} %" for name, error in _families(derived)),
+    )
+    for body, found in derived.symmetry.items():
+        yield f"symmetry, {body.replace('_', ' ')}", found
+    for body, cyclic in derived.cyclic.items():
+        count = reduction.marched[body]
+        yield f"march, {body.replace('_', ' ')}", f"{count} modes, {MARCHES[cyclic]}"
+    yield (
+        "critical time step",
+        f"{derived.critical_time_step:.4g} s, time step / critical {derived.dt_over_critical:.3g}",
+    )
+    yield "steps", f"{derived.steps}, {derived.records} records"
+    yield "result.nc", f"about {derived.result_bytes / 1e6:.3g} MB"
+
+
+def _families(derived: Derived) -> list[tuple[str, float]]:
+    """Errors of the suspension pair and the first five families."""
+    errors = derived.reduction.frequency_error
+    shown = ("suspension", *(f"{rank}F" for rank in range(1, 6)))
+    return [(name, errors[name]) for name in shown if name in errors]
+
+
+def _frequencies(derived: Derived) -> Table:
+    """Lowest frequencies by nodal diameter, side by side."""
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, title="lowest frequencies", title_justify="left")
+    table.add_column("k", justify="right", style="cyan")
+    for body in ("bladed disk", "casing"):
+        table.add_column(f"{body} [Hz]", justify="right")
+        table.add_column("normalised", justify="right")
+    columns = (_by_diameter(derived.bladed_disk), _by_diameter(derived.casing))
+    for key in sorted({*columns[0], *columns[1]}):
+        found = [column.get(key) for column in columns]
+        table.add_row(
+            str(key[0]) if key[0] < NO_DIAMETER else "–",
+            *(
+                text
+                for rate in found
+                for text in ((f"{rate.hz:.6g}", f"{rate.normalised:.5g}") if rate else ("", ""))
+            ),
+        )
+    return table
+
+
+def _by_diameter(modes: tuple[Mode, ...]) -> dict[tuple[int, int], Rate]:
+    """Frequencies by nodal diameter and rank; those without one come last."""
+    found: dict[tuple[int, int], Rate] = {}
+    for mode in modes:
+        key = mode.nodal_diameter if mode.nodal_diameter >= 0 else NO_DIAMETER
+        rank = sum(diameter == key for diameter, _ in found)
+        found[key, rank] = mode.frequency
+    return found
+
+
+def _text(rate: Rate) -> str:
+    return (
+        f"{rate.normalised:.5g} × reference = {rate.hz:.5g} Hz = {rate.rpm:.5g} rpm"
+        f" = {rate.rad_per_s:.5g} rad/s"
+    )

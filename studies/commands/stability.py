@@ -1,0 +1,138 @@
+"""`bladewhirl stability`: at which speeds and coupling stiffnesses the stage is unstable."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+
+def stability(
+    case: Annotated[Path, typer.Argument(help="Case file.", show_default=False)],
+    speed: Annotated[
+        str | None,
+        typer.Option(help='One speed: multiples of ω₁, or text such as "2500 rpm".'),
+    ] = None,
+    kappa: Annotated[
+        float | None, typer.Option(help="One coupling stiffness [N/m]; with --speed.")
+    ] = None,
+    speeds: Annotated[
+        str, typer.Option(metavar="START:STOP:COUNT", help="Speeds of the chart, times ω₁.")
+    ] = "0.6:3:600",
+    kappas: Annotated[
+        str, typer.Option(metavar="START:STOP:COUNT", help="Stiffnesses of the chart [N/m].")
+    ] = "0:1000:300",
+    line: Annotated[
+        float, typer.Option(help="Stiffness [N/m] along which eigenvalues are drawn.")
+    ] = 500.0,
+    modes: Annotated[
+        str,
+        typer.Option(
+            help='Which modes are coupled: "six" as in the paper, "all", or a list such as'
+            ' "casing:1,1F:1,2F:1,suspension"; without ":k", of all nodal diameters.'
+        ),
+    ] = "six",
+    damped: Annotated[bool, typer.Option("--damped", help="With the case's damping.")] = False,
+    no_pi: Annotated[
+        bool, typer.Option("--no-pi", help="Without the factor π of Eq. (8), as in Eq. (9).")
+    ] = False,
+    physical: Annotated[
+        bool, typer.Option("--physical", help="With the modes' own amplitudes, not one for all.")
+    ] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", help="Folder to make; for a chart CASE-stability by default."
+        ),
+    ] = None,
+    films: Annotated[
+        bool, typer.Option(help="Also the divergent mode as VTK series and GIF.")
+    ] = True,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Write into a folder that exists.")
+    ] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    overrides: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change the case: casing.support=2e3."),
+    ] = None,
+) -> None:
+    """Chart growth rates over speed and coupling stiffness, or look at one point.
+
+    Frame and bearings couple bladed disk and casing by springs of stiffness κ. A chart shows the
+    unstable zones, their borders found by root finding, the eigenvalues along --line and, for
+    other modes than the six of the paper, what those six hide. One point (--speed and --kappa)
+    gives growth rate and eigenvalues and, with -o, the divergent mode in time. With --json and no
+    -o nothing is written. Where blades differ, growth rates are found by dense matrices: this
+    takes --physical, "six" is 1F,suspension,casing:1 with all modes of these families, and a chart
+    has no borders of zones. Uneven casings, unequal bearings and, with --damped, dampers are
+    looked at one point at a time, by the monodromy matrix of a turn.
+    """
+    from bladewhirl.models.inputs.errors import UserError
+    from bladewhirl.studies.commands.ranges import not_negative, parse_range
+    from bladewhirl.studies.modal.case_modes import modes_of_case
+    from bladewhirl.studies.modal.coupled_system import couple_modes
+    from bladewhirl.studies.modal.stability_dense import (
+        couple_densely,
+        has_symmetry,
+        make_dense_chart,
+        report_point,
+    )
+    from bladewhirl.studies.modal.stability_periodic import (
+        look_at_uneven_point,
+        refuse_chart,
+        stands_still,
+    )
+    from bladewhirl.studies.modal.stability_point import given_speed
+    from bladewhirl.studies.runs.figures_folder import check_figure_folder
+
+    if (speed is None) != (kappa is None):
+        raise UserError("--speed, --kappa: expected both, for one point, or neither, for a chart")
+    speed_range = parse_range("--speeds", speeds)
+    kappa_range = parse_range("--kappas", kappas)
+    not_negative("--line", line)
+    not_negative("--kappa", kappa or 0.0)
+    folder = output
+    if output is None and speed is None and not json:
+        folder = Path(f"{case.stem}-stability")
+    check_figure_folder(folder, overwrite=overwrite)
+    modal = modes_of_case(case, overrides)
+    choice: dict[str, Any] = {"chosen": modes, "damped": damped, "physical": physical}
+    choice["with_pi"] = not no_pi
+    if speed is None or kappa is None:
+        refuse_chart(modal, damped=damped)
+    elif not stands_still(modal, damped=damped):
+        if folder is not None:
+            raise UserError(
+                f"--output {folder}: the divergent mode is drawn where a frame holds the stage"
+                " still: even casing, equal bearings, no dampers"
+            )
+        look_at_uneven_point(modal, speed=speed, kappa=kappa, as_json=json, **choice)
+        return
+    if not has_symmetry(modal):
+        dense = couple_densely(modal, **choice)
+        if speed is not None and kappa is not None:
+            if folder is not None:
+                raise UserError(
+                    f"--output {folder}: the divergent mode is drawn for stages with cyclic"
+                    " symmetry; this bladed disk has none"
+                )
+            omega = given_speed(speed).rad_per_s(dense.reference)
+            report_point(dense, omega=omega, kappa=kappa, as_json=json)
+        else:
+            make_dense_chart(
+                dense, speeds=speed_range, kappas=kappa_range, folder=folder, as_json=json
+            )
+        return
+    system = couple_modes(modal, **choice)
+    if speed is not None and kappa is not None:
+        from bladewhirl.studies.modal.stability_point import look_at_point
+
+        look_at_point(system, speed=speed, kappa=kappa, folder=folder, films=films, as_json=json)
+    else:
+        from bladewhirl.studies.modal.stability_chart import make_chart
+
+        make_chart(
+            system, speeds=speed_range, kappas=kappa_range, line=line, folder=folder, as_json=json
+        )

@@ -1,0 +1,235 @@
+"""`bladewhirl sweep`: march a case at many points, on all cores or a cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from bladewhirl.studies.commands.run import EXIT_INTERRUPTED
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from bladewhirl.studies.sweeps.plan import Plan
+    from bladewhirl.studies.sweeps.sweep import Sweep, Watch
+
+ALL_FAILED = 1
+"""Exit code of a sweep without a single point done."""
+
+SHOWN_FAILURES = 10
+"""Failed points that are listed on screen; failures.json lists all."""
+
+
+def sweep(
+    case: Annotated[
+        Path | None, typer.Argument(help="Case file; none with --resume.", show_default=False)
+    ] = None,
+    over: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--over",
+            metavar="KEY=VALUES",
+            help="A number of the case and what it runs over: march.speed=0.95:2:0.005"
+            " (start:stop:step, the stop included) or contact.friction=0.05,0.1; units as in the"
+            ' case file, "casing.clearance=0.5 mm,1 mm". Several: all combinations.',
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Folder to make.")
+    ] = None,
+    overrides: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change the case, march.duration=1."),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="An existing dask scheduler, tcp://host:8786."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(help="Local processes; one a core if none.", min=1)
+    ] = None,
+    histories: Annotated[
+        bool, typer.Option("--histories", help="Keep the full history of every point.")
+    ] = False,
+    resume: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Finish the sweep in this folder.")
+    ] = None,
+    yes: Annotated[
+        bool, typer.Option("--yes", help="Run more than 100,000 points, or 1e9 steps of one.")
+    ] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+) -> None:
+    """March a case at every point of a range, or of several.
+
+    DIR gets sweep.nc (netCDF, opens with xarray): spectra, energies, regimes and thinned
+    histories of every point over the swept keys; and figures, of which `bladewhirl plot DIR` draws
+    more: whirl, contacts, energies, bifurcations, maps over two keys. Points that fail are listed
+    in failures.json. A sweep that is interrupted or killed is finished by --resume DIR, with the
+    same bits.
+    """
+    from rich.console import Console
+
+    from bladewhirl.models.case.file import read_case
+    from bladewhirl.models.inputs.errors import UserError
+    from bladewhirl.studies.sweeps.axes import parse_over
+    from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
+
+    if scheduler is not None and workers is not None:
+        raise UserError("--scheduler, --workers: expected one of them; a scheduler has its workers")
+    with _progress_bar(Console(stderr=True)) as watch, _interruptible(resume or output):
+        if resume is not None:
+            _refuse_with_resume(resume, case, over, output, overrides, histories)
+            done = resume_sweep(resume, scheduler=scheduler, workers=workers, watch=watch)
+        elif case is None or not over or output is None:
+            raise UserError("sweep: expected CASE, --over KEY=VALUES and -o DIR, or --resume DIR")
+        else:
+            values = parse_over(over)
+            _refuse_both(values, overrides or [])
+            done = run_sweep(
+                read_case(case, overrides or []),
+                values,
+                output,
+                scheduler=scheduler,
+                workers=workers,
+                histories=histories,
+                large=yes,
+                watch=watch,
+            )
+    _report(done, as_json=json)
+    if not done.done:
+        raise typer.Exit(ALL_FAILED)
+
+
+def _refuse_both(over: Iterable[str], overrides: Iterable[str]) -> None:
+    """See that no key is both swept and set.
+
+    Raises:
+        UserError: naming both options and the key.
+    """
+    from bladewhirl.models.inputs.errors import UserError
+
+    swept = set(over)
+    for override in overrides:
+        key = override.partition("=")[0].strip()
+        if key in swept:
+            raise UserError(
+                f"--over {key}, --set {override}: expected one of them; --over gives {key} its"
+                " value at every point"
+            )
+
+
+def _refuse_with_resume(
+    resume: Path,
+    case: Path | None,
+    over: list[str] | None,
+    output: Path | None,
+    overrides: list[str] | None,
+    histories: bool,
+) -> None:
+    """See that nothing is said anew of a sweep that has been begun.
+
+    Raises:
+        UserError: naming what is.
+    """
+    from bladewhirl.models.inputs.errors import UserError
+
+    options = {
+        "CASE": case,
+        "--over": over,
+        "--output": output,
+        "--set": overrides,
+        "--histories": histories,
+    }
+    given = ", ".join(name for name, value in options.items() if value)
+    if given:
+        raise UserError(f"--resume {resume}: expected no {given}; the folder knows its sweep")
+
+
+@contextmanager
+def _interruptible(folder: Path | None) -> Iterator[None]:
+    """Say after Ctrl-C how to go on."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        typer.echo(f"interrupted; bladewhirl sweep --resume {folder} finishes it", err=True)
+        raise typer.Exit(EXIT_INTERRUPTED) from None
+
+
+def _report(done: Sweep, *, as_json: bool) -> None:
+    """What came out."""
+    import json
+
+    if as_json:
+        document = {
+            "directory": str(done.directory),
+            "points": done.points,
+            "done": done.done,
+            "failed": done.failed,
+            "marched": done.marched,
+            "wall_time": done.wall_time,
+            "failures": [
+                {"point": point, **done.grid.values(point), "reason": reason}
+                for point, reason in sorted(done.failures.items())
+            ],
+        }
+        typer.echo(json.dumps(document, indent=2, ensure_ascii=False))
+    else:
+        names = ", ".join(sorted(path.name for path in done.directory.iterdir()))
+        typer.echo(
+            f"{done.done} of {done.points} points done, {done.failed} failed;"
+            f" {done.marched} marched in {done.wall_time:.3g} s\n{done.directory}: {names}"
+        )
+    for point, reason in sorted(done.failures.items())[:SHOWN_FAILURES]:
+        typer.echo(f"failed: {done.grid.label(point)}: {reason}", err=True)
+    for name, reason in done.left_out.items():
+        typer.echo(f"{name} left out: {reason}", err=True)
+    if done.failed > SHOWN_FAILURES:
+        typer.echo(f"failed: {done.failed - SHOWN_FAILURES} more, see failures.json", err=True)
+
+
+def _estimated(plan: Plan) -> str:
+    """Size of a sweep in words."""
+    full = f", full histories {plan.history_bytes / 1e6:.3g} MB" if plan.histories else ""
+    return (
+        f"{plan.grid.size} points, {plan.steps:.3g} steps in all;"
+        f" sweep.nc {plan.dataset_bytes / 1e6:.3g} MB{full}"
+    )
+
+
+@contextmanager
+def _progress_bar(console: Console) -> Iterator[Watch]:
+    """Points done and failed and the time left, lines where there is no terminal; the size."""
+    from rich import progress as bars
+
+    from bladewhirl.models.case.plausibility import case_hints
+    from bladewhirl.studies.commands.progress import ProgressLines
+    from bladewhirl.studies.sweeps.sweep import Watch
+
+    with bars.Progress(
+        bars.TextColumn("sweeping"),
+        bars.BarColumn(),
+        bars.TextColumn("{task.fields[done]} of {task.total} done, {task.fields[failed]} failed"),
+        bars.TimeRemainingColumn(),
+        bars.TextColumn("left"),
+        console=console,
+        transient=True,
+        disable=not console.is_terminal,
+    ) as bar:
+        task = bar.add_task("", total=None, done=0, failed=0)
+        lines = ProgressLines("points")
+
+        def progress(done: int, failed: int, points: int) -> None:
+            if not console.is_terminal:
+                lines(done + failed, points, f", {failed} failed" if failed else "")
+            bar.update(task, completed=done + failed, total=points, done=done, failed=failed)
+
+        def planned(plan: Plan) -> None:
+            for hint in case_hints(plan.case):
+                console.print(f"Hint: {hint}.", markup=False, highlight=False, soft_wrap=True)
+            console.print(_estimated(plan), highlight=False)
+
+        yield Watch(planned=planned, progress=progress)

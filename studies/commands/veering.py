@@ -1,0 +1,69 @@
+"""`bladewhirl veering`: frequencies over nodal diameter, and over the stiffness of the shaft."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def veering(
+    case: Annotated[Path, typer.Argument(help="Case file.", show_default=False)],
+    families: Annotated[
+        int, typer.Option(help="Families of the first diagram, the suspension pair apart.")
+    ] = 12,
+    stiffnesses: Annotated[
+        str | None,
+        typer.Option(
+            metavar="START:STOP",
+            help="Stiffness [N/m] of each shaft spring; a thousandth to a thousand times the"
+            " case's by default.",
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Folder to make; CASE-veering by default."),
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Write into a folder that exists.")
+    ] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    overrides: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change the case: shaft.stiffness=1e7."),
+    ] = None,
+) -> None:
+    """Draw how frequencies depend on nodal diameter and on the shaft.
+
+    Frequencies of the full bladed disk with a free and with a clamped centre over nodal diameter:
+    many families, and the first two with the suspension pair. Then the modes with one nodal
+    diameter over the stiffness of the shaft springs, where the suspension pair hands its character
+    from branch to branch. With --json and no -o nothing is written.
+    """
+    from bladewhirl.models.inputs.errors import UserError
+    from bladewhirl.studies.commands.ranges import parse_interval
+    from bladewhirl.studies.modal.case_modes import modes_of_case
+    from bladewhirl.studies.modal.veering import draw_veering, spring_stiffnesses, veering_report
+    from bladewhirl.studies.runs.figures_folder import check_figure_folder
+
+    if families < 1:
+        raise UserError(f"--families {families}: expected a whole number of one or more")
+    interval = None if stiffnesses is None else parse_interval("--stiffnesses", stiffnesses)
+    if interval is not None and not interval[0] > 0.0:
+        raise UserError(f"--stiffnesses {stiffnesses}: expected a START above zero")
+    folder = output if output is not None or json else Path(f"{case.stem}-veering")
+    check_figure_folder(folder, overwrite=overwrite)
+    stage = modes_of_case(case, overrides)
+    springs = spring_stiffnesses(stage.case, interval)
+    diagrams = veering_report(stage, families=families, springs=springs)
+    if folder is not None:
+        draw_veering(diagrams, folder)
+    if json:
+        import json as json_text
+
+        typer.echo(json_text.dumps(diagrams.as_json(), indent=2, allow_nan=False))
+        return
+    for line in diagrams.lines():
+        typer.echo(line)
+    typer.echo(f"Wrote {folder}.")

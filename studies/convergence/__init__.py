@@ -1,0 +1,1 @@
+"""Marches of one case with several time steps and numbers of modes."""

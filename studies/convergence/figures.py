@@ -1,0 +1,85 @@
+"""Convergence of a march in its time step and in its modes, drawn."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
+
+REGIME_MARKERS = {"divergent": "^", "sustained": "o", "damped": "v", "no-contact": "s"}
+"""Marker of each regime."""
+
+PERCENT = 100.0
+
+
+@styled
+def plot_time_steps(data: xr.Dataset) -> Figure:
+    """Draw differences between a time step and the next finer, with the orders found.
+
+    Args:
+        data: over `time_step`, as `convergence_study.time_step_convergence` makes it.
+    """
+    figure = new_figure(height=0.078)
+    axes = figure.add_subplot()
+    step = data["time_step"].values
+    lines = (
+        ("free_step_distance", "free_order", "orbit to first contact", COLOURS["k = 0"]),
+        ("step_distance", "displacement_order", "orbit", COLOURS["rotor"]),
+        ("step_impulse_error", "impulse_order", "contact impulse", COLOURS["contact"]),
+    )
+    for name, order, label, colour in lines:
+        found = float(data.attrs[order])
+        known = f"{label}, order {found:.2g}" if np.isfinite(found) else label
+        _draw(axes, step, data[name].values, data["regime"].values, known, colour)
+    axes.set_xscale("log")
+    axes.set_xticks(step, [f"{1e6 * size:.3g}" for size in step])
+    axes.minorticks_off()
+    axes.set(xlabel="time step [µs]", ylabel="change to the next finer step [%]")
+    _finish(figure, axes, data)
+    return figure
+
+
+@styled
+def plot_modes(data: xr.Dataset) -> Figure:
+    """Draw distances from the march with the most modes, and the error of the frequencies.
+
+    Args:
+        data: over `modes`, as `convergence_study.mode_convergence` makes it.
+    """
+    figure = new_figure(height=0.078)
+    axes = figure.add_subplot()
+    kept, regime = data["kept"].values, data["regime"].values
+    lines = (
+        ("distance", "orbit, from the most modes", COLOURS["rotor"]),
+        ("impulse_error", "contact impulse, likewise", COLOURS["contact"]),
+        ("frequency_error", "frequencies 1F to 5F", COLOURS["k = 0"]),
+    )
+    for name, label, colour in lines:
+        _draw(axes, kept, data[name].values, regime, label, colour)
+    axes.set_xticks(kept)
+    axes.set(xlabel="fixed-interface modes η", ylabel="relative error [%]")
+    _finish(figure, axes, data)
+    return figure
+
+
+def _draw(axes: Axes, place: Array, error: Array, regime: Array, label: str, colour: str) -> None:
+    """A line through errors above zero, with the marker of the regime at each."""
+    there = error > 0.0  # False for NaN
+    if not there.any():
+        return
+    axes.plot(place[there], PERCENT * error[there], color=colour, label=label)
+    for x, y, name in zip(place[there], PERCENT * error[there], regime[there], strict=True):
+        axes.plot(x, y, REGIME_MARKERS[name], color=colour, markersize=4)
+
+
+def _finish(figure: Figure, axes: Axes, data: xr.Dataset) -> None:
+    if axes.lines:
+        axes.set_yscale("log")
+    for name in dict.fromkeys(data["regime"].values):
+        axes.plot([], [], REGIME_MARKERS[name], color=COLOURS["rest"], markersize=4, label=name)
+    axes.set_title(speed_label(data))
+    figure.legend(loc="outside lower center", ncols=1)  # the longest label takes a column's width

@@ -1,0 +1,1 @@
+"""What `modes`, `veering`, `campbell` and `stability` compute."""

@@ -1,0 +1,1 @@
+"""The paper's claims, judged from marches and sweeps of its cases."""

@@ -1,0 +1,154 @@
+"""What a claim of the source paper is, how it is judged, and the list of all of them.
+
+A claim is judged by code: its evaluator looks at numbers computed by bladewhirl and returns checks,
+each a comparison with a stated threshold. All met: it holds; some: partly; none, or an essential
+one not met: it does not hold. What cannot be judged is not testable, with the reason.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, get_args
+
+from bladewhirl.postprocess.fields.fields import ViewError
+
+if TYPE_CHECKING:
+    from bladewhirl.studies.paper.trials import Laboratory
+
+Verdict = Literal["holds", "partly", "does not hold", "not testable"]
+
+Load = Literal["distortion", "imbalance"]
+"""What begins the contact: the paper's scenarios A and B."""
+
+VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Check:
+    """One comparison."""
+
+    text: str  #: what was compared with which threshold, with our number
+    met: bool
+    essential: bool = False  #: without it the claim does not hold, whatever else does
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """What came out of judging a claim once."""
+
+    ours: str  #: our value, in the words of the claim
+    checks: tuple[Check, ...] = ()
+    obstacle: str = ""  #: why it could not be judged; empty if it could
+
+    @property
+    def verdict(self) -> Verdict:
+        """By the rule at the top of this module."""
+        if self.obstacle:
+            return "not testable"
+        if all(check.met for check in self.checks):
+            return "holds"
+        wrong = any(check.essential and not check.met for check in self.checks)
+        return "does not hold" if wrong or not any(c.met for c in self.checks) else "partly"
+
+    @property
+    def why(self) -> str:
+        """One sentence: what failed, or what was met."""
+        if self.obstacle:
+            return f"{self.obstacle}."
+        failed = [check.text for check in self.checks if not check.met]
+        met = [check.text for check in self.checks if check.met]
+        if not failed:
+            return f"{'; '.join(met)}."
+        kept = f"; met: {'; '.join(met)}" if met else ""
+        return f"not met: {'; '.join(failed)}{kept}."
+
+
+class NotTestableError(Exception):
+    """A claim cannot be judged; the message says why."""
+
+
+Evaluator = Callable[["Laboratory"], Finding]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Claim:
+    """A statement of the paper that can be computed."""
+
+    number: int
+    section: str  #: of the paper
+    figures: tuple[str, ...]  #: of the paper
+    text: str  #: the claim in our words
+    paper: str  #: the paper's value
+    trials: tuple[str, ...]  #: marches it is judged by, see `laboratory.TRIALS`
+    sweeps: tuple[str, ...]  #: sweeps it is judged by, see `laboratory.SURVEYS`
+    evaluate: Evaluator
+
+    def judge(self, laboratory: Laboratory) -> Finding:
+        """Judge it once; what stands in the way becomes part of the finding."""
+        try:
+            return self.evaluate(laboratory)
+        except (NotTestableError, ViewError) as error:
+            return Finding(ours="–", obstacle=str(error).rstrip("."))
+
+
+CLAIMS: dict[int, Claim] = {}
+"""All claims by number, filled by the modules claims_*."""
+
+
+def claim(
+    number: int,
+    text: str,
+    *,
+    paper: str,
+    section: str,
+    figures: Iterable[str] = (),
+    trials: Iterable[str] = (),
+    sweeps: Iterable[str] = (),
+) -> Callable[[Evaluator], Evaluator]:
+    """Register the function that judges a claim."""
+
+    def register(evaluate: Evaluator) -> Evaluator:
+        if number in CLAIMS:
+            raise ValueError(f"claim {number} is there already")
+        CLAIMS[number] = Claim(
+            number=number,
+            section=section,
+            figures=tuple(figures),
+            text=text,
+            paper=paper,
+            trials=tuple(trials),
+            sweeps=tuple(sweeps),
+            evaluate=evaluate,
+        )
+        return evaluate
+
+    return register
+
+
+def near(name: str, value: float, target: float, tolerance: float, unit: str = "") -> Check:
+    """A number within a tolerance of the paper's."""
+    text = f"{name} {value:.4g}{unit}, wanted {target:.4g} ± {tolerance:g}{unit}"
+    return Check(text=text, met=abs(value - target) <= tolerance)
+
+
+def between(name: str, value: float, low: float, high: float, unit: str = "") -> Check:
+    """A number within limits."""
+    text = f"{name} {value:.3g}{unit}, wanted {low:g} to {high:g}{unit}"
+    return Check(text=text, met=low <= value <= high)
+
+
+def at_least(name: str, value: float, low: float, unit: str = "") -> Check:
+    """A number from a limit on."""
+    return Check(text=f"{name} {value:.3g}{unit}, wanted {low:g}{unit} or more", met=value >= low)
+
+
+def at_most(name: str, value: float, high: float, unit: str = "") -> Check:
+    """A number up to a limit."""
+    return Check(text=f"{name} {value:.3g}{unit}, wanted {high:g}{unit} or less", met=value <= high)
+
+
+def is_so(name: str, found: object, wanted: object, *, essential: bool = False) -> Check:
+    """A kind of motion, a direction, and the like."""
+    text = f"{name} {found}" if found == wanted else f"{name} {found}, wanted {wanted}"
+    return Check(text=text, met=found == wanted, essential=essential)

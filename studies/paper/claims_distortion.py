@@ -1,0 +1,396 @@
+"""Claims of Section 4.3.1: contact begun by a distortion of the casing (18 to 28, 39 to 43)."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.run.measures import Motion
+from bladewhirl.studies.paper.claim import (
+    Check,
+    Finding,
+    NotTestableError,
+    at_least,
+    at_most,
+    between,
+    claim,
+    is_so,
+)
+from bladewhirl.studies.paper.claims_imbalance import MILLI, done_points, in_contact
+from bladewhirl.studies.paper.trials import Laboratory
+
+AROUND = (0.95, 1.15)
+"""Speeds that count as around the first coincidence, 1.05."""
+
+EARLY = 0.5
+"""End of the transient that the paper looks at [s]."""
+
+
+def _growing(motion: Motion) -> Check:
+    return Check(text=f"regime {motion.regime.name}", met=motion.diverges, essential=True)
+
+
+def _regimes(sweep: xr.Dataset) -> tuple[Array, Array]:
+    return sweep["march_speed"].values, sweep["regime"].values
+
+
+def _runs_of(speeds: Array, chosen: Array) -> list[tuple[float, float]]:
+    """First and last of each group of neighbouring speeds."""
+    marks = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
+    return [
+        (float(speeds[a]), float(speeds[b - 1]))
+        for a, b in zip(marks[::2], marks[1::2], strict=True)
+    ]
+
+
+def _listed(groups: list[tuple[float, float]]) -> str:
+    words = [f"{a:.4g}" if a == b else f"{a:.4g}–{b:.4g}" for a, b in groups]
+    return ", ".join(words) or "none"
+
+
+@claim(
+    18,
+    "Casing distortion moves the shaft most around the first coincidence, 1.05.",
+    paper="around 1.05",
+    section="4.3.1",
+    figures=["15"],
+    sweeps=["distortion"],
+)
+def highest_around_the_coincidence(lab: Laboratory) -> Finding:
+    sweep = done_points(lab.sweep("distortion"))
+    speed, radius = sweep["march_speed"].values, sweep["shaft_radius_max"].values
+    at = float(speed[radius.argmax()])
+    near = (speed >= AROUND[0]) & (speed <= AROUND[1])
+    ratio = float(np.median(radius[near]) / np.median(radius[~near]))
+    return Finding(
+        ours=f"largest at {at:.4g}: {MILLI * radius.max():.3g} mm",
+        checks=(
+            between("speed of the largest displacement", at, *AROUND),
+            at_least("median radius there over that elsewhere", ratio, 1.5),
+        ),
+    )
+
+
+@claim(
+    19,
+    "There are other critical speeds that the coincidence does not predict, 1.39 among them.",
+    paper="several, 1.39",
+    section="4.3.1",
+    figures=["15"],
+    trials=["distortion at 1.39"],
+    sweeps=["distortion"],
+)
+def other_critical_speeds(lab: Laboratory) -> Finding:
+    speed, regime = _regimes(done_points(lab.sweep("distortion")))
+    groups = _runs_of(speed, regime == "divergent")
+    apart = [group for group in groups if group[0] > AROUND[1]]
+    motion = lab.motion("distortion at 1.39")
+    return Finding(
+        ours=f"divergent at {_listed(groups)}; at 1.39 {motion.regime.name}",
+        checks=(
+            at_least("groups of divergent speeds apart from 1.05", len(apart), 1),
+            is_so("at 1.39", motion.regime.name, "divergent"),
+        ),
+    )
+
+
+@claim(
+    20,
+    "At 1.05 the motion diverges; the shaft is at 3.6 mm after 3 s.",
+    paper="3.6 mm at 3 s",
+    section="4.3.1",
+    figures=["16"],
+    trials=["distortion at 1.05"],
+)
+def divergence_at_the_coincidence(lab: Laboratory) -> Finding:
+    motion = lab.motion("distortion at 1.05")
+    radius = MILLI * float(motion.radius[-1])
+    planned = lab.case("distortion at 1.05").march.duration
+    return Finding(
+        ours=f"{motion.regime.name}, {radius:.3g} mm at {motion.end:.3g} s",
+        checks=(
+            _growing(motion),
+            between("end of the march", motion.end, 0.999 * planned, planned, " s"),
+            between("radius at the end", radius, 1.8, 7.2, " mm"),
+        ),
+    )
+
+
+@claim(
+    21,
+    "While diverging the shaft whirls backward in rotating axes.",
+    paper="backward",
+    section="4.3.1",
+    figures=["16"],
+    trials=["distortion at 1.05"],
+)
+def backward_in_rotating_axes(lab: Laboratory) -> Finding:
+    motion = lab.motion("distortion at 1.05")
+    whirl = motion.late_whirl("rotating")
+    return Finding(
+        ours=f"{motion.regime.name}, {whirl.direction} at {abs(whirl.rate) / 2 / np.pi:.3g} Hz",
+        checks=(_growing(motion), is_so("whirl", whirl.direction, "backward")),
+    )
+
+
+@claim(
+    22,
+    "1F with k = 1 leads the divergence; k = 0 and the suspension are present, other k negligible.",
+    paper="k = 1 leads",
+    section="4.3.1",
+    figures=["17"],
+    trials=["distortion at 1.05"],
+)
+def one_nodal_diameter_leads(lab: Laboratory) -> Finding:
+    motion = lab.motion("distortion at 1.05")
+    share = {name: 100 * value for name, value in motion.share(*motion.late).items()}
+    leader = max(share, key=lambda name: share[name])
+    return Finding(
+        ours=f"{motion.regime.name}, "
+        + ", ".join(f"{name} {value:.2g} %" for name, value in share.items()),
+        checks=(
+            _growing(motion),
+            is_so("leader", leader, "k = 1"),
+            at_least("k = 0", share["k = 0"], 0.1, " %"),
+            at_least("suspension", share["suspension"], 0.1, " %"),
+            at_most("other k", share["other k"], 5.0, " %"),
+        ),
+    )
+
+
+@claim(
+    23,
+    "Growth is fast after about 1.8 s.",
+    paper="1.8 s",
+    section="4.3.1",
+    figures=["17"],
+    trials=["distortion at 1.05"],
+)
+def fast_growth(lab: Laboratory) -> Finding:
+    motion = lab.motion("distortion at 1.05")
+    onset = motion.onset(0.1)
+    return Finding(
+        ours=f"{motion.regime.name}, above a tenth of the last energy from {onset:.3g} s",
+        checks=(
+            _growing(motion),
+            between("onset of fast growth", onset, 1.3, 2.6, " s"),
+        ),
+    )
+
+
+@claim(
+    24,
+    "The suspension matters in the first half second, 1F after it.",
+    paper="first 0.5 s",
+    section="4.3.1",
+    figures=["17"],
+    trials=["distortion at 1.05"],
+)
+def suspension_matters_early(lab: Laboratory) -> Finding:
+    motion = lab.motion("distortion at 1.05")
+    if motion.end <= 1.5 * EARLY:
+        raise NotTestableError(f"the march ended after {motion.end:.3g} s, in the transient")
+    early = motion.share(0.0, EARLY)["suspension"]
+    later = motion.share(EARLY, motion.end)["suspension"]
+    return Finding(
+        ours=f"{100 * early:.2g} % of the energy before, {100 * later:.2g} % after 0.5 s",
+        checks=(
+            at_least("suspension in the first 0.5 s", 100 * early, 10.0, " %"),
+            at_most("its share later over that", later / (early or 1.0), 0.5),
+        ),
+    )
+
+
+@claim(
+    25,
+    "At 1.39 the shaft whirls forward in static axes, contact being on its side with a phase"
+    " shift.",
+    paper="forward, standard, shifted",
+    section="4.3.1",
+    figures=["18"],
+    trials=["distortion at 1.39"],
+)
+def forward_in_static_axes(lab: Laboratory) -> Finding:
+    motion = lab.motion("distortion at 1.39")
+    whirl = motion.late_whirl("static")
+    return Finding(
+        ours=f"{motion.regime.name}, {whirl.direction}, {motion.scenario}, shaft leads by"
+        f" {motion.lead:.0f}°",
+        checks=(
+            _growing(motion),
+            in_contact(motion),
+            is_so("whirl", whirl.direction, "forward"),
+            is_so("contact", motion.scenario, "standard"),
+            between("phase shift", abs(motion.lead), 5.0, 90.0, "°"),
+        ),
+    )
+
+
+@claim(
+    26,
+    "While diverging the whirl slows down in static axes.",
+    paper="3 turns in 0.2 s, then 2",
+    section="4.3.1",
+    figures=["18"],
+    trials=["distortion at 1.39"],
+)
+def whirl_slows_down(lab: Laboratory) -> Finding:
+    motion = lab.motion("distortion at 1.39")
+    rates = np.abs(motion.late_whirl_rates)
+    if not motion.diverges or len(rates) < 4:
+        raise NotTestableError(f"{motion.regime.name} after {motion.end:.3g} s: too little growth")
+    half = len(rates) // 2
+    before, after = (float(part.mean() / 2 / np.pi) for part in (rates[:half], rates[-half:]))
+    return Finding(
+        ours=f"{before:.3g} Hz, then {after:.3g} Hz",
+        checks=(
+            Check(text=f"slower by {100 * (1 - after / before):.2g} %", met=after < before),
+            at_most("later over earlier frequency", after / before, 0.9),
+        ),
+    )
+
+
+@claim(
+    27,
+    "Motion is sustained near critical speeds and damped elsewhere.",
+    paper="sustained near, damped elsewhere",
+    section="4.3.1",
+    figures=["15"],
+    sweeps=["distortion"],
+)
+def sustained_near_critical_speeds(lab: Laboratory) -> Finding:
+    speed, regime = _regimes(done_points(lab.sweep("distortion")))
+    critical = speed[regime == "divergent"]
+    sustained = speed[regime == "sustained"]
+    damped = int(np.count_nonzero(regime == "damped"))
+    apart = [float(np.abs(critical - s).min()) if len(critical) else np.inf for s in sustained]
+    close = sum(each <= 0.1 for each in apart)
+    return Finding(
+        ours=f"{len(critical)} divergent, {len(sustained)} sustained ({close} of them within 0.1"
+        f" of a divergent one), {damped} damped",
+        checks=(
+            at_least("sustained speeds", len(sustained), 1),
+            at_least("damped speeds", damped, 1),
+            at_least("share of sustained speeds near a divergent one", _share(close, apart), 0.8),
+        ),
+    )
+
+
+@claim(
+    28,
+    "With the centre clamped motion is damped.",
+    paper="damped only",
+    section="4.3.1",
+    trials=["clamped at 1.05", "clamped at 1.39"],
+)
+def clamped_centre(lab: Laboratory) -> Finding:
+    regimes = {speed: lab.motion(f"clamped at {speed}").regime.name for speed in ("1.05", "1.39")}
+    return Finding(
+        ours=", ".join(f"{name} at {speed}" for speed, name in regimes.items()),
+        checks=tuple(is_so(f"at {speed}", name, "damped") for speed, name in regimes.items()),
+    )
+
+
+@claim(
+    39,
+    "A distortion with two nodal diameters leaves the centre at rest.",
+    paper="at rest",
+    section="4.3.1",
+    trials=["ovalisation"],
+)
+def ovalisation_leaves_the_centre(lab: Laboratory) -> Finding:
+    motion = lab.motion("ovalisation")
+    largest = MILLI * float(motion.radius.max())
+    contact = "contact" if motion.touched else "no contact"
+    return Finding(
+        ours=f"{largest:.2g} mm, {contact}",
+        checks=(
+            Check(text=contact, met=motion.touched),
+            at_most("largest shaft displacement", largest, 1e-3, " mm"),
+        ),
+    )
+
+
+@claim(
+    40,
+    "Sustained orbits have a radius of about the clearance.",
+    paper="about 1 mm",
+    section="4.3.1",
+    figures=["15"],
+    sweeps=["distortion"],
+)
+def sustained_radius(lab: Laboratory) -> Finding:
+    sweep = done_points(lab.sweep("distortion"))
+    chosen = sweep["regime"].values == "sustained"
+    if not chosen.any():
+        raise NotTestableError("no sustained motion in the sweep of the casing distortion")
+    history = sweep["radius_history"].isel(march_speed=chosen).values
+    clearance = lab.case("distortion at 1.05").casing.clearance
+    late = np.nanmean(history[:, -history.shape[1] // 3 :], axis=1) / clearance
+    share = float(np.mean((late >= 0.5) & (late <= 2.0)))
+    return Finding(
+        ours=f"median {np.median(late):.3g} clearances at {len(late)} speeds",
+        checks=(at_least("share of radii from 0.5 to 2 clearances", share, 0.8),),
+    )
+
+
+@claim(
+    41,
+    "At every speed 1F responds most, the suspension little.",
+    paper="1F at every speed",
+    section="4.3.1",
+    figures=["15"],
+    sweeps=["distortion"],
+)
+def first_family_at_every_speed(lab: Laboratory) -> Finding:
+    sweep = done_points(lab.sweep("distortion"))
+    energy = sweep["energy_mean"]
+    names = energy["energy_group"].values.astype(str)
+    family = energy.values[:, np.char.startswith(names, "1F")].sum(axis=1)
+    suspension = energy.values[:, names == "suspension"].sum(axis=1)
+    rest = energy.values[:, names == "rest"].sum(axis=1)
+    first = float(np.mean(family > suspension + rest))
+    return Finding(
+        ours=f"1F holds most at {100 * first:.0f} % of {len(family)} speeds, the suspension"
+        f" {100 * np.median(suspension / (family + suspension + rest)):.2g} % (median)",
+        checks=(at_least("share of speeds with most energy in 1F", first, 0.95),),
+    )
+
+
+@claim(
+    42,
+    "At 1.05 the precession is almost nil in static axes.",
+    paper="almost nil",
+    section="4.3.1",
+    figures=["16"],
+    trials=["distortion at 1.05"],
+)
+def hardly_any_precession(lab: Laboratory) -> Finding:
+    motion = lab.motion("distortion at 1.05")
+    rate = abs(motion.late_whirl("static").rate) / motion.reference
+    return Finding(
+        ours=f"{motion.regime.name}, {rate:.3g} of the reference frequency",
+        checks=(_growing(motion), at_most("whirl in static axes over ω₁", rate, 0.1)),
+    )
+
+
+@claim(
+    43,
+    "Modes above 1F and suspension carry part of the energy in the early transient.",
+    paper="part of it",
+    section="4.3.1",
+    figures=["17"],
+    trials=["distortion at 1.05"],
+)
+def higher_modes_early(lab: Laboratory) -> Finding:
+    motion = lab.motion("distortion at 1.05")
+    rest = 100 * motion.share(0.0, min(EARLY, motion.end))["rest"]
+    return Finding(
+        ours=f"{rest:.2g} % of the energy",
+        checks=(at_least("share of higher modes before 0.5 s", rest, 1.0, " %"),),
+    )
+
+
+def _share(part: int, whole: list[float]) -> float:
+    return part / len(whole) if whole else 0.0

@@ -1,0 +1,234 @@
+"""Claims of Section 4.3.2: contact begun by an imbalance (29 to 34, 44, 45)."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.run.measures import Motion
+from bladewhirl.studies.paper.claim import (
+    Check,
+    Finding,
+    NotTestableError,
+    at_least,
+    at_most,
+    between,
+    claim,
+    is_so,
+    near,
+)
+from bladewhirl.studies.paper.trials import Laboratory
+
+MILLI, MICRO = 1e3, 1e6
+
+HIGH = (1.42, 1.75)
+"""Normalised speeds with high amplitudes in the paper."""
+
+STEADY_FROM = 1.1
+"""Time after which the paper's orbit is steady [s]."""
+
+
+def done_points(sweep: xr.Dataset) -> xr.Dataset:
+    """The speeds of a sweep at which every point has a result."""
+    done = sweep["state"] == "done"
+    whole = done.all([name for name in done.dims if name != "march_speed"])
+    return sweep.isel(march_speed=np.flatnonzero(whole.values))
+
+
+def in_contact(motion: Motion) -> Check:
+    """Without late contact nothing can be said of its side or of the blades that touch."""
+    text = "contact in the last third" if motion.touches_late else "no contact in the last third"
+    return Check(text=text, met=motion.touches_late, essential=True)
+
+
+@claim(
+    29,
+    "Imbalance moves the shaft less than casing distortion where that interacts.",
+    paper="smaller in general",
+    section="4.3.2",
+    figures=["15", "19"],
+    sweeps=["distortion", "imbalance"],
+)
+def smaller_than_distortion(lab: Laboratory) -> Finding:
+    first, second = done_points(lab.sweep("distortion")), done_points(lab.sweep("imbalance"))
+    critical = first["march_speed"].values[first["regime"].values == "divergent"]
+    speeds = np.intersect1d(critical, second["march_speed"].values)
+    if not len(speeds):
+        raise NotTestableError("no speed at which the casing distortion leads to divergence")
+    radius = [each["shaft_radius_max"].sel(march_speed=speeds).values for each in (second, first)]
+    share = float(np.mean(radius[0] < radius[1]))
+    return Finding(
+        ours=f"smaller at {100 * share:.0f} % of {len(speeds)} speeds, median"
+        f" {MILLI * np.median(radius[0]):.3g} against {MILLI * np.median(radius[1]):.3g} mm",
+        checks=(at_least("share of divergent speeds with less", 100 * share, 80.0, " %"),),
+    )
+
+
+@claim(
+    30,
+    "At 1.05 the imbalance gives a limit cycle: an orbit of 1.1 mm with a ripple of 0.1 mm, steady"
+    " after 1.1 s, tight on the Poincaré map.",
+    paper="1.1 mm, 0.1 mm",
+    section="4.3.2",
+    figures=["20"],
+    trials=["imbalance at 1.05"],
+)
+def limit_cycle(lab: Laboratory) -> Finding:
+    motion = lab.motion("imbalance at 1.05")
+    mean, ripple = motion.radius_between(*motion.late)
+    checks = [
+        is_so("regime", motion.regime.name, "sustained", essential=True),
+        near("mean radius", MILLI * mean, 1.1, 0.15, " mm"),
+        between("ripple", MILLI * ripple, 0.05, 0.2, " mm"),
+    ]
+    if motion.end > STEADY_FROM:
+        middle = 0.5 * (STEADY_FROM + motion.end)
+        before, _ = motion.radius_between(STEADY_FROM, middle)
+        after, _ = motion.radius_between(middle, motion.end)
+        checks.append(
+            near("mean radius from 1.1 s over that at the end", before / after, 1.0, 0.02)
+        )
+    scatter = motion.section_scatter()
+    checks.append(at_most("spread of the Poincaré map over the radius", scatter, 0.2))
+    return Finding(
+        ours=f"{motion.regime.name}, {MILLI * mean:.3g} mm, ripple {MILLI * ripple:.2g} mm",
+        checks=tuple(checks),
+    )
+
+
+@claim(
+    31,
+    "Under imbalance at 1.05 the suspension holds most energy, then 1F with k = 1; ten times less"
+    " than under casing distortion.",
+    paper="suspension first, a tenth",
+    section="4.3.2",
+    figures=["17", "20"],
+    trials=["imbalance at 1.05", "distortion at 1.05"],
+)
+def suspension_leads(lab: Laboratory) -> Finding:
+    motion, other = lab.motion("imbalance at 1.05"), lab.motion("distortion at 1.05")
+    energy = motion.energy(*motion.late)
+    total = energy.pop("total")
+    order = sorted(energy, key=lambda name: -energy[name])
+    ratio = other.energy(*other.late)["total"] / total
+    return Finding(
+        ours=f"{order[0]} {energy[order[0]]:.3g} J, {order[1]} {energy[order[1]]:.3g} J; distortion"
+        f" {ratio:.3g} times that",
+        checks=(
+            is_so("most energy in", order[0], "suspension"),
+            is_so("then in", order[1], "k = 1"),
+            between("energy under distortion over that", ratio, 3.0, 30.0),
+        ),
+    )
+
+
+@claim(
+    32,
+    "Under imbalance at 1.05 some blades stay in contact, two come and go, the rest are free.",
+    paper="several, 2, the rest",
+    section="4.3.2",
+    figures=["21"],
+    trials=["imbalance at 1.05"],
+)
+def three_kinds_of_blades(lab: Laboratory) -> Finding:
+    motion = lab.motion("imbalance at 1.05")
+    blades = motion.blades
+    return Finding(
+        ours=", ".join(f"{count} {name}" for name, count in blades.items()),
+        checks=(
+            in_contact(motion),
+            at_least("in permanent contact", blades["permanent"], 2),
+            near("in intermittent contact", blades["intermittent"], 2, 0),
+            at_least("free", blades["free"], 11),
+        ),
+    )
+
+
+@claim(
+    33,
+    "Under imbalance contact is on the side of the shaft's displacement.",
+    paper="standard",
+    section="4.3.2",
+    figures=["21"],
+    trials=["imbalance at 1.05"],
+)
+def contact_with_the_shaft(lab: Laboratory) -> Finding:
+    motion = lab.motion("imbalance at 1.05")
+    return Finding(
+        ours=f"{motion.scenario}, shaft leads by {motion.lead:.0f}°",
+        checks=(in_contact(motion), is_so("contact", motion.scenario, "standard")),
+    )
+
+
+@claim(
+    34,
+    "Imbalance gives high amplitudes from 1.42 to 1.75 without divergence; at 1.6 energy grows"
+    " after 0.5 s to a peak of 800 J at 1.8 to 2.2 s.",
+    paper="800 J at 1.8–2.2 s",
+    section="4.3.2",
+    figures=["19", "22"],
+    trials=["imbalance at 1.6"],
+    sweeps=["imbalance"],
+)
+def high_amplitudes_without_divergence(lab: Laboratory) -> Finding:
+    sweep, motion = done_points(lab.sweep("imbalance")), lab.motion("imbalance at 1.6")
+    speed, radius = sweep["march_speed"].values, sweep["shaft_radius_max"].values
+    inside = (speed >= HIGH[0]) & (speed <= HIGH[1])
+    divergent = int(np.count_nonzero(sweep["regime"].values == "divergent"))
+    ratio = float(np.median(radius[inside]) / np.median(radius[~inside]))
+    total = motion.energies["total"].values
+    peak = float(total.max())
+    when = float(motion.energies["time"].values[total.argmax()])
+    return Finding(
+        ours=f"{divergent} divergent speeds; at 1.6 {motion.regime.name}, peak {peak:.3g} J at"
+        f" {when:.2g} s",
+        checks=(
+            at_most("divergent speeds of the sweep", divergent, 0),
+            at_least("median radius inside over that outside", ratio, 1.5),
+            Check(text=f"at 1.6 {motion.regime.name}", met=not motion.diverges),
+            between("peak energy at 1.6", peak, 400.0, 1600.0, " J"),
+            between("time of the peak", when, 1.6, 2.4, " s"),
+        ),
+    )
+
+
+@claim(
+    44,
+    "Under imbalance at 1.05 the casing vibrates by some 10 micrometres.",
+    paper="order of 10 µm",
+    section="4.3.2",
+    trials=["imbalance at 1.05"],
+)
+def casing_hardly_moves(lab: Laboratory) -> Finding:
+    size = MICRO * lab.motion("imbalance at 1.05").casing_motion
+    return Finding(
+        ours=f"{size:.3g} µm", checks=(between("largest casing motion", size, 3.0, 30.0, " µm"),)
+    )
+
+
+@claim(
+    45,
+    "Under imbalance at 1.6 the suspension leads for 0.2 s, all other k take part, and longer runs"
+    " settle at the level of 1.05.",
+    paper="suspension first; settles",
+    section="4.3.2",
+    figures=["22"],
+    trials=["imbalance at 1.6", "imbalance at 1.6, twice as long", "imbalance at 1.05"],
+)
+def course_at_high_speed(lab: Laboratory) -> Finding:
+    motion, long = lab.motion("imbalance at 1.6"), lab.motion("imbalance at 1.6, twice as long")
+    usual = lab.motion("imbalance at 1.05")
+    early = motion.share(0.0, 0.2)
+    leader = max(early, key=lambda name: early[name])
+    other = motion.share(0.0, motion.end)["other k"]
+    ratio = long.energy(*long.late)["total"] / usual.energy(*usual.late)["total"]
+    return Finding(
+        ours=f"{leader} first; other k {100 * other:.2g} %; at the end of {long.end:.3g} s"
+        f" {long.regime.name}, {ratio:.3g} times the energy at 1.05",
+        checks=(
+            is_so("leader of the first 0.2 s", leader, "suspension"),
+            at_least("share of other k", 100 * other, 5.0, " %"),
+            is_so("long run", long.regime.name, "sustained"),
+            between("its late energy over that at 1.05", ratio, 0.1, 10.0),
+        ),
+    )

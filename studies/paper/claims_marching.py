@@ -1,0 +1,63 @@
+"""Claims of Section 4.2: convergence in the time step (16) and in the modes kept (17)."""
+
+from __future__ import annotations
+
+from bladewhirl.postprocess.run.measures import orbit_distance
+from bladewhirl.studies.paper.claim import (
+    Finding,
+    NotTestableError,
+    at_least,
+    at_most,
+    claim,
+    is_so,
+)
+from bladewhirl.studies.paper.trials import MODES, TIME_STEPS, Laboratory
+
+CONVERGED = 0.01
+"""Relative distance of two orbits below which they count as the same."""
+
+
+@claim(
+    16,
+    "Displacements and impulses have converged at a time step of 1 µs.",
+    paper="converged",
+    section="4.2",
+    trials=[f"time step {step:g} s" for step in TIME_STEPS],
+)
+def time_step_converged(lab: Laboratory) -> Finding:
+    coarse, chosen, fine = (lab.motion(f"time step {step:g} s") for step in TIME_STEPS)
+    impulses = [float(m.result["contact_impulse"].sum()) for m in (chosen, fine)]
+    apart, before = orbit_distance(chosen, fine), orbit_distance(coarse, fine)
+    if not impulses[1]:
+        raise NotTestableError("no contact with the finest time step")
+    change = abs(impulses[0] / impulses[1] - 1.0)
+    return Finding(
+        ours=f"orbit {100 * apart:.2g} %, impulse {100 * change:.2g} % from that at 0.5 µs",
+        checks=(
+            at_most("distance of the orbits at 1 and 0.5 µs", apart, CONVERGED),
+            at_most("difference of the impulses at 1 and 0.5 µs", change, CONVERGED),
+            at_most("distance at 1 µs over that at 2 µs", apart / (before or 1.0), 1.0),
+        ),
+    )
+
+
+@claim(
+    17,
+    "The kind of motion has converged in the number of modes, the displacement not asymptotically.",
+    paper="regime converged, displacement not",
+    section="4.2",
+    trials=[f"{count} modes" for count in MODES],
+)
+def modes_converged(lab: Laboratory) -> Finding:
+    motions = {count: lab.motion(f"{count} modes") for count in MODES}
+    regimes = {motion.regime.name for motion in motions.values()}
+    *others, last = motions.values()
+    apart = [orbit_distance(motion, last) for motion in others]
+    return Finding(
+        ours=f"{', '.join(sorted(regimes))}; orbits with {', '.join(map(str, MODES[:-1]))} modes"
+        f" {', '.join(f'{100 * d:.2g}' for d in apart)} % from that with {MODES[-1]}",
+        checks=(
+            is_so("kinds of motion", len(regimes), 1, essential=True),
+            at_least("distance of the orbits with the most modes", apart[-1], CONVERGED),
+        ),
+    )

@@ -1,0 +1,392 @@
+"""Claims of Section 3: modes apart (1 to 9) and coupled through frame and bearings (10 to 15)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bladewhirl.postprocess.fields.coupled_mode_result import radial_shapes
+from bladewhirl.solvers.stability.coupled_modes import coupled_modes, coupled_motion
+from bladewhirl.solvers.stability.growth import (
+    UNSTABLE_GROWTH,
+    eigenvalues,
+    growth_rate,
+    is_unstable,
+    stability_chart,
+)
+from bladewhirl.solvers.stability.zones import UnstableZones, unstable_zones
+from bladewhirl.studies.modal.coupled_mode import whirl_records
+from bladewhirl.studies.paper.claim import (
+    Check,
+    Finding,
+    at_least,
+    at_most,
+    between,
+    claim,
+    is_so,
+    near,
+)
+from bladewhirl.studies.paper.trials import Laboratory
+
+EXAMPLE = {"kappa": 500.0, "speed": 1.17}
+"""The paper's example point: spring stiffness [N/m] and normalised speed."""
+
+RANGE, KAPPAS = (0.6, 3.0), np.linspace(50.0, 1000.0, 20)
+"""Speeds and spring stiffnesses [N/m] of Fig. 11."""
+
+BESIDE = np.linspace(-0.02, 0.02, 81)
+"""Normalised speeds that are looked at around a coincidence."""
+
+NOTHING = 1e-6
+"""Relative motion or change below which there is none."""
+
+
+@claim(
+    1,
+    "The centre of the disk moves in modes with one nodal diameter only.",
+    paper="k = 1 only",
+    section="3.1",
+    figures=["6"],
+)
+def centre_moves_with_one_nodal_diameter(lab: Laboratory) -> Finding:
+    motion = lab.modal.centre_motion
+    others = max(value for k, value in motion.items() if k != 1)
+    return Finding(
+        ours=f"k = 1: {motion[1]:.3g} of the mode's largest motion; others: {others:.1g}",
+        checks=(
+            at_least("motion of the centre with k = 1", motion[1], 0.1),
+            at_most("with any other k", others, NOTHING),
+        ),
+    )
+
+
+@claim(
+    2,
+    "Clamping the centre changes the frequencies of k = 1 only.",
+    paper="k = 1 only",
+    section="3.2.1",
+    figures=["7"],
+)
+def clamping_shifts_one_nodal_diameter(lab: Laboratory) -> Finding:
+    shift = lab.modal.clamping_shift
+    others = max(value for k, value in shift.items() if k != 1)
+    return Finding(
+        ours=f"k = 1: up to {100 * shift[1]:.3g} %; others: {100 * others:.1g} %",
+        checks=(
+            at_least("largest change with k = 1", 100 * shift[1], 1.0, " %"),
+            at_most("with any other k", others, NOTHING),
+        ),
+    )
+
+
+@claim(
+    3,
+    "The suspension pair lies between the first two families, near 2.5.",
+    paper="f_o about 2.5",
+    section="3.2.1",
+    figures=["7"],
+)
+def suspension_between_families(lab: Laboratory) -> Finding:
+    pair, second = lab.modal.suspension, lab.modal.second_family
+    return Finding(
+        ours=f"{pair:.3f}, 2F from {second:.3g}",
+        checks=(
+            near("suspension pair", pair, 2.5, 0.1),
+            at_most("suspension pair below 2F:", pair, second),
+        ),
+    )
+
+
+@claim(
+    4,
+    "A shaft spring is about 500 times as stiff as a blade at its tip, tangentially.",
+    paper="about 500",
+    section="2.1",
+)
+def shaft_over_blade(lab: Laboratory) -> Finding:
+    ratio = lab.modal.shaft_over_blade
+    return Finding(ours=f"{ratio:.4g}", checks=(near("ratio", ratio, 500.0, 125.0),))
+
+
+@claim(
+    5,
+    "With 110 fixed-interface modes the bladed disk has 156 unknowns and errors below 0.75 % in"
+    " the frequencies of the first five families.",
+    paper="156; below 0.75 %",
+    section="4.2",
+)
+def reduction_error(lab: Laboratory) -> Finding:
+    error = {family: 100 * value for family, value in lab.modal.reduction_error.items()}
+    families = [f"{rank}F" for rank in range(1, 6)]
+    worst = max(families, key=lambda family: error[family])
+    return Finding(
+        ours=f"{lab.modal.reduced_size} unknowns, at most {error[worst]:.3g} % ({worst})",
+        checks=(
+            near("unknowns", lab.modal.reduced_size, 156, 0),
+            *(at_most(f"error in {family}", error[family], 0.75, " %") for family in families),
+        ),
+    )
+
+
+@claim(
+    6,
+    "1F with k = 1 and the casing coincide at a speed of about 1.05.",
+    paper="1.05",
+    section="3.2.2",
+    figures=["8"],
+)
+def first_coincidence(lab: Laboratory) -> Finding:
+    speed = lab.modal.first_coincidence
+    return Finding(ours=f"{speed:.4g}", checks=(near("coincidence", speed, 1.05, 0.02),))
+
+
+@claim(
+    7,
+    "The suspension pair and the casing coincide at a speed of about 2.6.",
+    paper="2.6",
+    section="3.2.2",
+    figures=["8"],
+)
+def suspension_coincidence(lab: Laboratory) -> Finding:
+    speed = lab.modal.suspension_coincidence
+    return Finding(ours=f"{speed:.4g}", checks=(near("coincidence", speed, 2.6, 0.05),))
+
+
+@claim(
+    8,
+    "Several nodal diameters of the first family coincide between 0.7 and 1.3.",
+    paper="several in [0.7, 1.3]",
+    section="3.2.2",
+    figures=["8"],
+)
+def first_family_crossings(lab: Laboratory) -> Finding:
+    found = lab.modal.first_family_crossings
+    listed = ", ".join(f"k = {k} at {speed:.3g}" for k, speed in found.items())
+    return Finding(ours=listed or "none", checks=(at_least("crossings", len(found), 3),))
+
+
+@claim(
+    9,
+    "Free k = 1 modes touch on the side of the shaft's displacement (standard, phase 0) or"
+    " opposite to it (inverted, phase pi).",
+    paper="phases 0 and 180°",
+    section="3.2.2",
+    figures=["9", "10"],
+)
+def two_contact_scenarios(lab: Laboratory) -> Finding:
+    found = lab.modal.scenarios
+    lead = {name: abs(float(np.degrees(scenario.lead))) for name, scenario in found.items()}
+    return Finding(
+        ours=", ".join(f"{found[name].kind}: {lead[name]:.3g}°" for name in found)
+        + ", with the casing's share of the motion chosen",
+        checks=(
+            near("phase where the casing moves less", lead["standard"], 0.0, 1.0, "°"),
+            near("phase where it moves more", lead["inverted"], 180.0, 1.0, "°"),
+        ),
+    )
+
+
+def _zones(lab: Laboratory) -> dict[str, UnstableZones]:
+    """Zones A and B by the rotor mode that takes part: "1F" and "suspension"."""
+    system = lab.system
+    found = unstable_zones(
+        system.modes,
+        kappas=KAPPAS,
+        low=RANGE[0] * system.reference,
+        high=RANGE[1] * system.reference,
+        with_pi=system.with_pi,
+    )
+    zones = {}
+    for name in ("1F", "suspension"):
+        own = [system.modes.name[rotor].startswith(name) for rotor in found.rotor]
+        zones[name] = UnstableZones(
+            **{part: getattr(found, part)[own] for part in UnstableZones.__dataclass_fields__}
+        )
+    return zones
+
+
+@claim(
+    10,
+    "Two unstable zones start at the coincidence speeds and widen with the coupling stiffness.",
+    paper="A from 1.05, B from 2.6",
+    section="3.3.1",
+    figures=["11"],
+)
+def zones_widen(lab: Laboratory) -> Finding:
+    starts = {"1F": lab.modal.first_coincidence, "suspension": lab.modal.suspension_coincidence}
+    reference, checks, ours = lab.system.reference, [], []
+    for (name, zone), letter in zip(_zones(lab).items(), "AB", strict=True):
+        if len(zone.kappa) < 2:
+            checks.append(Check(text=f"zone {letter} is missing", met=False))
+            continue
+        width = (zone.upper - zone.lower) / reference
+        start = float(zone.lower[0] / reference)
+        ours.append(f"{letter} from {start:.4g}, {width[-1]:.3g} wide at {zone.kappa[-1]:g} N/m")
+        checks += [
+            near(f"zone {letter} at {zone.kappa[0]:g} N/m starts at", start, starts[name], 0.02),
+            Check(
+                text=f"zone {letter} widens at every step of the stiffness",
+                met=bool(np.all(np.diff(width) > 0)),
+            ),
+        ]
+    return Finding(ours="; ".join(ours) or "no zone", checks=tuple(checks))
+
+
+@claim(
+    11,
+    "The speed 1.17 at a coupling stiffness of 500 N/m is unstable.",
+    paper="unstable",
+    section="3.3.1",
+    figures=["11"],
+)
+def example_point_is_unstable(lab: Laboratory) -> Finding:
+    growth = _example_growth(lab)
+    unstable = bool(is_unstable(growth, EXAMPLE["speed"] * lab.system.reference))
+    return Finding(
+        ours=f"growth rate {growth:.4g} 1/s",
+        checks=(is_so("point", "unstable" if unstable else "stable", "unstable"),),
+    )
+
+
+@claim(
+    12,
+    "Inside a zone oscillatory, damped and divergent modes coexist.",
+    paper="all three",
+    section="3.3.1",
+    figures=["12"],
+)
+def three_kinds_of_modes(lab: Laboratory) -> Finding:
+    real, limit = _example_spectrum(lab).real, UNSTABLE_GROWTH * _example_speed(lab)
+    counts = {
+        "divergent": int(np.count_nonzero(real > limit)),
+        "damped": int(np.count_nonzero(real < -limit)),
+        "oscillatory": int(np.count_nonzero(np.abs(real) <= limit)),
+    }
+    return Finding(
+        ours=", ".join(f"{count} {kind}" for kind, count in counts.items()),
+        checks=tuple(at_least(f"{kind} eigenvalues", n, 1) for kind, n in counts.items()),
+    )
+
+
+@claim(
+    13,
+    "Coupling shifts the first unstable speed upward.",
+    paper="upward",
+    section="3.3.1",
+    figures=["11"],
+)
+def coupling_shifts_upward(lab: Laboratory) -> Finding:
+    zone, reference = _zones(lab)["1F"], lab.system.reference
+    if len(zone.kappa) < 2:
+        return Finding(ours="no zone", checks=(Check(text="zone A is missing", met=False),))
+    lower = zone.lower / reference
+    return Finding(
+        ours=f"from {lower[0]:.4g} at {zone.kappa[0]:g} to {lower[-1]:.4g} at"
+        f" {zone.kappa[-1]:g} N/m",
+        checks=(
+            Check(
+                text="first unstable speed rises at every step of the stiffness",
+                met=bool(np.all(np.diff(lower) > 0)),
+            ),
+        ),
+    )
+
+
+@claim(
+    14,
+    "Waves that travel the same way cause no instability.",
+    paper="none",
+    section="3.3.1",
+    figures=["11"],
+)
+def no_instability_beside_the_zones(lab: Laboratory) -> Finding:
+    """Zones are of waves that travel against each other; nothing else may be unstable.
+
+    Where backward waves on both bodies coincide in static axes, Ω = (ω_r - ω_c) / k, that is
+    looked at closely.
+    """
+    system, zones = lab.system, _zones(lab)
+    speeds = np.linspace(*RANGE, 600) * system.reference
+    chart = stability_chart(system.modes, speeds=speeds, kappas=KAPPAS, with_pi=system.with_pi)
+    inside = np.zeros(chart.unstable.shape, dtype=bool)
+    for zone in zones.values():
+        for kappa, lower, upper in zip(zone.kappa, zone.lower, zone.upper, strict=True):
+            row = int(np.argmin(np.abs(KAPPAS - kappa)))
+            inside[row] |= (speeds >= lower) & (speeds <= upper)
+    outside = int(np.count_nonzero(chart.unstable & ~inside))
+    modes = system.modes
+    casing = float(modes.frequency[modes.on_casing].min())
+    alike = (modes.frequency - casing)[~modes.on_casing] / modes.nodal_diameter[~modes.on_casing]
+    around = np.concatenate([BESIDE * system.reference + speed for speed in alike])
+    close = stability_chart(modes, speeds=around, kappas=KAPPAS, with_pi=system.with_pi)
+    listed = " and ".join(f"{speed / system.reference:.3g}" for speed in alike)
+    return Finding(
+        ours=f"{outside} of {chart.unstable.size} points unstable outside zones A and B,"
+        f" {np.count_nonzero(close.unstable)} of {close.unstable.size} around {listed}, where"
+        " backward waves coincide",
+        checks=(
+            at_most("unstable points outside the zones", outside, 0),
+            at_most("where backward waves coincide", int(np.count_nonzero(close.unstable)), 0),
+        ),
+    )
+
+
+@claim(
+    15,
+    "The divergent mode is a backward wave on the bladed disk in rotating axes and a forward one on"
+    " the casing, with shaft and smallest clearance in phase; its backward whirl in rotating axes"
+    " is a forward one in static axes.",
+    paper="backward, forward, in phase",
+    section="3.3.2",
+    figures=["13", "14"],
+)
+def divergent_mode(lab: Laboratory) -> Finding:
+    system = lab.system
+    if not is_unstable(_example_growth(lab), _example_speed(lab)):
+        return Finding(ours="–", obstacle="the paper's example point is stable")
+    mode = coupled_modes(
+        system.modes,
+        speed=_example_speed(lab),
+        kappa=EXAMPLE["kappa"],
+        with_pi=system.with_pi,
+    )[0]
+    motion = coupled_motion(
+        mode,
+        time=whirl_records(mode),
+        shapes=radial_shapes(system.stage),
+        clearance=lab.modal_case.casing.clearance,
+    )
+    lead = abs(float(np.degrees(motion.shaft_lead[-1])))
+    found = {
+        "wave on the bladed disk": (motion.rotor_wave_speed, "backward"),
+        "wave on the casing": (motion.casing_wave_speed, "forward"),
+        "whirl in rotating axes": (motion.whirl_speed, "backward"),
+        "whirl in static axes": (motion.whirl_speed_static, "forward"),
+    }
+    ways = {name: "forward" if rate > 0 else "backward" for name, (rate, _) in found.items()}
+    return Finding(
+        ours=", ".join(f"{name} {way}" for name, way in ways.items()) + f", {lead:.2g}° apart",
+        checks=(
+            *(is_so(name, ways[name], wanted) for name, (_, wanted) in found.items()),
+            between("shaft and smallest clearance apart by", lead, 0.0, 20.0, "°"),
+        ),
+    )
+
+
+def _example_speed(lab: Laboratory) -> float:
+    return EXAMPLE["speed"] * lab.system.reference
+
+
+def _example_spectrum(lab: Laboratory) -> np.ndarray:
+    system = lab.system
+    return eigenvalues(
+        system.modes, speed=_example_speed(lab), kappa=EXAMPLE["kappa"], with_pi=system.with_pi
+    )
+
+
+def _example_growth(lab: Laboratory) -> float:
+    system = lab.system
+    return float(
+        growth_rate(
+            system.modes, speed=_example_speed(lab), kappa=EXAMPLE["kappa"], with_pi=system.with_pi
+        )
+    )

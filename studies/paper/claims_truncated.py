@@ -1,0 +1,189 @@
+"""Claims of Section 4.3.3: the truncated modal space and the coupling in it (35 to 38, 46)."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.studies.paper.claim import (
+    Check,
+    Finding,
+    NotTestableError,
+    at_least,
+    at_most,
+    between,
+    claim,
+    is_so,
+    near,
+)
+from bladewhirl.studies.paper.claims_imbalance import MILLI, done_points
+from bladewhirl.studies.paper.trials import KAPPAS, Laboratory
+
+LIMIT = 1.52
+"""Normalised speed above which the paper's truncated space diverges under imbalance."""
+
+DISTORTED = [f"six modes, distortion at 1.05, kappa {kappa:g}" for kappa in KAPPAS]
+ROUNDING = 1e-9
+"""Of normalised speeds, whose differences are compared with a step."""
+
+DIVERGING = "six modes, imbalance at 1.65, kappa 0"
+"""Of the paper's Fig. 26."""
+
+UNBALANCED = [f"six modes, imbalance at 1.05, kappa {kappa:g}" for kappa in KAPPAS]
+
+
+@claim(
+    35,
+    "With six modes and no coupling the distortion at 1.05 diverges, led by 1F with k = 1, then"
+    " the suspension, far more strongly than in the full space.",
+    paper="k = 1, then suspension; far stronger",
+    section="4.3.3",
+    figures=["23"],
+    trials=[DISTORTED[0], "distortion at 1.05"],
+)
+def truncated_space_diverges(lab: Laboratory) -> Finding:
+    six, full = lab.motion(DISTORTED[0]), lab.motion("distortion at 1.05")
+    energy = six.energy(*six.late)
+    energy.pop("total")
+    order = sorted(energy, key=lambda name: -energy[name])
+    until = min(six.end, full.end)
+    peak = [float(each.radius[: each.record_at(until)].max()) for each in (six, full)]
+    ratio = peak[0] / peak[1]
+    return Finding(
+        ours=f"{six.regime.name}, {order[0]}, then {order[1]}; until {until:.3g} s the shaft moves"
+        f" {MILLI * peak[0]:.3g} mm, in the full space {MILLI * peak[1]:.3g} mm",
+        checks=(
+            Check(text=f"regime {six.regime.name}", met=six.diverges, essential=True),
+            is_so("most energy in", order[0], "k = 1"),
+            is_so("then in", order[1], "suspension"),
+            at_least("shaft displacement over that in the full space", ratio, 2.0),
+        ),
+    )
+
+
+@claim(
+    36,
+    "Coupling of 0, 500 and 1000 N/m shifts the critical speed near 1.05 upward.",
+    paper="shifted",
+    section="4.3.3",
+    figures=["24"],
+    sweeps=["six modes, distortion"],
+)
+def coupling_shifts_the_critical_speed(lab: Laboratory) -> Finding:
+    """Critical is the middle of the speeds that diverge: their peaks end at the same limit.
+
+    It is known no better than to the step between the speeds, so a shift has to be larger.
+    """
+    sweep = lab.sweep("six modes, distortion")
+    critical = {kappa: middle_of_divergence(sweep, kappa) for kappa in KAPPAS}
+    missing = [kappa for kappa, speed in critical.items() if np.isnan(speed)]
+    if missing:
+        listed = ", ".join(f"{kappa:g}" for kappa in missing)
+        text = f"no speed diverges at {listed} N/m"
+        return Finding(ours=text, checks=(Check(text=text, met=False),))
+    words = ", ".join(f"{speed:.4g} at {kappa:g} N/m" for kappa, speed in critical.items())
+    rises = np.diff([critical[kappa] for kappa in KAPPAS])
+    grid = float(np.diff(sweep["march_speed"].values).max()) + ROUNDING
+    if not any(abs(rises) > grid):
+        raise NotTestableError(
+            f"critical speeds {words} differ by less than the step of the sweep, {grid:.3g}"
+        )
+    steps = zip(KAPPAS[:-1], KAPPAS[1:], rises, strict=True)
+    return Finding(
+        ours=words,
+        checks=tuple(
+            Check(
+                text=f"shift from {a:g} to {b:g} N/m {rise:.3g}, wanted more than {grid:.3g}",
+                met=rise > grid,
+            )
+            for a, b, rise in steps
+        ),
+    )
+
+
+def middle_of_divergence(sweep: xr.Dataset, kappa: float) -> float:
+    """Mean of the speeds of a sweep that diverge at a coupling stiffness; NaN if none does."""
+    own = sweep.sel(coupling_stiffness=kappa)
+    speeds = own["march_speed"].values[own["regime"].values == "divergent"]
+    return float(speeds.mean()) if len(speeds) else np.nan
+
+
+@claim(
+    37,
+    "With six modes the imbalance at 1.05 gives an orbit of 1.2 mm, whatever the coupling.",
+    paper="1.2 mm, ripple 0.1 mm",
+    section="4.3.3",
+    figures=["25"],
+    trials=UNBALANCED,
+)
+def coupling_does_not_matter_to_imbalance(lab: Laboratory) -> Finding:
+    motions = [lab.motion(name) for name in UNBALANCED]
+    radii, ripples = np.transpose([motion.radius_between(*motion.late) for motion in motions])
+    spread = float(np.ptp(radii) / radii.mean())
+    regimes = sorted({motion.regime.name for motion in motions})
+    return Finding(
+        ours=f"{', '.join(regimes)}, {MILLI * radii[0]:.3g} mm, {100 * spread:.2g} % apart, ripple"
+        f" {MILLI * ripples[0]:.2g} mm",
+        checks=(
+            is_so("regime", ", ".join(regimes), "sustained", essential=True),
+            at_most("difference of the radii", 100 * spread, 2.0, " %"),
+            near("mean radius", MILLI * radii[0], 1.2, 0.15, " mm"),
+            between("ripple", MILLI * ripples[0], 0.05, 0.2, " mm"),
+        ),
+    )
+
+
+@claim(
+    38,
+    "With six modes the imbalance diverges above 1.52, whatever the coupling, and 1F with k = 1"
+    " leads.",
+    paper="above 1.52, k = 1",
+    section="4.3.3",
+    figures=["26"],
+    trials=[DIVERGING],
+    sweeps=["six modes, imbalance"],
+)
+def truncated_space_diverges_under_imbalance(lab: Laboratory) -> Finding:
+    sweep = done_points(lab.sweep("six modes, imbalance"))
+    divergent = (sweep["regime"] == "divergent").transpose("march_speed", ...).values
+    above = sweep["march_speed"].values > LIMIT
+    shares = [float(100 * divergent[chosen].mean()) for chosen in (above, ~above)]
+    motion = lab.motion(DIVERGING)
+    held = motion.share(*motion.late)
+    leader = max(held, key=lambda name: held[name])
+    return Finding(
+        ours=f"divergent at {shares[0]:.0f} % of the points above {LIMIT:g}, at"
+        f" {shares[1]:.0f} % below; {leader} leads at 1.65",
+        checks=(
+            at_least("share of divergent points above", shares[0], 90.0, " %"),
+            at_most("share of divergent points below", shares[1], 10.0, " %"),
+            is_so("leader at 1.65", leader, "k = 1"),
+        ),
+    )
+
+
+@claim(
+    46,
+    "Under distortion the coupling changes neither frequencies, energy shares nor contact side.",
+    paper="unchanged",
+    section="4.3.3",
+    trials=DISTORTED,
+)
+def coupling_does_not_change_the_motion(lab: Laboratory) -> Finding:
+    motions = [lab.motion(name) for name in DISTORTED]
+    quiet = [m for m in motions if not m.touched]
+    if quiet:
+        raise NotTestableError("without contact there is no side of it")
+    rates = [motion.late_whirl("rotating").rate / motion.reference for motion in motions]
+    shares = np.array([list(motion.share(*motion.late).values()) for motion in motions])
+    moved = float(np.abs(shares - shares[0]).max())
+    sides = [motion.scenario for motion in motions]
+    return Finding(
+        ours=f"whirl {', '.join(f'{rate:.3g}' for rate in rates)} ω₁, energy shares at most"
+        f" {100 * moved:.2g} points apart, contact {', '.join(sides)}",
+        checks=(
+            at_most("difference of the whirl in rotating axes over ω₁", float(np.ptp(rates)), 0.05),
+            at_most("difference of energy shares", 100 * moved, 10.0, " points"),
+            is_so("contact sides", len(set(sides)), 1),
+        ),
+    )

@@ -1,0 +1,196 @@
+"""Reproduction of the paper: which claims there are, what they need, and the judging of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.paper import (  # noqa: F401 -- each registers its claims
+    claims_distortion,
+    claims_imbalance,
+    claims_marching,
+    claims_modal,
+    claims_truncated,
+)
+from bladewhirl.studies.paper.claim import CLAIMS, Claim, Finding, NotTestableError
+from bladewhirl.studies.paper.figures import draw_figures
+from bladewhirl.studies.paper.page import scorecard_page
+from bladewhirl.studies.paper.scorecard import Scorecard, joined
+from bladewhirl.studies.paper.trials import PERTURBATION, SURVEYS, TRIALS, Laboratory
+from bladewhirl.studies.runs import folder as run_directory
+from bladewhirl.studies.sweeps.cache import RunStore
+from bladewhirl.studies.sweeps.sweep import Watch
+
+RUNS_NAME, FIGURES_NAME = "runs", "figures"
+"""Folders of the results of single marches, and of pictures."""
+
+CASES_IN_WORDS = "1 to 15: fan_stage; others: casing_distortion, imbalance"
+"""Examples that decide each claim; they need not be of one stage."""
+
+SMALLEST_STEP = 1e-4
+"""Of a sweep over speed: 10,500 speeds."""
+
+REPEATS = 3
+"""How often a claim on a march is judged, each time with a slightly different force."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Told:
+    """Who is told how a reproduction goes."""
+
+    marches: Callable[[int, int], None] = lambda done, all_of_them: None
+    sweep: Watch = field(default_factory=Watch)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """What is judged, under which conditions."""
+
+    claims: tuple[Claim, ...]
+    changes: Mapping[str, Any]  #: of the contact cases, by dotted key
+    modal_changes: Mapping[str, Any]  #: of the modal case
+    quick: bool
+    repeats: int
+    speed_step: float | None = None  #: of all sweeps over speed; their own when None
+
+    def __post_init__(self) -> None:
+        """Refuse steps that are none, or wider than the narrowest range.
+
+        Raises:
+            UserError: saying which are possible.
+        """
+        widest = min(last - first for first, last in (s.speeds for s in SURVEYS.values()))
+        if self.speed_step is not None and not SMALLEST_STEP <= self.speed_step <= widest:
+            raise UserError(
+                f"--speed-step {self.speed_step:g}: expected {SMALLEST_STEP:g} to {widest:g},"
+                " multiples of the reference frequency"
+            )
+
+    @property
+    def sweeps(self) -> str:
+        """Sweeps over speed, in words."""
+        named = []
+        for name in needed_sweeps(self.claims):
+            speeds, *others = SURVEYS[name].axes(coarse=self.quick, step=self.speed_step).values()
+            lines = f" by {len(others[0])}" if others else ""
+            named.append(f"{name}: {len(speeds)}{lines} from {speeds[0]:g} to {speeds[-1]:g}")
+        return "; ".join(named) or "none"
+
+
+def chosen_claims(numbers: Sequence[int]) -> tuple[Claim, ...]:
+    """Claims by number, all of them if none is named, ascending.
+
+    Raises:
+        UserError: there is no such claim.
+    """
+    unknown = [number for number in numbers if number not in CLAIMS]
+    if unknown:
+        listed = ", ".join(map(str, unknown))
+        raise UserError(f"claim {listed}: expected numbers from {min(CLAIMS)} to {max(CLAIMS)}")
+    return tuple(CLAIMS[number] for number in sorted(set(numbers) or CLAIMS))
+
+
+def reproduce_claims(
+    plan: Plan,
+    directory: Path,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    told: Told | None = None,
+) -> tuple[Scorecard, Laboratory]:
+    """Judge claims; marches and sweeps that lie in the folder already are used again.
+
+    Args:
+        plan: what to judge.
+        directory: where marches and sweeps are.
+        workers: processes that march; one a core when None.
+        scheduler: address of an existing dask scheduler.
+        told: how it goes.
+
+    Returns:
+        the scorecard, and the laboratory of the first repeat, still open, for figures.
+
+    Raises:
+        UserError: the folder can't be written, or the scheduler does not answer.
+    """
+    told = told or Told()
+    store = RunStore(directory=directory / RUNS_NAME, workers=workers, scheduler=scheduler)
+    labs = [
+        Laboratory(
+            directory=directory,
+            store=store,
+            changes=plan.changes,
+            modal_changes=plan.modal_changes,
+            quick=plan.quick,
+            speed_step=plan.speed_step,
+            repeat=repeat,
+        )
+        for repeat in range(plan.repeats)
+    ]
+    first, *others = labs
+    names = needed_trials(plan.claims)
+    store.make([case for lab in labs for case in lab.cases(names)], told.marches)
+    for name in needed_sweeps(plan.claims):
+        with suppress(NotTestableError):  # told of by the claims that need it
+            first.sweep(name, told.sweep)
+    findings = [{claim.number: claim.judge(first) for claim in plan.claims}]
+    for lab in others:
+        with lab:
+            findings.append(_judged(lab, _repeated(plan.claims)))
+    card = Scorecard(
+        scores=tuple(joined(findings, CLAIMS)),
+        conditions={
+            run_directory.PACKAGE: run_directory.version(),
+            "cases": CASES_IN_WORDS,
+            "quick": plan.quick,
+            "speeds": plan.sweeps,
+            "repeats": plan.repeats,
+            "perturbation": PERTURBATION,
+            "changes": dict(plan.changes),
+            "modal_changes": dict(plan.modal_changes),
+        },
+    )
+    return card, first
+
+
+def needed_trials(claims: Iterable[Claim]) -> list[str]:
+    """Names of the marches that claims are judged by, each once."""
+    return list(dict.fromkeys(name for claim in claims for name in claim.trials))
+
+
+def needed_sweeps(claims: Iterable[Claim]) -> list[str]:
+    """Names of the sweeps that claims are judged by, each once."""
+    return list(dict.fromkeys(name for claim in claims for name in claim.sweeps))
+
+
+def _repeated(claims: Iterable[Claim]) -> list[Claim]:
+    """Claims that a perturbed force might change."""
+    return [claim for claim in claims if any(TRIALS[name].repeated for name in claim.trials)]
+
+
+def _judged(lab: Laboratory, claims: Iterable[Claim]) -> dict[int, Finding]:
+    return {claim.number: claim.judge(lab) for claim in claims}
+
+
+def write_scorecard(card: Scorecard, lab: Laboratory, directory: Path) -> list[Path]:
+    """Write scorecard.json and scorecard.html, with the figures of the claims in figures/.
+
+    Raises:
+        UserError: it can't be written.
+    """
+    cited = {number for score in card.scores for number in score.claim.figures}
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        drawn = draw_figures(lab, sorted(cited, key=int), directory / FIGURES_NAME)
+        document, page = directory / "scorecard.json", directory / "scorecard.html"
+        document.write_text(card.to_json(), encoding="utf-8")
+        page.write_text(scorecard_page(card, drawn), encoding="utf-8")
+    except OSError as error:
+        raise UserError(
+            f"{error.filename or directory}: cannot be written ({error.strerror})"
+        ) from None
+    return [document, page]

@@ -1,0 +1,143 @@
+"""The scorecard: claims judged over repeats, as a table, as JSON, and counted."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from bladewhirl.studies.paper.claim import VERDICTS, Claim, Finding, Verdict
+
+STYLES: Mapping[Verdict, str] = {
+    "holds": "green",
+    "partly": "yellow",
+    "does not hold": "red",
+    "not testable": "dim",
+}
+
+
+PLURALS: Mapping[str, str] = {"holds": "hold", "does not hold": "do not hold"}
+"""Verdicts of several claims, where they read otherwise."""
+
+
+def counted(verdict: str, count: int) -> str:
+    """So many claims have a verdict, in words."""
+    return f"{count} {verdict if count == 1 else PLURALS.get(verdict, verdict)}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Score:
+    """A claim and what came out of it, once for each repeat."""
+
+    claim: Claim
+    findings: tuple[Finding, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """That of all repeats; "partly" where they differ."""
+        found = {finding.verdict for finding in self.findings}
+        return found.pop() if len(found) == 1 else "partly"
+
+    @property
+    def ours(self) -> str:
+        """Our value, of the first repeat."""
+        return self.findings[0].ours
+
+    @property
+    def why(self) -> str:
+        """One sentence; where repeats differ, how they do."""
+        counts = Counter(finding.verdict for finding in self.findings)
+        if len(counts) == 1:
+            return self.findings[0].why
+        split = ", ".join(f"{name} in {n}" for name, n in counts.items())
+        return f"{split} of {len(self.findings)} repeats; first: {self.findings[0].why}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scorecard:
+    """Scores, and under which conditions they were made."""
+
+    scores: tuple[Score, ...]
+    conditions: Mapping[str, Any]  #: version, whether quick, repeats, changes of the cases, ...
+
+    @property
+    def counts(self) -> dict[Verdict, int]:
+        """How many claims got each verdict."""
+        found = Counter(score.verdict for score in self.scores)
+        return {verdict: found[verdict] for verdict in VERDICTS}
+
+    @property
+    def summary(self) -> str:
+        """The counts in words."""
+        named = ", ".join(counted(verdict, count) for verdict, count in self.counts.items())
+        return f"{len(self.scores)} claims: {named}"
+
+    def to_json(self) -> str:
+        """One JSON document."""
+        document = {
+            "conditions": self.conditions,
+            "counts": self.counts,
+            "claims": [_entry(score) for score in self.scores],
+        }
+        return json.dumps(document, indent=2, ensure_ascii=False) + "\n"
+
+
+def _entry(score: Score) -> dict[str, Any]:
+    return {
+        "claim": score.claim.number,
+        "section": score.claim.section,
+        "figures": list(score.claim.figures),
+        "text": score.claim.text,
+        "paper": score.claim.paper,
+        "ours": score.ours,
+        "verdict": score.verdict,
+        "why": score.why,
+        "repeats": [
+            {
+                "verdict": finding.verdict,
+                "ours": finding.ours,
+                "checks": [
+                    {"text": check.text, "met": bool(check.met)} for check in finding.checks
+                ],
+                "obstacle": finding.obstacle,
+            }
+            for finding in score.findings
+        ],
+    }
+
+
+def scorecard_table(card: Scorecard) -> Table:
+    """The scorecard as a table to read."""
+    quick = ", quick: short marches, coarse sweeps" if card.conditions.get("quick") else ""
+    table = Table(title=f"{card.summary}{quick}", box=box.SIMPLE_HEAD, title_justify="left")
+    table.add_column("", justify="right")
+    table.add_column("claim", ratio=5, overflow="fold")
+    table.add_column("ours", ratio=4, overflow="fold")
+    table.add_column("verdict", no_wrap=True)
+    for score in card.scores:
+        # What was met is in the JSON and on the page.
+        why = "" if score.verdict == "holds" else f"\n[dim]{escape(score.why)}[/]"
+        table.add_row(
+            str(score.claim.number),
+            f"{escape(score.claim.text)}{why}",
+            f"{escape(score.ours)}\n[dim]paper: {escape(score.claim.paper)}[/]",
+            f"[{STYLES[score.verdict]}]{score.verdict}[/]",
+        )
+    return table
+
+
+def joined(cards: Sequence[Mapping[int, Finding]], claims: Mapping[int, Claim]) -> list[Score]:
+    """Scores of claims from the findings of each repeat."""
+    return [
+        Score(
+            claim=claims[number],
+            findings=tuple(card[number] for card in cards if number in card),
+        )
+        for number in cards[0]
+    ]

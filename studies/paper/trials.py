@@ -1,0 +1,300 @@
+"""Where claims are judged: the numbers, marches and sweeps that they share, each made once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self
+
+import xarray as xr
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import with_values
+from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.postprocess.fields.result import open_result
+from bladewhirl.postprocess.run.measures import Motion
+from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
+from bladewhirl.studies.modal.coupled_system import System, couple
+from bladewhirl.studies.paper.cases import changed
+from bladewhirl.studies.paper.claim import Load, NotTestableError
+from bladewhirl.studies.paper.modal_numbers import ModalClaims, modal_claims
+from bladewhirl.studies.sweeps.cache import RunStore, run_key
+from bladewhirl.studies.sweeps.plan import PLAN_NAME
+from bladewhirl.studies.sweeps.sweep import Watch, resume_sweep, run_sweep
+
+PERTURBATION = 1e-7
+"""Relative change of the force between repeats: motions near a threshold are chaotic."""
+
+QUICK_DURATION = 2.5
+"""Of a quick march [s]: the casing distortion at 1.05 diverges within 1.8 to 2.1 s."""
+
+SIX = {"reduction.modes": "six"}
+"""Change of a case that makes its space the paper's truncated one."""
+
+KAPPAS = (0.0, 500.0, 1000.0)
+"""Coupling stiffnesses of the truncated space [N/m] (paper, Section 4.3.3)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Survey:
+    """A sweep that claims are judged by."""
+
+    load: Load
+    speeds: tuple[float, float]  #: first and last, multiples of the reference
+    step: float  #: between speeds
+    coarse_step: float  #: where fewer speeds will do
+    changes: Mapping[str, Any] = field(default_factory=dict)  #: of the case, by dotted key
+    over: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  #: beside the speed
+
+    def axes(self, *, coarse: bool, step: float | None = None) -> dict[str, list[float]]:
+        """Values of all swept keys.
+
+        Args:
+            coarse: whether the coarse step over speed is taken.
+            step: of the speed instead; its own when None.
+        """
+        first, last = self.speeds
+        step = step or (self.coarse_step if coarse else self.step)
+        count = int((last - first) / step + 1e-9) + 1
+        speeds = [round(first + step * number, 6) for number in range(count)]
+        return {"march.speed": speeds, **{key: list(values) for key, values in self.over.items()}}
+
+
+WHOLE_RANGE = (0.95, 2.0)
+"""Speeds of the paper's Table 2."""
+
+SURVEYS: Mapping[str, Survey] = {
+    "distortion": Survey(load="distortion", speeds=WHOLE_RANGE, step=0.01, coarse_step=0.15),
+    "imbalance": Survey(load="imbalance", speeds=WHOLE_RANGE, step=0.025, coarse_step=0.15),
+    "six modes, distortion": Survey(
+        load="distortion",
+        speeds=(0.9, 1.5),
+        step=0.01,
+        coarse_step=0.1,
+        changes=SIX,
+        over={"coupling.stiffness": KAPPAS},
+    ),
+    "six modes, imbalance": Survey(
+        load="imbalance",
+        speeds=WHOLE_RANGE,
+        step=0.35,
+        coarse_step=1.05,
+        changes=SIX,
+        over={"coupling.stiffness": KAPPAS},
+    ),
+}
+"""Sweeps by name."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trial:
+    """A march that claims are judged by."""
+
+    load: Load
+    changes: Mapping[str, Any]  #: of the case, by dotted key
+    length: float = 1.0  #: times the duration of the others
+    repeated: bool = True  #: with a perturbed force, where a claim is judged several times
+
+
+SHORT = 0.1
+"""Share of the duration that convergence in the time step is looked at."""
+
+TIME_STEPS = (2e-6, 1e-6, 5e-7)
+MODES = (44, 66, 88, 110, 132)
+"""Time steps [s] and numbers of fixed-interface modes of the convergence claims; none of the
+numbers cuts a pair of 22 blades in two."""
+
+COUPLED: tuple[tuple[Load, float], ...] = (("distortion", 1.05), ("imbalance", 1.05))
+"""Loads and speeds at which the truncated space is marched with each of `KAPPAS`."""
+
+TRIALS: Mapping[str, Trial] = {
+    "distortion at 1.05": Trial(load="distortion", changes={"march.speed": 1.05}),
+    "distortion at 1.39": Trial(load="distortion", changes={"march.speed": 1.39}),
+    "clamped at 1.05": Trial(
+        load="distortion", changes={"march.speed": 1.05, "shaft.clamped": True}
+    ),
+    "clamped at 1.39": Trial(
+        load="distortion", changes={"march.speed": 1.39, "shaft.clamped": True}
+    ),
+    "ovalisation": Trial(
+        load="distortion",
+        changes={"march.speed": 1.05, "excitation.nodal_diameter": 2},
+        repeated=False,
+    ),
+    "imbalance at 1.05": Trial(load="imbalance", changes={"march.speed": 1.05}),
+    "imbalance at 1.6": Trial(load="imbalance", changes={"march.speed": 1.6}),
+    "imbalance at 1.6, twice as long": Trial(
+        load="imbalance", changes={"march.speed": 1.6}, length=2.0, repeated=False
+    ),
+    **{
+        f"time step {step:g} s": Trial(
+            load="imbalance",
+            changes={"march.speed": 1.05, "march.time_step": step},
+            length=SHORT,
+            repeated=False,
+        )
+        for step in TIME_STEPS
+    },
+    **{
+        f"six modes, {load} at {speed}, kappa {kappa:g}": Trial(
+            load=load, changes={**SIX, "march.speed": speed, "coupling.stiffness": kappa}
+        )
+        for load, speed in COUPLED
+        for kappa in KAPPAS
+    },
+    "six modes, imbalance at 1.65, kappa 0": Trial(
+        load="imbalance",
+        changes={**SIX, "march.speed": 1.65, "coupling.stiffness": 0.0},
+        repeated=False,
+    ),
+    **{
+        f"{count} modes": Trial(
+            load="imbalance",
+            changes={"march.speed": 1.05, "reduction.fixed_interface_modes": count},
+            repeated=False,
+        )
+        for count in MODES
+    },
+}
+"""Marches by name."""
+
+
+@dataclass(kw_only=True)
+class Laboratory:
+    """Numbers, marches and sweeps of one set of parameters; close it, or use ``with``."""
+
+    directory: Path
+    store: RunStore
+    changes: Mapping[str, Any] = field(default_factory=dict)  #: of all cases, by dotted key
+    modal_changes: Mapping[str, Any] | None = None  #: of the modal case; as `changes` when None
+    quick: bool = False  #: whether marches are short, and sweeps coarse
+    coarse: bool = False  #: whether sweeps are coarse
+    speed_step: float | None = None  #: of all sweeps over speed; their own when None
+    repeat: int = 0  #: number of the repeat, whose force is perturbed
+    _open: ExitStack = field(default_factory=ExitStack)
+    _motions: dict[str, Motion] = field(default_factory=dict)
+    _sweeps: dict[str, xr.Dataset] = field(default_factory=dict)
+
+    def __enter__(self) -> Self:
+        """Nothing is opened before it is used."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close all results."""
+        self._motions.clear()
+        self._sweeps.clear()
+        self._open.close()
+
+    @property
+    def modal_case(self) -> Case:
+        """The case of modal work."""
+        changes = self.changes if self.modal_changes is None else self.modal_changes
+        return changed("modal", changes)
+
+    @cached_property
+    def stage(self) -> ModalStage:
+        """Its finite element models and modes."""
+        return modal_stage(self.modal_case)
+
+    @cached_property
+    def modal(self) -> ModalClaims:
+        """Its numbers where the paper claims something."""
+        return modal_claims(self.modal_case)
+
+    @cached_property
+    def system(self) -> System:
+        """Its six coupled modes, undamped as in Eq. (15)."""
+        return couple(self.modal_case, chosen="six", damped=False, with_pi=True, physical=False)
+
+    def case(self, name: str) -> Case:
+        """Case of a march, in this repeat."""
+        trial = TRIALS[name]
+        changes = {**self.changes, **trial.changes}
+        repeat = self.repeat if trial.repeated else 0
+        return perturbed(self._timed(changed(trial.load, changes), trial.length), repeat)
+
+    def cases(self, names: Iterable[str]) -> list[Case]:
+        """Cases of marches."""
+        return [self.case(name) for name in names]
+
+    def motion(self, name: str) -> Motion:
+        """A march, made if it is not there yet.
+
+        Raises:
+            NotTestableError: it failed.
+        """
+        if name not in self._motions:
+            case = self.case(name)
+            if run_key(case) not in self.store.failures:
+                self.store.make([case])
+            if run_key(case) in self.store.failures:
+                raise NotTestableError(f"{name}: {self.store.failures[run_key(case)]}")
+            result = self._open.enter_context(open_result(self.store.path(case)))
+            self._motions[name] = Motion(result)
+        return self._motions[name]
+
+    def sweep(self, name: str, watch: Watch | None = None) -> xr.Dataset:
+        """A sweep, made or finished if need be; opened once.
+
+        Raises:
+            NotTestableError: no point of it could be marched.
+        """
+        if name not in self._sweeps:
+            self._sweeps[name] = self._swept(name, watch)
+        return self._sweeps[name]
+
+    def _swept(self, name: str, watch: Watch | None) -> xr.Dataset:
+        survey = SURVEYS[name]
+        case = self._timed(changed(survey.load, {**self.changes, **survey.changes}), 1.0)
+        axes = survey.axes(coarse=self.quick or self.coarse, step=self.speed_step)
+        points = math.prod(len(values) for values in axes.values())
+        slug = name.replace(", ", "-").replace(" ", "-")
+        directory = self.directory / f"{slug}-{run_key(case)}-{points}"
+        options: dict[str, Any] = {
+            "workers": self.store.workers,
+            "scheduler": self.store.scheduler,
+            "watch": watch,
+        }
+        if (directory / PLAN_NAME).exists():
+            if not _is_complete(directory):
+                resume_sweep(directory, **options)
+        else:
+            run_sweep(case, axes, directory, **options)
+        dataset = self._open.enter_context(open_sweep(directory))
+        if not (dataset["state"] == "done").any():
+            raise NotTestableError(f"{name}: no point of the sweep could be marched")
+        return dataset
+
+    def _timed(self, case: Case, length: float) -> Case:
+        duration = QUICK_DURATION if self.quick else case.march.duration
+        return with_values(case, {"march.duration": length * duration})
+
+
+def perturbed(case: Case, repeat: int) -> Case:
+    """The case with its force changed by so many times `PERTURBATION`."""
+    if repeat == 0:
+        return case
+    factor = 1.0 + repeat * PERTURBATION
+    load = case.excitation
+    if load.type == "casing-distortion":
+        return with_values(case, {"excitation.modal_force": factor * load.modal_force})
+    if load.type == "imbalance" and load.unbalance is not None:
+        return with_values(case, {"excitation.unbalance": factor * load.unbalance})
+    if load.type == "imbalance" and load.clearance_speed is not None:
+        # The force goes with the inverse square of this speed.
+        speed = load.clearance_speed.value * factor**-0.5
+        given = speed if load.clearance_speed.kind == "normalised" else f"{speed!r} rad/s"
+        return with_values(case, {"excitation.clearance_speed": given})
+    return case
+
+
+def _is_complete(directory: Path) -> bool:
+    """Whether every point has a result; what failed is tried again."""
+    if not (directory / SWEEP_NAME).exists():
+        return False
+    with open_sweep(directory) as dataset:
+        return bool((dataset["state"] == "done").all())

@@ -1,0 +1,189 @@
+"""Figures that follow from a case: masses, frequencies, time step, speed, loads, sizes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bladewhirl.models.case.excitation import CasingDistortion, Imbalance
+from bladewhirl.models.elements.build import numbers_within_reach
+from bladewhirl.models.modal.modes import suspension_pair
+from bladewhirl.models.stage.build import marched_bodies
+from bladewhirl.models.stage.contact_problem import W, critical_time_step
+from bladewhirl.models.stage.loads import imbalance_force, radial_mode, unbalance
+from bladewhirl.models.stage.stage import Stage
+from bladewhirl.solvers.march.recorder import description_bytes, result_bytes
+
+TURN = 2.0 * np.pi
+
+LOWEST = 12
+"""Frequencies that are told of a body without cyclic symmetry."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rate:
+    """An angular frequency or speed, in the units people use."""
+
+    rad_per_s: float
+    hz: float  #: turns or cycles per second
+    rpm: float
+    normalised: float  #: multiples of the reference frequency
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mode:
+    """A natural frequency and its nodal diameter."""
+
+    nodal_diameter: int
+    frequency: Rate
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReductionFigures:
+    """What the Craig-Bampton reduction of the bladed disk kept, and how well."""
+
+    boundary: dict[str, int]  #: degrees of freedom kept, by set
+    fixed_interface_modes: int  #: kept; whole pairs, so perhaps one more than asked for
+    internal: int  #: degrees of freedom of the full model beside the boundary
+    modes: int  #: of the reduced model
+    marched: dict[str, int]  #: modes that a march has, of each body
+    frequency_error: dict[str, float]  #: largest relative one against the full model, by family
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImbalanceFigures:
+    """The load of an imbalance at the case's speed."""
+
+    unbalance: float  #: m e [kg m]
+    force: float  #: m e Omega^2 [N]
+
+
+MARCHES = {True: "harmonic by harmonic", False: "by dense products"}
+"""How a body is marched, by whether the march uses its cyclic symmetry."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DistortionFigures:
+    """The casing mode that a distortion loads."""
+
+    frequency: Rate
+    static_displacement: float  #: largest radial one under the force held for ever [m]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Derived:
+    """All of them."""
+
+    bladed_disk_mass: float  #: [kg]
+    casing_mass: float  #: struts included [kg]
+    reference_frequency: Rate  #: lowest of the full bladed disk with a free centre
+    speed: Rate
+    bladed_disk: tuple[Mode, ...]
+    """Lowest of each nodal diameter, full model; without cyclic symmetry the lowest few, k = -1."""
+    suspension: Rate | None  #: of the suspension pair; None when clamped
+    casing: tuple[Mode, ...]  #: lowest of each nodal diameter
+    reduction: ReductionFigures
+    symmetry: dict[str, str]  #: found, of each body
+    cyclic: dict[str, bool]  #: bodies marched harmonic by harmonic (else by dense products)
+    critical_time_step: float  #: [s]
+    dt_over_critical: float
+    steps: int
+    records: int
+    result_bytes: int  #: about the size of result.nc
+    imbalance: ImbalanceFigures | None
+    distortion: DistortionFigures | None
+
+
+def derive(stage: Stage) -> Derived:
+    """Work the figures of a stage out.
+
+    Raises:
+        CaseError: some are beyond the largest float.
+    """
+    with numbers_within_reach(stage.case):
+        return _derive(stage)
+
+
+def _derive(stage: Stage) -> Derived:
+    case, disk, modes = stage.case, stage.disk, stage.reduction.modes
+    casing, boundary = stage.casing, stage.boundary_sets
+    pair = suspension_pair(modes)
+    rotor, wall = marched_bodies(stage)
+    critical = critical_time_step(rotor, wall, stage.kept.springs)
+    records = case.march.timing.records
+    kept = {name: len(dofs) for name, dofs in boundary.items()}
+    return Derived(
+        bladed_disk_mass=disk.model.mass,
+        casing_mass=casing.mass,
+        reference_frequency=_rate(stage, stage.reference_frequency),
+        speed=_rate(stage, stage.speed),
+        bladed_disk=tuple(
+            Mode(nodal_diameter=k, frequency=_rate(stage, frequency))
+            for k, found in stage.disk_frequencies.items()
+            for frequency in found[: 1 if k >= 0 else LOWEST]
+        ),
+        suspension=_rate(stage, modes.frequency[pair[0]]) if pair.size else None,
+        casing=_lowest_of_casing(stage),
+        reduction=ReductionFigures(
+            boundary=kept,
+            fixed_interface_modes=stage.reduction.kept,
+            internal=disk.structure.size - sum(kept.values()),
+            modes=modes.count,
+            marched={"bladed_disk": len(stage.kept.rotor), "casing": len(stage.kept.casing)},
+            frequency_error=stage.frequency_error,
+        ),
+        symmetry=stage.symmetry,
+        cyclic={"bladed_disk": rotor.by_harmonics, "casing": wall.by_harmonics},
+        critical_time_step=critical,
+        dt_over_critical=case.march.time_step / critical,
+        steps=case.march.steps,
+        records=records,
+        result_bytes=description_bytes(stage.arrays)
+        + result_bytes(len(stage.kept.rotor), len(stage.kept.casing), case.blades, records),
+        imbalance=_imbalance(stage),
+        distortion=_distortion(stage),
+    )
+
+
+def _rate(stage: Stage, rad_per_s: float) -> Rate:
+    return Rate(
+        rad_per_s=float(rad_per_s),
+        hz=float(rad_per_s / TURN),
+        rpm=float(60.0 * rad_per_s / TURN),
+        normalised=float(rad_per_s / stage.reference_frequency),
+    )
+
+
+def _lowest_of_casing(stage: Stage) -> tuple[Mode, ...]:
+    modes = stage.casing_modes  # in ascending order
+    diameters, first = np.unique(modes.nodal_diameter, return_index=True)
+    if diameters[0] < 0:
+        first = np.arange(min(LOWEST, modes.count))
+        diameters = modes.nodal_diameter[first]
+    return tuple(
+        Mode(nodal_diameter=int(k), frequency=_rate(stage, frequency))
+        for k, frequency in zip(diameters, modes.frequency[first], strict=True)
+    )
+
+
+def _imbalance(stage: Stage) -> ImbalanceFigures | None:
+    if not isinstance(stage.case.excitation, Imbalance):
+        return None
+    return ImbalanceFigures(unbalance=unbalance(stage), force=imbalance_force(stage))
+
+
+def _distortion(stage: Stage) -> DistortionFigures | None:
+    """None also for a mode without stiffness, which has no static answer."""
+    load = stage.case.excitation
+    if not isinstance(load, CasingDistortion):
+        return None
+    number = radial_mode(stage, load.nodal_diameter)
+    frequency = stage.casing_modes.frequency[number]
+    if frequency == 0.0:
+        return None
+    wall = np.abs(stage.reduced_casing.nodal[:, W, number]).max()
+    return DistortionFigures(
+        frequency=_rate(stage, frequency),
+        static_displacement=float(wall * load.modal_force / frequency**2),
+    )

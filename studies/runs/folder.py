@@ -1,0 +1,161 @@
+"""The folder of a run: whether it may be used, what lies in it, how it is cleared."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from hashlib import sha256
+from importlib import metadata
+from pathlib import Path, PurePosixPath
+from platform import platform
+from tempfile import TemporaryDirectory
+
+from bladewhirl.meshes.files.registry import READERS as MESH_SUFFIXES
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import dumps_case
+from bladewhirl.models.case.mesh_file import MeshTable
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.solvers.march.recorder import RESULT_NAME
+from bladewhirl.studies.commands.render import FILES as PICTURES
+from bladewhirl.studies.commands.report import REPORT_NAME
+
+CASE_NAME = "case.toml"
+PROVENANCE_NAME = "provenance.json"
+SUMMARY_NAME = "summary.json"
+MESH_NAME = "mesh"  #: of a copy of a mesh file, before its suffix
+VTK_NAME = "vtk"
+ORBIT_NAME, ENERGY_NAME = "orbit.png", "energy.png"
+
+PACKAGE = "bladewhirl"
+
+
+def check_free(directory: Path, *, overwrite: bool) -> None:
+    """See that a run may be written to a folder.
+
+    Raises:
+        UserError: it exists and is no empty folder; with ``overwrite``, it is no folder or holds
+            something else than a run; or no files can be made there.
+    """
+    if directory.exists():
+        _check_replaceable(directory, overwrite=overwrite)
+    existing = nearest_existing(directory)
+    try:
+        with TemporaryDirectory(dir=existing):
+            pass
+    except OSError as error:
+        raise UserError(
+            f"{directory}: cannot be made or written: {existing} takes no files ({error.strerror})"
+        ) from None
+
+
+def nearest_existing(directory: Path) -> Path:
+    """The folder, or the first of its parents that exists."""
+    return next(path for path in (directory, *directory.absolute().parents) if path.exists())
+
+
+def _check_replaceable(directory: Path, *, overwrite: bool) -> None:
+    if directory.is_dir() and not any(directory.iterdir()):
+        return
+    if not overwrite:
+        raise UserError(
+            f"{directory}: already exists; --overwrite replaces the run in it, -o names another"
+            " folder"
+        )
+    if not directory.is_dir():
+        raise UserError(f"{directory}: expected a folder to overwrite, found a file")
+    if not is_run(directory):
+        raise UserError(f"{directory}: expected an empty folder or one of a run to overwrite")
+
+
+def is_run(directory: Path) -> bool:
+    """Whether a folder holds what `write_provenance` leaves in it."""
+    try:
+        provenance = json.loads((directory / PROVENANCE_NAME).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(provenance, dict) and PACKAGE in provenance
+
+
+def clear(directory: Path) -> None:
+    """Make the folder, or take the files of an earlier run out of it; others stay."""
+    directory.mkdir(parents=True, exist_ok=True)
+    for path in _own_files(directory):
+        path.unlink(missing_ok=True)
+    vtk = directory / VTK_NAME
+    for folder in (vtk / "frames", vtk):
+        if folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()
+
+
+def case_files(case: Case) -> dict[str, bytes]:
+    """Content, by file name, of what reruns a case: case.toml, and the mesh file that it names.
+
+    To be read before `clear`: the mesh file may be that of the run to be replaced.
+    """
+    mesh = case.bladed_disk.mesh
+    files = {CASE_NAME: portable_case(case).encode()}
+    return files if mesh is None else files | {_copy_name(mesh): Path(mesh.file).read_bytes()}
+
+
+def portable_case(case: Case, folder: str = "") -> str:
+    """Text of a case that names the copy of its mesh file, not the file itself.
+
+    Args:
+        case: the case.
+        folder: of the copy, as seen from where the text will lie.
+    """
+    mesh = case.bladed_disk.mesh
+    if mesh is None:
+        return dumps_case(case)
+    copy = mesh.model_copy(update={"file": str(PurePosixPath(folder) / _copy_name(mesh))})
+    disk = case.bladed_disk.model_copy(update={"mesh": copy})
+    return dumps_case(case.model_copy(update={"bladed_disk": disk}))
+
+
+def _copy_name(mesh: MeshTable) -> str:
+    return MESH_NAME + Path(mesh.file).suffix.lower()
+
+
+def write_provenance(directory: Path, case: Case) -> None:
+    """Write what made the run: versions, date, machine, and the mesh file that was copied."""
+    mesh = case.bladed_disk.mesh
+    provenance = {
+        PACKAGE: version(),
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "python": sys.version.split()[0],
+        "platform": platform(),
+        "dependencies": dict(_dependencies()),
+    }
+    if mesh is not None:
+        digest = sha256((directory / _copy_name(mesh)).read_bytes()).hexdigest()
+        provenance["mesh"] = {"file": mesh.file, "sha256": digest}
+    text = json.dumps(provenance, indent=2, ensure_ascii=False) + "\n"
+    (directory / PROVENANCE_NAME).write_text(text, encoding="utf-8")
+
+
+def version() -> str:
+    """Version of the installed package."""
+    return metadata.version(PACKAGE)
+
+
+def _dependencies() -> Iterator[tuple[str, str]]:
+    """Installed version of each dependency; those of extras are left out."""
+    for requirement in metadata.requires(PACKAGE) or []:
+        name = re.match(r"[\w.-]+", requirement)
+        if name is not None and "extra ==" not in requirement:
+            yield name[0], metadata.version(name[0])
+
+
+def _own_files(directory: Path) -> Iterator[Path]:
+    made = (CASE_NAME, RESULT_NAME, SUMMARY_NAME, PROVENANCE_NAME, REPORT_NAME)
+    yield from (directory / name for name in (*made, *PICTURES.values()))
+    yield from (directory / f"{MESH_NAME}{suffix}" for suffix in MESH_SUFFIXES)
+    for figure in (Path(ORBIT_NAME), Path(ENERGY_NAME)):
+        yield from (directory / f"{figure.stem}{suffix}" for suffix in (".png", ".pdf", ".nc"))
+    vtk = directory / VTK_NAME
+    yield from (vtk / name for name in ("series.pvd", "mesh.vtu"))
+    for part in ("rotor", "casing"):
+        yield from vtk.glob(f"frames/{part}_*.vtu")

@@ -1,0 +1,91 @@
+"""Reports of what lies in a folder: a run or a sweep, finished or not."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.fields.result import RESULT_NAME, open_result
+from bladewhirl.postprocess.plotting.files import checked_target
+from bladewhirl.postprocess.reports.page import Page, write_page
+from bladewhirl.postprocess.reports.run import run_report
+from bladewhirl.postprocess.reports.sweep import sweep_report
+from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
+from bladewhirl.studies.commands.report import REPORT_NAME
+from bladewhirl.studies.runs.folder import PROVENANCE_NAME
+from bladewhirl.studies.sweeps.store import FAILURES_NAME
+
+
+def write_report(directory: str | Path, output: str | Path | None = None) -> Path:
+    """Write the report of a run or a sweep as one HTML file for use offline; returns its path.
+
+    Args:
+        directory: of a run or a sweep.
+        output: the file; report.html in the folder when None. An older one is replaced.
+
+    Raises:
+        UserError: neither is there, or the file can't be written.
+    """
+    directory = Path(directory)
+    target = directory / REPORT_NAME if output is None else Path(output)
+    checked_target(target, ".html")
+    made = {RESULT_NAME: _run_page, SWEEP_NAME: _sweep_page}
+    found = [make for name, make in made.items() if (directory / name).is_file()]
+    if not found:
+        raise UserError(
+            f"{directory}: expected the folder of a run or a sweep, with its {' or '.join(made)}"
+        )
+    with _writing(target):
+        target.parent.mkdir(parents=True, exist_ok=True)  # before anything is drawn
+    page = found[0](directory)
+    with _writing(target):
+        return write_page(page, target)
+
+
+@contextmanager
+def _writing(target: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise UserError(f"{target}: cannot be written ({error.strerror})") from None
+
+
+def _run_page(directory: Path) -> Page:
+    with open_result(directory) as result:
+        return run_report(result, _provenance(directory), name=directory.absolute().name)
+
+
+def _sweep_page(directory: Path) -> Page:
+    with open_sweep(directory) as sweep:
+        return sweep_report(
+            sweep,
+            _provenance(directory),
+            _failures(directory),
+            name=directory.absolute().name,
+        )
+
+
+def _failures(directory: Path) -> list[tuple[str, str]]:
+    """Points that failed, in words, and why; none where that is not told."""
+    try:
+        found = json.loads((directory / FAILURES_NAME).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return []
+    rows = []
+    for entry in found:
+        values = {key: value for key, value in entry.items() if key not in ("point", "reason")}
+        words = ", ".join(f"{key} = {value}" for key, value in values.items())
+        rows.append((words, str(entry["reason"])))
+    return rows
+
+
+def _provenance(directory: Path) -> Mapping[str, object] | None:
+    """What made it; None where that is not told."""
+    try:
+        found = json.loads((directory / PROVENANCE_NAME).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return found if isinstance(found, dict) else None

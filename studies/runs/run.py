@@ -1,0 +1,293 @@
+"""One run: from a case to a folder with the march's result, its summary, figures and series."""
+
+from __future__ import annotations
+
+import gc
+import shutil
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.elements.build import numbers_within_reach
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.timing import Timing
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.hints import stage_hints
+from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.solvers.march.march import Chunk, EndReason, march
+from bladewhirl.solvers.march.recorder import (
+    INTERRUPTED,
+    RESULT_NAME,
+    Attribute,
+    NonFiniteError,
+    Recorder,
+    description_bytes,
+    result_bytes,
+)
+from bladewhirl.studies.runs import folder as folder
+from bladewhirl.studies.runs.derived import MARCHES
+from bladewhirl.studies.runs.write_up import Run, Window, write_up
+
+__all__ = [
+    "Activity",
+    "Prepared",
+    "Progress",
+    "Run",
+    "march_to_file",
+    "prepare",
+    "prepare_stage",
+    "run_case",
+]
+
+SPARE_BYTES = 4_000_000
+"""Room on the disk that a march leaves: HDF5 can't close a file on a full disk in order."""
+
+Activity = Literal["marching", "writing"]
+
+Progress = Callable[[Activity, int, int], None]
+"""Called with what is being done, steps done and steps in all."""
+
+REMEDY = (
+    "there is nothing left for a linear model to say; if the stage is not meant to diverge, look "
+    "at its speed, load, damping and friction, else raise march.displacement_limit to follow it "
+    "further"
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prepared:
+    """A case ready to march; whatever can be wrong with it has been seen."""
+
+    stage: Stage
+    problem: ContactProblem
+    timing: Timing
+    scheme: CentralDifference
+
+
+def prepare(case: Case) -> Prepared:
+    """Build the stage of a case, factorise its march and compile the kernel.
+
+    Raises:
+        CaseError: all faults that only show here.
+    """
+    return prepare_stage(build_stage(case))
+
+
+def prepare_stage(stage: Stage) -> Prepared:
+    """Factorise the march of a stage and compile the kernel.
+
+    Raises:
+        CaseError: all faults that stand in the way of a march.
+    """
+    problem, case = contact_problem(stage), stage.case
+    timing = case.march.timing
+    with numbers_within_reach(case):
+        scheme = CentralDifference(problem, timing.time_step, timing.record_every)
+        begin = scheme.init()
+    with _no_collection():  # compiles, so that the march's clock does not count it
+        scheme.advance(begin, 0)
+    return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
+
+
+def run_case(
+    case: Case,
+    directory: str | Path,
+    *,
+    overwrite: bool = False,
+    frames: int = 300,
+    start: float | None = None,
+    end: float | None = None,
+    rotating: bool = False,
+    progress: Progress | None = None,
+) -> Run:
+    """Run a case and leave everything about it in a folder.
+
+    The folder gets case.toml (and a copy of its mesh file), provenance.json, result.nc,
+    summary.json, orbit and energy (.png, .pdf and the data behind them) and vtk/. Nothing is
+    written before the case is known to be right. Ctrl-C ends the march in order: what was
+    recorded is finished and summed up, and the run says "interrupted".
+
+    Args:
+        case: to run.
+        directory: to make.
+        overwrite: replace the run in an existing folder; files that are not the run's stay.
+        frames: of the ParaView series in vtk/; 0 for no series.
+        start: of the series [s]; of the run when None.
+        end: of the series [s]; of the run when None.
+        rotating: show the series as seen from the rotor.
+        progress: called with what is being done, steps done and steps in all, many times a second
+            while marching.
+
+    Raises:
+        CaseError: all faults of the case.
+        UserError: the folder may not be used, the window makes no sense, or something can't be
+            written.
+    """
+    directory = Path(directory)
+    window = Window(frames=frames, start=start, end=end, rotating=rotating)
+    window.check_within(case.march.duration)
+    folder.check_free(directory, overwrite=overwrite)
+    prepared = prepare(case)
+    try:
+        _check_room(directory, _expected_bytes(prepared))
+        files = folder.case_files(case)
+        folder.clear(directory)
+        for name, content in files.items():
+            (directory / name).write_bytes(content)
+        folder.write_provenance(directory, case)
+        report = march_to_file(prepared, directory / RESULT_NAME, progress)
+        run = write_up(directory, report, window)
+        return replace(run, hints=(*stage_hints(prepared.stage), *run.hints))
+    except OSError as error:
+        raise UserError(f"{directory}: cannot be written ({error})") from None
+
+
+@contextmanager
+def _no_collection() -> Iterator[None]:
+    """Keep the garbage collector away: it costs a compilation a tenth of its time."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
+def march_to_file(
+    prepared: Prepared, path: Path, progress: Progress | None = None, *, mesh_folder: str = ""
+) -> dict[str, float]:
+    """March and record; returns what the march alone knows of its quality.
+
+    Args:
+        prepared: the case to march.
+        path: of the result.
+        progress: called with what is being done, steps done and steps in all.
+        mesh_folder: where a copy of the case's mesh file lies, as seen from the result.
+    """
+    timing, residual, unsolved = prepared.timing, 0.0, 0
+    reason, message = EndReason.COMPLETED.value, ""
+    with Recorder(path, prepared.stage.arrays, _attributes(prepared, mesh_folder)) as recorder:
+        began = time.perf_counter()
+        try:
+            with _interrupt() as interrupted:
+                for state, chunk, end in march(prepared.scheme, timing):
+                    _check_room(path.parent, 0)
+                    recorder.write(chunk)
+                    residual = state.statistics.complementarity_residual
+                    unsolved = state.statistics.lcp_failures
+                    if progress is not None:
+                        progress("marching", min(state.step, timing.steps), timing.steps)
+                    if end is EndReason.DIVERGENT:
+                        reason, message = end.value, _divergence(prepared, chunk)
+                    elif end is None and interrupted():
+                        reason = INTERRUPTED
+                        message = f"interrupted at {recorder.steps * timing.time_step:.6g} s"
+                        break
+        except NonFiniteError as error:
+            reason, message = EndReason.DIVERGENT.value, f"{error}; {REMEDY}"
+        wall_time = time.perf_counter() - began
+        report = {
+            "complementarity_residual": residual,
+            "unsolved_steps": unsolved,
+            "dt_over_critical": timing.time_step / prepared.problem.critical_time_step,
+            "steps": recorder.steps,
+            "wall_time": wall_time,
+            "us_per_step": 1e6 * wall_time / max(recorder.steps, 1),
+        }
+        recorder.finish(reason, message, report)
+    if progress is not None:
+        progress("writing", recorder.steps, timing.steps)
+    return report
+
+
+def _expected_bytes(prepared: Prepared) -> int:
+    problem, timing = prepared.problem, prepared.timing
+    return description_bytes(prepared.stage.arrays) + result_bytes(
+        len(problem.rotor.frequency),
+        len(problem.casing.frequency),
+        len(problem.rotor.tip_angle),
+        timing.records,
+    )
+
+
+def _check_room(directory: Path, needed: int) -> None:
+    """See that there is room for so many bytes and a little more.
+
+    Raises:
+        UserError: there is not.
+    """
+    free = shutil.disk_usage(folder.nearest_existing(directory)).free
+    if free < needed + SPARE_BYTES:
+        raise UserError(
+            f"{directory}: expected {(needed + SPARE_BYTES) / 1e6:.0f} MB of room on the disk, "
+            f"found {free / 1e6:.0f} MB"
+        )
+
+
+def _attributes(prepared: Prepared, mesh_folder: str) -> dict[str, Attribute]:
+    stage = prepared.stage
+    case = stage.case
+    return {
+        "title": case.title,
+        "version": folder.version(),
+        "speed": stage.speed,
+        "reference_frequency": stage.reference_frequency,
+        "casing_radius": stage.reduced_casing.radius,
+        "tip_radius": stage.rotor.tip_radius,
+        "friction": case.contact.friction,
+        "time_step": prepared.timing.time_step,
+        "record_step": prepared.timing.record_step,
+        "clamped": int(case.shaft.clamped),
+        "symmetry": "; ".join(
+            f"{body.replace('_', ' ')}: {found}, march {MARCHES[cyclic]}"
+            for (body, found), cyclic in zip(
+                stage.symmetry.items(), prepared.scheme.cyclic, strict=True
+            )
+        ),
+        "case": folder.portable_case(case, mesh_folder),
+    }
+
+
+def _divergence(prepared: Prepared, chunk: Chunk) -> str:
+    """Which tip went too far, when, and what to do."""
+    rotor, last = prepared.problem.rotor, chunk.rotor_displacement[-1]
+    outward = np.maximum(np.abs(rotor.tip_radial @ last), np.abs(rotor.tip_tangential @ last))
+    limit = prepared.problem.displacement_limit
+    return (
+        f"blade {int(outward.argmax())} passed march.displacement_limit = {limit:g} m at "
+        f"{chunk.time[-1]:.6g} s; {REMEDY}"
+    )
+
+
+@contextmanager
+def _interrupt() -> Iterator[Callable[[], bool]]:
+    """Turn the first Ctrl-C into a question to ask; the second one is a KeyboardInterrupt again.
+
+    Only the main thread gets signals; elsewhere the answer stays False.
+    """
+    asked = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield asked.is_set
+        return
+    before = signal.getsignal(signal.SIGINT)
+
+    def ask(number: int, frame: object) -> None:
+        asked.set()
+        signal.signal(signal.SIGINT, before)
+
+    signal.signal(signal.SIGINT, ask)
+    try:
+        yield asked.is_set
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,134 @@
+"""What a run leaves beside its records: summary, figures and the ParaView series."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.runs import folder as folder
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from bladewhirl.postprocess.run.summary import Summary
+
+
+@dataclass(frozen=True, kw_only=True)
+class Window:
+    """Which instants of a run its ParaView series shows.
+
+    Raises:
+        UserError: fewer than no frames, or a window that is empty or begins before the run.
+    """
+
+    frames: int  #: spread evenly; 0 for no series
+    start: float | None  #: [s]; that of the run when None
+    end: float | None  #: [s]; that of the run when None
+    rotating: bool  #: seen from the rotor
+
+    def __post_init__(self) -> None:
+        if self.frames < 0:
+            raise UserError(f"--frames {self.frames}: expected 0 or more")
+        start = 0.0 if self.start is None else self.start
+        end = np.inf if self.end is None else self.end
+        if not 0.0 <= start <= end:
+            raise UserError(
+                f"--from {start:g} --to {end:g}: expected a window in order that begins at 0 s or"
+                " later"
+            )
+
+    def check_within(self, duration: float) -> None:
+        """See that there is something to show.
+
+        Raises:
+            UserError: it begins when the run has ended.
+        """
+        if self.frames > 0 and self.start is not None and self.start > duration:
+            raise UserError(
+                f"--from {self.start:g}: expected a time before the end of the run, {duration:g} s"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """What a run left."""
+
+    directory: Path
+    end_reason: str  #: "completed", "divergent" or "interrupted"
+    end_message: str  #: where it did not complete, cause and remedy in one line
+    summary: Summary
+    symmetry: str  #: of both bodies, as found, and the path taken
+    hints: tuple[str, ...]  #: what may be done better
+
+    def __repr__(self) -> str:
+        """Where it is and how it ended, in one line."""
+        return f"<Run: {self.directory}, {self.end_reason}, {self.summary.regime}>"
+
+    def open(self) -> xr.Dataset:
+        """The result, read when used; close it, or open it in a ``with``."""
+        from bladewhirl.postprocess.fields.result import open_result
+
+        return open_result(self.directory)
+
+
+def write_up(directory: Path, report: Mapping[str, float], window: Window) -> Run:
+    """Leave summary, figures and series of the result in a folder.
+
+    Args:
+        directory: with result.nc in it.
+        report: what the march alone knows of its quality, see `postprocess.summary`.
+        window: of the series.
+    """
+    from bladewhirl.postprocess.fields.result import open_result
+    from bladewhirl.postprocess.plotting.style import save_figure
+    from bladewhirl.postprocess.run.energies import plot_energy, strain_energies
+    from bladewhirl.postprocess.run.orbits import plot_orbit, shaft_orbit
+    from bladewhirl.postprocess.run.summary import displacement_hints, summarise, write_summary
+
+    with open_result(directory) as result:
+        summary = summarise(result, report)
+        write_summary(summary, directory / folder.SUMMARY_NAME)
+        orbit, energies = shaft_orbit(result), strain_energies(result)
+        save_figure(plot_orbit(orbit), directory / folder.ORBIT_NAME, orbit)
+        save_figure(plot_energy(energies), directory / folder.ENERGY_NAME, energies)
+        return Run(
+            directory=directory,
+            end_reason=result.attrs["end_reason"],
+            end_message=result.attrs["end_message"],
+            summary=summary,
+            symmetry=result.attrs["symmetry"],
+            hints=(
+                *displacement_hints(summary, result.attrs["tip_radius"]),
+                *_write_series(result, directory / folder.VTK_NAME, window),
+            ),
+        )
+
+
+def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
+    """Write the ParaView series; yields hints."""
+    from bladewhirl.postprocess.fields.fields import ViewError, frame_records, sampling_hint
+    from bladewhirl.postprocess.paraview.series import write_vtk
+
+    if window.frames == 0:
+        return
+    try:
+        records = frame_records(result, window.frames, window.start, window.end)
+    except ViewError as error:  # the run ended before the window
+        yield f"no ParaView series: {error}"
+        return
+    write_vtk(
+        result,
+        directory,
+        frames=window.frames,
+        start=window.start,
+        end=window.end,
+        rotating=window.rotating,
+    )
+    hint = sampling_hint(result, records)
+    if hint:
+        yield f"{directory.name}: {hint} (--from, --to, --frames)"

@@ -1,0 +1,1 @@
+"""A case marched over ranges of its keys: plan, points, store, cluster."""

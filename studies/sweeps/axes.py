@@ -1,0 +1,300 @@
+"""What a sweep runs over: keys of the case with their values, checked point by point."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from difflib import get_close_matches
+from itertools import product
+from typing import Any, get_args
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import with_values
+from bladewhirl.models.inputs.errors import CaseError, UserError, shown
+from bladewhirl.models.inputs.table import Table
+from bladewhirl.models.inputs.units import Speed
+
+Value = int | float | str
+"""A value as a case file holds it: a number, or text with a unit."""
+
+OVER = "--over"
+
+ASKED_POINTS = 100_000
+"""Points that a sweep has at most without being asked for more."""
+
+MOST_POINTS = 10_000_000
+"""Points that no sweep has: more is a slip of the pen."""
+
+SHOWN_FAULTS = 5
+"""Points with faults that are named; the others are counted."""
+
+ON_GRID = Decimal("1e-6")
+"""Share of a step by which a range may miss its stop and still include it."""
+
+_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*?)?\s*", re.ASCII)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Axis:
+    """One swept key and the values it takes, in order."""
+
+    key: str  #: dotted, as in the case file
+    values: tuple[Value, ...]  #: as a case file would hold them
+
+    @property
+    def name(self) -> str:
+        """Of the dimension in the sweep's dataset."""
+        return self.key.replace(".", "_")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Grid:
+    """All points of a sweep: the product of its axes, the last one running fastest."""
+
+    axes: tuple[Axis, ...]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each axis."""
+        return tuple(len(axis.values) for axis in self.axes)
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return math.prod(self.shape)
+
+    def values(self, point: int) -> dict[str, Value]:
+        """Values of the swept keys at a point."""
+        position = np.unravel_index(point, self.shape)
+        return {axis.key: axis.values[i] for axis, i in zip(self.axes, position, strict=True)}
+
+    def label(self, point: int) -> str:
+        """A point in words, "march.speed = 1.05, contact.friction = 0.1"."""
+        return ", ".join(f"{key} = {shown(value)}" for key, value in self.values(point).items())
+
+    def cases(self, case: Case) -> Iterator[Case]:
+        """The case at every point, in order.
+
+        Raises:
+            UserError: naming the points at which it has faults.
+        """
+        faults: list[str] = []
+        for point, combination in enumerate(product(*(axis.values for axis in self.axes))):
+            keys = (axis.key for axis in self.axes)
+            try:
+                yield with_values(case, dict(zip(keys, combination, strict=True)))
+            except CaseError as error:
+                faults.append(f"{OVER}, point {self.label(point)}: {error.lines[0]}")
+        refuse_faulty(faults)
+
+
+class FaultyPoints(UserError):
+    """Points of a sweep at which the case has faults."""
+
+    @property
+    def lines(self) -> list[str]:
+        """One line a point, the rest counted."""
+        return [str(line) for line in self.args]
+
+
+def refuse_faulty(faults: Sequence[str]) -> None:
+    """Raise what is wrong with points, one line each, if anything is.
+
+    Raises:
+        FaultyPoints: there are faults.
+    """
+    if faults:
+        more = len(faults) - SHOWN_FAULTS
+        rest = [f"{OVER}: {more} more points have faults"] if more > 0 else []
+        raise FaultyPoints(*faults[:SHOWN_FAULTS], *rest)
+
+
+def make_grid(case: Case, over: Mapping[str, Sequence[Value]], *, large: bool) -> Grid:
+    """The points of a sweep.
+
+    Args:
+        case: that the sweep varies.
+        over: values of each swept key.
+        large: more than 100,000 points are meant.
+
+    Raises:
+        UserError: nothing to sweep, an unknown key or one without a number, fewer than two
+            values or some twice, too many points.
+    """
+    if not over:
+        raise UserError(f"{OVER}: expected at least one key to sweep, march.speed=0.95:2:0.005")
+    for key in over:
+        check_key(case, key)
+    grid = Grid(axes=tuple(Axis(key=key, values=tuple(found)) for key, found in over.items()))
+    for axis in grid.axes:
+        _check_values(axis)
+    if grid.size > MOST_POINTS:
+        raise UserError(
+            f"{OVER}: expected at most {MOST_POINTS} points, got {grid.size}; take larger steps"
+        )
+    if grid.size > ASKED_POINTS and not large:
+        raise UserError(
+            f"{OVER}: {grid.size} points are more than {ASKED_POINTS}; --yes runs them all"
+        )
+    return grid
+
+
+def parse_over(options: Sequence[str]) -> dict[str, tuple[Value, ...]]:
+    """Values of each key from options "KEY=START:STOP:STEP" and "KEY=VALUE,VALUE".
+
+    The stop is included where steps lead to it within rounding. Numbers may carry a unit, as in
+    the case file: the same one each, "2000 rpm:2500 rpm:10 rpm" or "0.5 mm,1 mm". Steps are added
+    in decimal, so that 0.95:2:0.005 holds the very numbers one would type.
+
+    Raises:
+        UserError: anything else, ranges that are empty, reversed or of a single point, and a key
+            given twice.
+    """
+    over: dict[str, tuple[Value, ...]] = {}
+    for option in options:
+        key, equals, text = (part.strip() for part in option.partition("="))
+        if not (key and equals and text):
+            raise UserError(f"{OVER} {option}: expected KEY=START:STOP:STEP or KEY=VALUE,VALUE")
+        if key in over:
+            raise UserError(f"{OVER} {key}: expected each key once")
+        over[key] = _range(option, text) if ":" in text else _list(option, text)
+    return over
+
+
+def coordinate(case_values: Sequence[Any]) -> tuple[FloatArray, str]:
+    """Values of a key, read from the cases, as numbers, and their unit where the key decides it.
+
+    Args:
+        case_values: int, float or `Speed`.
+
+    Raises:
+        UserError: speeds partly in multiples of the reference frequency, partly absolute.
+    """
+    kinds = {value.kind for value in case_values if isinstance(value, Speed)}
+    if len(kinds) > 1:
+        raise UserError(
+            f"{OVER}: expected all speeds as numbers (multiples of the reference frequency) or"
+            " all with a unit"
+        )
+    numbers = [value.value if isinstance(value, Speed) else float(value) for value in case_values]
+    unit = {"normalised": "1"}.get(*kinds, *kinds) if kinds else ""
+    return np.array(numbers), unit
+
+
+def value_at(case: Case, key: str) -> Any:
+    """Value at a dotted key of a case."""
+    value: Any = case
+    for part in key.split("."):
+        value = value[part] if isinstance(value, Mapping) else getattr(value, part)
+    return value
+
+
+def check_key(case: Case, key: str) -> None:
+    """See that a key of the case holds a number.
+
+    Raises:
+        UserError: it does not; the message names the nearest that does.
+    """
+    known = dict(_numeric_keys(case))
+    if key in known:
+        return
+    near = get_close_matches(key, known, n=1, cutoff=0.0)[0]
+    last = key.rpartition(".")[2]
+    namesake = [name for name in known if name.rpartition(".")[2] == last]
+    nearest = " or ".join(namesake or [near])
+    raise UserError(
+        f"{OVER} {key}: expected a key of the case that holds a number; the nearest is {nearest}"
+    )
+
+
+def unit_of(case: Case, key: str) -> str:
+    """SI unit of a key, from its description; "1" for pure numbers."""
+    description = dict(_numeric_keys(case))[key]
+    found = re.search(r"\[([^\]]+)\]", description)
+    return found[1] if found else "1"
+
+
+def _numeric_keys(table: Table) -> Iterator[tuple[str, str]]:
+    """Dotted keys that hold one number, with their descriptions."""
+    for name, field in type(table).model_fields.items():
+        value = getattr(table, name)
+        for key, row in value.items() if isinstance(value, Mapping) else ():
+            yield from ((f"{name}.{key}.{inner}", text) for inner, text in _numeric_keys(row))
+        if isinstance(value, Table):
+            yield from ((f"{name}.{inner}", text) for inner, text in _numeric_keys(value))
+            continue
+        kinds = {field.annotation, *get_args(field.annotation)}
+        kinds |= {part for kind in tuple(kinds) for part in get_args(kind)}
+        scalar = isinstance(value, int | float | Speed) and not isinstance(value, bool)
+        if scalar or (value is None and kinds & {int, float, Speed} and tuple not in kinds):
+            yield name, str(field.description)
+
+
+def _check_values(axis: Axis) -> None:
+    if len(axis.values) < 2:
+        raise UserError(
+            f"{OVER} {axis.key}: expected at least two values, got {len(axis.values)};"
+            " --set changes one"
+        )
+    twice = len(axis.values) - len(set(axis.values))
+    if twice:
+        raise UserError(f"{OVER} {axis.key}: expected each value once, {twice} come again")
+
+
+def _range(option: str, text: str) -> tuple[Value, ...]:
+    parts = text.split(":")
+    if len(parts) != 3:
+        raise UserError(f"{OVER} {option}: expected START:STOP:STEP, got {len(parts)} numbers")
+    numbers, unit = _numbers(option, parts)
+    start, stop, step = numbers
+    if step == 0:
+        raise UserError(f"{OVER} {option}: expected a step that is not zero")
+    if (stop - start) * step < 0 or step < 0:
+        raise UserError(f"{OVER} {option}: expected START below STOP and a positive STEP")
+    steps = (stop - start) / step
+    if steps < 1 - ON_GRID:
+        raise UserError(f"{OVER} {option}: expected more than a single point")
+    if steps >= MOST_POINTS:
+        raise UserError(f"{OVER} {option}: expected at most {MOST_POINTS} points")
+    last = int(steps + ON_GRID)
+    grid = [start + i * step for i in range(last + 1)]
+    if abs(grid[-1] - stop) <= ON_GRID * step:
+        grid[-1] = stop
+    return tuple(_value(number, unit) for number in grid)
+
+
+def _list(option: str, text: str) -> tuple[Value, ...]:
+    parts = text.removesuffix(",").split(",")
+    if len(parts) < 2:
+        raise UserError(
+            f"{OVER} {option}: expected START:STOP:STEP or at least two values; --set changes one"
+        )
+    numbers, unit = _numbers(option, parts)
+    return tuple(_value(number, unit) for number in numbers)
+
+
+def _numbers(option: str, parts: Sequence[str]) -> tuple[list[Decimal], str]:
+    """Numbers, and the unit that they share; empty where they have none."""
+    found = [_NUMBER.fullmatch(part) for part in parts]
+    matches = [match for match in found if match is not None]
+    if len(matches) < len(parts):
+        bad = parts[found.index(None)].strip()
+        raise UserError(f"{OVER} {option}: expected numbers, got {bad!r}")
+    units = [match[2] or "" for match in matches]
+    if len(set(units)) > 1:
+        example = f"{matches[0][1]} {max(units)}"
+        raise UserError(f"{OVER} {option}: expected the same unit on every number, {example}")
+    return [Decimal(match[1]) for match in matches], units[0]
+
+
+def _value(number: Decimal, unit: str) -> Value:
+    """A number as the case file would hold it."""
+    whole = number == number.to_integral_value() and abs(number) < 2**53
+    plain: int | float = int(number) if whole else float(number)
+    return f"{plain!r} {unit}" if unit else plain

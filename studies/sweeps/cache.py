@@ -1,0 +1,106 @@
+"""Runs that a study needs, found where they were made before, else marched side by side.
+
+A run is known by its resolved case and the version of the program: a study that is interrupted
+goes on where it was, and one that asks for the same run again gets it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, cast
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import dumps_case
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.runs import folder as folder
+from bladewhirl.studies.runs.run import prepare_stage
+from bladewhirl.studies.sweeps.cluster import march_groups
+from bladewhirl.studies.sweeps.layout import make_layout, march_extent
+from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work, march_group, stage_at
+
+KEY_LENGTH = 16
+"""Characters of the name of a run."""
+
+Progress = Callable[[int, int], None]
+"""Called with runs done and runs in all."""
+
+
+def run_key(case: Case) -> str:
+    """Name of the run of a case: the same for the same case and version."""
+    text = folder.version() + "\n" + dumps_case(case)
+    return hashlib.sha256(text.encode()).hexdigest()[:KEY_LENGTH]
+
+
+@dataclass(kw_only=True)
+class RunStore:
+    """Results by case, in one folder."""
+
+    directory: Path
+    workers: int | None = None  #: processes that march; one a core when None, this one when 1
+    scheduler: str | None = None  #: address of an existing dask scheduler
+    failures: dict[str, str] = field(default_factory=dict)  #: reason by name of the run
+
+    def path(self, case: Case) -> Path:
+        """Where the result of a case is, or will be."""
+        return self.directory / f"{run_key(case)}.nc"
+
+    def missing(self, cases: Sequence[Case]) -> list[Case]:
+        """Cases without a result, each once."""
+        named = {run_key(case): case for case in cases}
+        return [case for case in named.values() if not self.path(case).exists()]
+
+    def make(self, cases: Sequence[Case], progress: Progress | None = None) -> None:
+        """March the cases that have no result yet; what fails is noted in `failures`.
+
+        Raises:
+            UserError: the folder can't be written, or the scheduler does not answer.
+        """
+        missing = self.missing(cases)
+        if progress is not None:
+            progress(0, len(missing))
+        sound = [case for case in missing if self._is_sound(case)]
+        if not sound:
+            return
+        try:
+            self.directory.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UserError(f"{self.directory}: cannot be written ({error.strerror})") from None
+        layout = make_layout(march_extent(sound), stage_at(sound[0]))
+        work = Work(
+            case=dumps_case(sound[0]), layout=layout, histories=str(self.directory.absolute())
+        )
+        groups = [
+            Group(
+                number=number,
+                # Whole tables: the cases need not have anything in common.
+                points={number: cast(Any, case.model_dump(exclude_none=True))},
+                history_names={number: self.path(case).name},
+            )
+            for number, case in enumerate(sound)
+        ]
+        done = len(missing) - len(sound)
+        for outcomes in self._marched(work, groups):
+            for point, outcome in outcomes.items():
+                if isinstance(outcome, Failure):
+                    self.failures[run_key(sound[point])] = outcome.reason
+            done += len(outcomes)
+            if progress is not None:
+                progress(done, len(missing))
+
+    def _marched(self, work: Work, groups: Sequence[Group]) -> Iterator[Mapping[int, Outcome]]:
+        """Outcomes of each group; a single process marches them itself."""
+        if self.scheduler is None and self.workers == 1:
+            return (march_group(work, group) for group in groups)
+        return march_groups(work, groups, scheduler=self.scheduler, workers=self.workers)
+
+    def _is_sound(self, case: Case) -> bool:
+        """Whether it can be marched; compiles, so that workers find what they all use."""
+        try:
+            prepare_stage(stage_at(case))
+        except UserError as error:
+            self.failures[run_key(case)] = error.lines[0]
+            return False
+        return True

@@ -1,0 +1,147 @@
+"""Groups of points on dask workers: a few at a time, suspects alone, results as they come."""
+
+from __future__ import annotations
+
+import signal
+import uuid
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from itertools import chain, islice
+from multiprocessing import resource_tracker
+
+import dask
+from dask.system import CPU_COUNT
+from distributed import Client, LocalCluster, as_completed
+from distributed.scheduler import KilledWorker
+
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work, march_group
+
+PATIENCE = "30s"
+"""How long an existing scheduler has to answer."""
+
+LOCAL: Mapping[str, object] = {
+    # A group that a worker died with is suspect at once: it is then tried alone, see below.
+    "distributed.scheduler.allowed-failures": 1,
+    # Workers leave with their parent; nobody asks them for a web page.
+    "distributed.worker.daemon": True,
+    # What dask remembers of what it did stays small, however many points there are.
+    "distributed.admin.low-level-log-length": 100,
+    "distributed.admin.system-monitor.log-length": 100,
+}
+
+READY = 1
+"""Groups waiting at a worker beside the one it does, so that it never waits for the next."""
+
+
+def march_groups(
+    work: Work, groups: Iterable[Group], *, scheduler: str | None, workers: int | None
+) -> Iterator[Mapping[int, Outcome]]:
+    """March groups, yielding the outcomes of each as they come.
+
+    A worker that dies takes down nothing but what it was doing: dask starts another and gives the
+    work to the next. A group that was being done when workers died again is put aside and tried
+    alone at the end, when no other can be to blame; if they die even so, its points fail.
+
+    Args:
+        work: what the groups have in common.
+        groups: to march.
+        scheduler: address of an existing scheduler, or None.
+        workers: number of local ones; one a core when None.
+
+    Raises:
+        UserError: the scheduler does not answer, or has no workers.
+    """
+    waiting = iter(groups)
+    count = workers or CPU_COUNT
+    first = list(islice(waiting, count))
+    if not first:
+        return
+    with _client(scheduler, min(count, len(first))) as client:
+        suspects: list[Group] = []
+        yield from _in_flight(client, work, chain(first, waiting), suspects)
+        for group in suspects:
+            dead: list[Group] = []
+            yield from _in_flight(client, work, [group], dead)
+            if dead:
+                reason = "the worker died every time it marched this point, alone too"
+                yield {point: Failure(reason=reason) for point in group.points}
+
+
+def _in_flight(
+    client: Client, work: Work, groups: Iterable[Group], suspects: list[Group]
+) -> Iterator[Mapping[int, Outcome]]:
+    """March groups with a few of them submitted at a time: none but these take memory."""
+    waiting, marching = iter(groups), dict[object, Group]()
+    results = as_completed(loop=client.loop)
+    together = "sweep-" + uuid.uuid4().hex  # one name: the scheduler keeps books on each
+
+    def submit(most: int) -> None:
+        for group in islice(waiting, most):
+            key = (together, group.number)
+            future = client.submit(march_group, work, group, key=key, pure=False)
+            marching[future.key] = group
+            results.add(future)
+
+    while True:
+        threads = max(1, sum(client.nthreads().values()))
+        submit(max(0, (1 + READY) * threads - len(marching)))
+        if not marching:
+            return
+        future = next(results)
+        group = marching.pop(future.key)
+        try:
+            outcomes = future.result()
+        except KilledWorker:
+            suspects.append(group)
+            continue
+        finally:
+            future.release()
+        yield outcomes
+
+
+@contextmanager
+def _client(scheduler: str | None, workers: int) -> Iterator[Client]:
+    """A client of the scheduler, or of a local cluster that ends with it."""
+    if scheduler is not None:
+        try:
+            client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
+        except (OSError, ValueError, TimeoutError) as error:
+            raise UserError(
+                f"--scheduler {scheduler}: expected the address of a dask scheduler ({error})"
+            ) from None
+        with client:
+            yield client
+        return
+    with local_cluster(workers) as cluster, Client(cluster, set_as_default=False) as client:
+        yield client
+
+
+@contextmanager
+def local_cluster(workers: int) -> Iterator[LocalCluster]:
+    """A cluster on this machine, one process a worker; Ctrl-C waits until they have started.
+
+    dask can't end a cluster in order whose workers are still starting.
+    """
+    with dask.config.set(LOCAL):
+        with _interrupts_held():
+            cluster = LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                dashboard_address=":0",
+                silence_logs="CRITICAL",
+            )
+        with cluster:
+            yield cluster
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Let Ctrl-C wait; for ever in what is started here: a terminal sends it to all processes."""
+    resource_tracker.ensure_running()  # starting it later would let the signal through again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -1,0 +1,95 @@
+"""Sizes of what a sweep keeps of each point, chosen once so that all points share them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.stage.stage import Stage
+from bladewhirl.postprocess.sweep.dataset import WINDOW_SHARE, Layout
+from bladewhirl.solvers.march.recorder import description_bytes, result_bytes
+
+REACH = 10.0
+"""Spectra reach to this multiple of the first point's reference frequency: past the second blade
+family of the default stage."""
+
+MOST_LINES = 20_001
+"""Frequencies that a spectrum has at most: of a very long march it reaches less far."""
+
+MOST_SAMPLES = 1000
+"""Samples that a thinned history has at most."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Extent:
+    """How long the marches of a sweep are, all points together."""
+
+    shortest: float  #: duration of the shortest march [s]
+    record_step: float  #: the longest time between records [s]
+    steps: int  #: of all marches
+    most_steps: int  #: of the longest march
+    histories: Mapping[tuple[int, int], int]  #: points with so many (blades, records)
+
+    @property
+    def blades(self) -> int:
+        """Most blades of any point."""
+        return max(blades for blades, _ in self.histories)
+
+    @property
+    def records(self) -> int:
+        """Most records of any point."""
+        return max(records for _, records in self.histories)
+
+
+def march_extent(cases: Iterable[Case]) -> Extent:
+    """Go through the cases of a sweep once; none of them is kept."""
+    shortest, record_step, steps, most_steps = np.inf, 0.0, 0, 0
+    histories: Counter[tuple[int, int]] = Counter()
+    for case in cases:
+        march = case.march
+        shortest = min(shortest, march.duration)
+        record_step = max(record_step, march.record_step)
+        steps, most_steps = steps + march.steps, max(most_steps, march.steps)
+        histories[case.blades, march.timing.records] += 1
+    return Extent(
+        shortest=shortest,
+        record_step=record_step,
+        steps=steps,
+        most_steps=most_steps,
+        histories=histories,
+    )
+
+
+def make_layout(extent: Extent, stage: Stage) -> Layout:
+    """Layout of a sweep.
+
+    Frequencies are those of the shortest march's window, where a Hann window keeps the parts of a
+    motion that come round in it apart; they end where the coarsest records still resolve them.
+
+    Args:
+        extent: of all points.
+        stage: of the first point.
+    """
+    nyquist = 0.5 / extent.record_step
+    highest = min(REACH * stage.reference_frequency / (2.0 * np.pi), nyquist)
+    window = WINDOW_SHARE * extent.shortest
+    each_side = int(np.clip(highest * window, 1, MOST_LINES // 2))
+    return Layout(
+        frequency=np.arange(-each_side, each_side + 1) / max(window, 1.0 / highest),
+        samples=min(MOST_SAMPLES, extent.records),
+        nodal_diameters=extent.blades // 2 + 1,
+        blades=extent.blades,
+    )
+
+
+def history_bytes(extent: Extent, stage: Stage) -> int:
+    """Size of all full histories of a sweep [bytes], as if every stage were the first point's."""
+    modes, fixed = (len(stage.kept.rotor), len(stage.kept.casing)), description_bytes(stage.arrays)
+    return sum(
+        points * (fixed + result_bytes(*modes, blades, records))
+        for (blades, records), points in extent.histories.items()
+    )

@@ -1,0 +1,217 @@
+"""What a sweep is before it runs: its points, checked; what it will take; and how it is kept."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import loads, with_values
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.build import march_faults
+from bladewhirl.postprocess.sweep.dataset import DONE, FORMAT, Layout
+from bladewhirl.studies.runs import folder as folder
+from bladewhirl.studies.sweeps.axes import (
+    OVER,
+    Grid,
+    coordinate,
+    make_grid,
+    refuse_faulty,
+    unit_of,
+    value_at,
+)
+from bladewhirl.studies.sweeps.layout import history_bytes, make_layout, march_extent
+from bladewhirl.studies.sweeps.points import Group, stage_at
+from bladewhirl.studies.sweeps.store import Coordinates, write_whole
+
+PLAN_NAME = "sweep.json"
+"""What a sweep is, so that it can be resumed."""
+
+GROUP_SIZE = 1
+"""Points in a unit of work. Part of the plan: what is marched together must not change on
+resume."""
+
+CHECKED_STAGES = 32
+"""Stages built before a sweep to see whether they can be marched; faults of further ones show
+as failed points."""
+
+
+ASKED_STEPS, ASKED_STEPS_IN_ALL = 1_000_000_000, 1_000_000_000_000
+"""Steps that one march and all of a sweep have at most without being asked for more: hours of one
+march, weeks of many cores."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """A sweep that has been checked: its points and what it will take."""
+
+    case: Case
+    grid: Grid
+    coordinates: Coordinates
+    layout: Layout
+    histories: bool
+    group_size: int
+    steps: int  #: of all marches together, if none ends early
+    history_bytes: int  #: of all full histories
+
+    @property
+    def dataset_bytes(self) -> int:
+        """Size of the dataset [bytes]."""
+        return self.grid.size * self.layout.bytes_per_point
+
+    @property
+    def groups(self) -> Iterator[range]:
+        """Points of each unit of work, in order."""
+        size, width = self.grid.size, self.group_size
+        return (range(first, min(first + width, size)) for first in range(0, size, width))
+
+    def left(self, state: NDArray[np.int8]) -> Iterator[Group]:
+        """Units of work with a point that is not done, one at a time.
+
+        Args:
+            state: of every point.
+        """
+        digits = len(str(self.grid.size - 1))
+        for number, points in enumerate(self.groups):
+            if all(state[point] == DONE for point in points):
+                continue
+            yield Group(
+                number=number,
+                points={point: self.grid.values(point) for point in points},
+                history_names=(
+                    {point: f"point_{point:0{digits}d}.nc" for point in points}
+                    if self.histories
+                    else {}
+                ),
+            )
+
+
+def plan_sweep(
+    case: Case,
+    grid: Grid,
+    *,
+    histories: bool,
+    large: bool = True,
+    group_size: int = GROUP_SIZE,
+) -> Plan:
+    """Check every point of a sweep and find what it will take.
+
+    Points are looked at one after the other, so that a sweep of any size takes little memory.
+
+    Args:
+        case: that the sweep varies.
+        grid: its points.
+        histories: full histories are kept.
+        large: more than a billion steps of a march, or a trillion of all, are meant.
+        group_size: points in a unit of work.
+
+    Raises:
+        UserError: faults of the case at points, each with its point; more steps than are meant.
+    """
+    extent = march_extent(grid.cases(case))
+    for steps, most, what in (
+        (extent.most_steps, ASKED_STEPS, "steps of one march"),
+        (extent.steps, ASKED_STEPS_IN_ALL, "steps of all marches"),
+    ):
+        if steps > most and not large:
+            raise UserError(
+                f"{OVER}: {steps:.3g} {what} are more than {most:.0e}; --yes runs them all"
+            )
+    coordinates = _coordinates(case, grid)
+    _check_stages(case, grid)
+    stage = stage_at(with_values(case, grid.values(0)))
+    return Plan(
+        case=case,
+        grid=grid,
+        coordinates=coordinates,
+        layout=make_layout(extent, stage),
+        histories=histories,
+        group_size=group_size,
+        steps=extent.steps,
+        history_bytes=history_bytes(extent, stage) if histories else 0,
+    )
+
+
+def write_plan(plan: Plan, directory: Path) -> None:
+    """Write the plan of a sweep into its folder, and a copy of its case's mesh file beside it."""
+    files = folder.case_files(plan.case)
+    document = {
+        folder.PACKAGE: folder.version(),
+        "format": FORMAT,
+        "case": files.pop(folder.CASE_NAME).decode(),
+        "over": {axis.key: axis.values for axis in plan.grid.axes},
+        "histories": plan.histories,
+        "group_size": plan.group_size,
+    }
+    text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
+    for name, content in files.items():
+        (directory / name).write_bytes(content)
+    write_whole(directory / PLAN_NAME, text)
+
+
+def read_plan(directory: Path) -> Plan:
+    """The plan of a sweep that was begun.
+
+    Raises:
+        UserError: there is none, or it is another version's or of another format.
+    """
+    path = directory / PLAN_NAME
+    try:
+        document: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        made_by, text, over = (document[key] for key in (folder.PACKAGE, "case", "over"))
+        histories, group_size = bool(document["histories"]), int(document["group_size"])
+    except OSError as error:
+        raise UserError(f"{path}: expected the plan of a sweep ({error.strerror})") from None
+    except (ValueError, KeyError, TypeError) as error:
+        raise UserError(f"{path}: expected the plan of a sweep ({error!r})") from None
+    if made_by != folder.version():
+        raise UserError(
+            f"{path}: expected a sweep of bladewhirl {folder.version()}, this one is of {made_by};"
+            " its points would not agree to the last bit"
+        )
+    if document.get("format") != FORMAT:
+        raise UserError(
+            f"{path}: expected a sweep of format {FORMAT}, this one is of"
+            f" {document.get('format', 1)} and keeps other quantities; sweep anew into a new folder"
+        )
+    case = loads(text, file=str(path))
+    return plan_sweep(
+        case, make_grid(case, over, large=True), histories=histories, group_size=group_size
+    )
+
+
+def _coordinates(case: Case, grid: Grid) -> Coordinates:
+    found = {}
+    for axis in grid.axes:
+        along = (with_values(case, {**grid.values(0), axis.key: value}) for value in axis.values)
+        values, unit = coordinate([value_at(each, axis.key) for each in along])
+        found[axis.key] = (values, unit or unit_of(case, axis.key))
+    return found
+
+
+def _check_stages(case: Case, grid: Grid) -> None:
+    """Build the stages of points, the first and the last among them, and look for faults.
+
+    Raises:
+        UserError: faults, each with its point.
+    """
+    faults: list[str] = []
+    swept_body = [axis for axis in grid.axes if not axis.key.startswith(("march.", "contact."))]
+    chosen = range(grid.size)
+    if swept_body:
+        spread = np.linspace(0, grid.size - 1, min(CHECKED_STAGES, grid.size))
+        chosen = np.unique(spread.round().astype(int)).tolist()
+    for point in chosen:
+        try:
+            at_point = with_values(case, grid.values(point))
+            found = [str(fault) for fault in march_faults(stage_at(at_point))]
+        except UserError as error:
+            found = error.lines
+        faults += [f"{OVER}, point {grid.label(point)}: {line}" for line in found[:1]]
+    refuse_faulty(faults)

@@ -1,0 +1,111 @@
+"""The unit of work of a sweep: a group of points, marched and reduced to what the sweep keeps.
+
+What comes back is a function of the case at each point alone, so that it does not matter which
+worker does a group, when, or how often.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from bladewhirl.models.case.case import Case, Contact, Initial, March
+from bladewhirl.models.case.excitation import NoExcitation
+from bladewhirl.models.case.file import loads, with_values
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.postprocess.fields.result import RESULT_NAME, open_result
+from bladewhirl.postprocess.sweep.dataset import Layout
+from bladewhirl.postprocess.sweep.digest import Digest, digest
+from bladewhirl.studies.runs.run import march_to_file, prepare_stage
+from bladewhirl.studies.sweeps.axes import Value
+
+KEPT_STAGES = 2
+"""Stages that a worker keeps: neighbours in a sweep of speeds share theirs."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Group:
+    """Points that one worker does at a time."""
+
+    number: int  #: of the group
+    points: Mapping[int, Mapping[str, Value]]  #: values of the swept keys by number of the point
+    history_names: Mapping[int, str]  #: file of each full history to leave; empty for none
+
+
+@dataclass(frozen=True, kw_only=True)
+class Failure:
+    """A point that gave no result."""
+
+    reason: str  #: in one line
+
+
+Outcome = Digest | Failure
+
+
+@dataclass(frozen=True, kw_only=True)
+class Work:
+    """What all groups of a sweep have in common."""
+
+    case: str  #: the case that the sweep varies, TOML
+    layout: Layout
+    histories: str  #: folder of full histories
+
+
+def march_group(work: Work, group: Group) -> dict[int, Outcome]:
+    """March the points of a group and reduce each; one that fails does not stop the others.
+
+    Runs in a worker. Full histories, where asked for, appear under their names when complete.
+    """
+    case = loads(work.case)
+    return {
+        point: _outcome(work, case, values, group.history_names.get(point))
+        for point, values in group.points.items()
+    }
+
+
+def stage_at(case: Case) -> Stage:
+    """Stage of a case; cases that differ in what moves it only share all but the case."""
+    body = case.model_copy(
+        update={
+            "title": "",
+            "march": March(),
+            "contact": Contact(),
+            "excitation": NoExcitation(),
+            "initial": Initial(),
+        }
+    )
+    return replace(_body(body), case=case)
+
+
+@lru_cache(maxsize=KEPT_STAGES)
+def _body(case: Case) -> Stage:
+    return build_stage(case)
+
+
+def _outcome(work: Work, case: Case, values: Mapping[str, Value], name: str | None) -> Outcome:
+    try:
+        return _march_point(work, with_values(case, values), name)
+    except UserError as error:
+        return Failure(reason=error.lines[0])
+    except Exception as error:  # whatever it is, it belongs to this point
+        text = " ".join(str(error).split())
+        return Failure(reason=f"{type(error).__name__}: {text}")
+
+
+def _march_point(work: Work, case: Case, name: str | None) -> Digest:
+    prepared = prepare_stage(stage_at(case))
+    # A history to keep is written where it will stay, under another name until it is whole.
+    folder = work.histories if name is not None else None
+    with TemporaryDirectory(prefix=".point-", dir=folder) as scratch:
+        path = Path(scratch) / RESULT_NAME
+        report = march_to_file(prepared, path, mesh_folder=os.pardir)
+        with open_result(path) as result:
+            kept = digest(result, report, work.layout)
+        if name is not None:
+            os.replace(path, Path(work.histories) / name)
+    return kept

@@ -1,0 +1,212 @@
+"""The dataset of a sweep on disk: laid out in full before the sweep, filled in place as it goes.
+
+Every array has its room from the start and is written where it lies, so nothing of the file's
+structure changes while points arrive: a kill leaves a file that opens. A point counts once its
+state says so, which is written after everything else of its group has been flushed. Files of
+sweeps of the same points are equal whatever the order in which points arrived.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import h5netcdf
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.run.regimes import CRITERION
+from bladewhirl.postprocess.sweep.dataset import (
+    DONE,
+    FAILED,
+    FLAGS,
+    FORMAT,
+    GROUP,
+    LINE,
+    MODE_LINES,
+    SWEEP_NAME,
+    VARIABLES,
+    WINDOW_SHARE,
+    Layout,
+)
+from bladewhirl.studies.sweeps.axes import Grid
+from bladewhirl.studies.sweeps.points import Failure, Outcome
+
+FAILURES_NAME = "failures.json"
+"""Points that failed, with reasons."""
+
+Coordinates = Mapping[str, tuple[FloatArray, str]]
+"""Values of each swept key and their unit."""
+
+
+def create(
+    directory: Path, grid: Grid, coordinates: Coordinates, layout: Layout, attributes: Any
+) -> None:
+    """Lay out the dataset of a sweep; it is there whole or not at all.
+
+    Args:
+        directory: of the sweep.
+        grid: its points.
+        coordinates: of the swept keys.
+        layout: what is kept of each point.
+        attributes: further ones of the dataset.
+    """
+    unfinished = directory / f".{SWEEP_NAME}"
+    with h5py.File(unfinished, "w") as h5, h5netcdf.File(h5, "w") as file:
+        names = tuple(axis.name for axis in grid.axes)
+        sizes = dict(zip(names, grid.shape, strict=True))
+        file.dimensions = {**sizes, **layout.sizes}
+        for axis in grid.axes:
+            values, unit = coordinates[axis.key]
+            made = file.create_variable(axis.name, (axis.name,), np.float64, data=values)
+            made.attrs.update({"units": unit, "long_name": axis.key})
+        made = file.create_variable("frequency", ("frequency",), np.float64, data=layout.frequency)
+        made.attrs.update(
+            {"units": "Hz", "long_name": "frequency in the rotating frame, forward positive"}
+        )
+        for name, labels in ((GROUP, layout.groups), (LINE, tuple(MODE_LINES))):
+            text = np.array(labels, dtype=object)
+            file.create_variable(name, (name,), h5py.string_dtype(), data=text)
+        made = _reserve(h5, file, "state", np.dtype("i1"), sizes)
+        made.attrs["long_name"] = "whether the point is done"
+        for name, variable in VARIABLES.items():
+            own = {dimension: layout.sizes[dimension] for dimension in variable.dimensions}
+            made = _reserve(h5, file, name, np.dtype(variable.kind), {**sizes, **own})
+            made.attrs.update({"units": variable.units, "long_name": variable.long_name})
+        for name, meanings in FLAGS.items():
+            file[name].attrs["flag_values"] = np.arange(len(meanings), dtype="i1")
+            file[name].attrs["flag_meanings"] = " ".join(meanings)
+        file.attrs["over"] = json.dumps({axis.key: axis.values for axis in grid.axes})
+        file.attrs["format"] = FORMAT
+        file.attrs["criterion"] = CRITERION
+        file.attrs["window"] = (
+            f"spectra and mean energies are over the last {layout.window:.6g} s of each march,"
+            f" at most {WINDOW_SHARE:.0%} of it"
+        )
+        file.attrs.update(attributes)
+    os.replace(unfinished, directory / SWEEP_NAME)
+
+
+class Store:
+    """The dataset of a sweep, open for writing by the one process that may.
+
+    Raises:
+        UserError: another process has it open, or it can't be written.
+    """
+
+    def __init__(self, directory: Path, grid: Grid) -> None:
+        self._directory, self._grid = directory, grid
+        path = directory / SWEEP_NAME
+        try:
+            self._h5 = h5py.File(path, "r+")
+        except BlockingIOError:
+            raise UserError(f"{path}: is in use; is the sweep still running?") from None
+        except OSError as error:
+            raise UserError(f"{path}: expected the dataset of a sweep ({error})") from None
+        self._state = np.asarray(self._h5["state"][()], dtype=np.int8).ravel()
+        self._failures = _read_failures(directory)
+
+    def __enter__(self) -> Self:
+        """The store itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the file, whatever happened."""
+        self._h5.close()
+
+    @property
+    def frequency(self) -> FloatArray:
+        """Of the spectra [Hz]."""
+        return np.asarray(self._h5["frequency"][()], dtype=np.float64)
+
+    @property
+    def state(self) -> NDArray[np.int8]:
+        """State of every point when last written, (points,)."""
+        return self._state.copy()
+
+    @property
+    def done(self) -> int:
+        """Number of points done."""
+        return int(np.count_nonzero(self._state == DONE))
+
+    @property
+    def failed(self) -> int:
+        """Number of failed points."""
+        return len(self._failures)
+
+    @property
+    def failures(self) -> dict[int, str]:
+        """Reason of each failed point."""
+        return dict(self._failures)
+
+    def write(self, outcomes: Mapping[int, Outcome]) -> None:
+        """Write the points of a group: all of what they hold first, then their states."""
+        for point, outcome in outcomes.items():
+            if isinstance(outcome, Failure):
+                self._failures[point] = outcome.reason
+                continue
+            self._failures.pop(point, None)
+            index = np.unravel_index(point, self._grid.shape)
+            for name, values in outcome.items():
+                self._h5[name][index] = values
+        self._h5.flush()
+        self._write_failures()
+        for point, outcome in outcomes.items():
+            index = np.unravel_index(point, self._grid.shape)
+            self._state[point] = FAILED if isinstance(outcome, Failure) else DONE
+            self._h5["state"][index] = self._state[point]
+        self._h5.flush()
+
+    def _write_failures(self) -> None:
+        path = self._directory / FAILURES_NAME
+        if not self._failures:
+            path.unlink(missing_ok=True)
+            return
+        document = [
+            {"point": point, **self._grid.values(point), "reason": reason}
+            for point, reason in sorted(self._failures.items())
+        ]
+        write_whole(path, json.dumps(document, indent=2, ensure_ascii=False) + "\n")
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a text file so that it is there whole or as it was."""
+    unfinished = path.with_name(f".{path.name}")
+    unfinished.write_text(text, encoding="utf-8")
+    os.replace(unfinished, path)
+
+
+def _read_failures(directory: Path) -> dict[int, str]:
+    path = directory / FAILURES_NAME
+    if not path.exists():
+        return {}
+    return {
+        entry["point"]: entry["reason"] for entry in json.loads(path.read_text(encoding="utf-8"))
+    }
+
+
+def _reserve(
+    h5: h5py.File,
+    file: h5netcdf.File,
+    name: str,
+    kind: np.dtype[Any],
+    sizes: Mapping[str, int],
+) -> Any:
+    """A variable whose room is taken: NaN, or zeros (never masked) where it counts."""
+    empty = kind.type(np.nan) if kind.kind == "f" else None
+    made = file.create_variable(name, tuple(sizes), kind, fillvalue=empty)
+    # HDF5 takes the room of a contiguous array with its first value.
+    h5[name][(0,) * len(sizes)] = kind.type(0 if empty is None else empty)
+    return made

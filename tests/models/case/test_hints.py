@@ -1,0 +1,132 @@
+"""Hints at what a case was hardly meant to say: each where it is due, none on the examples."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from places import ROOT
+from stages import steel
+from typer.testing import CliRunner
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import read_case, with_values
+from bladewhirl.models.case.plausibility import case_hints
+from bladewhirl.models.geometry.sketch import Sketch
+from bladewhirl.models.stage.hints import stage_hints
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.studies.commands.cli import app
+
+EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
+RUNNER = CliRunner()
+SMALL = {
+    "bladed_disk.blades": 5,
+    "bladed_disk.elements_per_blade": 2,
+    "casing.elements": 20,
+    "reduction.fixed_interface_modes": 5,
+}
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=[path.stem for path in EXAMPLES])
+def test_none_at_what_is_usual(path: Path) -> None:
+    assert case_hints(read_case(path)) == ()
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "hint"),
+    [
+        ("material.young_modulus", 210e3, "unusual material.young_modulus = 210000.0: 1e+09 to"),
+        ("material.density", 7.8, "unusual material.density = 7.8: 500 to 25000 kg/m3"),
+        ("bladed_disk.tip_radius", 500, "unusual bladed_disk.tip_radius = 500.0: 0.01 to 10 m"),
+        ("bladed_disk.blade.thickness", 10, "unusual bladed_disk.blade.thickness = 10.0: at most"),
+        (
+            "casing.wall.width",
+            100,
+            "unusual casing.wall.width = 100.0: at most the tip radius",
+        ),
+        ("casing.clearance", 1, "unusual casing.clearance = 1.0: at most a tenth of the tip radiu"),
+    ],
+)
+def test_another_unit_was_meant(key: str, value: float, hint: str) -> None:
+    [line] = case_hints(with_values(Case(), {key: value}))
+    assert line.startswith(hint)
+    assert "text carries its unit" in line
+
+
+def test_a_material_by_name_is_looked_at_too() -> None:
+    named = [{"name": "ti", "young_modulus": 114.0, "density": 4430.0}]
+    [line] = case_hints(with_values(Case(), {"material.named": named}))
+    assert line.startswith("unusual material.named[0].young_modulus = 114.0")
+
+
+@pytest.mark.parametrize(("duration", "hints"), [(0.2, 0), (0.199, 1), (0.0, 0)])
+def test_a_ramp_that_outlasts_the_march(duration: float, hints: int) -> None:
+    values = {"excitation": {"type": "imbalance"}, "march.duration": duration}
+    lines = case_hints(with_values(Case(), values))
+    assert len(lines) == hints
+    assert all("excitation.ramp = 0.2 s outlasts march.duration = 0.199 s" in x for x in lines)
+
+
+def stage_of(**values: Any) -> Any:
+    return build_stage(with_values(Case(), {**SMALL, **values}))
+
+
+def test_a_stage_far_too_soft() -> None:
+    stage = stage_of(**{"material.young_modulus": 210e3})
+    hertz = stage.reference_frequency / (2.0 * np.pi)
+    assert hertz < 1.0
+    assert f"the reference frequency is {hertz:.3g} Hz" in stage_hints(stage)[1]
+    assert stage_hints(stage_of()) == ()
+
+
+def fan(*, tips: int, ends: float = 0.5) -> Sketch:
+    """Five blades of which so many are tips; the others end at a radius."""
+    sketch = Sketch(1)
+    sketch.node("hub", 0.0, 0.0)
+    for blade in range(5):
+        angle = 0.4 * np.pi * blade
+        radius = 0.5 if blade < tips else ends
+        sketch.node(f"tip {blade}", radius * np.cos(angle), radius * np.sin(angle))
+        sketch.member(f"blade {blade}", "hub", f"tip {blade}", steel(0.01), elements=2)
+    sketch.set("centre", "hub")
+    sketch.set("tips", *[f"tip {blade}" for blade in range(tips)])
+    return sketch
+
+
+@pytest.mark.parametrize(("tips", "ends", "free"), [(5, 0.5, 0), (3, 0.5, 2), (3, 0.4, 0)])
+def test_blade_ends_that_are_no_tips(tips: int, ends: float, free: int) -> None:
+    case = fan(tips=tips, ends=ends).case(reduction={"fixed_interface_modes": 5})
+    lines = stage_hints(build_stage(case))
+    assert len(lines) == (free > 0)
+    if free:
+        assert lines[0].startswith("2 free ends as far out as the 3 tips not in their set, first")
+        assert "(-0.4045, -0.2939) m" in lines[0]
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    path = tmp_path / "small.toml"
+    tables = "bladed_disk = { blades = 5, elements_per_blade = 2 }\ncasing.elements = 20\n"
+    path.write_text(f"{tables}reduction.fixed_interface_modes = 5\nmarch.duration = 1e-3\n")
+    return path
+
+
+def test_commands_tell_and_go_on(path: Path, tmp_path: Path) -> None:
+    change = ["--set", "casing.clearance=0.06"]
+    for command in (["show"], ["run", "-o", str(tmp_path / "run"), "--frames", "0"]):
+        done = RUNNER.invoke(app, [command[0], str(path), *command[1:], *change])
+        assert done.exit_code == 0
+        assert "Hint: unusual casing.clearance = 0.06: at most a tenth" in done.stderr
+
+
+@pytest.mark.parametrize("value", ["material.young_modulus=210", "bladed_disk.tip_radius=5000"])
+def test_what_breaks_the_arithmetic_is_named(path: Path, value: str) -> None:
+    path.write_text("casing.support = 7.975e6")
+    out = path.parent / "out"
+    done = RUNNER.invoke(app, ["run", str(path), "-o", str(out), "--set", value])
+    assert done.exit_code == 2
+    key = value.partition("=")[0]
+    assert done.stderr.startswith(f"--set: {key} = {value.partition('=')[2]}.0: expected ")
+    assert not out.exists()

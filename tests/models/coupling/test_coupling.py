@@ -1,0 +1,244 @@
+"""The springs between rotor and casing, against Eq. (8) integrated and Eqs (9), (16), (18)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bladewhirl.models.coupling.invariant_frame import frame_matrices, invariant_matrices
+from bladewhirl.models.coupling.springs import (
+    CouplingModes,
+    FloatArray,
+    coupling_stiffness,
+    paper_modes,
+    periodic_stiffness,
+)
+
+BACKWARDS = [4, 5, 2, 3, 0, 1]
+"""Positions in (v, u, u_o) of the paper's q1..q6, which Eq. (16) numbers from the suspension."""
+
+
+def random_modes(seed: int) -> CouplingModes:
+    """Nodal diameters 0 to 4, several families; k = 4 is single on the rotor, as for 8 blades."""
+    rng = np.random.default_rng(seed)
+    k = np.array([0, 0, 1, 1, 1, 2, 2, 3, 4, 4, 4])
+    on_casing = np.array([1, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0], dtype=bool)
+    return CouplingModes(
+        name=tuple(f"mode {i}" for i in range(len(k))),
+        on_casing=on_casing,
+        nodal_diameter=k,
+        frequency=rng.uniform(0.1, 5.0, len(k)),
+        amplitude=rng.uniform(-1.5, 1.5, len(k)),
+        damping_ratio=rng.uniform(0.0, 0.05, len(k)),
+        paired=(k > 0) & ((k < 4) | on_casing),
+    )
+
+
+def integrated_stiffness(modes: CouplingModes, kappa: float, angle: float) -> FloatArray:
+    """Hessian of the energy of Eq. (8) by the trapezoidal rule, exact for few harmonics."""
+    points = 64
+    theta = 2.0 * np.pi * np.arange(points) / points
+    columns = []
+    for i in range(modes.entries):
+        k, amplitude = modes.nodal_diameter[i], modes.amplitude[i]
+        where = theta if modes.on_casing[i] else theta - angle
+        sign = 1.0 if modes.on_casing[i] else -1.0
+        columns.append(sign * amplitude * np.cos(k * where))
+        if modes.paired[i]:
+            columns.append(sign * amplitude * np.sin(k * where))
+    stretch = np.array(columns)
+    return np.asarray(kappa * 2.0 * np.pi / points * stretch @ stretch.T)
+
+
+def equation_16(speed: float, time: float) -> tuple[FloatArray, FloatArray]:
+    """P of Eq. (16), typed in as printed, and its derivative."""
+    c, s = np.cos(speed * time / 2.0), np.sin(speed * time / 2.0)
+
+    def matrix(c: float, s: float) -> FloatArray:
+        return np.array(
+            [
+                [0, 0, 0, 0, s, c],
+                [0, 0, 0, 0, -c, s],
+                [0, 0, s, -c, 0, 0],
+                [0, 0, c, s, 0, 0],
+                [s, -c, 0, 0, 0, 0],
+                [c, s, 0, 0, 0, 0],
+            ]
+        )
+
+    return matrix(c, s), speed / 2.0 * matrix(-s, c)
+
+
+def equation_9(
+    *,
+    frequency: Sequence[float],
+    modal_mass: Sequence[float],
+    kappa: float,
+    angle: float,
+) -> FloatArray:
+    """Stiffness of Eq. (9), typed in as printed, (6, 6) [1/s^2].
+
+    Args:
+        frequency: of casing, 1F and suspension pairs [rad/s].
+        modal_mass: m_v and m_u (= m_o) [kg].
+        kappa: spring stiffness [N/m].
+        angle: Omega t [rad].
+    """
+    mass_casing, mass_rotor = modal_mass
+    eps_v, eps_u = kappa / mass_casing, kappa / mass_rotor
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    one, none = np.eye(2), np.zeros((2, 2))
+    v, u, o = (np.square(w) for w in frequency)
+    return np.block(
+        [
+            [(v + eps_v) * one, -eps_u * turn, -eps_u * turn],
+            [-eps_v * turn.T, (u + eps_u) * one, none],
+            [-eps_u * turn.T, none, (o + eps_u) * one],
+        ]
+    )
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_springs_are_the_integral_of_the_energy(seed: int) -> None:
+    modes = random_modes(seed)
+    angle, kappa = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi), 3.7
+    stiffness = coupling_stiffness(modes, kappa=kappa, angle=angle)
+    expected = integrated_stiffness(modes, kappa, angle)
+    assert stiffness == pytest.approx(expected, rel=1e-12, abs=1e-12 * np.abs(expected).max())
+    without = coupling_stiffness(modes, kappa=kappa, angle=angle, with_pi=False)
+    assert without * np.pi == pytest.approx(stiffness, rel=1e-14)
+
+
+def test_angles_are_batched() -> None:
+    modes, angles = random_modes(1), np.linspace(0.0, 6.0, 12).reshape(3, 4)
+    batch = periodic_stiffness(modes, kappa=2.0, angle=angles)
+    one = periodic_stiffness(modes, kappa=2.0, angle=float(angles[2, 1]))
+    assert batch.shape == (3, 4, modes.size, modes.size)
+    assert batch[2, 1] == pytest.approx(one, rel=1e-14)
+
+
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.03])
+@pytest.mark.parametrize("seed", range(5))
+def test_half_speed_frame_gives_the_corrected_equation_18(seed: int, damping_ratio: float) -> None:
+    rng = np.random.default_rng(seed)
+    v, u, o, speed, kappa, time = rng.uniform(0.1, 5.0, 6)
+    modes = paper_modes(casing=v, first_flexural=u, suspension=o, damping_ratio=damping_ratio)
+
+    # Eq. (18) with the sign of its gyroscopic block for q5, q6 reversed.
+    turn = speed * np.array([[0.0, 1.0], [-1.0, 0.0]])
+    none, one, eps = np.zeros((2, 2)), np.eye(2), np.pi * kappa
+    gyroscopic = np.block([[turn, none, none], [none, turn, none], [none, none, -turn]])
+    delta = np.array([o, u, v]) ** 2 + eps - speed**2 / 4.0
+    stiffness = np.kron(np.diag(delta - eps), one) + np.kron(np.full((3, 3), eps), one)
+    drag = 2.0 * damping_ratio * np.diag(np.repeat([o, u, v], 2))
+    gyroscopic += drag
+    stiffness += drag @ np.block([[turn, none, none], [none, turn, none], [none, none, -turn]]) / 2
+
+    # P^T (...) P with P as printed in Eq. (16) and K(t) by integration of Eq. (8).
+    p, p_dot = equation_16(speed, time)
+    k_t = np.diag(np.repeat([v, u, o], 2) ** 2)
+    k_t = k_t + integrated_stiffness(modes, kappa, speed * time)
+    d = 2.0 * damping_ratio * np.diag(np.repeat([v, u, o], 2))
+    projected_g = 2.0 * p.T @ p_dot + p.T @ d @ p
+    projected_k = p.T @ (-(speed**2) / 4.0 * p + d @ p_dot + k_t @ p)
+
+    ours_g, ours_k = invariant_matrices(modes, speed=speed, kappa=kappa)
+    order = np.ix_(BACKWARDS, BACKWARDS)
+    for matrix, others in (
+        (gyroscopic, (projected_g, ours_g[order])),
+        (stiffness, (projected_k, ours_k[order])),
+    ):
+        for other in others:
+            assert np.abs(other - matrix).max() <= 1e-12 * np.abs(matrix).max()
+
+
+def test_frame_is_the_printed_equation_16() -> None:
+    modes = paper_modes(casing=0.1, first_flexural=1.0, suspension=2.5)
+    p, p_dot = frame_matrices(modes, speed=1.3, time=0.77)
+    expected, expected_dot = equation_16(1.3, 0.77)
+    assert p[:, BACKWARDS] == pytest.approx(expected, abs=1e-15)
+    assert p_dot[:, BACKWARDS] == pytest.approx(expected_dot, abs=1e-15)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_frame_makes_any_set_of_modes_autonomous(seed: int) -> None:
+    modes = random_modes(seed)
+    speed, kappa = 1.37, 0.9
+    gyroscopic, stiffness = invariant_matrices(modes, speed=speed, kappa=kappa)
+    damping = np.diag(modes.damping_rate[modes.entry])
+    turning = np.diag((modes.frame_rate * speed)[modes.entry])
+    for time in (0.0, 0.9, 4.2):
+        p, p_dot = frame_matrices(modes, speed=speed, time=time)
+        k_t = periodic_stiffness(modes, kappa=kappa, angle=speed * time)
+        assert p.T @ p == pytest.approx(np.eye(modes.size), abs=1e-14)
+        acceleration = -p @ turning**2
+        assert 2.0 * p.T @ p_dot + p.T @ damping @ p == pytest.approx(gyroscopic, abs=1e-12)
+        projected = p.T @ (acceleration + damping @ p_dot + k_t @ p)
+        assert projected == pytest.approx(stiffness, abs=1e-12 * np.abs(stiffness).max())
+
+
+def test_frame_derivative_is_that_of_the_frame() -> None:
+    modes, step = random_modes(2), 1e-6
+    ahead = frame_matrices(modes, speed=2.1, time=0.5 + step)[0]
+    behind = frame_matrices(modes, speed=2.1, time=0.5 - step)[0]
+    derivative = frame_matrices(modes, speed=2.1, time=0.5)[1]
+    assert (ahead - behind) / (2.0 * step) == pytest.approx(derivative, abs=1e-8)
+
+
+def test_printed_equation_9_lacks_the_rotor_rotor_coupling_and_pi() -> None:
+    modes = paper_modes(casing=0.2, first_flexural=1.0, suspension=2.5)
+    kappa, angle = 0.8, 0.6
+    ours = periodic_stiffness(modes, kappa=kappa, angle=angle, with_pi=False)
+    printed = equation_9(frequency=(0.2, 1.0, 2.5), modal_mass=(1.0, 1.0), kappa=kappa, angle=angle)
+    missing = np.zeros((6, 6))
+    missing[[2, 3, 4, 5], [4, 5, 2, 3]] = kappa
+    assert ours - printed == pytest.approx(missing, abs=1e-14)
+
+
+def test_equation_18_does_not_follow_from_the_printed_equation_9() -> None:
+    """Eq. (18) has +eps between q1 and q3; with (9) as printed there is nothing there."""
+    p, _ = equation_16(1.0, 0.4)
+    printed = equation_9(frequency=(0.2, 1.0, 2.5), modal_mass=(1.0, 1.0), kappa=0.8, angle=0.4)
+    assert (p.T @ printed @ p)[0, 2] == pytest.approx(0.0, abs=1e-14)
+
+
+def test_printed_equation_9_is_not_symmetric_for_unequal_masses() -> None:
+    printed = equation_9(frequency=(0.2, 1.0, 2.5), modal_mass=(4.0, 1.0), kappa=0.8, angle=0.4)
+    assert np.abs(printed - printed.T).max() > 0.1
+
+
+def test_entries_can_be_taken() -> None:
+    modes = random_modes(0)
+    assert modes.harmonics == (0, 1, 2, 3, 4)
+    assert modes.harmonic(1).name == ("mode 2", "mode 3", "mode 4")
+    assert modes.take([4, 0]).paired.tolist() == [True, False]
+    assert modes.size == 2 + 6 + 4 + 2 + 2 + 1 + 1
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"frequency": np.ones(2)}, "frequency: expected one value for each of 3 entries"),
+        ({"frequency": np.array([1.0, -1.0, 1.0])}, "frequency: values must not be negative"),
+        ({"amplitude": np.array([1.0, np.nan, 1.0])}, "amplitude: values must be finite"),
+        ({"nodal_diameter": np.zeros(3)}, "paired: a mode with nodal diameter 0"),
+        ({"paired": np.zeros(3, dtype=bool)}, "single modes on both bodies with nodal diameter 1"),
+    ],
+)
+def test_impossible_modes_are_refused(change: dict[str, Any], message: str) -> None:
+    modes = paper_modes(casing=0.2, first_flexural=1.0, suspension=2.5)
+    with pytest.raises(ValueError, match=message):
+        replace(modes, **change)
+
+
+def test_arrays_are_copied_and_read_only() -> None:
+    frequency = np.array([0.2, 1.0, 2.5])
+    modes = replace(paper_modes(casing=1, first_flexural=1, suspension=1), frequency=frequency)
+    frequency[0] = 9.0
+    assert modes.frequency[0] == 0.2
+    with pytest.raises(ValueError, match="read-only"):
+        modes.frequency[0] = 9.0

@@ -1,0 +1,179 @@
+"""Coupled modes of stages that no frame holds still, against those that one does and by hand."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+from places import EXAMPLES
+from typer.testing import CliRunner
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import with_values
+from bladewhirl.models.coupling.periodic import UnevenSystem, uneven_system
+from bladewhirl.models.coupling.stage_modes import stage_modes
+from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.solvers.stability.floquet import coupled_floquet
+from bladewhirl.solvers.stability.growth import growth_rate
+from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.modal.stability_periodic import exponents, stands_still
+
+RUNNER = CliRunner()
+SMALL = {
+    "bladed_disk.blades": 6,
+    "bladed_disk.elements_per_blade": 3,
+    "casing.elements": 16,
+    "reduction.fixed_interface_modes": 20,
+}
+RIB = {"casing.stiffened_arcs": [{"start": 0.0, "end": 1.5707963267948966, "thickness": 0.02}]}
+
+
+@cache
+def tuned() -> ModalStage:
+    """The paper's stage, of fewer blades and elements."""
+    return modal_stage(with_values(Case(), SMALL))
+
+
+def uneven(changes: Mapping[str, object]) -> ModalStage:
+    """The same with something that breaks its symmetry."""
+    return modal_stage(with_values(Case(), SMALL | dict(changes)))
+
+
+@pytest.mark.parametrize("physical", [False, True])
+@pytest.mark.parametrize(("speed", "kappa"), [(1.17, 500.0), (0.8, 2000.0)])
+@pytest.mark.parametrize("modes", ["six", "all"])
+def test_on_an_even_stage_it_is_the_same(
+    modes: str, speed: float, kappa: float, physical: bool
+) -> None:
+    modal = tuned()
+    kappa *= 100.0 if physical else 1.0
+    even = stage_modes(modal, damping_ratio=0.005)
+    even = even if modes == "all" else even.six_modes()
+    even = even if physical else even.with_unit_amplitudes()
+    system = uneven_system(modal, modes=modes, damped=True, physical=physical)
+    assert len(system.frequency) == even.modes.size
+    omega = speed * modal.reference_frequency
+    turns = coupled_floquet(even.modes, speed=omega, kappa=kappa)
+    found = exponents(system, speed=omega, kappa=kappa)
+    assert found.real.max() == pytest.approx(
+        max(float(turn.growth) for turn in turns.values()), abs=1e-9 * omega
+    )
+    exact = growth_rate(even.modes, speed=omega, kappa=kappa)
+    assert found.real.max() == pytest.approx(float(exact), abs=1e-8 * omega)
+
+
+def by_angles(system: UnevenSystem, angle: float, kappa: float) -> FloatArray:
+    """kappa times the integral of (w - u)^2, static angle by angle."""
+    stiffness = np.diag(system.frequency**2)
+    count = 400
+    for theta in 2.0 * np.pi * np.arange(count) / count:
+        row = np.zeros(len(system.frequency))
+        for k, casing, rotor in zip(system.harmonics, system.casing, system.rotor, strict=True):
+            row += np.array([np.cos(k * theta), np.sin(k * theta)]) @ casing
+            alpha = k * (theta - angle)
+            row -= np.array([np.cos(alpha), np.sin(alpha)]) @ rotor
+        stiffness += kappa * 2.0 * np.pi / count * np.outer(row, row)
+    return stiffness
+
+
+def test_modes_of_an_uneven_casing_are_coupled_by_all_their_waves() -> None:
+    system = uneven_system(uneven(RIB), modes="all", damped=False, physical=True)
+    waves = np.linalg.norm(system.casing[:, :, -1], axis=1)
+    assert np.count_nonzero(waves > 1e-3 * waves.max()) > 2
+    for angle in (0.0, 0.7):
+        np.testing.assert_allclose(
+            system.stiffness(np.array([angle]), 3e4)[0],
+            by_angles(system, angle, 3e4),
+            rtol=1e-9,
+            atol=1e-6,
+        )
+
+
+def test_a_slightly_uneven_stage_is_near_the_even_one() -> None:
+    """And so for bladed disk and casing alike."""
+    small = {"casing.springs": [{"angle": 0.3, "radial": 10.0}], "shaft.stiffness_y": 3.4001e7}
+    modal = uneven(small)
+    assert not modal.disk.structure.is_cyclic
+    assert not modal.casing.structure.is_cyclic
+    omega = 1.17 * modal.reference_frequency
+    even = stage_modes(tuned(), damping_ratio=0.0).six_modes().with_unit_amplitudes().modes
+    system = uneven_system(modal, modes="six", damped=False, physical=False)
+    growth = exponents(system, speed=omega, kappa=500.0).real.max()
+    assert growth == pytest.approx(
+        float(growth_rate(even, speed=omega, kappa=500.0)), abs=0.02 * omega
+    )
+
+
+def test_bearings_that_stand_still_excite_whirl_at_the_suspension_frequency() -> None:
+    """b^4 - 4 w^2 b^2 = (d/m)^2 of a rigid rotor that turns at w, see tests of the shaft."""
+    mass, natural, swing = 2.0, 100.0, 2e3
+    system = UnevenSystem(
+        name=("x", "y"),
+        frequency=np.full(2, natural),
+        damping=np.zeros((2, 2)),
+        harmonics=np.zeros(0, dtype=np.int64),
+        casing=np.zeros((0, 2, 2)),
+        rotor=np.zeros((0, 2, 2)),
+        centre=np.eye(2) / np.sqrt(mass),
+        anisotropy=swing,
+    )
+    roots = np.roots([1.0, 0.0, -4.0 * natural**2, 0.0, -((swing / mass) ** 2)])
+    growth = exponents(system, speed=natural, kappa=0.0).real.max()
+    assert growth == pytest.approx(np.abs(roots.imag).max(), rel=1e-6)
+    assert exponents(system, speed=1.3 * natural, kappa=0.0).real.max() < 1e-6
+
+
+def test_dampers_are_in_the_damping_matrix() -> None:
+    """Without springs between the bodies: eigenvalues of M, D and K alone."""
+    changes = {
+        "casing.springs": [{"angle": 1.0, "radial": 1e6, "radial_damping": 3e3}],
+        "shaft.damping": 2e3,
+    }
+    modal = uneven(changes)
+    assert not stands_still(modal, damped=True)
+    system = uneven_system(modal, modes="all", damped=True, physical=True)
+    size = len(system.frequency)
+    stiffness = np.diag(system.frequency**2)
+    state = np.block([[np.zeros((size, size)), np.eye(size)], [-stiffness, -system.damping]])
+    exact = la.eigvals(state)
+    found = exponents(system, speed=0.9 * modal.reference_frequency, kappa=0.0)
+    np.testing.assert_allclose(np.sort(found.real), np.sort(exact.real), atol=1e-4)
+    undamped = uneven_system(modal, modes="all", damped=False, physical=True)
+    assert not undamped.damping.any()
+    assert exact.real.min() < -0.005 * system.frequency.max()
+
+
+def test_what_a_frame_holds_still() -> None:
+    assert stands_still(tuned(), damped=True)
+    bearings = {"shaft.stiffness_y": 1e7, "shaft.frame": "static"}
+    assert not stands_still(uneven(bearings), damped=False)
+    assert stands_still(uneven(bearings | {"shaft.clamped": True}), damped=False)
+    assert stands_still(uneven({"shaft.damping": 10.0}), damped=False)
+    assert not stands_still(uneven({"shaft.damping": 10.0}), damped=True)
+    assert not stands_still(uneven(RIB), damped=False)
+
+
+def test_the_command_looks_at_one_point(tmp_path: Path) -> None:
+    case = str(EXAMPLES / "stiffened_casing.toml")
+    point = ["--speed", "1.17", "--kappa", "500", "--physical"]
+    result = RUNNER.invoke(app, ["stability", case, *point, "--json"])
+    assert result.exit_code == 0
+    document = json.loads(result.stdout)
+    assert len(document["eigenvalues"]) == 12
+    assert document["growth_rate"] == pytest.approx(max(v[0] for v in document["eigenvalues"]))
+    for arguments, said in (
+        (["--physical"], "--speed, --kappa and --physical give one point"),
+        (point[:-1], "expected --physical"),
+        ([*point, "-o", str(tmp_path / "none")], "is drawn where"),
+        ([*point, "--modes", "1F:77"], "--modes 1F:77: "),
+    ):
+        result = RUNNER.invoke(app, ["stability", case, *arguments])
+        assert result.exit_code == 2
+        assert said in result.stderr
+        assert len(result.stderr.splitlines()) == 1

@@ -1,0 +1,164 @@
+"""The bladed disk against independent frame programs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+import scipy.sparse.linalg as spla
+from plain_frame import frame_frequencies
+from stages import bladed_disk, disk_modes, hertz, oracle, with_sections
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.elements.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.modal.modes import families
+
+SPRING = 3.4e7
+CLAMPING = pytest.mark.parametrize("clamped", [False, True], ids=["free", "clamped"])
+
+
+def static(disk: BladedDisk, dof: int) -> FloatArray:
+    """Displacement of every node along x, y and its rotation under a unit force, (nodes, 3)."""
+    force = np.zeros((disk.structure.size, 1))
+    force[dof] = 1.0
+    return disk.cartesian(spla.splu(disk.structure.stiffness.tocsc()).solve(force))[..., 0]
+
+
+@CLAMPING
+def test_frequencies_and_nodal_diameters_of_the_literature_stage(clamped: bool) -> None:
+    expected = oracle("disk_modes")["clamped" if clamped else "free"]
+    modes = disk_modes(bladed_disk(clamped=clamped))
+    np.testing.assert_allclose(hertz(modes)[:92], expected["frequency_hz"], rtol=1e-8)
+    np.testing.assert_array_equal(modes.nodal_diameter[:92], expected["nodal_diameter"])
+    assert families(modes, "bladed-disk")[:92] == expected["family"]
+
+
+@CLAMPING
+def test_static_stiffnesses_of_the_literature_stage(clamped: bool) -> None:
+    expected = oracle("disk_static")["clamped" if clamped else "free"]
+    disk = bladed_disk(clamped=clamped)
+    tips, roots = disk.mesh.node_sets["tips"], disk.mesh.node_sets["roots"]
+    x, y, rotation = range(3)
+
+    field = static(disk, int(disk.tip_tangential[0]))
+    found = {
+        "tip0_tangential_stiffness": 1.0 / field[tips[0], y],
+        "tip0_rotation_per_tangential_force": field[tips[0], rotation],
+        "tip11_y_per_tangential_force": field[tips[11], y],
+        "tip0_radial_stiffness": 1.0 / static(disk, int(disk.tip_radial[0]))[tips[0], x],
+        "root0_tangential_stiffness": 1.0
+        / static(disk, int(disk.structure.node_dofs[roots[0], 1]))[roots[0], y],
+    }
+    for name, value in found.items():
+        assert value == pytest.approx(expected[name], rel=1e-8), name
+    np.testing.assert_allclose(
+        field[tips[1], [x, y]], expected["tip1_xy_per_tangential_force"], rtol=1e-8
+    )
+    if not clamped:
+        centre = static(disk, int(disk.centre[0]))[disk.mesh.node_sets["centre"][0]]
+        assert 1.0 / centre[x] == pytest.approx(expected["centre_x_stiffness"], rel=1e-8)
+
+
+@pytest.mark.parametrize("case", oracle("disk_harmonic")["response"], ids=lambda c: c["f_hz"])
+def test_harmonic_response_to_an_unbalance(case: dict[str, float]) -> None:
+    """Mass and stiffness together, across two resonances."""
+    disk = bladed_disk()
+    square = (2.0 * np.pi * case["f_hz"]) ** 2
+    force = np.zeros((disk.structure.size, 1))
+    force[disk.centre[0]] = oracle("disk_harmonic")["unbalance"] * square
+    dynamic = disk.structure.stiffness - square * disk.structure.mass
+    field = disk.cartesian(spla.splu(dynamic.tocsc()).solve(force))[..., 0]
+    tips, centre = disk.mesh.node_sets["tips"], disk.mesh.node_sets["centre"][0]
+    found = [field[centre, 0], field[tips[0], 0], field[tips[5], 0], field[tips[5], 1]]
+    names = ("centre_x", "tip0_x", "tip5_x", "tip5_y")
+    np.testing.assert_allclose(found, [case[name] for name in names], rtol=1e-7)
+
+
+def rigid_translation(disk: BladedDisk, angle: float) -> FloatArray:
+    """Field of a unit translation of the whole disk."""
+    field = np.zeros(disk.structure.size)
+    for component, turn in ((0, 0.0), (1, np.pi / 2.0)):
+        dofs = disk.structure.node_dofs[:, component]
+        field[dofs] = np.cos(angle - disk.mesh.node_axes - turn)
+    return field
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.0, np.pi / 2.0])
+def test_a_rigid_translation_moves_all_mass_and_strains_only_the_springs(angle: float) -> None:
+    disk = bladed_disk(disk_thickness=0.03)
+    field = rigid_translation(disk, angle)
+    weight = float(np.sum(disk.properties.line_mass * disk.mesh.lengths))
+    assert field @ (disk.structure.mass @ field) == pytest.approx(weight, rel=1e-12)
+    assert field @ (disk.structure.springs @ field) == pytest.approx(SPRING, rel=1e-12)
+    assert field @ (disk.structure.stiffness @ field) == pytest.approx(SPRING, rel=1e-6)
+
+
+def test_mass_of_the_literature_stage() -> None:
+    disk = bladed_disk()
+    weight = np.sum(disk.properties.line_mass * disk.mesh.lengths)
+    assert weight == pytest.approx(oracle("disk_modes")["stage"]["mass"], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("blades", "elements"), [(3, 1), (3, 4), (4, 2), (5, 3), (8, 1), (21, 4), (24, 2)]
+)
+def test_any_number_of_blades_and_elements(blades: int, elements: int) -> None:
+    """Sector by sector against a plain frame program in fixed axes."""
+    disk = bladed_disk(blades=blades, elements=elements, disk_thickness=0.02)
+    modes = disk_modes(disk)
+    assert modes.is_cyclic
+    assert modes.count == disk.structure.size == 3 * blades * (elements + 1) + 2
+    np.testing.assert_allclose(modes.frequency, frame_frequencies(disk, SPRING), rtol=1e-8)
+    assert set(modes.nodal_diameter.tolist()) == set(range(blades // 2 + 1))
+
+
+@pytest.mark.parametrize("blades", [5, 22])
+def test_blades_are_alike(blades: int) -> None:
+    """The answer to a force on blade j is the answer for blade 0 turned by j sectors."""
+    disk = bladed_disk(blades=blades)
+    fields = [static(disk, int(dof))[..., :2] @ [1.0, 1.0j] for dof in disk.tip_tangential]
+    tips = disk.mesh.node_sets["tips"]
+    for j in (1, 3, blades - 1):
+        turn = np.exp(2j * np.pi * j / blades)
+        expected = turn * np.roll(fields[0][tips], j)
+        np.testing.assert_allclose(fields[j][tips], expected, rtol=1e-9, atol=1e-18)
+
+
+def test_tips_and_centre() -> None:
+    disk = bladed_disk(blades=5, elements=2)
+    np.testing.assert_allclose(disk.tip_angles, 2.0 * np.pi * np.arange(5) / 5, atol=1e-15)
+    assert len(disk.centre) == 2
+    assert bladed_disk(blades=5, elements=2, clamped=True).centre.size == 0
+    # A radial and a tangential displacement of tip 1 come out along and across its blade.
+    for dofs, turn in ((disk.tip_radial, 0.0), (disk.tip_tangential, np.pi / 2.0)):
+        unit = np.zeros((disk.structure.size, 1))
+        unit[dofs[1]] = 1.0
+        moved = disk.cartesian(unit)[disk.mesh.node_sets["tips"][1], :2, 0]
+        assert moved @ [1.0, 1.0j] == pytest.approx(np.exp(1j * (2.0 * np.pi / 5 + turn)))
+
+
+def test_without_sectors_the_modes_are_the_same() -> None:
+    disk = bladed_disk(blades=5, elements=3)
+    mesh = replace(disk.mesh, sectors=None)
+    bare = with_sections(mesh, 0.01, clamped=False)
+    assert not bare.structure.is_cyclic
+    square = la.eigh(
+        bare.structure.stiffness.toarray(), bare.structure.mass.toarray(), eigvals_only=True
+    )
+    np.testing.assert_allclose(disk_modes(disk).frequency, np.sqrt(square), rtol=1e-9)
+
+
+def test_a_stiffer_blade_breaks_the_symmetry() -> None:
+    disk = bladed_disk()
+    properties = disk.properties
+    stiffness = properties.young_modulus.copy()
+    stiffness[disk.mesh.line_sets["blades"][3]] *= 1.0 + 1e-6
+    mistuned = assemble_bladed_disk(
+        replace(disk.model, properties=replace(properties, young_modulus=stiffness)),
+        shaft_stiffness=SPRING,
+        clamped=False,
+    )
+    assert disk.structure.is_cyclic
+    assert not mistuned.structure.is_cyclic

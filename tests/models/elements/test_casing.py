@@ -1,0 +1,228 @@
+"""The casing against closed forms of rings."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+from stages import (
+    CASING_REFERENCE,
+    bladed_disk,
+    casing,
+    casing_modes,
+    disk_modes,
+    hertz,
+    observed_order,
+    oracle,
+    steel,
+)
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.ring_mesh import RingMesh
+from bladewhirl.models.elements.casing import TANGENTIAL, assemble_casing
+from bladewhirl.models.modal.modes import Modes, families, structure_modes
+from bladewhirl.models.sections.rectangular import Section
+from bladewhirl.models.sections.wall import Wall
+
+RADIUS = 0.501
+
+
+def lowest(modes: Modes, k: int) -> float:
+    """Lowest frequency of a nodal diameter [Hz]."""
+    return float(hertz(modes)[modes.nodal_diameter == k][0])
+
+
+def flexural_errors(elements: int, support: float = 0.0) -> FloatArray:
+    """Relative error of the bending frequencies of two to ten nodal diameters."""
+    modes = casing_modes(elements, support)
+    name = "flexural_on_foundation_hz" if support else "flexural_hz"
+    rows = oracle("ring")["modes"][2:]
+    return np.array([lowest(modes, row["nodal_diameter"]) / row[name] - 1.0 for row in rows])
+
+
+@pytest.mark.parametrize("on_foundation", [False, True])
+def test_bending_frequencies_converge_to_the_ring(on_foundation: bool) -> None:
+    support = oracle("ring")["ring"]["foundation"] if on_foundation else 0.0
+    errors = np.array([flexural_errors(n, support) for n in (40, 80, 160)])
+    assert (errors > 0.0).all()  # Rayleigh-Ritz: from above
+    assert errors[0].max() < 5e-3
+    assert errors[-1].max() < 2e-5
+    # Cubics for bending converge with the fourth power; few nodal diameters look even faster.
+    orders = observed_order(errors)
+    assert orders.min() > 3.9
+    assert orders[:, -1] == pytest.approx(4.0, abs=0.1)
+
+
+def test_stretching_frequencies() -> None:
+    modes = casing_modes(80)
+    for row in oracle("ring")["modes"][:5]:
+        found = hertz(modes)[modes.nodal_diameter == row["nodal_diameter"]]
+        nearest = found[np.argmin(np.abs(found - row["extensional_hz"]))]
+        assert nearest == pytest.approx(row["extensional_hz"], rel=1e-5)
+
+
+def test_opensees_agrees() -> None:
+    """Polygons of straight beams, within their own discretisation error."""
+    modes = casing_modes(160)
+    for row in oracle("ring")["modes"][2:]:
+        assert lowest(modes, row["nodal_diameter"]) == pytest.approx(
+            row["opensees_800_hz"], rel=3e-5
+        )
+
+
+def squares(elements: int) -> FloatArray:
+    """Eigenvalues of the free ring as they come, [rad2/s2]."""
+    ring = casing(elements).structure
+    return np.asarray(la.eigh(ring.stiffness.toarray(), ring.mass.toarray(), eigvals_only=True))
+
+
+def test_rigid_motions_of_the_free_ring() -> None:
+    """A rotation is a field of the elements, a translation only nearly one."""
+    elastic = squares(40)[3]
+    assert np.abs(squares(40)[0]) < 1e-8 * elastic
+    modes = casing_modes(40)
+    assert families(modes, "casing")[:5] == ["rigid"] * 3 + ["1F"] * 2
+    np.testing.assert_array_equal(modes.nodal_diameter[:5], [0, 1, 1, 2, 2])
+    assert modes.frequency[0] < 0.01
+    np.testing.assert_allclose(modes.frequency[1:3], 0.166, atol=5e-4)
+    # The rotation turns every node alike and lifts none.
+    w, slope, u, strain = casing(40).nodal(modes.shapes[:, :1])[..., 0].T
+    np.testing.assert_allclose(u, u[0], rtol=1e-6)
+    np.testing.assert_allclose([w, slope, strain], 0.0, atol=1e-6 * abs(u[0]))
+
+
+def test_rigid_translations_converge_at_nearly_sixth_order() -> None:
+    eigenvalues = np.array([casing_modes(n).frequency[1:3] ** 2 for n in (20, 40, 80)])
+    np.testing.assert_allclose(observed_order(eigenvalues), 5.7, atol=0.15)
+
+
+def test_rotation_and_translations_on_a_soft_support() -> None:
+    """Almost one frequency; told apart by radial and tangential energy together."""
+    reference = disk_modes(bladed_disk(disk_thickness=0.03)).frequency[0]
+    support = steel(0.01).line_mass * (0.055 * reference) ** 2
+    assert support == pytest.approx(1508.0, rel=2e-4)
+    modes = casing_modes(40, support)
+    np.testing.assert_allclose(
+        modes.frequency[:3] / reference, [0.0550000, 0.0550039, 0.0550039], atol=6e-8
+    )
+    np.testing.assert_array_equal(modes.nodal_diameter[:3], [0, 1, 1])
+    assert families(modes, "casing")[:4] == ["rigid", "rigid", "rigid", "1F"]
+    np.testing.assert_allclose(modes.spring_share[:3], 1.0, atol=2e-4)
+
+
+def test_on_a_stiff_support_only_rigid_motions_are_called_rigid() -> None:
+    """The support holds more than half of the energy of the breathing motion too."""
+    modes = casing_modes(40, 1e9)
+    labels = families(modes, "casing")
+    rigid = [i for i, label in enumerate(labels) if label == "rigid"]
+    assert [int(modes.nodal_diameter[i]) for i in rigid] == [0, 1, 1]
+    breathing = np.flatnonzero(modes.nodal_diameter == 0)[1]
+    assert labels[breathing] == "1F"
+    assert 0.5 < modes.spring_share[breathing] < 0.6
+
+
+@pytest.mark.parametrize("curvature", ["exact", "shallow"])
+@pytest.mark.parametrize("support", [0.0, 7.975e6])
+def test_holding_the_rotation_takes_one_motion_away(
+    curvature: Literal["exact", "shallow"], support: float
+) -> None:
+    free = casing_modes(40, support, curvature, "free")
+    held = casing_modes(40, support, curvature, "fixed")
+    assert held.count == free.count - 1
+    assert np.count_nonzero(held.nodal_diameter == 0) == 3
+    rotation = np.flatnonzero(free.nodal_diameter == 0)[0]
+    np.testing.assert_allclose(
+        held.frequency, np.delete(free.frequency, rotation), rtol=1e-7, atol=1e-6
+    )
+    ring = casing(40, support, curvature, "fixed").structure
+    turn = np.zeros(ring.size)
+    turn[ring.node_dofs[:, TANGENTIAL]] = 1.0
+    np.testing.assert_allclose(turn @ ring.mass @ held.shapes, 0.0, atol=1e-10)
+
+
+def shallow_hertz(k: int) -> float:
+    """Closed form for w = a cos(k theta), u = b sin(k theta) with change of curvature w''."""
+    section = steel(0.01)
+    stretch = section.axial_stiffness / RADIUS**2
+    bend = section.bending_stiffness / RADIUS**4
+    stiffness = np.array([[stretch + bend * k**4, stretch * k], [stretch * k, stretch * k**2]])
+    lower = np.linalg.eigvalsh(stiffness / section.line_mass)[0]
+    return float(np.sqrt(max(lower, 0.0)) / (2.0 * np.pi))
+
+
+def test_shallow_ring() -> None:
+    """Its translations are elastic: they bend it by w''."""
+    modes = casing_modes(80, 0.0, "shallow", "fixed")
+    for k in range(1, 8):
+        assert lowest(modes, k) == pytest.approx(shallow_hertz(k), rel=1e-4)
+    assert families(modes, "casing")[:2] == ["1F", "1F"]
+
+
+def test_pinched_ring() -> None:
+    """Two opposite unit forces: R^3/EI (pi/4 - 2/pi) + pi R / 4 EA (Castigliano)."""
+    section, modes = steel(0.01), casing_modes(80)
+    exact = RADIUS**3 / section.bending_stiffness * (np.pi / 4 - 2 / np.pi)
+    exact += np.pi * RADIUS / (4.0 * section.axial_stiffness)
+    radial = casing(80).nodal(modes.shapes)[:, 0]
+    apart = radial[0] + radial[40]
+    elastic = modes.frequency > 1.0
+    assert np.sum((apart[elastic] / modes.frequency[elastic]) ** 2) == pytest.approx(
+        exact, rel=1e-5
+    )
+
+
+def test_nafems_ring() -> None:
+    """NAFEMS R0015, test 6: radius 1 m, round bar of 0.1 m, E = 2e11 Pa, 8000 kg/m3.
+
+    A rectangle of the same area and second moment stands in for the round bar. The published
+    values are those of an inextensible ring, about 0.1 % above an extensible one.
+    """
+    diameter = 0.1
+    thickness = diameter * np.sqrt(3.0) / 2.0
+    section = Section(
+        width=np.pi * diameter**2 / 4.0 / thickness,
+        thickness=thickness,
+        young_modulus=2e11,
+        density=8000.0,
+    )
+    ring = assemble_casing(
+        RingMesh(elements=80, radius=1.0),
+        Wall(section=section),
+        curvature="exact",
+        support=0.0,
+        rotation="free",
+    )
+    modes = structure_modes(ring.structure, CASING_REFERENCE, 20)
+    for k, expected in ((2, 53.382), (3, 150.99), (4, 289.51)):
+        assert lowest(modes, k) == pytest.approx(expected, rel=1.2e-3)
+        assert lowest(modes, k) < expected
+
+
+@pytest.mark.parametrize("elements", [3, 4, 5, 21])
+def test_any_number_of_elements(elements: int) -> None:
+    """Harmonic by harmonic against one dense eigenproblem."""
+    ring = casing(elements, 1e5)
+    assert ring.structure.is_cyclic
+    modes = structure_modes(ring.structure, CASING_REFERENCE)
+    dense = la.eigh(
+        ring.structure.stiffness.toarray(), ring.structure.mass.toarray(), eigvals_only=True
+    )
+    assert modes.count == 4 * elements
+    np.testing.assert_allclose(modes.frequency, np.sqrt(dense), rtol=1e-8)
+
+
+def test_nodal_values_of_a_wave() -> None:
+    """w = cos 2 theta has dw/ds = -2 sin 2 theta / R, and u the amplitude of a bent ring."""
+    modes = casing_modes(80)
+    wave = np.flatnonzero(modes.nodal_diameter == 2)[0]
+    angle = RingMesh(elements=80, radius=RADIUS).angles
+    w, slope, u, strain = casing(80).nodal(modes.shapes[:, [wave]])[..., 0].T
+    assert w[0] > 0.0
+    np.testing.assert_allclose(w, w[0] * np.cos(2.0 * angle), atol=1e-9 * w[0])
+    scale = w[0] / RADIUS
+    np.testing.assert_allclose(slope, -2.0 * scale * np.sin(2.0 * angle), atol=1e-4 * scale)
+    # Nearly inextensible: u' = -w / R, so u = -w[0] / 2 sin 2 theta.
+    np.testing.assert_allclose(u, -0.5 * w[0] * np.sin(2.0 * angle), atol=1e-3 * w[0])
+    np.testing.assert_allclose(strain, -scale * np.cos(2.0 * angle), atol=2e-3 * scale)

@@ -1,0 +1,238 @@
+"""Casings on springs and struts at angles: closed forms of rings, rods and beams."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import pytest
+import scipy.sparse.linalg as spla
+from places import EXAMPLES
+from stages import CASING_REFERENCE, casing_modes, observed_order, steel
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.ring_mesh import RingMesh
+from bladewhirl.models.case.file import case_from, dumps_case, loads, read_case
+from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, Casing, assemble_casing
+from bladewhirl.models.elements.supports import ALONG, OUTWARD, ROTATION, Support, spring, strut
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.modal.modes import structure_modes
+from bladewhirl.models.sections.wall import Wall
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.studies.runs.derived import derive
+
+RADIUS = 0.501
+SECTION = steel(0.01)
+EA, EI = SECTION.axial_stiffness, SECTION.bending_stiffness
+MASS = SECTION.line_mass * 2.0 * np.pi * RADIUS
+
+
+def ring(*supports: Support, elements: int = 40) -> Casing:
+    """A steel ring that may turn, on supports alone."""
+    return assemble_casing(
+        RingMesh(elements=elements, radius=RADIUS),
+        Wall(section=SECTION),
+        curvature="exact",
+        support=0.0,
+        rotation="free",
+        supports=supports,
+    )
+
+
+def field(casing: Casing, x: float, y: float, turn: float) -> FloatArray:
+    """The ring moved as a whole, by Hermite's nodal values."""
+    angle, radius = casing.mesh.angles, casing.mesh.radius
+    cos, sin = np.cos(angle), np.sin(angle)
+    found = np.zeros(casing.structure.size)
+    nodes = casing.structure.node_dofs.T
+    found[nodes[RADIAL]], found[nodes[TANGENTIAL]] = x * cos + y * sin, y * cos - x * sin
+    found[nodes[TANGENTIAL]] += radius * turn
+    found[nodes[RADIAL + 1]] = (y * cos - x * sin) / radius
+    found[nodes[TANGENTIAL + 1]] = -(x * cos + y * sin) / radius
+    return found
+
+
+def pinch(elements: int, stiffness: float) -> float:
+    """Radial displacement under two opposite unit forces at 45 degrees, with a spring at each."""
+    places = (np.pi / 4, 5 * np.pi / 4)
+    soft = (spring(0.0, radial=0.0, tangential=1.0), spring(np.pi / 2, radial=0.0, tangential=1.0))
+    stiff = [spring(angle, radial=stiffness, tangential=1.0) for angle in places]
+    casing = ring(*soft, *stiff, elements=elements)
+    nodes = [round(elements * angle / (2 * np.pi)) for angle in places]
+    load = np.zeros(casing.structure.size)
+    dofs = casing.structure.node_dofs[nodes, RADIAL]
+    load[dofs] = 1.0
+    # The mean leaves out how the soft springs let the ring move as a whole.
+    return float(spla.spsolve(casing.structure.stiffness.tocsc(), load)[dofs].mean())
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 1e5, 1e7])
+def test_a_pinched_ring_on_springs(stiffness: float) -> None:
+    """Castigliano: each force moves its point by R^3/EI (pi/8 - 1/pi) + pi R / (8 EA)."""
+    flexible = RADIUS**3 / EI * (np.pi / 8 - 1 / np.pi) + np.pi * RADIUS / (8 * EA)
+    exact = flexible / (1.0 + stiffness * flexible)
+    errors = np.array([pinch(elements, stiffness) / exact - 1.0 for elements in (32, 64)])
+    assert abs(errors[1]) < 1e-5
+    assert observed_order(errors) > 3.5
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.02, 0.1])
+@pytest.mark.parametrize("n", [2, 3])
+def test_soft_springs_split_pairs_by_rayleigh(n: int, shift: float) -> None:
+    """Inextensible motion: modal mass of w = cos n theta is rho A pi R (1 + 1/n^2).
+
+    2 n equal springs, n waves apart, all sit on crests of one mode of the pair and on nodes of
+    the other, wherever the first one stands, in an element too.
+    """
+    stiffness = 200.0
+    angles = shift + np.pi * np.arange(2 * n) / n
+    held = ring(*(spring(angle, radial=stiffness, tangential=0.0) for angle in angles))
+    free = casing_modes(40).frequency
+    pair = free[[2 * n - 1, 2 * n]]
+    modes = structure_modes(held.structure, CASING_REFERENCE, 12).frequency
+    near = np.sort(modes[np.argsort(abs(modes - pair[0]))[:2]])
+    modal_mass = SECTION.line_mass * np.pi * RADIUS * (1.0 + 1.0 / n**2)
+    np.testing.assert_allclose(
+        near**2 - pair[0] ** 2, [0.0, 2 * n * stiffness / modal_mass], rtol=2e-3, atol=0.02
+    )
+
+
+def test_soft_springs_carry_the_ring_as_a_rigid_body() -> None:
+    """Three springs at 120 degrees: translations by 3 (k_r + k_t) / 2, rotation by 3 k_t R^2."""
+    radial, tangential = 20.0, 5.0
+    angles = 0.3 + 2.0 * np.pi * np.arange(3) / 3
+    held = ring(*(spring(angle, radial=radial, tangential=tangential) for angle in angles))
+    square = structure_modes(held.structure, CASING_REFERENCE, 3).frequency ** 2
+    along = 1.5 * (radial + tangential) / MASS
+    # With 40 elements the free ring's translations are at 0.166 rad/s.
+    expected = sorted([3.0 * tangential / MASS, along + 0.166**2, along + 0.166**2])
+    np.testing.assert_allclose(square, expected, rtol=2e-3)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.05, 1.234, -2.0, 6.27])
+@pytest.mark.parametrize("ends", ["pinned", "built-in"])
+def test_a_strut_is_a_rod_or_a_beam(angle: float, ends: Literal["pinned", "built-in"]) -> None:
+    """Energy of a ring moved as a whole: the strut's alone, of its end displacements."""
+    length, inclination = 0.3, 0.4
+    held = strut(angle, steel(0.02), length=length, inclination=inclination, ends=ends)
+    casing, free = ring(held), ring()
+    x, y, turn = 1.0e-3, -0.6e-3, 0.8e-3
+    moved = field(casing, x, y, turn)
+    extra = casing.structure.stiffness - free.structure.stiffness
+    axis = np.array([np.cos(angle + inclination), np.sin(angle + inclination)])
+    normal = np.array([-axis[1], axis[0]])
+    foot = RADIUS * np.array([np.cos(angle), np.sin(angle)])
+    end = np.array([x, y]) + turn * np.array([-foot[1], foot[0]])
+    rod, bending = steel(0.02).axial_stiffness / length, steel(0.02).bending_stiffness
+    energy = rod * (axis @ end) ** 2
+    if ends == "built-in":
+        across = normal @ end
+        energy += 12 * bending / length**3 * across**2 + 12 * bending / length**2 * across * turn
+        energy += 4 * bending / length * turn**2
+    assert moved @ extra @ moved == pytest.approx(energy, rel=1e-4)
+    np.testing.assert_allclose(held.reach, length * axis, rtol=1e-12)
+    assert moved @ casing.structure.springs @ moved == pytest.approx(moved @ extra @ moved)
+
+
+def test_masses() -> None:
+    """A bar moved at one end has a third of its mass there, any way; its whole mass is weighed."""
+    bar = strut(0.3, steel(0.02), length=0.3, inclination=0.4, ends="pinned")
+    weight = 7800.0 * 0.3 * 0.02 * 0.1
+    assert bar.weight == pytest.approx(weight)
+    np.testing.assert_allclose(bar.mass[:2, :2], weight / 3 * np.eye(2), atol=1e-12)
+    casing = ring(bar)
+    moved = field(casing, 0.0, 1.0, 0.0)
+    found = moved @ casing.structure.mass @ moved
+    assert found == pytest.approx(MASS + weight / 3, rel=1e-5)
+    assert casing.mass == pytest.approx(MASS + weight)
+
+
+def test_a_built_in_strut_is_a_cantilever() -> None:
+    """Under a force across it at its free end: L^3 / 3 EI, and the slope L^2 / 2 EI."""
+    beam = strut(0.0, steel(0.02), length=0.3, inclination=0.0, ends="built-in")
+    bending = steel(0.02).bending_stiffness
+    moved = np.linalg.solve(beam.stiffness, np.eye(3)[ALONG])
+    assert moved[OUTWARD] == 0.0
+    assert moved[ALONG] == pytest.approx(0.3**3 / (3 * bending))
+    assert moved[ROTATION] == pytest.approx(-(0.3**2) / (2 * bending))
+    # One Hermite element: its lowest frequency is half a per cent above the cantilever's.
+    square = np.linalg.eigvals(np.linalg.solve(beam.mass[1:, 1:], beam.stiffness[1:, 1:])).min()
+    cantilever = 1.875104**2 * np.sqrt(bending / steel(0.02).line_mass) / 0.3**2
+    assert np.sqrt(square) == pytest.approx(1.005 * cantilever, rel=1e-3)
+
+
+def foot_errors(first: float, ends: Literal["pinned", "built-in"]) -> FloatArray:
+    """Errors of eight frequencies with 40 and 80 elements on three struts, (2, 8)."""
+    found = []
+    for elements in (40, 80, 320):
+        struts = [
+            strut(first + np.pi * a, steel(0.01), length=0.3, inclination=0.5, ends=ends)
+            for a in (0.0, 0.6, 1.2)
+        ]
+        casing = ring(*struts, elements=elements)
+        found.append(structure_modes(casing.structure, CASING_REFERENCE, 8).frequency)
+    return np.array(found[:2]) / found[2] - 1.0
+
+
+def test_feet_at_nodes_and_inside_elements_converge() -> None:
+    """Those at nodes as the ring does; a force in an element costs little, a moment a per cent."""
+    for ends in ("pinned", "built-in"):
+        assert observed_order(foot_errors(0.0, ends))[:, 2:].min() > 3.7
+    pinned, built_in = foot_errors(0.123, "pinned"), foot_errors(0.123, "built-in")
+    assert pinned[0].max() < 1e-3
+    assert observed_order(pinned).min() > 1.8
+    assert built_in[0].max() < 1.2e-2
+    assert observed_order(built_in).min() > 0.9
+
+
+def test_supports_that_repeat_keep_the_cyclic_path() -> None:
+    """As many as elements: the ring stays cyclic, and both ways give the same frequencies."""
+    angles = 0.01 + 2.0 * np.pi * np.arange(20) / 20
+    held = ring(*(spring(a, radial=1e6, tangential=1e5) for a in angles), elements=20)
+    uneven = ring(*(spring(a, radial=1e6, tangential=1e5) for a in angles[:-1]), elements=20)
+    assert held.structure.is_cyclic
+    assert not uneven.structure.is_cyclic
+    blocks = structure_modes(held.structure, CASING_REFERENCE).frequency
+    matrices = held.structure.stiffness.toarray(), held.structure.mass.toarray()
+    dense = np.sqrt(np.linalg.eigvals(np.linalg.solve(matrices[1], matrices[0])).real)
+    np.testing.assert_allclose(blocks, np.sort(dense), rtol=1e-9)
+
+
+def test_the_stage_knows_its_supports() -> None:
+    """Struts of the example, in the arrays that pictures are drawn from."""
+    case = read_case(EXAMPLES / "casing_on_struts.toml")
+    assert loads(dumps_case(case)) == case
+    stage = build_stage(case)
+    arrays = stage.arrays
+    assert list(arrays.support_kind) == ["spring"] * 2 + ["strut"] * 8
+    struts = arrays.support_kind == "strut"
+    radial = np.column_stack([np.cos(arrays.support_angle), np.sin(arrays.support_angle)])
+    outward = np.sum(arrays.support_reach * radial, axis=1)
+    np.testing.assert_allclose(np.linalg.norm(arrays.support_reach[struts], axis=1), 0.2)
+    assert outward[struts].min() > 0.0
+    np.testing.assert_array_equal(arrays.support_reach[~struts], 0.0)
+    assert (arrays.support_radial_stiffness > 0.0).all()
+    assert derive(stage).cyclic == {"bladed_disk": True, "casing": False}
+    assert stage.casing_modes.frequency[0] > 0.0
+    assert derive(stage).casing_mass > MASS
+
+
+@pytest.mark.parametrize(
+    ("casing", "line"),
+    [
+        ({"springs": [{"angle": 0.0}]}, "more than 0 here or in tangential, radial_damping"),
+        ({"springs": [{"angle": 0.0, "radial": -1.0}]}, "casing.springs[0].radial = -1.0"),
+        ({"struts": [{"angle": 0.0}]}, "casing.struts[0].length"),
+        ({"struts": [{"angle": 0.0, "length": 0.0}]}, "casing.struts[0].length = 0.0"),
+        (
+            {"struts": [{"angle": 0.0, "length": 1.0, "inclination": "90 deg"}]},
+            "casing.struts[0].inclination",
+        ),
+        ({"struts": [{"angle": 0.0, "length": 1.0, "ends": "free"}]}, '"pinned" or "built-in"'),
+    ],
+)
+def test_faults_name_the_key(casing: dict[str, object], line: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        case_from({"casing": casing})
+    [found] = caught.value.lines
+    assert line in found

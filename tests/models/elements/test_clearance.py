@@ -1,0 +1,123 @@
+"""Casings out of round: what the case takes, what the tips meet."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+from places import ROOT
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import case_from, dumps_case, loads, read_case, with_values
+from bladewhirl.models.elements.build import case_clearance
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.sections.around_ring import Lobes, RingProfile
+from bladewhirl.models.stage.build import contact_problem, march_faults
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.solvers.march.central_difference import initial_gap
+from bladewhirl.studies.runs.run import run_case
+
+ELLIPSE = ROOT / "examples" / "elliptical_clearance.toml"
+
+
+def lobed(elements: int, *rows: Mapping[str, object], clearance: float = 1e-3) -> Case:
+    """A case with rows of lobes."""
+    casing = {"elements": elements, "clearance": clearance, "clearance_lobes": rows}
+    return case_from({"casing": casing, "reduction": {"fixed_interface_modes": 22}})
+
+
+def test_gaps_at_rest_are_the_lobes_to_fourth_order() -> None:
+    """At the tips, whose angles are no nodes', by the casing's cubic interpolation."""
+    rows = ({"lobes": 2, "amplitude": "0.3 mm", "phase": "30 deg"}, {"lobes": 3, "amplitude": 1e-4})
+    angle = 2.0 * np.pi * np.arange(22) / 22
+    exact = 1e-3 + 3e-4 * np.cos(2 * (angle - np.pi / 6)) + 1e-4 * np.cos(3 * angle)
+    errors = []
+    for elements in (20, 40, 80):
+        problem = contact_problem(build_stage(lobed(elements, *rows)))
+        errors.append(np.abs(initial_gap(problem) - exact).max())
+    assert errors[0] < 1e-6
+    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(4.0, abs=0.5)
+
+
+def test_a_tip_touches_first_where_the_clearance_is_smallest(tmp_path: Path) -> None:
+    """The force turns with blade 0 and grows by a fifth of the lobes a revolution."""
+    case = with_values(read_case(ELLIPSE), {"march.duration": 0.3})
+    run = run_case(case, tmp_path / "run", frames=0)
+    assert run.summary.energy_residual <= 1e-8
+    with run.open() as result:
+        touched = result.contact_steps.values > 0
+        first = int(touched.any(axis=1).argmax())
+        assert np.flatnonzero(touched[first]).tolist() == [0]
+        angle = float(result.time[first]) * result.attrs["speed"]
+        np.testing.assert_allclose(
+            result.clearance, case_clearance(case)[:, 0], rtol=1e-14, atol=0.0
+        )
+    off = np.angle(np.exp(2j * (angle - np.deg2rad(120.0)))) / 2.0
+    assert abs(np.rad2deg(off)) < 15.0
+
+
+def test_the_profile_knows_its_slope_and_its_smallest_value() -> None:
+    profile = RingProfile(
+        mean=2.0,
+        lobes=(Lobes(count=2, amplitude=0.5, phase=0.3), Lobes(count=5, amplitude=0.1, phase=1.0)),
+    )
+    angle, step = np.linspace(0.0, 7.0, 50), 1e-5
+    central = (profile.value(angle + step) - profile.value(angle - step)) / (2 * step)
+    np.testing.assert_allclose(profile.lobe_slope(angle), central, atol=1e-8)
+    fine = profile.value(np.linspace(0.0, 2.0 * np.pi, 1_000_000)).min()
+    assert profile.smallest == pytest.approx(fine, abs=1e-6)
+
+
+def test_lobes_are_written_and_read_back() -> None:
+    case = lobed(40, {"lobes": 2, "amplitude": "0.3 mm", "phase": "30 deg"})
+    [row] = case.casing.clearance_lobes
+    assert (row.lobes, row.amplitude) == (2, 3e-4)
+    assert row.phase == pytest.approx(np.pi / 6, rel=1e-15)
+    assert loads(dumps_case(case)) == case
+
+
+@pytest.mark.parametrize(
+    ("casing", "line"),
+    [
+        (
+            {"clearance": 5e-4, "clearance_lobes": [{"lobes": 2, "amplitude": 6e-4}]},
+            "casing.clearance_lobes = ",
+        ),
+        ({"elements": 7, "clearance_lobes": [{"lobes": 2, "amplitude": 1e-4}]}, "at most 1 lobes"),
+        (
+            {"clearance_lobes": [{"lobes": 0, "amplitude": 1e-4}]},
+            "casing.clearance_lobes[0].lobes = 0: expected a whole number",
+        ),
+        (
+            {"clearance_lobes": [{"lobes": 2, "amplitude": 1e-4, "phse": 0.1}]},
+            "casing.clearance_lobes[0].phse = 0.1: expected a known key; the nearest is"
+            " casing.clearance_lobes[0].phase",
+        ),
+        ({"clearance_lobes": [{"lobes": 2}]}, "casing.clearance_lobes[0].amplitude"),
+        ({"clearance_lobes": 3}, "casing.clearance_lobes = 3: expected rows of { lobes = 2"),
+        ({"clearance_lobes": [3]}, "casing.clearance_lobes[0] = 3: expected a table"),
+        (
+            {"clearance_lobes": [{"lobes": 2, "amplitude": 1e-4, "phase": "1 mm"}]},
+            'casing.clearance_lobes[0].phase = "1 mm": expected a finite number in rad',
+        ),
+    ],
+)
+def test_faults_name_the_key(casing: dict[str, object], line: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        case_from({"casing": casing})
+    [found] = caught.value.lines
+    assert line in found
+
+
+def test_a_tip_that_starts_inside_a_lobe_is_a_fault() -> None:
+    rows = [[0.0, 0.0]] * 22
+    rows[0] = [0.8e-3, 0.0]
+    outward = {"initial": {"tip_displacement": rows}, "reduction": {"fixed_interface_modes": 22}}
+    round_casing = build_stage(case_from(outward))
+    assert not list(march_faults(round_casing))
+    tight = {"lobes": 1, "amplitude": 3e-4, "phase": "180 deg"}
+    given = case_from(outward | {"casing": {"clearance_lobes": [tight]}})
+    [fault] = march_faults(build_stage(given))
+    assert "blade 0 starts 0.0008 m outward, with a casing.clearance of 0.0007 m" in str(fault)

@@ -1,0 +1,213 @@
+"""Beam elements against textbook matrices and closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+from numpy.polynomial import Polynomial
+from plain_frame import beam_mass, beam_stiffness
+from stages import line_properties, observed_order, oracle, steel
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray, LineMesh
+from bladewhirl.models.elements.assembly import curved_beams, straight_beams
+from bladewhirl.models.elements.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.elements.forms import (
+    curved_exact_stiffness,
+    curved_shallow_stiffness,
+    mass,
+    straight_stiffness,
+    support_stiffness,
+)
+from bladewhirl.models.geometry.beam_model import BeamModel
+from bladewhirl.models.sections.rectangular import Section
+
+EA, EI, RHO_A = 3.0, 5.0, 7.0
+U, DU, W, DW = range(4)  # order of a curved beam's DoF at a node
+
+
+def chain(elements: int) -> IntArray:
+    return np.column_stack([np.arange(elements), np.arange(1, elements + 1)])
+
+
+@pytest.mark.parametrize("length", [1e-3, 0.045, 2.0, 300.0])
+def test_straight_beam_is_the_textbook_one(length: float) -> None:
+    one = straight_beams(np.array([length]), np.array([[0, 1]]), 2)
+    order = one.node_dofs.ravel()
+    found = one.matrix(straight_stiffness, EA=np.array([EA]), EI=np.array([EI])).toarray()
+    expected = beam_stiffness(EA, EI, length)
+    np.testing.assert_allclose(found[np.ix_(order, order)], expected, rtol=1e-11, atol=0.0)
+    found = one.matrix(mass, rho_A=np.array([RHO_A])).toarray()
+    np.testing.assert_allclose(
+        found[np.ix_(order, order)], beam_mass(RHO_A, length), rtol=1e-11, atol=0.0
+    )
+
+
+def test_elements_of_many_lengths_keep_their_own_matrices() -> None:
+    """One Hermite element object used for two lengths is silently wrong in scikit-fem."""
+    lengths = np.array([0.3, 2.0, 1e-3, 0.7])
+    beams = straight_beams(lengths, np.arange(8).reshape(4, 2), 8)
+    values = np.array([1.0, 2.0, 3.0, 4.0])
+    found = beams.matrix(straight_stiffness, EA=values, EI=10.0 * values).toarray()
+    for i, (length, value) in enumerate(zip(lengths, values, strict=True)):
+        order = beams.node_dofs[2 * i : 2 * i + 2].ravel()
+        expected = beam_stiffness(value, 10.0 * value, length)
+        np.testing.assert_allclose(found[np.ix_(order, order)], expected, rtol=1e-11)
+
+
+def hermite(length: float) -> list[Polynomial]:
+    """Cubics with one of value and slope at 0, value and slope at the end equal to one."""
+    s = Polynomial([0.0, 1.0])
+    x = s / length
+    return [
+        1 - 3 * x**2 + 2 * x**3,
+        s * (1 - x) ** 2,
+        3 * x**2 - 2 * x**3,
+        s * (x**2 - x),
+    ]
+
+
+@pytest.mark.parametrize("shallow", [False, True])
+def test_curved_beam_against_its_energy_in_polynomials(shallow: bool) -> None:
+    length, radius, support = 0.4, 0.7, 11.0
+    zero = Polynomial([0.0])
+    # Fields (u, w) of each DoF, in the order u, u', w, w' of both nodes.
+    cubics = hermite(length)
+    fields = [
+        (cubic, zero) if kind == "u" else (zero, cubic)
+        for pair in (cubics[:2], cubics[2:])
+        for kind in "uw"
+        for cubic in pair
+    ]
+
+    def integral(p: Polynomial) -> float:
+        whole = p.integ()
+        return float(whole(length) - whole(0.0))
+
+    size = len(fields)
+    stiffness, inertia = np.zeros((size, size)), np.zeros((size, size))
+    for i, (u, w) in enumerate(fields):
+        for j, (v, z) in enumerate(fields):
+            strains = [f.deriv() + g / radius for f, g in ((u, w), (v, z))]
+            bends = [
+                g.deriv(2) - (0.0 if shallow else 1.0) * f.deriv() / radius
+                for f, g in ((u, w), (v, z))
+            ]
+            inertia[i, j] = integral(u * v + w * z)
+            stiffness[i, j] = integral(EA * strains[0] * strains[1] + EI * bends[0] * bends[1])
+
+    one = curved_beams(np.array([length]), np.array([[0, 1]]), 2)
+    order = np.ix_(one.node_dofs.ravel(), one.node_dofs.ravel())
+    ones = np.ones(1)
+    form = curved_shallow_stiffness if shallow else curved_exact_stiffness
+    found = one.matrix(form, EA=EA * ones, EI=EI * ones, curvature=ones / radius).toarray()
+    np.testing.assert_allclose(found[order], stiffness, rtol=1e-12, atol=1e-12 * stiffness.max())
+    found = one.matrix(mass, rho_A=RHO_A * ones).toarray()
+    np.testing.assert_allclose(found[order], RHO_A * inertia, rtol=1e-12, atol=1e-15)
+    found = one.matrix(support_stiffness, support=support * ones).toarray()
+    np.testing.assert_allclose(found[order], support * inertia, rtol=1e-12, atol=1e-15)
+
+
+def quarter_circle(elements: int) -> FloatArray:
+    """Flexibility at the free end of a quarter circle clamped at the other, (u, w), (2, 2)."""
+    length = 0.5 * np.pi / elements
+    ones = np.ones(elements)
+    arc = curved_beams(length * ones, chain(elements), elements + 1)
+    stiffness = arc.matrix(
+        curved_exact_stiffness, EA=2e4 * ones, EI=EI * ones, curvature=ones
+    ).toarray()
+    clamp = arc.node_dofs[0, [U, W, DW]]  # the strain u' at the clamp stays free
+    free = np.setdiff1d(np.arange(len(stiffness)), clamp)
+    end = np.searchsorted(free, arc.node_dofs[-1, [U, W]])
+    flexibility = la.inv(stiffness[np.ix_(free, free)])
+    return np.asarray(flexibility[np.ix_(end, end)])
+
+
+def test_curved_beam_deflects_as_castigliano_says() -> None:
+    """Quarter circle, R = 1: N^2 / 2EA + M^2 / 2EI, sections turned by phi from the free end.
+
+    A tangential unit force gives M = 1 - cos phi, N = cos phi; a radial one -sin phi, sin phi.
+    """
+    bending, stretch = 1.0 / EI, 1.0 / 2e4
+    along = bending * (0.75 * np.pi - 2.0) + stretch * np.pi / 4.0
+    across = (bending + stretch) * np.pi / 4.0
+    both = -bending * 0.5 + stretch * 0.5
+    exact = np.array([[along, both], [both, across]])
+    errors = np.array([quarter_circle(n) / exact - 1.0 for n in (2, 4, 8, 16)])
+    assert np.abs(errors[-1]).max() < 1e-6
+    # Cubics in a fourth-order problem: energies converge with the fourth power at least.
+    assert (observed_order(errors) > 3.5).all()
+
+
+def cantilever(elements: int, angle: float = 0.0) -> BladedDisk:
+    """One blade of the stage alone, clamped at its root."""
+    stage = oracle("disk_modes")["stage"]
+    radii = np.linspace(0.0, stage["tip_radius"] - stage["disk_radius"], elements + 1)
+    mesh = LineMesh(
+        points=radii[:, None] * np.array([np.cos(angle), np.sin(angle)]),
+        lines=chain(elements),
+        node_axes=np.full(elements + 1, angle),
+        node_sets={"tips": np.array([elements]), "centre": np.array([0])},
+        line_sets={"blades": np.arange(elements)},
+    )
+    properties = line_properties(mesh, {"blades": steel(0.01)})
+    model = BeamModel(mesh=mesh, properties=properties, tip_radius=float(radii[-1]))
+    return assemble_bladed_disk(model, shaft_stiffness=0.0, clamped=True)
+
+
+def cantilever_frequencies(elements: int) -> tuple[FloatArray, FloatArray]:
+    """Frequencies of bending and of stretching [rad/s]."""
+    blade = cantilever(elements).structure
+    found = []
+    for components in ([1, 2], [0]):
+        dofs = blade.node_dofs[1:, components].ravel()
+        K, M = blade.stiffness.toarray(), blade.mass.toarray()
+        square = la.eigh(K[np.ix_(dofs, dofs)], M[np.ix_(dofs, dofs)], eigvals_only=True)
+        found.append(np.sqrt(square))
+    return found[0], found[1]
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 2.0])
+def test_one_blade_is_as_stiff_as_theory_says(angle: float) -> None:
+    blade = cantilever(10, angle)
+    flexibility = la.inv(blade.structure.stiffness.toarray())
+    expected = oracle("disk_static")["one_blade"]
+    tangential, radial = blade.tip_tangential, blade.tip_radial
+    assert 1.0 / flexibility[tangential, tangential] == pytest.approx(
+        expected["tangential_stiffness"], rel=1e-8
+    )
+    assert 1.0 / flexibility[radial, radial] == pytest.approx(
+        expected["radial_stiffness"], rel=1e-8
+    )
+
+
+def test_bending_frequencies_converge_with_the_fourth_power() -> None:
+    section, length = steel(0.01), 0.45
+    roots = np.array([1.8751040687119611, 4.694091132974175, 7.854757438237613])
+    exact = (roots / length) ** 2 * np.sqrt(section.bending_stiffness / section.line_mass)
+    errors = [cantilever_frequencies(n)[0][:3] / exact - 1.0 for n in (6, 12, 24)]
+    assert (np.array(errors) > 0.0).all()  # Rayleigh-Ritz: from above
+    np.testing.assert_allclose(observed_order(np.array(errors)), 4.0, atol=0.25)
+
+
+def test_stretching_frequencies_converge_with_the_square() -> None:
+    section, length = steel(0.01), 0.45
+    exact = np.pi * (np.arange(3) + 0.5) / length * np.sqrt(2.1e11 / section.density)
+    errors = [cantilever_frequencies(n)[1][:3] / exact - 1.0 for n in (16, 32, 64)]
+    assert (np.array(errors) > 0.0).all()
+    np.testing.assert_allclose(observed_order(np.array(errors)), 2.0, atol=0.05)
+
+
+def test_section_of_a_rectangle() -> None:
+    section = Section(width=0.1, thickness=0.01, young_modulus=2e11, density=8000.0)
+    assert section.axial_stiffness == pytest.approx(2e8)
+    assert section.bending_stiffness == pytest.approx(2e11 * 0.1 * 0.01**3 / 12.0)
+    assert section.line_mass == pytest.approx(8.0)
+
+
+@pytest.mark.parametrize("name", ["width", "thickness", "young_modulus", "density"])
+@pytest.mark.parametrize("value", [0.0, -1.0, float("nan")])
+def test_sections_that_cannot_be(name: str, value: float) -> None:
+    sound = {"width": 0.1, "thickness": 0.01, "young_modulus": 2e11, "density": 8000.0}
+    with pytest.raises(ValueError, match=f"section {name} must be positive"):
+        Section(**(sound | {name: value}))

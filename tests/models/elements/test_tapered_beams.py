@@ -1,0 +1,198 @@
+"""Tapered beams against a Ritz method of smooth functions and against beam theory."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+import scipy.sparse.linalg as spla
+import xarray as xr
+from numpy.polynomial import Legendre, Polynomial
+from stages import observed_order, steel
+from synthetic_result import synthetic_result
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.file import case_from
+from bladewhirl.models.elements.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.elements.build import case_bladed_disk
+from bladewhirl.models.geometry.sketch import Sketch
+from bladewhirl.models.sections.rectangular import QUANTITIES, Section, along, along_elements
+from bladewhirl.postprocess.fields.beam_sections import rotor_sections
+from bladewhirl.postprocess.fields.strains import rotor_strain_rows
+from bladewhirl.postprocess.paraview.surfaces import rotor_boxes
+from bladewhirl.postprocess.pictures.drawing import Drawing
+from bladewhirl.postprocess.pictures.stage_words import thickness_words
+
+SPAN, TIP_MASS, YOUNG, DENSITY = 0.45, 0.1, 2.1e11, 7800.0
+
+TAPER = [steel(0.020), steel(0.012), steel(0.008)]
+
+
+def cantilever(taper: Sequence[Section], elements: int) -> BladedDisk:
+    """A blade of that taper with a mass at its tip, held at its root."""
+    sketch = Sketch()
+    sketch.node("root", 0.0, shared=True)
+    sketch.node("tip", SPAN)
+    sketch.member("blade", "root", "tip", taper, elements=elements)
+    sketch.mass("tip", TIP_MASS)
+    sketch.set("centre", "root")
+    sketch.set("tips", "tip")
+    return assemble_bladed_disk(sketch.build(), shaft_stiffness=1.0, clamped=True)
+
+
+def lowest(taper: Sequence[Section], elements: int) -> FloatArray:
+    """Its three lowest frequencies [rad/s]."""
+    structure = cantilever(taper, elements).structure
+    values = la.eigh(structure.stiffness.toarray(), structure.mass.toarray(), eigvals_only=True)
+    return np.asarray(np.sqrt(values[:3]))
+
+
+def by_ritz(thickness: Sequence[float]) -> FloatArray:
+    """The same by Ritz: polynomials over the span, and over all of it after each inner station
+    more that begin with the third power, for the third derivative jumps there.
+    """
+    stations = np.linspace(0.0, 1.0, len(thickness))
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    x = np.concatenate([a + (b - a) * (nodes + 1) / 2 for a, b in pairwise(stations)])
+    weight = np.tile(weights / 2, len(stations) - 1) / (len(stations) - 1)
+    values, bends, ends = [], [], []
+    for start, power in [(0.0, 2), *((s, 3) for s in stations[1:-1])]:
+        for degree in range(12):
+            smooth = Legendre.basis(degree, [start, 1.0]).convert(kind=Polynomial)
+            function = Polynomial([-start, 1.0]) ** power * smooth
+            values.append(np.where(x >= start, function(x), 0.0))
+            bends.append(np.where(x >= start, function.deriv(2)(x), 0.0))
+            ends.append(float(function(1.0)))
+    height = np.interp(x, stations, thickness)
+    w, bend, end = np.array(values), np.array(bends), np.array(ends)
+    stiffness = bend * (weight * YOUNG * 0.1 * height**3 / 12 / SPAN**3) @ bend.T
+    mass = w * (weight * DENSITY * 0.1 * height * SPAN) @ w.T + TIP_MASS * np.outer(end, end)
+    scale = 1.0 / np.sqrt(np.diag(stiffness))
+    flexible = la.eigh(
+        mass * np.outer(scale, scale), stiffness * np.outer(scale, scale), eigvals_only=True
+    )
+    return np.asarray(1.0 / np.sqrt(flexible[::-1][:3]))
+
+
+def test_frequencies_of_tapered_blades() -> None:
+    """Ten elements, the default, give the first to a millionth, where stations lie between too."""
+    reference = by_ritz([0.020, 0.012, 0.008])
+    np.testing.assert_allclose(lowest(TAPER, 10)[0], reference[0], rtol=2e-6)
+    np.testing.assert_allclose(lowest(TAPER, 10), reference, rtol=3e-4)
+    np.testing.assert_allclose(lowest(TAPER, 9)[0], reference[0], rtol=3e-5)
+    for elements in (5, 10):
+        error = lowest([steel(0.02), steel(0.008)], elements) / by_ritz([0.02, 0.008]) - 1.0
+        assert 0.0 < error[0] < 2e-5
+
+
+def test_frequencies_converge_as_those_of_prismatic_blades() -> None:
+    reference = by_ritz([0.020, 0.012, 0.008])
+    errors = np.array([lowest(TAPER, n) / reference - 1.0 for n in (4, 8, 16)])
+    for column in range(3):
+        orders = observed_order(errors[:, column])
+        assert orders[-1] == pytest.approx(4.0, abs=0.35), orders
+
+
+def bent(elements: int, taper: list[dict[str, float]]) -> xr.Dataset:
+    """The static answer of a bladed disk, held rigidly, to a newton on the tip of blade 2."""
+    tables = {"blades": 6, "disk_kind": "rigid", "elements_per_blade": elements, "taper": taper}
+    disk = case_bladed_disk(case_from({"bladed_disk": tables}), clamped=True)
+    force = np.zeros(disk.structure.size)
+    force[disk.tip_tangential[2]] = 1.0
+    answer = spla.spsolve(disk.structure.stiffness.tocsc(), force)
+    sections = {
+        f"rotor_{name}": ("rotor_line", getattr(disk.properties, name))
+        for quantity in ("thickness", "width", "young_modulus")
+        for name in (quantity, f"{quantity}_change")
+    }
+    return xr.Dataset(
+        {
+            "rotor_point": (("rotor_node", "axis"), disk.mesh.points),
+            "rotor_line": (("rotor_line", "end"), disk.mesh.lines),
+            "rotor_shape": (
+                ("rotor_node", "rotor_component", "rotor_mode"),
+                disk.cartesian(answer[:, None]),
+            ),
+            **sections,
+        }
+    )
+
+
+@pytest.mark.parametrize(
+    "taper",
+    [
+        [{"width": 0.1}, {"width": 0.05}],
+        [{"thickness": 0.02}, {"thickness": 0.01}],
+    ],
+)
+def test_stress_at_a_root_with_the_section_there(taper: list[dict[str, float]]) -> None:
+    """sigma = 6 F L / (b h^2); what is left is that of the curvature."""
+    root = {"width": 0.1, "thickness": 0.01} | taper[0]
+    expected = 6 * SPAN / (root["width"] * root["thickness"] ** 2)
+    errors = []
+    for elements in (10, 20, 40):
+        result = bent(elements, taper)
+        modulus = rotor_sections(result, "young_modulus", 1)
+        stress = modulus * rotor_strain_rows(result).bending[..., 0]
+        errors.append(float(np.abs(stress).max()) / expected - 1.0)
+    assert abs(errors[0]) < 1e-3
+    assert (observed_order(np.array(errors)) > 1.8).all(), errors
+
+
+def test_sections_at_the_ends_of_elements_are_those_of_the_taper() -> None:
+    thick = Section(width=0.1, thickness=0.02, young_modulus=YOUNG, density=DENSITY)
+    thin = replace(thick, width=0.08, thickness=0.01, young_modulus=1.1e11)
+    for elements in (1, 3, 8):
+        middle, change = along_elements([thick, thin], elements)
+        edges = along([thick, thin], np.linspace(0.0, 1.0, elements + 1))
+        np.testing.assert_allclose(middle - change / 2, edges[:, :-1], rtol=1e-13)
+        np.testing.assert_allclose(middle + change / 2, edges[:, 1:], rtol=1e-13)
+    middle, change = along_elements(thick, 3)
+    assert not change.any()
+    assert (middle == [[getattr(thick, name)] for name in QUANTITIES]).all()
+
+
+def test_a_station_inside_an_element_leaves_its_mean() -> None:
+    """Mean and first moment, which the nearest straight line shares, against many small pieces."""
+    fine = (np.arange(30000) + 0.5) / 30000
+    for elements in (1, 3, 5):
+        middle, change = along_elements(TAPER, elements)
+        found = along(TAPER, fine).reshape(4, elements, -1)
+        shift = fine[: 30000 // elements] * elements - 0.5
+        np.testing.assert_allclose(middle, found.mean(axis=2), rtol=1e-8)
+        np.testing.assert_allclose(
+            change, 12.0 * (found * shift).mean(axis=2), rtol=1e-7, atol=1e-9 * middle.max()
+        )
+
+
+def test_steep_tapers_stay_above_zero() -> None:
+    steep = [steel(t) for t in (0.1, 0.001, 0.001, 0.001, 0.001, 0.001, 0.001)]
+    middle, change = along_elements(steep, 1)
+    assert (middle - np.abs(change) / 2 >= 0.0005 - 1e-15)[1]
+    assert lowest(steep, 1)[0] > 0.0
+
+
+def test_pictures_and_words_have_the_section_at_the_place() -> None:
+    result = synthetic_result(records=2)
+    thickness = result["rotor_thickness"].values
+    tapered = result.assign(rotor_thickness_change=("rotor_line", -0.4 * thickness))
+    ends = rotor_boxes(tapered, 2).offset[:, :, 1]
+    np.testing.assert_allclose(ends, thickness[:, None] * [0.6, 0.5, 0.4], rtol=1e-14)
+    sides = Drawing(tapered, np.array([0])).picture(0).rotor.sides
+    gap = np.linalg.norm(sides[:, :, 1] - sides[:, :, 0], axis=-1)
+    np.testing.assert_allclose(gap[:, [0, -1]], thickness[:, None] * [1.2, 0.8], rtol=1e-9)
+    blades = thickness[result["rotor_part"].values.astype(str) == "blades"]
+    low, high = 1e3 * 0.8 * blades.min(), 1e3 * 1.2 * blades.max()
+    assert thickness_words(tapered, "blades") == f"{low:.3g} to {high:.3g} mm"
+
+
+def test_results_that_know_no_tapers_are_read_as_they_were_made() -> None:
+    result = synthetic_result(records=2)
+    old = result.drop_vars([name for name in result if str(name).endswith("_change")])
+    assert len(old.data_vars) == len(result.data_vars) - 3
+    for made, again in zip(rotor_strain_rows(result, 2), rotor_strain_rows(old, 2), strict=True):
+        np.testing.assert_array_equal(made, again)

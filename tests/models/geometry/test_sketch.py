@@ -1,0 +1,344 @@
+"""Bladed disks drawn part by part: what comes out, and what is refused by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+from stages import bladed_disk, steel
+
+from bladewhirl.meshes.curve import points_along
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import dumps_case, loads
+from bladewhirl.models.elements.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.geometry.beam_model import BeamModel
+from bladewhirl.models.geometry.sketch import Sketch
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.sections.rectangular import Section
+
+
+def star(sectors: int = 5, elements: int = 2) -> Sketch:
+    """Blades on spokes, without a rim."""
+    sketch = Sketch(sectors)
+    sketch.node("centre", 0.0, 0.0, shared=True)
+    sketch.node("root", "50 mm")
+    sketch.node("tip", 0.5)
+    sketch.member("blades", "root", "tip", steel(0.01), elements=elements)
+    sketch.member("spokes", "centre", "root", steel(0.03))
+    sketch.set("centre", "centre")
+    sketch.set("tips", "tip")
+    return sketch
+
+
+def cantilever(section: Section | list[Section], elements: int, **more: Any) -> Sketch:
+    """A clamped beam of one metre along +x, alone."""
+    sketch = Sketch()
+    sketch.node("clamp", 0.0, shared=True)
+    sketch.node("end", 1.0)
+    sketch.member("beam", "clamp", "end", section, elements=elements, **more)
+    sketch.set("centre", "clamp")
+    sketch.set("tips", "end")
+    return sketch
+
+
+def clamped(sketch: Sketch) -> BladedDisk:
+    return assemble_bladed_disk(sketch.build(), shaft_stiffness=1.0, clamped=True)
+
+
+def frequencies(disk: BladedDisk) -> FloatArray:
+    """Ascending [rad/s]; of a body that is held, the lowest are right beside very stiff parts."""
+    structure = disk.structure
+    inverse = la.eigvalsh(structure.mass.toarray(), structure.stiffness.toarray())
+    return np.asarray(1.0 / np.sqrt(inverse[::-1]))
+
+
+def test_the_stage_of_the_paper_reads_like_a_sketch() -> None:
+    sketch = star(22, elements=10)
+    sketch.member("rim", "root", "root+1", steel(0.03))
+    drawn = assemble_bladed_disk(sketch.build(), shaft_stiffness=3.4e7, clamped=False)
+    known = bladed_disk(disk_thickness=0.03)
+    np.testing.assert_array_equal(drawn.mesh.points, known.mesh.points)
+    np.testing.assert_array_equal(drawn.mesh.lines, known.mesh.lines)
+    assert abs(drawn.structure.stiffness - known.structure.stiffness).max() == 0.0
+
+
+def test_a_case_holds_a_sketch_in_full() -> None:
+    sketch = star()
+    sketch.mass("tip", "20 g", inertia=1e-6)
+    sketch.spring("root", "root+1", radial="1 kN/m", rotation=3.0)
+    sketch.move(1, "tip", 0.51, 0.02)
+    sketch.change(2, "blades", stiffness=1.1, section=[steel(0.012), steel(0.008)])
+    case = Case(sketch=sketch.table)
+    again = loads(dumps_case(case))
+    assert again == case
+    assert again.blades == 5
+    assert again.tip_radius == pytest.approx(np.hypot(0.51, 0.02))
+    one, other = sketch.build(), Sketch.build(sketch)
+    np.testing.assert_array_equal(one.mesh.points, other.mesh.points)
+
+
+def test_one_sector_can_differ() -> None:
+    sketch = star(elements=4)
+    sketch.move(3, "tip", 0.48)
+    sketch.change(1, "blades", stiffness=2.0, mass=3.0)
+    model, tuned = sketch.build(), star(elements=4).build()
+    assert model.mesh.sectors is not None
+    np.testing.assert_allclose(model.tip_recess, [0, 0, 0, 0.02, 0], atol=1e-15)
+    assert model.tip_radius == 0.5
+    blade = model.mesh.line_sets["blades"].reshape(5, 4)
+    lengths = model.mesh.lengths[blade]
+    np.testing.assert_allclose(lengths[3], 0.43 / 4)
+    np.testing.assert_allclose(lengths[[0, 1, 2, 4]], 0.45 / 4)
+    for name, factor in (("bending_stiffness", 2.0), ("axial_stiffness", 2.0), ("line_mass", 3.0)):
+        expected = getattr(tuned.properties, name).copy()
+        expected[blade[1]] *= factor
+        np.testing.assert_allclose(getattr(model.properties, name), expected, rtol=1e-15)
+
+
+def test_a_curve_is_followed_with_equal_elements() -> None:
+    angle = np.linspace(0.0, np.pi / 2.0, 9)
+    circle = np.column_stack([np.cos(angle), np.sin(angle)])
+    points = points_along(circle, 12)
+    np.testing.assert_allclose(np.linalg.norm(points, axis=1), 1.0, rtol=4e-5)
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    np.testing.assert_allclose(lengths, 2.0 * np.sin(np.pi / 48.0), rtol=2e-4)
+    assert points[0].tolist() == circle[0].tolist()
+    assert points[-1].tolist() == circle[-1].tolist()
+
+
+def test_a_quarter_arc_under_a_load_at_its_end() -> None:
+    """Thin curved beam, bending alone counts: pi/4 F R^3 / EI along the load at the end.
+
+    The load pulls along the radius of the clamp; Castigliano's theorem for a quarter circle
+    gives v = (3 pi / 4 - 2) F R^3 / EI across and pi/4 along.
+    """
+    section, radius = steel(0.002), 1.0
+    errors = []
+    for elements in (8, 16, 32):
+        sketch = Sketch()
+        # Clamped at the origin with the tangent along +x, it ends at (R, R) going up.
+        sketch.node("clamp", 0.0, shared=True)
+        sketch.node("end", radius, radius)
+        angle = np.linspace(-np.pi / 2.0, 0.0, 41)[1:-1]
+        path = np.column_stack([radius * np.cos(angle), radius + radius * np.sin(angle)])
+        sketch.member("arc", "clamp", "end", section, elements=elements, path=path.tolist())
+        sketch.set("centre", "clamp")
+        sketch.set("tips", "end")
+        disk = clamped(sketch)
+        force = np.zeros(disk.structure.size)
+        # Down along -y at the end: the moment at angle s from the end is F R (1 - cos s).
+        axis = disk.mesh.node_axes[disk.model.tips[0]]
+        force[disk.tip_radial[0]], force[disk.tip_tangential[0]] = -np.sin(axis), -np.cos(axis)
+        found = np.linalg.solve(disk.structure.stiffness.toarray(), force)
+        end = disk.cartesian(found[:, None])[disk.model.tips[0], :, 0]
+        exact = (3.0 * np.pi / 4.0 - 2.0) * radius**3 / section.bending_stiffness
+        errors.append(abs(-end[1] / exact - 1.0))
+    assert errors[-1] < 1e-3
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.2)
+    assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.2)
+
+
+def test_a_point_mass_at_the_end_of_a_cantilever() -> None:
+    """cos cosh + 1 + r b (cos sinh - sin cosh) = 0 with r = m / (rho A L)."""
+    section, mass = steel(0.01), 5.0
+    sketch = cantilever(section, 20)
+    sketch.mass("end", mass)
+    ratio = mass / section.line_mass
+
+    def equation(b: float) -> float:
+        c, s, ch, sh = np.cos(b), np.sin(b), np.cosh(b), np.sinh(b)
+        return float(c * ch + 1.0 + ratio * b * (c * sh - s * ch))
+
+    from scipy.optimize import brentq
+
+    wave = np.sqrt(section.bending_stiffness / section.line_mass)
+    expected = [wave * brentq(equation, *bracket) ** 2 for bracket in ((0.5, 2.0), (3.5, 4.6))]
+    np.testing.assert_allclose(frequencies(clamped(sketch))[:2], expected, rtol=2e-6)
+
+
+def test_rotary_inertia_of_a_mass() -> None:
+    """A light beam with a heavy disk at its end: the 2 x 2 eigenproblem of the end alone."""
+    section = Section(width=0.1, thickness=0.01, young_modulus=2.1e11, density=1e-6)
+    sketch = cantilever(section, 3)
+    sketch.mass("end", 2.0, inertia=0.3)
+    bending = section.bending_stiffness
+    stiffness = bending * np.array([[12.0, -6.0], [-6.0, 4.0]])
+    expected = np.sqrt(la.eigvalsh(stiffness, np.diag([2.0, 0.3])))
+    np.testing.assert_allclose(frequencies(clamped(sketch))[:2], expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7])
+def test_a_rigid_arm_moves_its_end_as_a_beam_of_great_stiffness_does(angle: float) -> None:
+    found = []
+    for stiff in (False, True):
+        sketch = Sketch()
+        sketch.node("clamp", 0.0, shared=True)
+        sketch.node("knee", 0.6)
+        sketch.node("end", 0.6 + 0.2 * np.cos(angle), 0.2 * np.sin(angle) + 0.1)
+        sketch.node("tip", 0.9, 0.4)
+        sketch.member("beam", "clamp", "knee", steel(0.01), elements=3)
+        sketch.member("outer", "end", "tip", steel(0.01), elements=3)
+        if stiff:
+            arm = Section(width=1.0, thickness=1.0, young_modulus=1e12, density=1e-9)
+            sketch.member("arm", "knee", "end", arm)
+        else:
+            sketch.link("knee", "end")
+        sketch.set("centre", "clamp")
+        sketch.set("tips", "tip")
+        disk = clamped(sketch)
+        force = np.zeros((disk.structure.size, 2))
+        force[disk.tip_radial[0], 0] = force[disk.tip_tangential[0], 1] = 1.0
+        field = disk.cartesian(np.linalg.solve(disk.structure.stiffness.toarray(), force))
+        # Node numbers differ between the two; places do not.
+        order = np.lexsort(disk.mesh.points.round(9).T)
+        found.append((field[order], frequencies(disk)[:4]))
+    largest = abs(found[0][0]).max()
+    np.testing.assert_allclose(found[0][0], found[1][0], atol=1e-5 * largest)
+    np.testing.assert_allclose(found[0][1], found[1][1], rtol=1e-5)
+
+
+def test_springs_act_between_nodes_and_to_the_frame() -> None:
+    sketch = star(3, elements=1)
+    sketch.spring("tip", radial=10.0, tangential=20.0, rotation=30.0)
+    sketch.spring("root", "root+1", radial=3.0, tangential=5.0)
+    bare = assemble_bladed_disk(star(3, 1).build(), shaft_stiffness=1e6, clamped=False)
+    disk = assemble_bladed_disk(sketch.build(), shaft_stiffness=1e6, clamped=False)
+    added = (disk.structure.stiffness - bare.structure.stiffness).toarray()
+    tips = disk.structure.node_dofs[disk.model.tips]
+    np.testing.assert_allclose(np.diag(added)[tips], [[10.0, 20.0, 30.0]] * 3, rtol=1e-6)
+    assert disk.structure.is_cyclic
+    # A translation of the whole strains only what leads to the frame.
+    field = np.zeros(disk.structure.size)
+    for component, turn in ((0, 0.0), (1, np.pi / 2.0)):
+        field[disk.structure.node_dofs[:, component]] = np.cos(disk.mesh.node_axes + turn)
+    expected = 10.0 * 1.5 + 20.0 * 1.5  # cos^2 and sin^2 over three blades
+    assert field @ added @ field == pytest.approx(expected, rel=1e-6)
+
+
+def test_the_same_disk_from_one_sector_and_from_all_drawn_out() -> None:
+    """A mesh without sectors, and yet the same machine."""
+    sketch = star(4)
+    sketch.member("rim", "root", "root+1", steel(0.02), elements=2)
+    drawn = sketch.build()
+    bare: BeamModel = replace(drawn, mesh=replace(drawn.mesh, sectors=None))
+    one = assemble_bladed_disk(drawn, shaft_stiffness=1e7, clamped=False)
+    other = assemble_bladed_disk(bare, shaft_stiffness=1e7, clamped=False)
+    assert one.structure.is_cyclic
+    assert not other.structure.is_cyclic
+    np.testing.assert_allclose(frequencies(one), frequencies(other), rtol=1e-12)
+
+
+def _loose(sketch: Sketch) -> None:
+    sketch.node("a", 0.3, 0.1)
+    sketch.node("b", 0.4, 0.1)
+    sketch.member("debris", "a", "b", steel(0.01))
+
+
+def _twice_changed(sketch: Sketch) -> None:
+    sketch.change(0, "blades", stiffness=1.1)
+    sketch.change(0, "blades", mass=1.2)
+
+
+def _twice_moved(sketch: Sketch) -> None:
+    sketch.move(1, "tip", 0.49)
+    sketch.move(1, "tip", 0.48)
+
+
+def _changed_where_it_is_not(sketch: Sketch) -> None:
+    sketch.member("rim", "root", "root+1", steel(0.01), sectors=[0, 2])
+    sketch.change(1, "rim", mass=2.0)
+
+
+def _shaft(sketch: Sketch, **more: Any) -> None:
+    sketch.node("hub", 0.01, shared=True)
+    sketch.member("shaft", "centre", "hub", steel(0.01), **more)
+
+
+def _changed_shaft(sketch: Sketch) -> None:
+    _shaft(sketch)
+    sketch.change(2, "shaft", stiffness=5.0)
+
+
+BAD: list[tuple[Callable[[Sketch], object], str]] = [
+    (_loose, r"joined to the centre; part 'debris' at \(0\.3, 0\.1\) m is not"),
+    (lambda s: s.node("spare", 0.2), "node 'spare': expected a member, a link or a spring at it"),
+    (lambda s: s.member("rim", "root", "root+1"), "member 'rim': expected a section"),
+    (
+        lambda s: s.member("dot", "root", "root", steel(0.01)),
+        "member 'dot' in sector 0: expected a member with length",
+    ),
+    (lambda s: s.move(2, "tip", 0.05), "member 'blades' in sector 2: expected a member with"),
+    (
+        lambda s: s.member("rim", "root", "rood", steel(0.01)),
+        r"member 'rim': expected a node of the sketch \(centre, root, tip\), not 'rood'",
+    ),
+    (lambda s: s.node("root", 0.1), "node 'root': expected one of that name, not 2"),
+    (lambda s: s.mass("hub", 1.0), "mass: expected a node of the sketch"),
+    (lambda s: s.mass("tip", -1.0), r"masses 'tip'.mass = -1\.0: expected a number of zero or"),
+    (lambda s: s.move(7, "tip", 0.4), "edit of sector 7: expected a sector from 0 to 4"),
+    (lambda s: s.change(1, "blade"), "expected a member of the sketch, not 'blade'"),
+    (lambda s: s.set("tips", "end"), "set 'tips': expected a node of the sketch"),
+    (lambda s: s.link("root", "tip"), 'of the set "tips", to be led by none'),
+    (
+        lambda s: s.member("rim", "root", "root+1", steel(0.01), sectors=[0, 0]),
+        "members 'rim': expected sectors from 0 to 4, each once",
+    ),
+    (_twice_changed, "edit of member 'blades' in sector 0: expected one edit of a part in"),
+    (_twice_moved, "edit of node 'tip' in sector 1: expected one edit of a part in a sector"),
+    (lambda s: s.set("tips", "root"), "set 'tips': expected one of that name, not 2"),
+    (lambda s: s.move(2, "centre", 0.1), "'centre' in sector 2: expected sector 0, which shared"),
+    (_changed_where_it_is_not, r"'rim' in sector 1: expected a sector that has it \(0, 2\)"),
+    (lambda s: s.mass("centre", 1.0, sectors=[1, 2]), "mass at 'centre': expected no sectors"),
+    (lambda s: _shaft(s, sectors=[3]), "member 'shaft': expected no sectors: its nodes are"),
+    (_changed_shaft, "member 'shaft' in sector 2: expected sector 0, which shared parts"),
+    (
+        lambda s: s.member("again", "centre", "root", steel(0.01)),
+        r"one beam between two nodes; parts 'spokes' and 'again' both lie between node",
+    ),
+    (lambda s: s.node("1", 0.1), "nodes '1'.name = \"1\": expected a name of letters"),
+    (lambda s: s.node("a", "1 kg"), r"at\.0 = \"1 kg\": expected a finite number in m"),
+]
+
+
+@pytest.mark.parametrize(("spoil", "message"), BAD, ids=[message[:40] for _, message in BAD])
+def test_faults_name_the_part(spoil: Callable[[Sketch], object], message: str) -> None:
+    sketch = star()
+
+    def build() -> None:
+        spoil(sketch)
+        sketch.build()
+
+    with pytest.raises(CaseError, match=message) as caught:
+        build()
+    assert all("\n" not in line for line in caught.value.lines)
+
+
+def test_one_node_is_the_centre() -> None:
+    sketch = Sketch(5)
+    sketch.node("centre", 0.0, 0.0, shared=True)
+    sketch.node("tip", 0.5)
+    sketch.member("blades", "centre", "tip", steel(0.01))
+    sketch.set("centre", "tip")
+    sketch.set("tips", "tip")
+    with pytest.raises(CaseError, match='expected one node in the set "centre", not 5'):
+        sketch.build()
+
+
+def test_sectors_of_two_blades_are_found_to_be_two_sectors() -> None:
+    sketch = Sketch(3)
+    sketch.node("centre", 0.0, 0.0, shared=True)
+    for blade, turn in enumerate((0.0, np.pi / 3.0)):
+        sketch.node(f"tip {blade}", 0.4 * np.cos(turn), 0.4 * np.sin(turn))
+        sketch.member(f"blade {blade}", "centre", f"tip {blade}", steel(0.02), elements=2)
+    sketch.set("centre", "centre")
+    sketch.set("tips", "tip 0", "tip 1")
+    found = assemble_bladed_disk(sketch.build(), shaft_stiffness=1e7, clamped=False)
+    assert found.structure.symmetry == "6 equal sectors: cyclic path"
+    sketch.mass("tip 1", 0.1)
+    found = assemble_bladed_disk(sketch.build(), shaft_stiffness=1e7, clamped=False)
+    assert found.structure.symmetry == "6 sectors that differ: dense path"

@@ -1,0 +1,497 @@
+"""Case files: what is written can be read again, and bad ones end in one line a fault."""
+
+import pickle
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from places import EXAMPLES
+
+from bladewhirl.models.case.case import Case, Initial
+from bladewhirl.models.case.excitation import EXCITATIONS, CasingDistortion, Imbalance
+from bladewhirl.models.case.file import (
+    CaseError,
+    Fault,
+    case_fault,
+    case_from,
+    dumps_case,
+    faults_in,
+    loads,
+    read_case,
+    template,
+)
+from bladewhirl.models.inputs.table import Table
+from bladewhirl.models.inputs.toml import toml_value
+from bladewhirl.models.inputs.units import Speed
+
+positive = st.floats(min_value=1e-12, max_value=1e12)
+not_negative = positive | st.just(0.0)
+signed = st.floats(allow_nan=False, allow_infinity=False)
+switch = st.booleans()
+section = st.fixed_dictionaries({}, optional={"width": positive, "thickness": positive})
+units = st.sampled_from(["rpm", "Hz", "rad/s", "deg/s"])
+speed = signed | st.builds("{} {}".format, signed.filter(lambda x: abs(x) < 1e300), units)
+positive_speed = positive | st.builds("{} {}".format, positive, units)
+
+
+def rows(count: int) -> st.SearchStrategy[list[list[float]]]:
+    pair = st.lists(signed, min_size=2, max_size=2)
+    return st.lists(pair, min_size=count, max_size=count)
+
+
+def table(**optional: st.SearchStrategy[Any]) -> st.SearchStrategy[dict[str, Any]]:
+    return st.fixed_dictionaries({}, optional=optional)
+
+
+@st.composite
+def cases(draw: st.DrawFn) -> dict[str, Any]:
+    """Nested tables of a right case; keys that must agree are drawn together."""
+    blades = draw(st.integers(3, 8))
+    tip_radius = draw(positive)
+    time_step = draw(st.floats(1e-9, 1e-2))
+    stride = draw(st.integers(1, 1000))
+    distortion = table(
+        nodal_diameter=st.integers(1, 2),
+        modal_force=not_negative,
+        duration=not_negative,
+        shape=st.sampled_from(["rectangular", "half-sine"]),
+    )
+    by_speed = table(clearance_speed=positive_speed, ramp=not_negative)
+    by_mass = st.fixed_dictionaries({"unbalance": not_negative}, optional={"ramp": not_negative})
+    harmonic = table(
+        force=not_negative, frequency=positive, frame=st.sampled_from(["rotating", "static"])
+    )
+    kinds = {
+        "casing-distortion": distortion,
+        "imbalance": by_speed | by_mass,
+        "harmonic": harmonic,
+        "none": st.just({}),
+    }
+    kind = draw(st.sampled_from(sorted(kinds)))
+    disk = {
+        "blades": st.just(blades),
+        "tip_radius": st.just(tip_radius),
+        "disk_radius": st.floats(0.01, 0.99).map(lambda part: part * tip_radius),
+        "elements_per_blade": st.integers(1, 50),
+    }
+    return {
+        "title": draw(st.text()),
+        "material": draw(table(young_modulus=positive, density=positive)),
+        "bladed_disk": draw(
+            st.fixed_dictionaries(disk, optional={"blade": section, "disk": section})
+        ),
+        "shaft": draw(table(stiffness=positive)),
+        "casing": draw(
+            table(
+                elements=st.integers(4, 100),
+                clearance=not_negative,
+                wall=section,
+                curvature=st.sampled_from(["exact", "shallow"]),
+                support=not_negative,
+                rotation=st.sampled_from(["free", "fixed"]),
+            )
+        ),
+        "damping": draw(table(ratio=not_negative)),
+        "contact": draw(table(friction=not_negative, tip_rotation=switch)),
+        "excitation": {"type": kind, **draw(kinds[kind])},
+        "initial": draw(
+            table(
+                centre_velocity=st.lists(signed, min_size=2, max_size=2),
+                tip_velocity=rows(blades),
+                tip_displacement=rows(blades),
+            )
+        ),
+        "coupling": draw(table(stiffness=not_negative, pi=switch)),
+        "march": {
+            "speed": draw(speed),
+            "time_step": time_step,
+            "record_step": stride * time_step,
+            "duration": draw(st.integers(0, 10**6)) * time_step,
+        },
+    }
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(cases())
+def test_a_written_case_reads_back_equal(tables: dict[str, Any]) -> None:
+    case = case_from(tables)
+    text = dumps_case(case)
+    assert loads(text) == case
+    assert dumps_case(loads(text)) == text
+    assert tomllib.loads(text)["title"] == tables["title"]
+
+
+def test_a_written_case_holds_every_key() -> None:
+    tables = tomllib.loads(dumps_case(Case()))
+    assert tables.keys() == Case.model_fields.keys() - {"sketch"}  # none by default
+    none = {"tip_velocity", "tip_displacement", "stiffness_y", "damping_y", "mesh"}  # has no TOML
+    for name, table_ in Case():
+        if isinstance(table_, Table):
+            assert tables[name].keys() == dict(table_).keys() - none
+
+
+def test_what_was_given_with_a_unit_stays_readable() -> None:
+    text = '[march]\nspeed = "2500 rpm"\n[material]\nyoung_modulus = "210 GPa"'
+    written = dumps_case(loads(text))
+    assert 'speed = "2500 rpm"' in written
+    assert "young_modulus = 2.1e11" in written
+
+
+@pytest.mark.parametrize(
+    "title", ["", "\x00\x1f\x7f\x85", "a\"b\\c'd", "a\r\nb\tc", "Möbius \U0001f300"]
+)
+def test_any_title_is_written(title: str) -> None:
+    assert loads(dumps_case(Case(title=title))).title == title
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (2.1e11, "2.1e11"),
+        (1e-6, "1e-6"),
+        (1508.0, "1508.0"),
+        (0.1, "0.1"),
+        (-1 / 3e9, "-3.333333333333333e-10"),
+    ],
+)
+def test_numbers_are_written_short_and_exact(value: float, text: str) -> None:
+    assert toml_value(value) == text
+    assert float(text) == value
+
+
+def test_the_template_is_the_default_case() -> None:
+    assert loads(template()) == Case()
+
+
+def test_the_template_shows_every_key_and_its_meaning() -> None:
+    def keys(model: type[Any]) -> set[str]:
+        return set(model.model_fields)
+
+    shown = set(re.findall(r"^(?:#+ )?(\w+) = ", template(), re.MULTILINE))
+    tables = [type(table) for _, table in Case() if isinstance(table, Table)]
+    assert set().union(*map(keys, tables), *map(keys, EXCITATIONS.values())) <= shown
+    assert max(map(len, template().splitlines())) <= 100
+
+
+@pytest.mark.parametrize("kind", ["casing-distortion", "imbalance", "harmonic"])
+def test_the_templates_alternatives_can_be_uncommented(kind: str) -> None:
+    active, marker = 'type = "none"\n', f'# type = "{kind}"\n'
+    blocks = template().split("\n\n")
+    blocks = [block.replace(active, "") if active in block + "\n" else block for block in blocks]
+    [block] = [block for block in blocks if marker in block]
+    uncommented = "\n".join(line.removeprefix("# ") for line in block.splitlines())
+    case = loads("\n\n".join(blocks).replace(block, uncommented).replace('type = "none"', ""))
+    assert case.excitation == EXCITATIONS[kind]()
+
+
+def test_the_fan_stage_is_the_default_case() -> None:
+    assert read_case(EXAMPLES / "fan_stage.toml") == Case()
+
+
+@pytest.mark.parametrize(
+    ("name", "excitation"),
+    [
+        ("casing_distortion", CasingDistortion(modal_force=3e4, duration=0.0084, nodal_diameter=1)),
+        ("imbalance", Imbalance(clearance_speed=0.95, ramp=0.1)),
+    ],
+)
+def test_the_contact_cases_are_the_fan_stage_but_for_two_lines_and_a_load(
+    name: str, excitation: object
+) -> None:
+    case, stage = read_case(EXAMPLES / f"{name}.toml"), Case()
+    assert case.casing == stage.casing.model_copy(update={"support": 7.975e6})
+    assert case.excitation == excitation
+    differing = {key for key, value in case if value != getattr(stage, key)}
+    assert case.damping.ratio == 0.001
+    assert differing == {"title", "casing", "damping", "excitation"}
+    march = case.march
+    assert (march.speed, march.time_step, march.duration) == (Speed(1.05), 1e-6, 3.0)
+
+
+BAD = """
+titel = "x"
+speed = 3
+[material]
+young_modulus = "210 GPA"
+density = -1
+[bladed_disk]
+blades = 2
+tip_radius = 0.04
+blade.thicknes = 3
+disk = 4
+[shaft]
+clamped = true
+[casing]
+elements = 8
+clearance = nan
+[excitation]
+type = "casing-distortion"
+nodal_diameter = 5
+ramp = 1
+[initial]
+centre_velocity = [0.0, 1.0]
+tip_velocity = [[0.0, 1.0], [inf, "x"]]
+[[coupling]]
+pi = true
+[march]
+time_step = 1e-4
+record_step = 1e-6
+scheme = "runge-kutta"
+"""
+
+
+def test_all_faults_of_a_file_at_once(tmp_path: Path) -> None:
+    path = tmp_path / "bad.toml"
+    path.write_text(BAD)
+    with pytest.raises(CaseError) as caught:
+        read_case(path)
+    lines = caught.value.lines
+    assert all(line.startswith(f"{path}: ") and "\n" not in line for line in lines)
+    found = [line.removeprefix(f"{path}: ").partition(": expected ")[0] for line in lines]
+    assert sorted(found) == sorted(
+        [
+            'titel = "x"',
+            "speed = 3",
+            'material.young_modulus = "210 GPA"',
+            "material.density = -1",
+            "bladed_disk.blades = 2",
+            "bladed_disk.blade.thicknes = 3",
+            "bladed_disk.disk = 4",
+            "casing.clearance = nan",
+            "excitation.ramp = 1",
+            "initial.tip_velocity[1][0] = inf",
+            'initial.tip_velocity[1][1] = "x"',
+            "coupling = [{ pi = true }]",
+            'march.scheme = "runge-kutta"',
+            # Only seen once the rest is put right:
+            "bladed_disk.disk_radius = 0.05",
+            "march.record_step = 1e-6",
+            "excitation.nodal_diameter = 5",
+            "initial.centre_velocity = [0.0, 1.0]",
+        ]
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("march.sped = 1", "march.sped = 1: expected a known key; the nearest is march.speed"),
+        ("sped = 1", "sped = 1: expected a known key; the nearest is march.speed"),
+        ("time_step = 1", "time_step = 1: expected a known key; the nearest is march.time_step"),
+        (
+            "casing.friction = 0",
+            "the nearest is casing.rotation or contact.friction",
+        ),
+        ("marsh.speed = 1", "marsh = { speed = 1 }: expected a known key; the nearest is march"),
+        (
+            "nope.speed = 1",
+            "nope = { speed = 1 }: expected a known key; the nearest is march.speed",
+        ),
+        (
+            "nope.a.modal_force = 1",
+            "expected a known key; the nearest is excitation.modal_force",
+        ),
+        ("casing.wall.widht = 1", "expected a known key; the nearest is casing.wall.width"),
+        (
+            'march."sp.eed" = 1',
+            'march."sp.eed" = 1: expected a known key; the nearest is march.speed',
+        ),
+        ('"\\u001b[1m\\n" = 1', '"\\u001b[1m\\n" = 1: expected a known key'),
+        (
+            'excitation = { type = "imbalance", shape = "half-sine" }',
+            'expected a key of excitation.type = "imbalance"; this one is of "casing-distortion"',
+        ),
+        (
+            'excitation = { type = "imbalance", rmap = 1 }',
+            "excitation.rmap = 1: expected a known key; the nearest is excitation.ramp",
+        ),
+        ("excitation.ramp = 1", 'excitation.type: expected "casing-distortion" or "imbalance"'),
+        ('excitation.type = "imbalanc"', 'excitation.type = "imbalanc": expected'),
+        ("excitation.type = []", "excitation.type = []: expected"),
+        ("excitation = 3", "excitation = 3: expected a table"),
+        ("title = 3", "title = 3: expected text"),
+        ("title = 1979-05-27", "title = 1979-05-27: expected text"),
+        ("casing.elemnts = 4", "the nearest is casing.elements"),
+        ("x = 1", "x = 1: expected a known key: title, material, bladed_disk, "),
+        ("casing.foo = 1", "expected a known key of [casing]: elements, clearance, "),
+        ("casing.wall.x = 1", "expected a known key of [casing.wall]: width, thickness"),
+        ("march = 3", "march = 3: expected a table, [march]"),
+        ("casing.wall = 1", "casing.wall = 1: expected a table, [casing.wall]"),
+    ],
+)
+def test_faults_name_the_key_and_what_was_expected(text: str, line: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        loads(text, file="a.toml")
+    [found] = caught.value.lines
+    assert found.startswith("a.toml: ")
+    assert line in found
+
+
+def test_values_compared_with_a_mistaken_one_are_not_blamed() -> None:
+    text = "march.tme_step = 1e-7\nmarch.record_step = 5e-7"  # 5e-7 is less than the default step
+    with pytest.raises(CaseError) as caught:
+        loads(text)
+    assert [fault.key for fault in caught.value.faults] == ["march.tme_step"]
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("a = [", "at end of document"),
+        ("[march]\nspeed = 1.0.0", "line 2"),
+        ("a = 1\na = 2\n[b]", "overwrite"),
+        ("a = " + "9" * 5000, "integers"),
+        pytest.param("a = " + "[" * 5000, "less nesting", id="nested values"),
+        pytest.param(".".join("a" * 5000) + " = 1", "less nesting", id="nested keys"),
+    ],
+)
+def test_invalid_toml_is_one_line(text: str, reason: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        loads(text, file="a.toml")
+    [line] = caught.value.lines
+    assert line.startswith("a.toml: expected ")
+    assert "TOML" in line or "integers" in line
+    assert reason in line
+
+
+@pytest.mark.parametrize(
+    ("excitation", "line"),
+    [
+        (
+            '{ type = "imbalance", ramp = 0.1 }',
+            'excitation.type = "imbalance": expected a load that is not at the centre, or',
+        ),
+        (
+            '{ type = "harmonic", frequency = 9.0 }',
+            'excitation.type = "harmonic": expected a load that is not at the centre, or',
+        ),
+        ('{ type = "imbalanc", ramp = 0.1 }', 'excitation.type = "imbalanc": expected "casing-'),
+        ("{ ramp = 0.1 }", 'excitation.type: expected "casing-distortion" or '),
+    ],
+)
+def test_one_fault_of_an_excitation_is_one_line(excitation: str, line: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        loads(f"excitation = {excitation}\nshaft.clamped = true")
+    [found] = caught.value.lines
+    assert found.startswith(f"case: {line}")
+
+
+def test_long_values_are_cut() -> None:
+    with pytest.raises(CaseError) as caught:
+        loads(f"material.density = 0x{'f' * 9000}\nmarch.speed = [{'1.0,' * 900}]")
+    assert caught.value.lines[0].startswith("case: material.density = a huge integer: ")
+    assert max(map(len, caught.value.lines)) < 300
+
+
+@pytest.mark.parametrize("name", ["missing.toml", "", "null\0.toml"])
+def test_a_file_that_cannot_be_read_is_one_line(tmp_path: Path, name: str) -> None:
+    path = f"{tmp_path}/{name}"  # with no name, the folder itself
+    with pytest.raises(CaseError) as caught:
+        read_case(path)
+    [line] = caught.value.lines
+    assert line.startswith(f"{path}: expected ")
+
+
+def test_a_file_that_is_no_text_is_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_bytes(b"\xff\xfe")
+    with pytest.raises(CaseError, match="expected text in UTF-8"):
+        read_case(path)
+    path.write_bytes(b"#" * (2**24 + 1))
+    with pytest.raises(CaseError, match="at most 16777216 bytes"):
+        read_case(path)
+
+
+def test_marks_and_line_ends_of_other_systems_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_bytes(b'\xef\xbb\xbftitle = "\xc3\xa9"\r\n[march]\r\nspeed = 2\r\n')
+    case = read_case(path)
+    assert (case.title, case.march.speed) == ("é", Speed(2.0))
+
+
+@pytest.mark.parametrize(
+    ("override", "key", "value"),
+    [
+        ("march.speed=1.2", "march.speed", Speed(1.2)),
+        ("march.speed = -1", "march.speed", Speed(-1.0)),
+        ("march.speed=2500 rpm", "march.speed", Speed("2500 rpm")),
+        ('march.speed="2500 rpm"', "march.speed", Speed("2500 rpm")),
+        ("casing.clearance=2mm", "casing.clearance", 2e-3),
+        ("casing.curvature=shallow", "casing.curvature", "shallow"),
+        ("contact.tip_rotation=true", "contact.tip_rotation", True),
+        ("bladed_disk.blade.thickness=0.02", "bladed_disk.blade.thickness", 0.02),
+        ("bladed_disk.blade={width=0.2}", "bladed_disk.blade.thickness", 0.01),
+        ("title=a = b", "title", "a = b"),
+        ("title=Möbius", "title", "Möbius"),
+        ('excitation={type="imbalance"}', "excitation", Imbalance()),
+        ("excitation.type=imbalance", "excitation", Imbalance()),
+        ("initial.centre_velocity=[1, 0]", "initial", Initial(centre_velocity=(1.0, 0.0))),
+    ],
+)
+def test_overrides(override: str, key: str, value: object) -> None:
+    text = "bladed_disk.blade = { width = 0.3, thickness = 0.03 }\nmarch.speed = 7"
+    found: Any = loads(text, overrides=[override])
+    for part in key.split("."):
+        found = getattr(found, part)
+    assert found == value
+
+
+def test_overrides_leave_the_rest_of_an_inline_table() -> None:
+    text = "bladed_disk.blade = { width = 0.3, thickness = 0.03 }"
+    blade = loads(text, overrides=["bladed_disk.blade.thickness=2 cm"]).bladed_disk.blade
+    assert (blade.width, blade.thickness) == (0.3, 0.02)
+
+
+def test_the_last_override_wins() -> None:
+    assert loads("", overrides=["march.speed=1", "march.speed=2"]).march.speed == Speed(2.0)
+
+
+@pytest.mark.parametrize(
+    ("override", "line"),
+    [
+        ("march.speed", "--set march.speed: expected KEY=VALUE"),
+        ("=3", "--set =3: expected KEY=VALUE"),
+        ("march..speed=3", "--set march..speed=3: expected KEY=VALUE"),
+        ("march.speed=", '--set: march.speed = "": expected a TOML value'),
+        ("march.speed='a", '--set: march.speed = "\'a": expected a TOML value'),
+        ("march.speed=[1", '--set: march.speed = "[1": expected a TOML value'),
+        ("march.speed=1\ntitle='b'", "expected a TOML value"),
+        ("march.speed=fast", '--set: march.speed = "fast": expected a number'),
+        ("march.speed=nan", "--set: march.speed = nan: expected a number"),
+        ("march.sped=1", "--set: march.sped = 1: expected a known key; the nearest is march.speed"),
+        ("title.x=1", "--set: title = { x = 1 }: expected text"),
+        ("bladed_disk.blades.x=1", "--set: bladed_disk.blades.x = 1: expected a key of a table"),
+        (
+            "initial.tip_velocity=[[1,2]]",
+            "--set: initial.tip_velocity = [[1, 2]]: expected 22 rows",
+        ),
+    ],
+)
+def test_faults_of_overrides_are_not_put_on_the_file(override: str, line: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        loads("bladed_disk.blades = 22\ndamping.ratio = -1", file="a.toml", overrides=[override])
+    by_hand, in_file = sorted(caught.value.lines)
+    assert line in by_hand
+    assert in_file.startswith("a.toml: damping.ratio = -1: expected")
+
+
+def test_faults_found_later_are_named_like_the_others() -> None:
+    case = Case()
+    with pytest.raises(CaseError) as caught, faults_in("a.toml"):
+        raise CaseError(
+            [
+                case_fault(case, "march.time_step", "less than 5e-7"),
+                case_fault(case, "march.speed", "less"),
+                Fault(file="b.toml", key="k", expected="nothing"),
+            ]
+        )
+    assert pickle.loads(pickle.dumps(caught.value)).lines == caught.value.lines
+    assert caught.value.lines == [
+        "a.toml: march.time_step = 1e-6: expected less than 5e-7",
+        "a.toml: march.speed = 1.05: expected less",
+        "b.toml: k: expected nothing",
+    ]

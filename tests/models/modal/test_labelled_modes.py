@@ -1,0 +1,140 @@
+"""Labels of modes: however few are asked for, however unlike the blades are."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+import scipy.sparse.linalg as spla
+from stages import CASING_REFERENCE, bladed_disk, casing, oracle, steel, tip_reference
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.elements.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.modal.labels import LabelledModes, labelled_modes
+
+BLADES = 22
+
+
+def modes_of(disk: BladedDisk, count: int | None = None) -> LabelledModes:
+    return labelled_modes(disk.structure, tip_reference(disk), "bladed-disk", count)
+
+
+@cache
+def mistuned(spread: float) -> BladedDisk:
+    """The thick-disked stage with blades whose stiffness differs at random by that much."""
+    tuned = bladed_disk(disk_thickness=0.03)
+    mesh, properties = tuned.mesh, tuned.properties
+    factor = np.ones(len(mesh.lines))
+    drawn = 1.0 + spread * np.random.default_rng(7).standard_normal(BLADES)
+    factor[mesh.line_sets["blades"]] = np.repeat(drawn, len(mesh.line_sets["blades"]) // BLADES)
+    properties = replace(properties, young_modulus=factor * properties.young_modulus)
+    model = replace(tuned.model, properties=properties)
+    return assemble_bladed_disk(model, shaft_stiffness=3.4e7, clamped=False)
+
+
+@pytest.mark.parametrize("clamped", [False, True])
+@pytest.mark.parametrize("count", [92, 7])
+def test_labels_of_the_literature_stage_do_not_depend_on_how_many_are_asked_for(
+    clamped: bool, count: int
+) -> None:
+    """The suspension pair is 3.06 times higher than the lowest modes, of which some have k = 1."""
+    expected = oracle("disk_modes")["clamped" if clamped else "free"]
+    found = modes_of(bladed_disk(clamped=clamped), count)
+    assert found.count == count
+    np.testing.assert_allclose(
+        found.frequency / (2 * np.pi), expected["frequency_hz"][:count], rtol=1e-8
+    )
+    assert list(found.nodal_diameter) == expected["nodal_diameter"][:count]
+    assert list(found.family) == expected["family"][:count]
+
+
+def test_fields_are_modes_with_the_cosine_largest_in_sector_0() -> None:
+    disk = bladed_disk(blades=7, elements=3)
+    found = modes_of(disk)
+    structure = disk.structure
+    shapes = found.fields(np.arange(found.count))
+    np.testing.assert_allclose(
+        shapes.T @ (structure.mass @ shapes), np.eye(found.count), atol=1e-10
+    )
+    strain = np.einsum("im,im->m", shapes, structure.stiffness @ shapes)
+    np.testing.assert_allclose(strain, found.frequency**2, rtol=1e-9)
+    in_springs = np.einsum("im,im->m", shapes, structure.springs @ shapes) / strain
+    np.testing.assert_allclose(found.spring_share, in_springs, atol=1e-9)
+    for k in (1, 2, 3):
+        cosine, sine = found.find("1F", k)
+        radial = found.fields(np.array([cosine, sine]))[disk.tip_radial]
+        wave = 2.0 * np.pi * k * np.arange(7) / 7
+        np.testing.assert_allclose(radial[:, 0], radial[0, 0] * np.cos(wave), atol=1e-9)
+        np.testing.assert_allclose(radial[:, 1], radial[0, 0] * np.sin(wave), atol=1e-9)
+        assert radial[0, 0] > 0.0
+
+
+@pytest.mark.parametrize("spread", [1e-3, 0.03])
+def test_families_survive_mistuning(spread: float) -> None:
+    """Families of blades are far apart, so each must have as many modes as there are blades."""
+    disk = mistuned(spread)
+    assert not disk.structure.is_cyclic
+    found = modes_of(disk, 3 * BLADES + 2)
+    assert Counter(found.family) == {"1F": 22, "suspension": 2, "2F": 22, "3F": 22}
+    names = ["1F"] * 22 + ["suspension"] * 2 + ["2F"] * 22 + ["3F"] * 22
+    assert list(found.family) == names
+    # Blades vibrate on their own: few modes still have one nodal diameter.
+    assert np.median(found.purity) < 0.5
+    suspension = [name == "suspension" for name in found.family]
+    np.testing.assert_array_equal(found.nodal_diameter[suspension], 1)
+    assert found.purity[suspension].min() > 0.99
+    assert (found.purity > 1.0 / (BLADES // 2 + 1)).all()
+    shape = found.fields(np.array([0]))[:, 0]
+    residual = disk.structure.stiffness @ shape - found.frequency[0] ** 2 * (
+        disk.structure.mass @ shape
+    )
+    assert np.abs(residual).max() < 1e-6 * np.abs(disk.structure.stiffness @ shape).max()
+
+
+def test_labels_of_hardly_mistuned_blades_are_those_of_the_tuned_ones() -> None:
+    tuned, found = modes_of(bladed_disk(disk_thickness=0.03), 68), modes_of(mistuned(1e-6), 68)
+    np.testing.assert_allclose(found.frequency, tuned.frequency, rtol=1e-5)
+    np.testing.assert_allclose(found.purity[:3], 1.0, atol=1e-3)
+    # Blades hardly feel each other: where frequencies are close, nodal diameters mix at once.
+    assert list(found.nodal_diameter[:3]) == list(tuned.nodal_diameter[:3]) == [1, 1, 0]
+    assert found.family == tuned.family
+
+
+def test_a_free_ring_has_three_rigid_modes_and_bends_as_in_closed_form() -> None:
+    ring = labelled_modes(casing(40, 0.0).structure, CASING_REFERENCE, "casing", 21)
+    assert ring.family[:3] == ("rigid",) * 3
+    assert sorted(ring.nodal_diameter[:3]) == [0, 1, 1]
+    assert set(ring.family[3:]) == {"1F"}
+    closed_form = {row["nodal_diameter"]: row["flexural_hz"] for row in oracle("ring")["modes"]}
+    for k in range(2, 7):
+        (cosine, sine) = ring.find("1F", k)
+        for mode in (cosine, sine):
+            assert ring.frequency[mode] / (2 * np.pi) == pytest.approx(closed_form[k], rel=3e-3)
+
+
+def test_blades_on_a_rigid_disk_are_cantilevers() -> None:
+    """Bernoulli: (beta L)^2 = 3.5160, 22.0345, 61.6972 of a clamped-free beam."""
+    found = modes_of(bladed_disk(disk_thickness=3.0, clamped=True), 66)
+    bending, line_mass, length = steel(0.01).bending_stiffness, steel(0.01).line_mass, 0.45
+    beam = np.sqrt(bending / line_mass) / length**2
+    for rank, root in enumerate((3.5160153, 22.0344916, 61.6972144), start=1):
+        family = found.frequency[[name == f"{rank}F" for name in found.family]]
+        assert len(family) == BLADES
+        np.testing.assert_allclose(family, root * beam, rtol=2e-3)
+
+
+def test_two_hundred_blades_by_the_cyclic_path() -> None:
+    """30,602 degrees of freedom; each mode found is one of the whole structure."""
+    disk = bladed_disk(blades=200, elements=50, disk_thickness=0.03)
+    structure = disk.structure
+    found = modes_of(disk, 602)
+    assert Counter(found.family) == {"1F": 200, "2F": 200, "3F": 200, "suspension": 2}
+    assert set(found.nodal_diameter) == set(range(101))
+    chosen = np.array([0, 5, 150, 333, 601])
+    shapes = found.fields(chosen)
+    force = structure.mass @ (shapes * found.frequency[chosen] ** 2)
+    answer: FloatArray = spla.splu(structure.stiffness.tocsc()).solve(force)
+    np.testing.assert_allclose(answer, shapes, rtol=0.0, atol=2e-6 * np.abs(shapes).max())

@@ -1,0 +1,304 @@
+"""Marches with springs between rotor and casing: Eqs (8)-(10), against the stability analysis."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from contact_cases import ledger_residual, run
+from plain_march import plain_march, spring_stiffness
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.file import CaseError, loads
+from bladewhirl.models.coupling.springs import CouplingModes, Springs, coupling_stiffness
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.contact_problem import ContactProblem, Start
+from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.solvers.march.central_difference import CentralDifference, initial_spring_forces
+from bladewhirl.solvers.stability.coupled_modes import CoupledMode, coupled_modes, modal_response
+from bladewhirl.solvers.stability.growth import growth_rate
+
+COARSE = ("reduction.fixed_interface_modes=22", "casing.elements=20")
+FINE = ("reduction.fixed_interface_modes=110", "casing.elements=40")
+POINT = ("march.speed=1.17", "coupling.stiffness=500")
+"""The paper's example point: Figs 11 and 14."""
+
+
+@cache
+def stage(*overrides: str) -> Stage:
+    """A coarse stage on the soft support of the modal work."""
+    return build_stage(loads("", overrides=[*COARSE, *POINT, *overrides]))
+
+
+def problem(*overrides: str) -> ContactProblem:
+    return contact_problem(stage(*overrides))
+
+
+def springs(given: ContactProblem) -> Springs:
+    assert given.springs is not None
+    return given.springs
+
+
+def coordinates(given: ContactProblem, rotor: FloatArray, casing: FloatArray) -> FloatArray:
+    """Coupled coordinates out of the modal ones of both bodies, (..., size)."""
+    held = springs(given)
+    on_rotor, rotor_modes = held.coordinates(on_casing=False)
+    on_casing, casing_modes = held.coordinates(on_casing=True)
+    found = np.zeros((*rotor.shape[:-1], held.modes.size))
+    found[..., on_rotor] = rotor[..., rotor_modes]
+    found[..., on_casing] = casing[..., casing_modes]
+    return found
+
+
+def set_off(given: ContactProblem, mode: CoupledMode, size: float) -> ContactProblem:
+    """The same problem, started in a coupled mode."""
+    held = springs(given)
+    u, rate = (size * part[0] for part in modal_response(mode, np.zeros(1)))
+    start = {}
+    for name, count, on_casing in (
+        ("rotor", len(given.rotor.frequency), False),
+        ("casing", len(given.casing.frequency), True),
+    ):
+        own, numbers = held.coordinates(on_casing=on_casing)
+        for suffix, values in (("", u), ("_velocity", rate)):
+            start[name + suffix] = np.zeros(count)
+            start[name + suffix][numbers] = values[own]
+    return replace(given, start=Start(**start))
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.005])
+@pytest.mark.parametrize("modes", ["six", "all"])
+def test_marches_as_the_stability_analysis_says(modes: str, damping: float) -> None:
+    """The growing mode of Eqs (17)-(21), step by step, with second order in the time step."""
+    given = problem(*FINE, f"reduction.modes={modes}", f"damping.ratio={damping}")
+    assert len(given.rotor.frequency) == (4 if modes == "six" else 110 + 46)
+    system = springs(given).modes
+    assert system.size == 6
+    mode = coupled_modes(system, speed=given.speed, kappa=500.0)[0]
+    assert mode.eigenvalue.real == pytest.approx(6.8655 if damping else 7.5035, abs=1e-3)
+    errors = []
+    for dt in (4e-4, 2e-4) if modes == "six" else (4e-6,):
+        steps = round(0.2 / dt)
+        _, chunk, _ = run(set_off(given, mode, 1e-6), dt, steps, every=steps // 10)
+        expected = 1e-6 * modal_response(mode, chunk.time)[0]
+        found = coordinates(given, chunk.rotor_displacement, chunk.casing_displacement)
+        errors.append(np.abs(found - expected).max() / np.abs(expected).max())
+        assert ledger_residual(chunk) < 1e-8
+    if modes == "six":
+        assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
+    else:
+        assert errors[0] < 1e-5
+
+
+def test_growth_at_the_papers_point_whatever_the_start() -> None:
+    """One second after a push the growing mode is all there is: 7.5035 1/s without damping."""
+    push = ("initial.centre_velocity=[1e-6, 0]", "damping.ratio=0")
+    given = problem(*FINE, "reduction.modes=six", *push)
+    state, chunk, _ = run(given, 1e-5, 150_000, every=500)
+    assert state.statistics.contact_steps == 0
+    size = np.linalg.norm(chunk.rotor_displacement, axis=1)
+    late = chunk.time > 1.0
+    rate = np.polyfit(chunk.time[late], np.log(size[late]), 1)[0]
+    held = springs(given)
+    expected = float(growth_rate(held.modes, speed=given.speed, kappa=held.kappa))
+    assert expected == pytest.approx(7.5035, abs=1e-3)
+    assert rate == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize("modes", ["six", "all"])
+def test_springs_without_stiffness_change_nothing(modes: str) -> None:
+    """To the bit: a march with springs of no stiffness and one without springs."""
+    push = "excitation.type=imbalance"
+    coupled = problem(f"reduction.modes={modes}", push)
+    free = problem(f"reduction.modes={modes}", push, "coupling.stiffness=0")
+    assert free.springs is None
+    none = replace(coupled, springs=replace(springs(coupled), kappa=0.0))
+    one, other = (run(given, 5e-6, 6000, every=20)[1] for given in (none, free))
+    np.testing.assert_array_equal(one.rotor_displacement, other.rotor_displacement)
+    np.testing.assert_array_equal(one.energy, other.energy)
+    assert not one.coupling_work.any()
+
+
+def thrown(given: ContactProblem, *, k: int = 1, speed: float = 10.0) -> ContactProblem:
+    """The same stage, its tips thrown at the casing in k nodal diameters."""
+    outward = speed * np.cos(k * given.rotor.tip_angle - 0.1)  # m/s
+    velocity = np.linalg.lstsq(given.rotor.tip_radial, outward, rcond=None)[0]
+    rotor, casing = np.zeros(len(velocity)), np.zeros(len(given.casing.frequency))
+    start = Start(
+        rotor=rotor,
+        rotor_velocity=np.asarray(velocity, dtype=np.float64),
+        casing=casing,
+        casing_velocity=casing,
+    )
+    return replace(given, start=start, loads=())
+
+
+STRONG = "coupling.stiffness=2e6"
+"""Stiff enough to decide the motion within milliseconds."""
+
+
+@pytest.mark.parametrize(
+    ("kept", "coupled", "pattern", "options"),
+    [
+        ("six", "six", (1, 10.0), ()),
+        ("six", "1F,casing", (1, 10.0), ("coupling.pi=false",)),
+        ("*:0,*:1,1F,casing", "all", (1, 10.0), ("coupling.stiffness=2e4",)),
+        ("six", "six", (1, 20.0), ("coupling.amplitude=physical", "coupling.stiffness=1e8")),
+    ],
+)
+def test_marches_as_written_out(
+    kept: str, coupled: str, pattern: tuple[int, float], options: tuple[str, ...]
+) -> None:
+    """Springs, contact, friction and the five terms of the energy against a plain march."""
+    chosen = (
+        STRONG,
+        "bladed_disk.blades=6",
+        f"reduction.modes={kept}",
+        f"coupling.modes={coupled}",
+        *options,
+    )
+    given = thrown(problem(*chosen), k=pattern[0], speed=pattern[1])
+    dt, steps = min(1e-5, 0.5 * given.critical_time_step), 300
+    state, chunk, _ = run(given, dt, steps)
+    plain = plain_march(given, dt, steps)
+    assert plain.multiplier.any()
+    for found, expected in (
+        (chunk.rotor_displacement, plain.rotor),
+        (chunk.casing_displacement, plain.casing),
+        (chunk.energy, plain.energy),
+        (chunk.coupling_work, plain.work[:, 4]),
+    ):
+        size = np.abs(expected).max()
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * size)
+    without = run(replace(given, springs=None), dt, steps)[1]
+    change = np.abs(without.rotor_displacement - chunk.rotor_displacement).max()
+    assert change > 1e-3 * np.abs(chunk.rotor_displacement).max()
+    assert ledger_residual(chunk) < 1e-10
+    assert state.statistics.complementarity_residual < 1e-10
+
+
+def test_a_single_mode_on_springs_marches_as_written_out() -> None:
+    """A mode without partner does not turn: K* then pulsates, and its frequencies with it."""
+    given = thrown(problem("reduction.modes=six", "bladed_disk.blades=6"))
+    modes = CouplingModes(
+        name=("pair", "single"),
+        on_casing=np.array([True, False]),
+        nodal_diameter=np.array([3, 3]),
+        frequency=np.array([given.casing.frequency[0], given.rotor.frequency[2]]),
+        amplitude=np.array([0.6, -0.3]),
+        damping_ratio=np.zeros(2),
+        paired=np.array([True, False]),
+    )
+    held = Springs(modes=modes, number=np.array([0, 2]), kappa=2e6)
+    given = replace(given, springs=held)
+    _, chunk, _ = run(given, 1e-5, 400)
+    plain = plain_march(given, 1e-5, 400)
+    size = np.abs(plain.casing).max()
+    np.testing.assert_allclose(chunk.casing_displacement, plain.casing, rtol=0, atol=1e-9 * size)
+    np.testing.assert_allclose(
+        chunk.coupling_work, plain.work[:, 4], rtol=0, atol=1e-9 * np.abs(plain.energy).max()
+    )
+    angles = np.linspace(0.0, 2.0 * np.pi / 3.0, 40)
+    whole = np.diag(modes.frequency[modes.entry] ** 2) + held.stiffness(angle=angles)
+    highest = np.sqrt(np.linalg.eigvalsh(whole).max())
+    assert held.highest_frequency == pytest.approx(highest, rel=1e-3)
+
+
+def test_stiffness_is_the_integral_over_the_springs() -> None:
+    """Also checks what the plain march takes for the truth, mode by mode, at some angle."""
+    given = problem("reduction.modes=1F,suspension,2F,casing", "coupling.modes=all")
+    held = springs(given)
+    time = 0.123
+    whole = spring_stiffness(given, time)
+    own = coupling_stiffness(held.modes, kappa=500.0, angle=given.speed * time)
+    rotor = held.coordinates(on_casing=False)
+    casing = held.coordinates(on_casing=True)
+    place = np.zeros(held.modes.size, dtype=np.int64)
+    place[rotor[0]], place[casing[0]] = rotor[1], len(given.rotor.frequency) + casing[1]
+    assert whole[np.ix_(place, place)] == pytest.approx(own, abs=1e-9 * np.abs(own).max())
+
+
+def test_amplitudes_are_those_of_tips_and_casing() -> None:
+    given = problem("coupling.modes=all", "coupling.amplitude=physical")
+    held = springs(given)
+    modes = held.modes
+    assert modes.entries > 20
+    angle = 2.0 * np.pi * np.arange(20) / 20
+    for entry, number in enumerate(held.number):
+        k, a = modes.nodal_diameter[entry], modes.amplitude[entry]
+        pair = [number, number + 1]
+        if modes.on_casing[entry]:
+            field, at = given.casing.nodal[:, 0, pair], angle
+        else:
+            field, at = given.rotor.tip_radial[:, pair], given.rotor.tip_angle
+        assert field[:, 0] == pytest.approx(a * np.cos(k * at), abs=1e-6 * abs(a))
+        if modes.paired[entry]:
+            assert field[:, 1] == pytest.approx(a * np.sin(k * at), abs=1e-6 * abs(a))
+
+
+def test_unit_amplitudes_keep_their_phase() -> None:
+    paper = springs(problem("coupling.modes=all")).modes.amplitude
+    physical = springs(problem("coupling.modes=all", "coupling.amplitude=physical")).modes.amplitude
+    np.testing.assert_array_equal(paper, np.sign(physical))
+
+
+def test_a_stopped_march_goes_on_to_the_bit() -> None:
+    given = thrown(problem(STRONG, "reduction.modes=*:1,1F,casing", "coupling.modes=all"))
+    scheme = CentralDifference(given, 2e-6, 10)
+    _, whole, _ = scheme.advance(scheme.init(), 901)
+    half, first, _ = scheme.advance(scheme.init(), 433)
+    _, rest, _ = scheme.advance(half, 901 - 433)
+    for name in ("rotor_displacement", "energy", "coupling_work"):
+        parts = np.concatenate([getattr(first, name), getattr(rest, name)])
+        np.testing.assert_array_equal(parts, getattr(whole, name))
+
+
+def test_start_feels_the_springs() -> None:
+    """Forces at rest out of place, from the integral; a turn of the shaft stretches nothing."""
+    given = problem(STRONG, "initial.centre_displacement=[2e-4, 1e-4]")
+    rotor, casing = initial_spring_forces(given)
+    x = np.concatenate([given.start.rotor, given.start.casing])
+    expected = -spring_stiffness(given, 0.0) @ x
+    size = np.abs(expected).max()
+    assert np.concatenate([rotor, casing]) == pytest.approx(expected, abs=1e-9 * size)
+    assert rotor.any()
+    assert casing.any()
+
+
+@pytest.mark.parametrize("modes", ["six", "1F:1,suspension,casing:1,1F:11,casing:0,2F:0"])
+def test_the_critical_step_is_that_of_the_coupled_bodies(modes: str) -> None:
+    given = thrown(
+        problem(f"reduction.modes={modes}", "coupling.modes=all", "coupling.stiffness=1e9"),
+        speed=1e-3,
+    )
+    alone = replace(given, springs=None).critical_time_step
+    highest = max(
+        np.linalg.eigvalsh(
+            np.diag(np.concatenate([given.rotor.frequency, given.casing.frequency]) ** 2)
+            + spring_stiffness(given, time)
+        )[-1]
+        for time in np.linspace(0.0, 2.0 * np.pi / given.speed, 12)
+    )
+    critical = given.critical_time_step
+    assert critical < 0.9 * alone
+    assert critical == pytest.approx(2.0 / np.sqrt(highest), rel=1e-6)
+    _, chunk, end = run(given, 0.999 * critical, 2000, every=100)
+    assert end is None
+    assert ledger_residual(chunk) < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("overrides", "expected"),
+    [
+        (("coupling.modes=suspention",), "did you mean suspension?"),
+        (("coupling.modes=2F", "reduction.modes=six"), "modes that springs couple and reduction"),
+        (("shaft.clamped=true",), "coupling.modes"),
+        (("march.time_step=1e-5", "coupling.stiffness=1e13"), "less than the critical step"),
+    ],
+)
+def test_springs_that_make_no_sense(overrides: tuple[str, ...], expected: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        problem(*overrides)
+    assert any(expected in line for line in caught.value.lines)

@@ -1,0 +1,82 @@
+"""Dampers in contact: first order in time, against a march whose dampers feel contact at once."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+
+import numpy as np
+import pytest
+from contact_cases import one_tip, problem, run
+from places import ROOT
+from plain_march import plain_march
+from stages import observed_order
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing, Start
+
+ERRATA = ROOT / "docs" / "errata.md"
+
+GAP, END = 1e-3, 0.006
+BLADE, CASING = 1.0, 20.0  # kg
+DAMPERS = {"mounts": 3e3, "strong": 6e4}  # N s/m
+
+
+def pushed(damping: float) -> ContactProblem:
+    """A blade of 1 kg at 1 m/s, 1 mm from a casing of 20 kg on a spring and a damper."""
+    nodal = np.zeros((4, 4, 1))
+    nodal[:, 0] = 1.0 / np.sqrt(CASING)
+    casing = ReducedCasing(
+        frequency=np.array([2.0 * np.pi * 40.0]),
+        damping_ratio=np.zeros(1),
+        nodal=nodal,
+        clearance=np.tile([GAP, 0.0], (4, 1)),
+        radius=1.0,
+        column=np.full(1, -1),
+        dampers=np.array([[np.sqrt(damping / CASING)]]),
+    )
+    rotor = one_tip(
+        np.array([2.0 * np.pi * 60.0]), tip_radial=np.full((1, 1), 1.0 / np.sqrt(BLADE))
+    )
+    start = Start(
+        rotor=np.zeros(1),
+        rotor_velocity=np.array([np.sqrt(BLADE)]),
+        casing=np.zeros(1),
+        casing_velocity=np.zeros(1),
+    )
+    return problem(rotor, casing, start=start)
+
+
+@cache
+def reference(damping: float, dt: float) -> FloatArray:
+    """Displacement of the blade [m] where dampers feel contact at once."""
+    found = plain_march(pushed(damping), dt, round(END / dt), dampers_feel_contact=True)
+    assert (found.multiplier > 0.0).any()
+    return np.asarray(found.rotor[:, 0])
+
+
+def difference(damping: float, dt: float) -> float:
+    """Largest difference of the march from it at the same step, over the gap."""
+    exact = reference(damping, dt)
+    _, chunk, _ = run(pushed(damping), dt, len(exact) - 1)
+    return float(np.abs(chunk.rotor_displacement[:, 0] - exact).max() / GAP)
+
+
+def test_contact_with_dampers_is_of_the_first_order() -> None:
+    errors = np.array([difference(DAMPERS["strong"], dt) for dt in (2e-5, 1e-5, 5e-6)])
+    assert errors[0] > 1e-3
+    np.testing.assert_allclose(observed_order(errors), 1.0, atol=0.25)
+
+
+def test_the_march_without_dampers_is_the_reference() -> None:
+    assert difference(0.0, 1e-5) < 1e-9
+
+
+def test_the_error_that_the_document_states() -> None:
+    text = ERRATA.read_text(encoding="utf-8")
+    stated = re.findall(r"(\S+) of the gap\s+for dampers of (\d+) kN s/m", text)
+    assert [1e3 * float(each) for _, each in stated] == [*DAMPERS.values()]
+    step = Case().march.time_step
+    for value, damping in stated:
+        assert difference(1e3 * float(damping), step) == pytest.approx(float(value), rel=0.06)

@@ -1,0 +1,214 @@
+"""Shafts whose springs differ: turning with the bladed disk, and standing still."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from contact_cases import ledger_residual, problem, random_problem, run, wall
+from places import EXAMPLES
+from plain_march import plain_march
+from scipy.integrate import solve_ivp
+from stages import observed_order
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import dumps_case, loads, read_case, with_values
+from bladewhirl.models.modal.modes import suspension_pair
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor, Start
+from bladewhirl.models.stage.loads import imbalance_force
+from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.studies.runs.derived import derive
+
+SMALL = {
+    "bladed_disk.blades": 8,
+    "bladed_disk.elements_per_blade": 3,
+    "casing.elements": 12,
+    "reduction.fixed_interface_modes": 40,
+}
+
+
+@cache
+def stage(x: float, y: float | None) -> Stage:
+    """A small stage with these shaft springs."""
+    shaft = {"shaft.stiffness": x} | ({} if y is None else {"shaft.stiffness_y": y})
+    return build_stage(with_values(Case(), SMALL | shaft))
+
+
+def test_a_force_at_the_centre_bends_its_own_spring() -> None:
+    """Nothing else stands on the ground: F / k along each axis, and none across."""
+    rotor = stage(3.4e7, 1.1e7).rotor
+    flexible = rotor.centre / rotor.frequency**2 @ rotor.centre.T
+    np.testing.assert_allclose(flexible, np.diag([1 / 3.4e7, 1 / 1.1e7]), rtol=1e-9, atol=1e-17)
+
+
+def test_the_suspension_pair_parts_by_its_share_in_the_springs() -> None:
+    """First order: omega^2 changes by the share of the energy in the springs, up and down."""
+    e = 1e-4
+    modes = stage(3.4e7, None).reduction.modes
+    split = stage(3.4e7 * (1 + e), 3.4e7 * (1 - e)).reduction.modes
+    pair = suspension_pair(modes)
+    square, share = modes.frequency[pair] ** 2, modes.spring_share[pair]
+    change = split.frequency[suspension_pair(split)] ** 2 / square - 1.0
+    np.testing.assert_allclose(change, np.array([-e, e]) * share, rtol=1e-3)
+
+
+def test_what_differs_is_said() -> None:
+    """Blades alike on a shaft that is not round are no blades that differ."""
+    assert stage(3.4e7, 1.1e7).symmetry["bladed_disk"] == (
+        "8 equal sectors on springs that differ: dense path"
+    )
+
+
+def test_equal_springs_keep_the_cyclic_path() -> None:
+    """Symmetry is found: the same stiffness twice is none that differs."""
+    same, unequal = stage(2e7, 2e7), stage(2e7, 2.0001e7)
+    assert same.reduction.modes.is_cyclic
+    assert not unequal.reduction.modes.is_cyclic
+    np.testing.assert_array_equal(
+        same.reduction.modes.frequency, stage(2e7, None).reduction.modes.frequency
+    )
+    np.testing.assert_allclose(
+        unequal.reduction.modes.frequency, same.reduction.modes.frequency, rtol=1e-4
+    )
+
+
+def test_modes_that_do_not_move_the_centre_stay() -> None:
+    """All but those with one nodal diameter, by the dense path as by the cyclic one."""
+    modes, split = stage(3.4e7, None).reduction.modes, stage(3.4e7, 1e7).reduction.modes
+    for k in (0, 2, 3, 4):
+        np.testing.assert_allclose(
+            split.frequency[split.nodal_diameter == k],
+            modes.frequency[modes.nodal_diameter == k],
+            rtol=1e-9,
+        )
+
+
+def test_the_example_pulls_along_the_softer_spring() -> None:
+    case = read_case(EXAMPLES / "unequal_shaft.toml")
+    assert loads(dumps_case(case)) == case
+    found = build_stage(case)
+    assert derive(found).cyclic == {"bladed_disk": False, "casing": True}
+    x, y = case.shaft.stiffnesses
+    assert x < y
+    # The static answer at the clearance speed closes the clearance where the tips go with the hub.
+    speed = 0.95 * found.reference_frequency
+    force = imbalance_force(found) * (speed / found.speed) ** 2
+    assert force / x == pytest.approx(1e-3, rel=1e-3)
+
+
+def rigid(x: float, y: float, mass: float, speed: float) -> ContactProblem:
+    """A rigid rotor on springs that stand still, in its two translations."""
+    mean = 0.5 * (x + y)
+    rotor = ReducedRotor(
+        frequency=np.full(2, np.sqrt(mean / mass)),
+        damping_ratio=np.zeros(2),
+        tip_radial=np.array([[1.0, 0.0]]) / np.sqrt(mass),
+        tip_tangential=np.array([[0.0, 1.0]]) / np.sqrt(mass),
+        centre=np.eye(2) / np.sqrt(mass),
+        tip_angle=np.zeros(1),
+        tip_radius=1.0,
+        tip_recess=np.zeros(1),
+        column=np.full(2, -1),
+        dampers=np.zeros((0, 2)),
+        anisotropy=0.5 * (x - y),
+    )
+    start = Start(
+        rotor=np.array([1e-3, 2e-4]) * np.sqrt(mass),
+        rotor_velocity=np.array([0.05, -0.1]) * np.sqrt(mass),
+        casing=np.zeros(1),
+        casing_velocity=np.zeros(1),
+    )
+    return problem(rotor, wall(1e6), start=start, speed=speed)
+
+
+def test_springs_that_stand_still_swing_in_rotating_axes() -> None:
+    """Against the motion by scipy: force of the ground's springs, turned forth and back."""
+    x, y, mass, speed, end = 3e4, 1e4, 2.0, 80.0, 0.2
+    given = rigid(x, y, mass, speed)
+    root = np.sqrt(mass)
+
+    def rates(time: float, state: FloatArray) -> FloatArray:
+        cos, sin = np.cos(speed * time), np.sin(speed * time)
+        turn = np.array([[cos, -sin], [sin, cos]])
+        pull = -turn.T @ (np.array([x, y]) * (turn @ state[:2]))
+        return np.concatenate([state[2:], pull / mass])
+
+    begin = np.concatenate([given.start.rotor, given.start.rotor_velocity]) / root
+    exact = solve_ivp(rates, (0.0, end), begin, rtol=1e-11, atol=1e-14).y[:2, -1]
+    errors = []
+    for steps in (1000, 2000, 4000):
+        _, chunk, _ = run(given, end / steps, steps)
+        errors.append(np.abs(chunk.rotor_displacement[-1] / root - exact).max())
+        assert ledger_residual(chunk) < 1e-10
+    assert errors[-1] < 1e-3 * np.abs(exact).max()
+    np.testing.assert_allclose(observed_order(np.array(errors)), 2.0, atol=0.05)
+
+
+def test_at_rest_they_are_springs_of_the_rotor() -> None:
+    """Without speed nothing turns: each axis swings at its own frequency."""
+    x, y, mass = 3e4, 1e4, 2.0
+    dt, steps = 1e-4, 2000
+    _, chunk, _ = run(rigid(x, y, mass, 0.0), dt, steps)
+    for axis, stiffness, start, velocity in ((0, x, 1e-3, 0.05), (1, y, 2e-4, -0.1)):
+        omega = np.sqrt(stiffness / mass)
+        phase = omega * chunk.time
+        exact = start * np.cos(phase) + velocity / omega * np.sin(phase)
+        found = chunk.rotor_displacement[:, axis] / np.sqrt(mass)
+        np.testing.assert_allclose(found, exact, atol=2e-3 * np.abs(exact).max())
+    assert np.abs(chunk.coupling_work).max() == 0.0
+
+
+def test_a_speed_at_the_suspension_frequency_is_excited_at_the_rate_of_the_swing() -> None:
+    """Motions exp(i b t) of the static frame obey (w^2 - (b - W)^2) (w^2 - (b + W)^2) = (d/m)^2.
+
+    With the speed W = w this is b^4 - 4 w^2 b^2 = (d/m)^2, and one b is imaginary.
+    """
+    x, y, mass = 2.2e4, 1.8e4, 2.0
+    natural, swing = np.sqrt(2e4 / mass), 2e3 / mass
+    growth = np.abs(np.roots([1.0, 0.0, -4.0 * natural**2, 0.0, -(swing**2)]).imag).max()
+    _, chunk, _ = run(rigid(x, y, mass, natural), 1e-4, 20_000)
+    size = np.linalg.norm(chunk.rotor_displacement, axis=1)
+    found = np.log(size[20_000] / size[10_000])
+    assert found == pytest.approx(growth, rel=0.01)
+
+
+@pytest.mark.parametrize("seed", [1, 5])
+def test_every_step_is_the_one_plain_numpy_takes(seed: int) -> None:
+    given = random_problem(seed, speed=30.0)
+    given = replace(given, rotor=replace(given.rotor, anisotropy=2e4))
+    dt, steps = 1e-4, 120
+    expected = plain_march(given, dt, steps)
+    _, chunk, _ = run(given, dt, steps)
+    assert (expected.multiplier > 0.0).any()
+    for found, exact in (
+        (chunk.rotor_displacement, expected.rotor),
+        (chunk.casing_displacement, expected.casing),
+        (chunk.energy, expected.energy),
+        (chunk.coupling_work, expected.work[:, 4]),
+    ):
+        np.testing.assert_allclose(found, exact, rtol=0.0, atol=1e-9 * np.abs(exact).max())
+    assert np.abs(chunk.coupling_work).max() > 0.0
+
+
+def test_bearings_keep_the_mean_in_the_modes() -> None:
+    """And the cyclic path: what swings comes in the march alone."""
+    values = SMALL | {"shaft.stiffness": 3e7, "shaft.stiffness_y": 1e7}
+    found = build_stage(with_values(Case(), values | {"shaft.frame": "static"}))
+    assert found.reduction.modes.is_cyclic
+    assert found.rotor.anisotropy == 1e7
+    np.testing.assert_array_equal(found.rotor.frequency, stage(2e7, None).rotor.frequency)
+    held = with_values(Case(), values | {"shaft.frame": "static", "shaft.clamped": True})
+    assert build_stage(held).rotor.anisotropy == 0.0
+    assert stage(2e7, None).rotor.anisotropy == 0.0
+
+
+def test_the_example_on_bearings_closes_its_ledger() -> None:
+    given = contact_problem(build_stage(read_case(EXAMPLES / "unequal_bearings.toml")))
+    state, chunk, _ = run(given, 1e-6, 40_000, every=100)
+    assert state.statistics.contact_steps > 100
+    assert ledger_residual(chunk) < 1e-8
+    assert np.abs(chunk.coupling_work).max() > 1e-3 * chunk.energy.max()

@@ -1,0 +1,208 @@
+"""A stage that a user draws in Python: marched, shown, rerun from what the run left."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from places import ROOT
+from typer.testing import CliRunner
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import read_case, with_values
+from bladewhirl.models.geometry.sketch import Sketch
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.sections.rectangular import Section
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.postprocess.fields.result import open_result
+from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.runs.run import run_case
+
+STEEL = {"young_modulus": 2.1e11, "density": 7800.0}
+
+
+def propeller() -> Sketch:
+    """Four swept blades on arms, each with a rigid horn and a mass on it, joined by springs."""
+    arm = Section(width=0.08, thickness=0.03, **STEEL)
+    root = Section(width=0.08, thickness=0.012, **STEEL)
+    tip = Section(width=0.05, thickness=0.006, **STEEL)
+    sketch = Sketch(sectors=4)
+    sketch.node("hub", 0.0, 0.0, shared=True)
+    sketch.node("root", "80 mm", "-20 mm")
+    sketch.node("horn", "110 mm", "10 mm")
+    sketch.node("tip", "400 mm")
+    sketch.member("arms", "hub", "root", arm)
+    sketch.member("blades", "root", "tip", [root, tip], elements=6, path=[(0.25, -0.03)])
+    sketch.link("root", "horn")
+    sketch.mass("horn", "300 g", inertia="2 kg cm2")
+    sketch.spring("root", "root+1", radial="2 MN/m", tangential="2 MN/m")
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    return sketch
+
+
+def case(sketch: Sketch) -> Case:
+    return sketch.case(
+        shaft={"stiffness": "2 MN/m"},
+        casing={"elements": 20, "clearance": "0.4 mm", "support": "8 MN/m2"},
+        reduction={"fixed_interface_modes": 12},
+        excitation={"type": "imbalance", "unbalance": "50 g m", "ramp": 0.0},
+        march={"speed": "3000 rpm", "duration": "8 ms"},
+    )
+
+
+def test_march_in_a_few_lines(tmp_path: Path) -> None:
+    run = run_case(case(propeller()), tmp_path / "propeller", frames=3)
+    assert run.end_reason == "completed"
+    assert run.summary.energy_residual < 1e-8
+    assert run.summary.shaft_radius_max > 1e-5
+    assert run.symmetry.startswith("bladed disk: 4 equal sectors: cyclic path")
+    assert (run.directory / "vtk" / "series.pvd").is_file()
+    again = run_case(read_case(run.directory / "case.toml"), tmp_path / "again", frames=0)
+    with run.open() as one, again.open() as other:
+        assert set(one.rotor_part.values) == {"arms", "blades"}
+        np.testing.assert_array_equal(one.rotor_displacement, other.rotor_displacement)
+
+
+def test_the_same_stage_with_every_sector_drawn_out() -> None:
+    """One sector turned four times, and all four drawn as if nothing were known of them."""
+    tuned = propeller()
+    found = build_stage(case(tuned))
+    table = tuned.table
+    whole = Sketch()
+    whole.node("hub", 0.0, shared=True)
+    for n in range(4):
+        cos, sin = np.round([np.cos(n * np.pi / 2), np.sin(n * np.pi / 2)])
+        for node in table.nodes[1:]:
+            x, y = node.at
+            whole.node(f"{node.name} {n}", cos * x - sin * y, sin * x + cos * y)
+    for n in range(4):
+        cos, sin = np.round([np.cos(n * np.pi / 2), np.sin(n * np.pi / 2)])
+        arms, blades = table.members
+        assert arms.section is not None
+        whole.member(f"arm {n}", "hub", f"root {n}", arms.section)
+        [(x, y)] = blades.path
+        whole.member(
+            *(f"blade {n}", f"root {n}", f"tip {n}", blades.stations),
+            elements=6,
+            path=[(cos * x - sin * y, sin * x + cos * y)],
+        )
+        whole.link(f"root {n}", f"horn {n}")
+        whole.mass(f"horn {n}", "300 g", inertia="2 kg cm2")
+        whole.spring(f"root {n}", f"root {(n + 1) % 4}", radial="2 MN/m", tangential="2 MN/m")
+    whole.set("centre", "hub")
+    whole.set("tips", *(f"tip {n}" for n in range(4)))
+    drawn = build_stage(case(whole))
+    assert drawn.symmetry["bladed_disk"] == "4 equal sectors: cyclic path"
+    np.testing.assert_allclose(
+        drawn.reduction.modes.frequency, found.reduction.modes.frequency, rtol=1e-9
+    )
+    whole.change(0, "blade 1", stiffness=1.01)
+    unlike = build_stage(case(whole))
+    assert unlike.symmetry["bladed_disk"] == "4 sectors that differ: dense path"
+    whole.mass("tip 2", 1e-3)
+    whole.move(0, "horn 3", 0.0, -0.12)
+    assert build_stage(case(whole)).symmetry["bladed_disk"] == "no sectors: dense path"
+    assert drawn.disk.model.mass == pytest.approx(found.disk.model.mass, rel=1e-12)
+
+
+def test_commands_work_on_it(tmp_path: Path) -> None:
+    """What was drawn in Python and written is a case file as any other."""
+    from bladewhirl.models.case.file import dumps_case
+
+    sketch = propeller()
+    sketch.move(2, "tip", "399.9 mm")
+    path = tmp_path / "propeller.toml"
+    path.write_text(dumps_case(case(sketch)))
+    shown = CliRunner().invoke(app, ["show", str(path)])
+    assert shown.exit_code == 0, shown.output
+    assert "4 sectors that differ: dense path" in shown.output
+    listed = CliRunner().invoke(app, ["modes", str(path), "--count", "6"])
+    assert listed.exit_code == 0, listed.output
+
+
+def test_tips_outside_the_casing_are_named() -> None:
+    sketch = propeller()
+    sketch = Sketch(4, tip_radius=0.39)
+    sketch.node("hub", 0.0, shared=True)
+    sketch.node("tip", 0.4)
+    sketch.member("blades", "hub", "tip", Section(width=0.1, thickness=0.01, **STEEL))
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    with pytest.raises(CaseError, match=r"blade 0, at radius 0.4 m, is outside by 0.0096 m"):
+        build_stage(case(sketch))
+
+
+def test_parts_beyond_the_tips_are_named() -> None:
+    """A blade that goes on behind what was called its tip would stand in the casing's wall."""
+    sketch = Sketch(4)
+    sketch.node("hub", 0.0, shared=True)
+    sketch.node("tip", 0.4)
+    sketch.node("end", 0.41)
+    steel = Section(width=0.1, thickness=0.01, **STEEL)
+    sketch.member("blades", "hub", "tip", steel)
+    sketch.member("hooks", "tip", "end", steel)
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    message = r"narrowest; part 'hooks' at \(0.41, 0\) m is outside by 0.0096 m"
+    with pytest.raises(CaseError, match=message):
+        build_stage(case(sketch))
+    build_stage(with_values(case(sketch), {"casing.clearance": "11 mm"}))
+
+
+def test_a_drawn_stage_takes_no_other_bladed_disk() -> None:
+    with pytest.raises(CaseError, match=r"bladed_disk.blades = 5: expected to be left out beside"):
+        propeller().case(bladed_disk={"blades": 5})
+
+
+def test_pictures_of_modes_without_nodal_diameters(tmp_path: Path) -> None:
+    """Three blades at odd angles: nothing turns them into each other."""
+    from bladewhirl.models.case.file import dumps_case
+
+    steel = Section(width=0.08, thickness=0.02, **STEEL)
+    sketch = Sketch()
+    sketch.node("hub", 0.0, shared=True)
+    for blade, angle in enumerate((0.0, 1.9, 4.1)):
+        sketch.node(f"tip {blade}", 0.4 * np.cos(angle), 0.4 * np.sin(angle))
+        sketch.member(f"blade {blade}", "hub", f"tip {blade}", steel, elements=3)
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip 0", "tip 1", "tip 2")
+    path = tmp_path / "odd.toml"
+    path.write_text(dumps_case(case(sketch)))
+    folder = tmp_path / "modes"
+    done = CliRunner().invoke(app, ["modes", str(path), "-o", str(folder), "--no-films"])
+    assert done.exit_code == 0, done.output
+    assert (folder / "bladed-disk-shapes.png").is_file()
+
+
+def test_a_run_of_a_mesh_moves_to_another_place(tmp_path: Path) -> None:
+    """Its folder alone is enough to run it again: neither case nor result names the first place."""
+    first = tmp_path / "first"
+    first.mkdir()
+    source = ROOT / "examples" / "shrouded_fan"
+    for suffix in (".toml", ".msh"):
+        shutil.copy(source.with_suffix(suffix), first)
+    short = ["march.duration=0.5e-3", "reduction.fixed_interface_modes=20"]
+    run_case(read_case(first / "shrouded_fan.toml", short), first / "run", frames=0)
+    provenance = json.loads((first / "run" / "provenance.json").read_text())
+    content = (first / "shrouded_fan.msh").read_bytes()
+    assert provenance["mesh"] == {
+        "file": str(first / "shrouded_fan.msh"),
+        "sha256": hashlib.sha256(content).hexdigest(),
+    }
+    moved = tmp_path / "moved"
+    shutil.move(first / "run", moved)
+    shutil.rmtree(first)
+    with open_result(moved) as result:
+        text = result.attrs["case"]
+        assert 'file = "mesh.msh"' in text
+        assert str(tmp_path) not in text
+        (moved / "again.toml").write_text(text)
+        for name in ("case.toml", "again.toml"):
+            again = run_case(read_case(moved / name), tmp_path / name, frames=0)
+            with again.open() as other:
+                np.testing.assert_array_equal(result.rotor_displacement, other.rotor_displacement)

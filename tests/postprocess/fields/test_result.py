@@ -1,0 +1,120 @@
+"""Opening results from disk, and reading them portion by portion."""
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+from synthetic_result import synthetic_result
+
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.fields.result import (
+    PORTION,
+    ResultError,
+    open_result,
+    portions,
+    reduce_modes,
+)
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Path:
+    """The folder of a run with its result."""
+    folder = tmp_path / "run"
+    folder.mkdir()
+    synthetic_result(records=21).to_netcdf(folder / "result.nc", engine="h5netcdf")
+    return folder
+
+
+class TestOpenResult:
+    def test_by_folder_and_by_file_alike(self, run: Path) -> None:
+        with open_result(run) as by_folder, open_result(str(run / "result.nc")) as by_file:
+            xr.testing.assert_identical(by_folder, by_file)
+            xr.testing.assert_allclose(by_folder, synthetic_result(records=21))
+
+    def test_histories_stay_on_disk(self, run: Path) -> None:
+        with open_result(run) as result:
+            reduce_modes(result, "rotor_displacement", np.ones((1, 5)))
+            assert not result["rotor_displacement"].variable._in_memory
+
+    def test_nothing_there(self, tmp_path: Path) -> None:
+        with pytest.raises(ResultError, match=r"result\.nc: expected a result .* no such file"):
+            open_result(tmp_path)
+
+    def test_not_netcdf(self, tmp_path: Path) -> None:
+        file = tmp_path / "result.nc"
+        file.write_text("regime = divergent")
+        with pytest.raises(ResultError, match=r"result\.nc: expected a netCDF-4 result"):
+            open_result(file)
+
+    def test_hdf5_of_another_kind(self, tmp_path: Path) -> None:
+        with h5py.File(tmp_path / "result.nc", "w") as file:
+            file["table"] = np.arange(3)
+        with pytest.raises(ResultError, match="expected a bladewhirl result, it has no"):
+            open_result(tmp_path)
+
+    @pytest.mark.parametrize("lacking", ["rotor_displacement", "time", "centre_node"])
+    def test_lacking_a_variable(self, tmp_path: Path, lacking: str) -> None:
+        file = tmp_path / "result.nc"
+        synthetic_result(records=3).drop_vars(lacking).to_netcdf(file, engine="h5netcdf")
+        with pytest.raises(
+            ResultError, match=f"expected a bladewhirl result, it has no '{lacking}'"
+        ):
+            open_result(file)
+
+    def test_lacking_an_attribute(self, tmp_path: Path) -> None:
+        file = tmp_path / "result.nc"
+        result = synthetic_result(records=3)
+        del result.attrs["speed"]
+        result.to_netcdf(file, engine="h5netcdf")
+        with pytest.raises(ResultError, match="no attribute 'speed'"):
+            open_result(file)
+
+    def test_other_dimensions(self, tmp_path: Path) -> None:
+        file = tmp_path / "result.nc"
+        synthetic_result(records=3).transpose().to_netcdf(file, engine="h5netcdf")
+        with pytest.raises(
+            ResultError, match=r"'rotor_displacement' over \(time, rotor_mode\), found"
+        ):
+            open_result(file)
+
+    def test_no_record(self, tmp_path: Path) -> None:
+        file = tmp_path / "result.nc"
+        result = synthetic_result(records=3).isel(time=slice(0))
+        result.to_netcdf(file, engine="h5netcdf")
+        with pytest.raises(ResultError, match="expected at least one record"):
+            open_result(file)
+
+    def test_the_fault_is_the_users_and_one_line(self, tmp_path: Path) -> None:
+        with pytest.raises(UserError) as fault:
+            open_result(tmp_path / "absent.nc")
+        assert len(fault.value.lines) == 1
+
+    def test_a_refused_file_is_let_go(self, tmp_path: Path) -> None:
+        file = tmp_path / "result.nc"
+        synthetic_result(records=3).drop_vars("gap").to_netcdf(file, engine="h5netcdf")
+        with pytest.raises(ResultError):
+            open_result(file)
+        synthetic_result(records=3).to_netcdf(file, engine="h5netcdf")  # fails on a held file
+
+
+class TestPortions:
+    @pytest.mark.parametrize("records", [1, 7, 8, 9, 24])
+    def test_every_record_once_in_order(self, records: int) -> None:
+        cuts = list(portions(synthetic_result(records=records), 8))
+        numbers = np.concatenate([np.arange(records)[cut] for cut in cuts])
+        np.testing.assert_array_equal(numbers, np.arange(records))
+        assert max(cut.stop - cut.start for cut in cuts) <= 8
+
+    def test_sums_modes_at_every_record_across_portions(self) -> None:
+        records = 2 * PORTION + 3
+        motion = np.arange(records)[:, None] * np.array([1.0, -2.0, 0.0, 3.0, 0.5])
+        result = synthetic_result(records=records)
+        result["rotor_displacement"] = ("time", "rotor_mode"), motion
+        rows = np.array([[1.0, 1.0, 1.0, 1.0, 2.0], [0.0, 0.0, 7.0, 0.0, 0.0]])
+        sums = reduce_modes(result, "rotor_displacement", rows)
+        np.testing.assert_allclose(sums[:, 0], 3.0 * np.arange(records), rtol=1e-14)
+        assert not sums[:, 1].any()
+        squares = reduce_modes(result, "rotor_displacement", rows[:1], np.square)
+        np.testing.assert_allclose(squares[:, 0], 14.5 * np.arange(records) ** 2.0, rtol=1e-14)

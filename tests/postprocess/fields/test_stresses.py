@@ -1,0 +1,132 @@
+"""Stresses over time: against a plain loop, their extremes, and which beams make a blade."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+
+from bladewhirl.postprocess.fields.blades import line_blades, member_names
+from bladewhirl.postprocess.fields.result import ResultError
+from bladewhirl.postprocess.fields.strains import casing_strain_rows, rotor_strain_rows
+from bladewhirl.postprocess.run import stresses
+from bladewhirl.postprocess.run.stresses import plot_stress, stress_history
+
+
+@pytest.fixture(scope="module")
+def result() -> xr.Dataset:
+    made = synthetic.synthetic_result(records=60, growth=3.0)
+    # Another material and thickness for the blades than for the disk.
+    blades = made.rotor_part.values == "blades"
+    made["rotor_young_modulus"] = "rotor_line", np.where(blades, 1.1e11, 2.1e11)
+    made["casing_young_modulus"] = "casing_node", np.linspace(0.7e11, 2.1e11, 40)
+    return made
+
+
+def test_every_number_is_that_of_a_plain_loop(result: xr.Dataset) -> None:
+    found = stress_history(result)
+    assert found.member.values.tolist() == [
+        *(f"blade {number}" for number in range(22)),
+        *("spokes", "rim", "casing"),
+    ]
+    rotor, ring = rotor_strain_rows(result), casing_strain_rows(result, 4)
+    lines = {f"blade {b}": np.arange(44 + 4 * b, 48 + 4 * b) for b in range(22)}
+    lines |= {"spokes": np.arange(22), "rim": np.arange(22, 44), "casing": np.arange(40)}
+    for record in (0, 17, 59):
+        for name, own in lines.items():
+            body, rows = ("casing", ring) if name == "casing" else ("rotor", rotor)
+            q = result[f"{body}_displacement"].values[record]
+            modulus = result[f"{body}_young_modulus"].values[own][:, None]
+            axial, bending = rows.axial[own] @ q, rows.bending[own] @ q
+            at = found.sel(member=name).isel(time=record)
+            upper = max((modulus * (axial + bending)).max(), (modulus * (axial - bending)).max())
+            lower = min((modulus * (axial + bending)).min(), (modulus * (axial - bending)).min())
+            assert float(at.largest_stress) == pytest.approx(upper, rel=1e-9, abs=1e-6)
+            assert float(at.smallest_stress) == pytest.approx(lower, rel=1e-9, abs=1e-6)
+            assert abs(float(at.axial_stress)) == pytest.approx(
+                np.abs(modulus * axial).max(), rel=1e-9, abs=1e-6
+            )
+            assert float(at.bending_stress) == pytest.approx(
+                np.abs(modulus * bending).max(), rel=1e-9, abs=1e-6
+            )
+            assert float(at.bending_strain) == pytest.approx(np.abs(bending).max(), rel=1e-9)
+            assert abs(float(at.axial_strain)) == pytest.approx(
+                np.abs(axial).max(), rel=1e-9, abs=1e-15
+            )
+
+
+def test_peaks_are_the_extremes_of_all_times(result: xr.Dataset) -> None:
+    found = stress_history(result)
+    size = np.maximum(found.largest_stress, -found.smallest_stress)
+    np.testing.assert_allclose(np.abs(found.peak_stress), size.max("time"))
+    at = found.time.values[size.argmax("time").values]
+    np.testing.assert_array_equal(found.peak_time, at)
+    # The blades bend most at their roots (w'' of the mode falls linearly to the tip).
+    np.testing.assert_allclose(found.peak_radius[:22], synthetic.DISK_RADIUS)
+
+
+def test_portions_do_not_show(result: xr.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = stress_history(result)
+    monkeypatch.setattr(stresses, "PORTION_BYTES", 8 * 4 * 528 * 7.0)
+    xr.testing.assert_allclose(stress_history(result), whole, rtol=1e-13)
+
+
+def test_the_figure_shows_blades_and_the_rest(result: xr.Dataset) -> None:
+    figure = plot_stress(stress_history(result))
+    over_time, over_blades = figure.axes
+    labels = {str(line.get_label()) for line in over_time.lines}
+    assert labels >= {"blades", "casing", "spokes", "rim"}
+    assert len(over_blades.patches) == 44
+    assert "Pa]" in over_time.get_ylabel()
+
+
+def test_labels_keep_out_of_the_panel_beside(result: xr.Dataset) -> None:
+    """With the widest ticks, halves with a sign, as stresses of some GPa have them."""
+    history = stress_history(result)
+    size = 9e9 / float(abs(history["peak_stress"]).max())
+    stresses_of = [name for name in history.data_vars if str(name).endswith("_stress")]
+    figure = plot_stress(history.assign({name: size * history[name] for name in stresses_of}))
+    figure.draw_without_rendering()
+    left, right = figure.axes
+    assert right.get_ylabel() == "stress [GPa]"
+    gap = 0.03 * figure.bbox.width
+    assert right.yaxis.label.get_window_extent().x0 > left.get_window_extent().x1 + gap
+
+
+def test_an_old_result_is_told_so(result: xr.Dataset) -> None:
+    with pytest.raises(ResultError, match="rotor_young_modulus"):
+        stress_history(result.drop_vars("rotor_young_modulus"))
+
+
+class TestBlades:
+    def test_of_the_usual_stage(self, result: xr.Dataset) -> None:
+        blade = line_blades(result)
+        np.testing.assert_array_equal(blade[:44], -1)
+        np.testing.assert_array_equal(blade[44:], np.repeat(np.arange(22), 4))
+
+    def test_under_a_shroud(self, result: xr.Dataset) -> None:
+        tips = result.tip_node.values
+        shroud = np.column_stack([tips, np.roll(tips, -1)])
+        with_shroud = xr.Dataset(
+            {
+                **{name: result[name] for name in ("rotor_point", "tip_node")},
+                "rotor_line": (
+                    ("rotor_line", "end"),
+                    np.vstack([shroud, result.rotor_line.values]),
+                ),
+                "rotor_part": ("rotor_line", ["shroud"] * 22 + list(result.rotor_part.values)),
+            }
+        )
+        with_shroud["blade"] = np.arange(22)
+        blade = line_blades(with_shroud)
+        np.testing.assert_array_equal(blade[:22], -1)
+        np.testing.assert_array_equal(blade[22:], line_blades(result))
+        assert member_names(with_shroud)[0][22:] == ["shroud", "spokes", "rim"]
+
+    def test_of_one_part(self, result: xr.Dataset) -> None:
+        """Half of a rim line is nearer to one tip, half to the other: every beam finds one."""
+        one = result.assign(rotor_part=("rotor_line", np.full(result.sizes["rotor_line"], "")))
+        blade = line_blades(one)
+        np.testing.assert_array_equal(blade[44:], np.repeat(np.arange(22), 4))
+        assert np.all(blade >= 0)

@@ -1,0 +1,283 @@
+"""Figures and films of modal analysis: what they show, and that it can be read."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from PIL import Image, ImageSequence
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import with_values
+from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.models.modal.labels import Body
+from bladewhirl.postprocess.fields.fields import casing_field, rotor_field
+from bladewhirl.postprocess.fields.mode_result import PICTURES, Wave, mode_motion, stage_dataset
+from bladewhirl.postprocess.fields.result import check_result
+from bladewhirl.postprocess.modal.campbell import campbell_dataset, plot_campbell
+from bladewhirl.postprocess.modal.mode_shapes import Outline, animate_mode, plot_mode_shapes
+from bladewhirl.postprocess.modal.scenarios import plot_scenario, scenario_dataset
+from bladewhirl.postprocess.modal.veering import (
+    families_dataset,
+    plot_families,
+    plot_shaft_veering,
+)
+from bladewhirl.postprocess.paraview.series import write_vtk
+from bladewhirl.solvers.stability.coincidence import coincidences
+from bladewhirl.solvers.stability.coupled_modes import phase_rate, wave_coefficient
+from bladewhirl.studies.modal.scenarios import whirling_modes
+from bladewhirl.studies.modal.veering import veering_report
+
+RECORDS = np.arange(PICTURES)
+
+
+@cache
+def stage(blades: int = 9, clearance: float = 1e-3) -> ModalStage:
+    return modal_stage(
+        with_values(
+            Case(),
+            {
+                "bladed_disk.blades": blades,
+                "bladed_disk.elements_per_blade": 3,
+                "casing.elements": 16,
+                "casing.clearance": clearance,
+            },
+        )
+    )
+
+
+def moving(body: Body, family: str, k: int, wave: Wave, clearance: float = 1e-3) -> xr.Dataset:
+    own = stage(clearance=clearance)
+    modes = own.disk_modes if body == "bladed-disk" else own.casing_modes
+    return mode_motion(own, body, modes.find(family, k), wave=wave, title="a mode")
+
+
+def radial(data: xr.Dataset, body: Body) -> tuple[FloatArray, FloatArray]:
+    """Angles, and the radial displacement there over time, in the body's own frame."""
+    if body == "bladed-disk":
+        angle, field = data["tip_angle"].values, rotor_field(data, "displacement", RECORDS)
+        field = field[:, data["tip_node"].values]
+    else:
+        angle = data["casing_angle"].values
+        field = casing_field(data, "displacement", RECORDS, angle)
+    outward = np.column_stack([np.cos(angle), np.sin(angle)])
+    return angle, np.sum(field * outward, axis=-1)
+
+
+@pytest.mark.parametrize(
+    ("body", "family", "k"),
+    [("bladed-disk", "suspension", 1), ("bladed-disk", "2F", 3), ("casing", "1F", 2)],
+)
+@pytest.mark.parametrize(("wave", "sense"), [("forward", 1.0), ("backward", -1.0)])
+def test_waves_travel_as_they_are_called(
+    body: Body, family: str, k: int, wave: Wave, sense: float
+) -> None:
+    data = moving(body, family, k, wave)
+    angle, field = radial(data, body)
+    crest = wave_coefficient(field, angle, k)
+    np.testing.assert_allclose(np.abs(crest), np.abs(crest[0]), rtol=1e-9)
+    frequency = float(data["rotor_frequency" if body == "bladed-disk" else "casing_frequency"][0])
+    assert phase_rate(data["time"].values, crest) == pytest.approx(sense * frequency)
+
+
+def test_a_standing_wave_keeps_its_nodes() -> None:
+    angle, field = radial(moving("casing", "1F", 2, "standing"), "casing")
+    crest = wave_coefficient(field, angle, 2)
+    assert np.abs(crest.imag).max() < 1e-12 * np.abs(crest.real).max()
+    assert crest.real.min() == pytest.approx(-crest.real.max())
+
+
+@pytest.mark.parametrize("clearance", [1e-3, 0.0])
+def test_a_mode_in_time_is_a_result_in_which_nothing_touches(clearance: float) -> None:
+    data = moving("bladed-disk", "suspension", 1, "backward", clearance)
+    check_result(data, "mode")
+    size = np.linalg.norm(rotor_field(data, "displacement", RECORDS), axis=-1)
+    assert size.max() == pytest.approx(clearance or 5e-4, rel=1e-3)
+    np.testing.assert_array_less(-1e-12 - (0.0 if clearance else 5e-4), data["gap"].values)
+    np.testing.assert_allclose(data["energy"], data["energy"][0], rtol=1e-9)
+    # Velocities are the rates of displacements: exact for one harmonic over a whole period.
+    rate = data["rotor_displacement"].differentiate("time").values[1:-1]
+    velocity = data["rotor_velocity"].values[1:-1]
+    turn = 2.0 * np.pi / PICTURES
+    np.testing.assert_allclose(rate, velocity * np.sin(turn) / turn, atol=1e-9 * velocity.max())
+
+
+def test_a_single_mode_does_not_travel() -> None:
+    with pytest.raises(ValueError, match="a single mode stands; it has no forward wave"):
+        moving("bladed-disk", "1F", 0, "forward")
+
+
+def test_films_loop_and_move(tmp_path: Path) -> None:
+    data = moving("casing", "1F", 2, "forward")
+    with Image.open(animate_mode(data, "casing", tmp_path / "mode.gif")) as film:
+        pictures = [np.asarray(one.convert("RGB")) for one in ImageSequence.Iterator(film)]
+    assert len(pictures) == PICTURES
+    assert all((one != other).any() for one, other in pairwise(pictures))
+    # After a period comes the first again: the last picture is as near to it as neighbours are.
+    step = np.abs(pictures[1].astype(float) - pictures[0]).mean()
+    assert np.abs(pictures[-1].astype(float) - pictures[0]).mean() < 1.5 * step
+    assert [path.name for path in tmp_path.iterdir()] == ["mode.gif"]
+
+
+def test_paraview_series_of_a_mode(tmp_path: Path) -> None:
+    data = moving("bladed-disk", "1F", 1, "backward")
+    write_vtk(data, tmp_path, frames=PICTURES)
+    frames = sorted((tmp_path / "frames").glob("rotor_*.vtu"))
+    assert len(frames) == PICTURES
+    mesh = meshio.read(frames[5])
+    expected = rotor_field(data, "displacement", RECORDS)[5]
+    np.testing.assert_allclose(mesh.point_data["displacement"][:, :2], expected, atol=1e-12)
+
+
+def shapes(body: Body) -> xr.Dataset:
+    own = stage()
+    disk = np.array([own.disk_modes.find("1F", k)[0] for k in (0, 1, 2, 4)])
+    casing = np.array([own.casing_modes.find("1F", k)[0] for k in (2, 3, 4, 5)])
+    return stage_dataset(own.arrays(disk, casing)).assign_attrs(
+        tip_radius=0.5, casing_radius=0.501, reference_frequency=own.reference_frequency
+    )
+
+
+def test_the_centre_is_said_to_move_with_one_nodal_diameter_only() -> None:
+    figure = plot_mode_shapes(shapes("bladed-disk"), "bladed-disk")
+    moves = [text.get_text().splitlines()[1] for axes in figure.axes for text in axes.texts]
+    assert [text == "centre at rest" for text in moves] == [True, False, True, True]
+
+
+def test_beams_are_drawn_along_their_hermite_curve() -> None:
+    """A cubic between the nodes: its third differences do not vary along a beam."""
+    outline = Outline(shapes("bladed-disk"), "bladed-disk")
+    across = outline.moved(np.array([1.0, 0.0, 0.0, 0.0]), 1e-6) - outline.rest
+    third = np.diff(across, n=3, axis=1)
+    np.testing.assert_allclose(third, np.broadcast_to(third[:, :1], third.shape), atol=1e-15)
+    assert np.abs(np.diff(across, n=2, axis=1)).max() > 1e-10
+
+
+def campbell() -> xr.Dataset:
+    own = stage()
+    rotor = own.disk_modes.take(own.disk_modes.one_a_pair()[:6])
+    casing = own.casing_modes.take(own.casing_modes.one_a_pair()[:5])
+    found = coincidences(
+        rotor_frequency=rotor.frequency,
+        rotor_nodal_diameter=rotor.nodal_diameter,
+        casing_frequency=casing.frequency,
+        casing_nodal_diameter=casing.nodal_diameter,
+    )
+    reference = own.reference_frequency
+    return campbell_dataset(
+        rotor, casing, found, reference=reference, speeds=(0.0, 3.0), operating=(0.6, 2.0)
+    )
+
+
+@pytest.mark.parametrize("frame", ["rotating", "static"])
+def test_coincidences_are_marked_where_a_level_meets_a_ray(frame: str) -> None:
+    data = campbell()
+    (axes,) = plot_campbell(data, "rotating" if frame == "rotating" else "static").axes
+    rings = [line for line in axes.lines if line.get_marker() == "o"]
+    marked = np.vstack([line.get_xydata() for line in rings])
+    assert len(marked) == np.count_nonzero(data["coincidence_speed"] <= 3.0)
+    lines = [line for line in axes.lines if line.get_marker() != "o" and line.get_alpha() is None]
+    for speed, frequency in marked:
+        through = []
+        for line in lines:
+            x, y = np.asarray(line.get_xydata()).T
+            if abs(np.interp(speed, x, y) - frequency) < 1e-3:
+                through.append(line.get_linestyle())
+        assert {"-", "--"} <= set(through)  # one body's level and the other's ray
+
+
+@cache
+def figures() -> dict[str, Figure]:
+    own = stage()
+    veering = veering_report(own, families=4, springs=np.geomspace(1e5, 1e9, 20))
+    whirl = scenario_dataset(
+        whirling_modes(own, casing_share=2.0), reference=own.reference_frequency
+    )
+    return {
+        "shapes": plot_mode_shapes(shapes("bladed-disk"), "bladed-disk"),
+        "casing": plot_mode_shapes(shapes("casing"), "casing"),
+        "families": plot_families(veering.families),
+        "close-up": plot_families(veering.families, 2),
+        "shaft": plot_shaft_veering(veering.shaft),
+        "rotating": plot_campbell(campbell(), "rotating"),
+        "static": plot_campbell(campbell(), "static"),
+        "scenario": plot_scenario(whirl),
+    }
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["shapes", "casing", "families", "close-up", "shaft", "rotating", "static", "scenario"],
+)
+def test_figures_are_one_column_wide_with_legible_text_inside(name: str) -> None:
+    figure = figures()[name]
+    figure.draw_without_rendering()
+    width, height = figure.get_size_inches()
+    assert width * 0.0254 == pytest.approx(0.08)
+    shown = [
+        text
+        for text in figure.findobj(Text)
+        if isinstance(text, Text) and text.get_text() and text.get_visible()
+    ]
+    assert min(float(text.get_fontsize()) for text in shown) >= 6.5
+    drawn = figure.get_tightbbox()
+    assert min(drawn.x0, drawn.y0) >= -1e-6
+    assert drawn.x1 <= width
+    assert drawn.y1 <= height
+    for axes in figure.axes:
+        for legend in figure.legends:
+            assert not axes.get_window_extent().overlaps(legend.get_window_extent())
+
+
+def test_families_are_drawn_with_both_centres_and_differ_for_one_nodal_diameter() -> None:
+    own = stage()
+    data = families_dataset(
+        own.free_modes, own.clamped_modes, families=2, reference=own.reference_frequency
+    )
+    (axes,) = plot_families(data).axes
+    points = {
+        str(line.get_label()): np.asarray(line.get_xydata())
+        for line in axes.lines
+        if line.get_marker() != "None"
+    }
+    free, clamped = (points[f"{centre} centre"] for centre in ("free", "clamped"))
+    np.testing.assert_array_equal(free[:, 0], clamped[:, 0])
+    assert set(free[np.abs(free[:, 1] - clamped[:, 1]) > 1e-9, 0]) == {1.0}
+    assert len(points["suspension"]) == 1
+
+
+def test_branches_take_the_colour_of_the_energy_in_the_springs() -> None:
+    veering = veering_report(stage(), families=2, springs=np.geomspace(1e5, 1e9, 20))
+    axes = plot_shaft_veering(veering.shaft).axes[0]
+    branches = [item for item in axes.collections if isinstance(item, LineCollection)]
+    shares = veering.shaft["spring_share"].values
+    assert len(branches) == shares.shape[1]
+    for number, branch in enumerate(branches):
+        middle = 0.5 * (shares[1:, number] + shares[:-1, number])
+        np.testing.assert_allclose(np.asarray(branch.get_array()), middle)
+
+
+@pytest.mark.parametrize(
+    ("share", "kind", "lead"), [(0.5, "standard", 0.0), (2.0, "inverted", np.pi)]
+)
+def test_scenario_pictures_measure_what_they_show(share: float, kind: str, lead: float) -> None:
+    own = stage()
+    data = scenario_dataset(
+        whirling_modes(own, casing_share=share), reference=own.reference_frequency
+    )
+    assert data.attrs["scenario"] == kind
+    apart = np.exp(1j * (data["shaft_phase"] - data["smallest_clearance_phase"]).values)
+    np.testing.assert_allclose(apart, np.exp(1j * lead), atol=0.01)
+    np.testing.assert_allclose(data["smallest_clearance"], 0.0, atol=1e-8)
+    # Backward in the rotating frame, at the frequency of the mode.
+    turned = np.unwrap(data["shaft_phase"].values)[-1]
+    assert turned == pytest.approx(-data.attrs["frequency"] * float(data["time"][-1]))

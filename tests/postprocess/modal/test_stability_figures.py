@@ -1,0 +1,166 @@
+"""Figures of stability and coupled modes: what they are drawn from, and that all of it is there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.collections import PolyCollection, QuadMesh
+from synthetic_result import synthetic_result
+
+from bladewhirl.models.coupling.springs import CouplingModes, paper_modes
+from bladewhirl.postprocess.modal.coupled_modes import (
+    motion_dataset,
+    plot_orbits,
+    plot_phases,
+    plot_shapes,
+)
+from bladewhirl.postprocess.modal.stability import (
+    chart_dataset,
+    plot_chart,
+    plot_spectrum,
+    plot_truncation,
+    spectrum_dataset,
+    truncation_dataset,
+    zones_dataset,
+)
+from bladewhirl.postprocess.plotting.style import save_figure
+from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.solvers.stability.coupled_modes import CoupledMotion
+from bladewhirl.solvers.stability.growth import eigenvalues, stability_chart
+from bladewhirl.solvers.stability.tracking import track
+from bladewhirl.solvers.stability.zones import unstable_zones
+
+UNIT = 250.0
+
+
+def six_modes() -> CouplingModes:
+    return paper_modes(casing=0.055 * UNIT, first_flexural=UNIT, suspension=2.5 * UNIT)
+
+
+def chart(modes: CouplingModes, low: float = 0.6, high: float = 3.0) -> xr.Dataset:
+    speeds, kappas = np.linspace(low, high, 120) * UNIT, np.linspace(0.0, 1000.0, 30)
+    zones = unstable_zones(modes, kappas=kappas, low=speeds[0], high=speeds[-1])
+    return chart_dataset(
+        stability_chart(modes, speeds=speeds, kappas=kappas),
+        zones_dataset(zones, modes, speed=speeds, kappa=kappas, reference=UNIT),
+    )
+
+
+def motion() -> CoupledMotion:
+    """A shaft forward in the static frame at 30 rad/s, 90 degrees behind the smallest clearance."""
+    time = np.linspace(0.0, 0.5, 400)
+    shaft = np.exp(1j * (30.0 - 200.0) * time)
+    return CoupledMotion(
+        time=time,
+        nodal_diameter=1,
+        speed=200.0,
+        displacement=np.zeros((400, 6)),
+        velocity=np.zeros((400, 6)),
+        shaft=1e-3 * np.stack([shaft.real, shaft.imag], axis=-1),
+        rotor_wave=np.zeros(400, dtype=np.complex128),
+        casing_wave=1e-3 * np.exp(1j * (30.0 * time - 0.5 * np.pi)),
+    )
+
+
+def test_chart_draws_its_zones_up_from_the_coincidence_speeds(tmp_path: Path) -> None:
+    data = chart(six_modes())
+    figure = plot_chart(data, point=(1.17, 500.0))
+    axes = figure.axes[0]
+    mesh = next(item for item in axes.collections if isinstance(item, QuadMesh))
+    drawn = np.ma.masked_array(mesh.get_array())
+    assert (~drawn.mask).sum() == (data["growth"].values > 1e-4).sum() > 0
+    borders = [line for line in axes.lines if line.get_linestyle() == "-"]
+    assert len(borders) == 4
+    starts = sorted(float(np.asarray(line.get_xdata())[0]) for line in borders)
+    assert starts == pytest.approx([1.055, 1.055, 2.555, 2.555])
+    assert [text.get_text() for text in axes.texts] == ["A: 1F", "B: suspension"]
+    paths = save_figure(figure, tmp_path / "stability", data)
+    assert [path.suffix for path in paths] == [".png", ".pdf", ".nc"]
+    with xr.open_dataset(tmp_path / "stability.nc", engine="h5netcdf") as saved:
+        assert saved["growth"].dims == ("kappa", "speed")
+        assert set(saved["zone_rotor"].values) == {"1F", "suspension"}
+
+
+def test_chart_without_an_unstable_point_can_be_drawn(tmp_path: Path) -> None:
+    data = chart(six_modes(), low=1.5, high=2.0)
+    save_figure(plot_chart(data), tmp_path / "stable", data)
+    assert data.sizes["zone"] == 0
+
+
+def test_spectrum_shows_three_types_of_modes(tmp_path: Path) -> None:
+    speeds = np.linspace(0.6, 3.0, 400) * UNIT
+    branches = track(speeds, eigenvalues(six_modes(), speed=speeds, kappa=500.0))
+    data = spectrum_dataset(speeds, branches, kappa=500.0, reference=UNIT)
+    figure = plot_spectrum(data)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == ["oscillatory", "damped", "divergent"]
+    drawn = np.array([line.get_ydata() for line in figure.axes[0].lines], dtype=np.float64)
+    assert np.nanmax(drawn) == pytest.approx(branches.real.max())
+    assert np.nanmin(drawn) == pytest.approx(branches.real.min())
+    save_figure(figure, tmp_path / "spectrum", data)
+
+
+def test_truncation_shows_zones_that_six_modes_hide(tmp_path: Path) -> None:
+    six = six_modes()
+    second = replace(six, nodal_diameter=np.full(3, 2), name=("casing 2", "1F 2", "s 2"))
+    names = ("on_casing", "nodal_diameter", "frequency", "amplitude", "damping_ratio", "paired")
+    whole = CouplingModes(
+        name=six.name + second.name,
+        **{name: np.concatenate([getattr(six, name), getattr(second, name)]) for name in names},
+    )
+    data = truncation_dataset(chart(whole), chart(six))
+    figure = plot_truncation(data)
+    fills = figure.axes[0].collections
+    outlines = figure.axes[0].lines
+    assert len(fills) == 4
+    assert len(outlines) == 4
+    save_figure(figure, tmp_path / "truncation", data)
+
+
+def test_phases_and_their_difference(tmp_path: Path) -> None:
+    data = motion_dataset(motion(), reference=UNIT)
+    assert data.attrs["casing_wave_speed"] == pytest.approx(30.0)
+    assert np.diff(data["shaft_phase"].values) == pytest.approx(30.0 * 0.5 / 399)
+    assert np.degrees(data["shaft_lead"].values) == pytest.approx(-90.0)
+    figure = plot_phases(data)
+    shaft = np.asarray(figure.axes[0].lines[0].get_ydata(), dtype=np.float64)
+    assert np.nanmax(np.abs(np.diff(shaft))) < 10.0  # wrapped jumps are breaks, not strokes
+    save_figure(figure, tmp_path / "phases", data)
+
+
+def test_waves_that_move_no_shaft_have_no_shaft_phase() -> None:
+    data = motion_dataset(replace(motion(), nodal_diameter=2), reference=UNIT)
+    assert np.isnan(data["shaft_phase"]).all()
+    assert data["smallest_clearance_phase"].notnull().all()
+
+
+def test_orbits_are_named_as_measured(tmp_path: Path) -> None:
+    """The synthetic shaft whirls backward in rotating axes, forward in static ones."""
+    orbit = shaft_orbit(synthetic_result(growth=5.0))
+    figure = plot_orbits(orbit)
+    titles = [axes.get_title() for axes in figure.axes]
+    assert [title.split("\n")[1].split(",")[0] for title in titles] == ["backward", "forward"]
+    drawn = np.asarray(figure.axes[0].lines[0].get_xydata(), dtype=np.float64)
+    assert drawn == pytest.approx(1e6 * orbit["rotating"].values)
+    assert len(figure.axes[0].texts) == 8  # arrows
+    save_figure(figure, tmp_path / "orbit", orbit)
+
+
+def test_shapes_differ_from_record_to_record() -> None:
+    result = synthetic_result()
+    figure = plot_shapes(result, np.array([0, 20, 40]))
+    panels = figure.axes[:3]
+    assert [axes.get_title() for axes in panels] == ["0 ms", "20 ms", "40 ms"]
+    rotors = [axes.collections[1] for axes in panels]
+    corners = [
+        np.array([path.vertices for path in rotor.get_paths()], dtype=np.float64)
+        for rotor in rotors
+        if isinstance(rotor, PolyCollection)
+    ]
+    assert len(corners) == 3
+    for one, other in ((0, 1), (1, 2), (0, 2)):
+        assert np.abs(corners[one] - corners[other]).max() > 1e-3

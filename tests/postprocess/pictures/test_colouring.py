@@ -1,0 +1,98 @@
+"""True values by which a picture is coloured, against closed forms."""
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+
+from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.pictures.colouring import (
+    Colouring,
+    Field,
+    Stations,
+    colouring,
+    strain_unit,
+)
+
+STATIONS = Stations(2, 9)
+RECORDS = np.array([0, 1])
+
+
+def still(**motion: tuple[float, ...]) -> xr.Dataset:
+    """A result that stands at the given modal coordinates and rates."""
+    result = synthetic.synthetic_result(records=2)
+    for body in ("rotor", "casing"):
+        for kind in ("displacement", "velocity"):
+            result[f"{body}_{kind}"][:] = np.array(motion.get(f"{body}_{kind}", 0.0))
+    return result
+
+
+def coloured(result: xr.Dataset, field: Field) -> Colouring:
+    found = colouring(result, field, RECORDS, STATIONS)
+    lines, nodes = result.sizes["rotor_line"], result.sizes["casing_node"]
+    assert found.rotor.shape == (2, lines, 3, 2)
+    assert found.casing.shape == (2, nodes * 9, 2)
+    return found
+
+
+def test_magnitudes_of_motion() -> None:
+    found = coloured(
+        still(rotor_velocity=(3.0, 4.0, 0, 0, 0), casing_velocity=(1, 0, 0, 0)), "velocity"
+    )
+    np.testing.assert_allclose(found.rotor, 5.0)
+    np.testing.assert_allclose(found.casing, 1.0, rtol=1e-5)
+    assert (found.unit, found.limits, found.signed) == ("m/s", (0.0, 5.0), False)
+
+
+def test_bending_is_opposite_at_the_two_sides() -> None:
+    result = still(rotor_displacement=(0, 0, 0, 1e-3, 0))
+    found = coloured(result, "bending-strain")
+    blade = int(np.flatnonzero(result["rotor_part"].values == "blades")[0])  # on +x, to +y
+    curvature = 1e-3 * 3 / (synthetic.TIP_RADIUS - synthetic.DISK_RADIUS) ** 2  # at its root
+    right = 0.010 / 2 * curvature
+    np.testing.assert_allclose(found.rotor[0, blade, 0], [right, -right], rtol=1e-9)
+    assert found.limits[0] == -found.limits[1]
+    assert found.limits[1] >= found.scale * found.largest
+    stress = coloured(result, "stress")
+    np.testing.assert_allclose(stress.rotor[0, blade, 0, 0], synthetic.YOUNG_MODULUS * right)
+    np.testing.assert_allclose(coloured(result, "axial-strain").rotor, 0.0, atol=1e-12)
+
+
+def test_a_ring_that_ovalises_bends_most_at_its_axes() -> None:
+    result = still(casing_displacement=(0, 0, 1e-3, 0))  # w = 1 mm cos 2 theta, inextensional
+    found = coloured(result, "bending-strain").casing[0]
+    radius = result.attrs["casing_radius"]
+    curvature = -1e-3 * (4 - 1) / radius**2  # w'' - u'/R, with u' = -w/R
+    np.testing.assert_allclose(found[0], [0.005 * curvature, -0.005 * curvature], rtol=0.02)
+    assert np.abs(found[:, 0]).max() == pytest.approx(abs(0.005 * curvature), rel=0.02)
+
+
+def test_every_blade_has_the_gap_of_its_tip() -> None:
+    result = synthetic.synthetic_result(records=2)
+    found = coloured(result, "gap")
+    part = result["rotor_part"].values
+    blades = found.rotor[:, part == "blades"].reshape(2, 22, -1)
+    np.testing.assert_array_equal(blades, blades[:, :, :1] + 0 * blades)
+    np.testing.assert_array_equal(blades[:, :, 0], result["gap"].values)
+    assert np.isnan(found.rotor[:, part != "blades"]).all()
+    assert np.isnan(found.casing).all()
+
+
+def test_parts_have_colours_of_their_own() -> None:
+    found = coloured(still(), "part")
+    assert found.parts is not None
+    assert list(found.parts) == ["spokes", "rim", "blades", "casing"]
+    assert len({*found.parts.values()}) == 4
+    assert found.colour_map == list(found.parts.values())
+    assert np.unique(found.rotor).tolist() == [0, 1, 2]
+    assert np.unique(found.casing).tolist() == [3]
+
+
+def test_what_there_is_not() -> None:
+    with pytest.raises(ViewError, match="colour must be one of displacement, velocity"):
+        colouring(still(), "heat", RECORDS, STATIONS)  # type: ignore[arg-type]
+
+
+def test_units_of_strain() -> None:
+    assert strain_unit(2e-3) == ("mm/m", 1e3)
+    assert strain_unit(2e-5) == ("µm/m", 1e6)

@@ -1,0 +1,223 @@
+"""The geometry of pictures: true about contact and thickness at any exaggeration."""
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+
+from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.pictures.drawing import Drawing, arrows, magnify, round_factor, widened
+
+FACTOR = 40.0
+
+
+def moved(
+    rotor: tuple[float, ...] = (0, 0, 0, 0, 0), casing: tuple[float, ...] = (0, 0, 0, 0)
+) -> xr.Dataset:
+    """A result that stands at the given modal coordinates; the rotor has turned at record 1."""
+    result = synthetic.synthetic_result(records=2)
+    result["rotor_displacement"][:] = np.array(rotor)
+    result["casing_displacement"][:] = np.array(casing)
+    return result
+
+
+def draw(result: xr.Dataset, *, record: int = 0, exaggeration: float = FACTOR) -> Drawing:
+    return Drawing(result, np.array([record]), exaggeration=exaggeration)
+
+
+def distance_to(line: Array, points: Array) -> Array:
+    """Smallest distance of each point to a closed polyline."""
+    start, end = line[:-1], line[1:]
+    along = end - start
+    share = np.einsum("psi,si->ps", points[:, None] - start, along) / np.sum(along**2, axis=1)
+    foot = start + np.clip(share, 0, 1)[..., None] * along
+    nearest: Array = np.linalg.norm(points[:, None] - foot, axis=-1).min(axis=1)
+    return nearest
+
+
+class TestMagnify:
+    points = np.array([[0.0, 0.0], [0.2, 0.0], [0.0, -0.3]])
+
+    def test_a_common_shift_stays_a_shift(self) -> None:
+        shift = np.array([1e-3, -2e-3])
+        drawn = magnify(self.points, np.tile(shift, (3, 1)), shift, 50.0)
+        np.testing.assert_allclose(drawn, self.points + 50 * shift, atol=1e-16)
+
+    def test_a_small_rotation_becomes_a_large_one(self) -> None:
+        small = 0.01 * np.column_stack([-self.points[:, 1], self.points[:, 0]])
+        drawn = magnify(self.points, small, np.zeros(2), 100.0)
+        cos, sin = np.cos(1.0), np.sin(1.0)
+        turned = self.points @ np.array([[cos, sin], [-sin, cos]])
+        np.testing.assert_allclose(drawn, turned, atol=1e-15)
+
+    def test_factor_one_is_the_true_place_up_to_second_order(self) -> None:
+        displacement = np.array([[0, 0], [1e-4, 3e-4], [-2e-4, 1e-4]])
+        drawn = magnify(self.points, displacement, np.zeros(2), 1.0)
+        second_order = (3.2e-4) ** 2 / (2 * 0.2)
+        np.testing.assert_allclose(drawn, self.points + displacement, atol=second_order)
+
+
+class TestContact:
+    def test_rest_shows_the_magnified_clearance(self) -> None:
+        seen = draw(moved()).picture(0)
+        np.testing.assert_allclose(np.linalg.norm(seen.tips, axis=1), synthetic.TIP_RADIUS)
+        inner = np.linalg.norm(seen.casing.sides[0, :, 0], axis=1)
+        np.testing.assert_allclose(inner, synthetic.TIP_RADIUS + FACTOR * synthetic.CLEARANCE)
+
+    @pytest.mark.parametrize("record", [0, 1])
+    def test_a_shift_by_the_clearance_touches_in_one_point(self, record: int) -> None:
+        angle = 2 * np.pi * 3 / 22  # towards blade 3, in rotating axes
+        shift = synthetic.CLEARANCE * np.array([np.cos(angle), np.sin(angle)])
+        seen = draw(moved((*shift, 0, 0, 0)), record=record).picture(0)
+        gaps = distance_to(seen.casing.sides[0, :, 0], seen.tips)
+        assert gaps[3] == pytest.approx(0.0, abs=1e-5)  # chords of the drawn circle
+        assert np.all(np.delete(gaps, 3) > 0.02 * FACTOR * synthetic.CLEARANCE)
+        inside = np.linalg.norm(seen.tips, axis=1)
+        assert inside.max() <= synthetic.TIP_RADIUS + FACTOR * synthetic.CLEARANCE + 1e-12
+
+    def test_a_casing_that_closes_the_gap_touches_too(self) -> None:
+        seen = draw(moved(casing=(-0.4 * synthetic.CLEARANCE, 0, -0.6 * synthetic.CLEARANCE, 0)))
+        gaps = distance_to(seen.picture(0).casing.sides[0, :, 0], seen.picture(0).tips)
+        assert gaps[0] == pytest.approx(0.0, abs=1e-5)
+        assert np.argmin(gaps) == 0
+
+    def test_a_bent_blade_swings_on_an_arc(self) -> None:
+        seen = draw(moved((0, 0, 0, 2e-3, 0))).picture(0)  # 80 mm as drawn, on a radius of 250
+        np.testing.assert_allclose(np.linalg.norm(seen.tips, axis=1), synthetic.TIP_RADIUS)
+        swing = np.arctan2(seen.tips[0, 1], seen.tips[0, 0])
+        assert swing == pytest.approx(FACTOR * 2e-3 / synthetic.TIP_RADIUS)
+
+    @pytest.mark.parametrize("record", [0, 1])
+    def test_tips_end_on_their_blades(self, record: int) -> None:
+        seen = draw(moved((5e-4, -3e-4, 1e-3, 2e-3, 1e-3)), record=record).picture(0)
+        ends = seen.rotor.sides[:, -1].mean(axis=1)
+        for tip in seen.tips:
+            assert np.linalg.norm(ends - tip, axis=1).min() < 1e-14
+
+
+class TestRibbons:
+    result = moved((5e-4, -3e-4, 1e-3, 2e-3, 1e-3), (2e-4, 0, 5e-4, 3e-4))
+
+    @pytest.mark.parametrize("exaggeration", [1.0, FACTOR])
+    def test_thickness_is_true(self, exaggeration: float) -> None:
+        seen = draw(self.result, exaggeration=exaggeration).picture(0)
+        for ribbon, thickness in (
+            (seen.rotor, self.result.rotor_thickness.values[:, None]),
+            (seen.casing, 0.010),
+        ):
+            across = ribbon.sides[:, :, 1] - ribbon.sides[:, :, 0]
+            width = np.linalg.norm(across, axis=-1)
+            np.testing.assert_allclose(width, np.broadcast_to(thickness, width.shape))
+            along = np.diff(ribbon.sides.mean(axis=2), axis=1)
+            along /= np.linalg.norm(along, axis=-1)[..., None]
+            middle = (across[:, 1:] + across[:, :-1]) / 2
+            assert np.abs(np.sum(along * middle, axis=-1)).max() < 0.03 * width.min()
+
+    def test_colours_are_true_displacements(self) -> None:
+        seen = draw(moved((3e-4, 4e-4, 0, 0, 0), (6e-4, 8e-4, 0, 0))).picture(0)
+        np.testing.assert_allclose(seen.rotor.values, 5e-4)
+        np.testing.assert_allclose(seen.casing.values, 1e-3, rtol=1e-5)
+
+    def test_the_wall_stands_outside_and_closes(self) -> None:
+        seen = draw(self.result).picture(0)
+        inner, outer = np.moveaxis(np.linalg.norm(seen.casing.sides[0], axis=-1), 1, 0)
+        assert np.all(outer > inner)
+        np.testing.assert_array_equal(seen.casing.sides[0, 0], seen.casing.sides[0, -1])
+
+    def test_outline_is_wider_and_longer(self) -> None:
+        seen = draw(moved()).picture(0)
+        wide = widened(seen.rotor.sides, 1e-3)
+        width = np.linalg.norm(wide[:, 1:-1, 1] - wide[:, 1:-1, 0], axis=-1)
+        np.testing.assert_allclose(
+            width, self.result.rotor_thickness.values[:, None] + 2e-3 + 0 * width
+        )
+        length = np.linalg.norm(np.diff(wide.mean(axis=2)[:, [0, -1]], axis=1)[:, 0], axis=-1)
+        true = np.linalg.norm(
+            np.diff(seen.rotor.sides.mean(axis=2)[:, [0, -1]], axis=1)[:, 0], axis=-1
+        )
+        np.testing.assert_allclose(length, true + 2e-3)
+
+
+def test_rotating_picture_is_the_static_one_turned_back() -> None:
+    result = synthetic.synthetic_result()
+    record = np.array([int(np.argmax(result.contacts.values))])
+    static, turning = (
+        Drawing(result, record, frame=frame).picture(0) for frame in ("static", "rotating")
+    )
+    angle = synthetic.SPEED * float(result.time[record[0]])
+    to_rotating = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]).T
+    for mine, theirs in (
+        (turning.rotor.sides, static.rotor.sides),
+        (turning.casing.sides, static.casing.sides),
+        (turning.tips, static.tips),
+        (turning.shaft, static.shaft),
+        (turning.mark, static.mark),
+        (turning.forces, static.forces),
+    ):
+        np.testing.assert_allclose(mine, theirs @ to_rotating, atol=1e-12)
+    assert turning.forces.any()
+    blade = np.arctan2(turning.mark[1], turning.mark[0])
+    assert abs(blade) < np.pi / 22  # the first blade lies near the rotating x axis
+
+
+def test_a_short_blade_touches_where_it_does_in_the_run() -> None:
+    recess, blade = 0.3e-3, 5
+    result = moved()
+    tip = int(result["tip_node"].values[blade])
+    result["rotor_point"][tip] *= 1.0 - recess / synthetic.TIP_RADIUS
+    unit = result["rotor_point"].values[tip] / (synthetic.TIP_RADIUS - recess)
+    rest = draw(result).picture(0)
+    inner = synthetic.TIP_RADIUS + FACTOR * synthetic.CLEARANCE
+    gaps = inner - np.linalg.norm(rest.tips, axis=1)
+    expected = np.full(22, FACTOR * synthetic.CLEARANCE)
+    expected[blade] += FACTOR * recess
+    np.testing.assert_allclose(gaps, expected)
+    np.testing.assert_allclose(draw(result).nodes[result["tip_node"].values], rest.tips)
+    result["rotor_displacement"][:, :2] = (synthetic.CLEARANCE + recess) * unit
+    touching = draw(result).picture(0)
+    assert np.linalg.norm(touching.tips[blade]) == pytest.approx(inner)
+    lines = result["rotor_line"].values
+    end = touching.rotor.sides.mean(axis=2)[np.flatnonzero(lines[:, 1] == tip)[0], -1]
+    np.testing.assert_allclose(end, touching.tips[blade], atol=1e-12)
+
+
+def test_reach_holds_everything() -> None:
+    result = synthetic.synthetic_result(records=60, shaft_radius=1.1e-3)
+    drawing = Drawing(result, np.arange(0, 60, 7), exaggeration=50.0)
+    stage, contact = drawing.reach()
+    seen = [drawing.picture(i) for i in range(len(drawing))]
+    assert all(np.linalg.norm(p.casing.sides, axis=-1).max() <= stage for p in seen)
+    touching = [np.linalg.norm(p.tips[p.forces.any(axis=1)], axis=1) for p in seen]
+    assert contact == pytest.approx(np.concatenate(touching).max())
+
+
+@pytest.mark.parametrize(
+    ("clearance", "largest", "factor"),
+    [
+        (1e-3, 1e-3, 50),  # a tenth of the radius
+        (1e-3, 4e-3, 20),  # 31 would do
+        (1e-3, 0.3, 1),
+        (0.0, 1e-4, 1000),
+        (0.0, 0.0, 1),
+    ],
+)
+def test_automatic_factor(clearance: float, largest: float, factor: float) -> None:
+    assert round_factor(0.5, clearance, largest) == factor
+
+
+def test_bad_arguments_are_refused() -> None:
+    for factor in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match="exaggeration must be a positive number"):
+            draw(moved(), exaggeration=factor)
+    with pytest.raises(ValueError, match='"static" or "rotating"'):
+        Drawing(moved(), np.array([0]), frame="spinning")  # type: ignore[arg-type]
+
+
+def test_arrows_end_on_the_tips_and_scale_with_the_force() -> None:
+    tips = np.array([[0.5, 0.0], [0.0, 0.5], [-0.5, 0.0]])
+    forces = np.array([[-200.0, 0.0], [0.0, 0.0], [50.0, -50.0]])
+    outline = arrows(tips, forces, 1e-3, 0.01)
+    np.testing.assert_allclose(outline[[0, 2], 3], tips[[0, 2]])
+    tails = outline[:, [0, 6]].mean(axis=1)
+    np.testing.assert_allclose(tips - tails, 1e-3 * forces, atol=1e-15)
+    np.testing.assert_allclose(outline[1], np.tile(tips[1], (7, 1)))

@@ -1,0 +1,95 @@
+"""Pages: complete without a network, and true to the drawing."""
+
+import base64
+import json
+import re
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+from numpy.typing import NDArray
+
+from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.pictures.drawing import Drawing
+from bladewhirl.postprocess.pictures.web_page import FULL, NONE, render_page
+
+RECORDS = np.arange(376, 388, 4)  # the first without contact
+
+
+@pytest.fixture(scope="module")
+def result() -> xr.Dataset:
+    return synthetic.synthetic_result(elements=2)
+
+
+def page(path: Path) -> tuple[dict[str, Any], NDArray[np.int16], NDArray[np.uint8]]:
+    """What a page knows, its places and its shades, (record, number) each."""
+    text = path.read_text(encoding="utf-8")
+    about = json.loads(re.search(r"^const about = (.*);$", text, re.MULTILINE)[1])  # type: ignore[index]
+    packed = {
+        name: zlib.decompress(base64.b64decode(re.search(rf'{name}: "([^"]*)"', text)[1]))  # type: ignore[index]
+        for name in ("places", "shades")
+    }
+    count = len(about["times"])
+    return (
+        about,
+        np.frombuffer(packed["places"], dtype="<i2").reshape(count, -1),
+        np.frombuffer(packed["shades"], dtype=np.uint8).reshape(count, -1),
+    )
+
+
+def part(about: dict[str, Any], places: NDArray[np.int16], name: str) -> NDArray[np.float64]:
+    """One kind of thing at all records, as the page finds it."""
+    first, *shape = about["layout"][name]
+    return np.asarray(places[:, first : first + int(np.prod(shape))].reshape(-1, *shape) / FULL)
+
+
+def test_places_are_those_of_the_drawing(result: xr.Dataset, tmp_path: Path) -> None:
+    about, places, _ = page(render_page(result, tmp_path / "a.html", RECORDS))
+    drawing = Drawing(result, RECORDS)
+    drawn = [drawing.picture(index) for index in range(3)]
+    size = np.linalg.norm(drawn[0].casing.sides) / np.linalg.norm(part(about, places, "casing")[0])
+    for name, expected in (
+        ("rotor", [seen.rotor.sides for seen in drawn]),
+        ("casing", [seen.casing.sides for seen in drawn]),
+        ("springs", [seen.symbols.springs for seen in drawn]),
+        ("tips", [seen.tips for seen in drawn]),
+        ("shaft", [seen.shaft for seen in drawn]),
+    ):
+        np.testing.assert_allclose(size * part(about, places, name), expected, atol=2e-5)
+    assert np.abs(places).max() < FULL  # nothing is cut off
+    touching = [np.any(seen.forces, axis=1).astype(int).tolist() for seen in drawn]
+    assert about["touching"] == touching
+    assert any(map(any, touching))
+
+
+def test_shades_are_true_values(result: xr.Dataset, tmp_path: Path) -> None:
+    about, _, shades = page(render_page(result, tmp_path / "a.html", RECORDS, colour="stress"))
+    colouring = Drawing(result, RECORDS, colour="stress").colouring
+    low, high = about["limits"]
+    values = low + (high - low) * shades[:, : about["casingShades"]] / (len(about["colours"]) - 1)
+    true = colouring.scale * colouring.rotor.reshape(3, -1)
+    np.testing.assert_allclose(values, true, atol=0.51 * (high - low) / (len(about["colours"]) - 1))
+    assert len(about["members"]) == result.sizes["rotor_line"]
+
+
+def test_what_has_no_value_and_parts(result: xr.Dataset, tmp_path: Path) -> None:
+    about, _, shades = page(render_page(result, tmp_path / "a.html", RECORDS, colour="gap"))
+    assert np.all(shades[:, about["casingShades"] :] == NONE)
+    about, _, shades = page(render_page(result, tmp_path / "b.html", RECORDS, colour="part"))
+    assert [name for name, _ in about["key"]] == ["spokes", "rim", "blades", "casing"]
+    assert np.unique(shades).tolist() == [0, 1, 2, 3]
+
+
+def test_it_stands_alone_and_titles_are_text(result: xr.Dataset, tmp_path: Path) -> None:
+    named = result.assign_attrs(title="<b>a & b</b></script>")
+    text = render_page(named, tmp_path / "a.html", RECORDS).read_text(encoding="utf-8")
+    assert "http" not in text
+    assert not re.search(r"@[A-Z]+@", text)
+    assert "<title>&lt;b&gt;a &amp; b&lt;/b&gt;&lt;/script&gt;</title>" in text
+    assert text.count("</script>") == 1
+    with pytest.raises(ViewError, match=r"must end in \.html"):
+        render_page(result, tmp_path / "a.gif", RECORDS)

@@ -1,0 +1,179 @@
+"""`bladewhirl report` of sweeps: finished ones, ones with failed or missing points, none done."""
+
+from __future__ import annotations
+
+import re
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from report_pages import Parsed
+from synthetic_sweep import synthetic_sweep
+from typer.testing import CliRunner
+
+from bladewhirl.postprocess.reports.headline import headline
+from bladewhirl.postprocess.reports.words import SWEEP
+from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
+from bladewhirl.postprocess.sweep.figures import SWEEP_FIGURES
+from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.runs.reports import write_report
+
+REFERENCE = 75.0  # rad/s
+SPEEDS = (1.0, 1.2, 1.4, 1.6)
+RADII = (0.4e-3, 1.3e-3, 1.2e-3)  # the clearance is 1 mm
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Free, in contact twice, failed."""
+    motions = [
+        *(
+            {"speed": REFERENCE * speed, "shaft_radius": radius}
+            for speed, radius in zip(SPEEDS, RADII, strict=False)
+        ),
+        None,
+    ]
+    over = {"march.speed": SPEEDS}
+    return synthetic_sweep(tmp_path_factory.mktemp("sweeps") / "one", over, motions)
+
+
+@pytest.fixture(scope="module")
+def page(folder: Path) -> Parsed:
+    done = CliRunner().invoke(app, ["report", str(folder)])
+    assert (done.exit_code, done.stdout) == (0, f"Wrote {folder / 'report.html'}.\n"), done.stderr
+    return Parsed((folder / "report.html").read_text(encoding="utf-8"))
+
+
+def test_it_stands_alone_with_its_figures(page: Parsed) -> None:
+    assert page.references
+    assert page.outside() == []
+    assert set(SWEEP) == set(SWEEP_FIGURES)
+    assert set(page.pictures) == set(SWEEP) - {"maps"}
+
+
+def test_the_verdict_is_of_its_points(page: Parsed) -> None:
+    words = re.sub(r"\s+", " ", page.words)
+    assert "Sustained contact at 2 of 3 points" in words
+    assert "stays in contact at march.speed 1.2 to 1.4; never touches at march.speed 1." in words
+    assert "1 of 4 points failed; the reasons are listed under Points." in words
+    assert "march.speed = 1.6 it could not be marched" in words
+    assert "unfinished" not in words
+
+
+def test_points_and_maps_are_those_of_the_sweep(page: Parsed) -> None:
+    points, maps = page.plots
+    shown = {trace["name"]: trace for trace in points["data"]}
+    assert set(shown) == {"no-contact (1)", "sustained (2)"}
+    assert shown["sustained (2)"]["text"][0].startswith("<b>sustained</b><br>march.speed = 1.2<br>")
+    assert "largest shaft displacement 1.3 mm" in shown["sustained (2)"]["text"][0]
+    heat = maps["data"][0]
+    told = np.array(
+        [[np.nan if cell == "–" else float(cell) for cell in row] for row in heat["customdata"]]
+    )
+    assert np.isnan(told[:, 3]).all()  # the failed point
+    np.testing.assert_allclose(told[:, :3].max(axis=0), [0.4, 1.3, 1.2], rtol=0.2)
+
+
+def test_two_keys_and_missing_points(tmp_path: Path) -> None:
+    import h5py
+
+    over = {"march.speed": (1.0, 2.0), "contact.friction": (0.0, 0.2)}
+    motions = [{"speed": REFERENCE, "shaft_radius": radius * 1e-3} for radius in (0.2, 1.2, 0.3, 1)]
+    folder = synthetic_sweep(tmp_path / "two", over, motions)
+    with h5py.File(folder / SWEEP_NAME, "r+") as file:
+        file["state"][1, 0] = 0
+    page = Parsed(write_report(folder).read_text(encoding="utf-8"))
+    words = re.sub(r"\s+", " ", page.words)
+    assert re.search(r"\d of 3 points so far", words)
+    assert "unfinished: 1 of 4 points are missing; bladewhirl sweep --resume" in words
+    regimes, _, maps = page.plots
+    assert regimes["data"][0]["text"][0][1].startswith("<b>missing</b>")
+    assert [entry["label"] for entry in maps["layout"]["updatemenus"][0]["buttons"]] == [
+        "contact.friction = 0",
+        "contact.friction = 0.2",
+    ]
+
+
+CASE = "title = 'x'\n\n[casing]\nclearance = 5e-4\n\n[march]\nspeed = 1.2\nduration = 1.0\n"
+
+
+def test_two_keys_have_their_columns_marks_and_window(tmp_path: Path) -> None:
+    over = {"march.speed": (1.0, 1.2), "casing.clearance": (5e-4, 1e-3)}
+    motions = [{"speed": REFERENCE, "shaft_radius": radius} for radius in (*RADII, RADII[0])]
+    units = {"march.speed": "1", "casing.clearance": "m"}
+    folder = synthetic_sweep(tmp_path / "two", over, motions, units=units, case=CASE)
+    page = Parsed(write_report(folder).read_text(encoding="utf-8"))
+    words = re.sub(r"\s+", " ", page.words)
+    assert "march.speed casing.clearance [mm] regime largest shaft displacement" in words
+    assert re.search(r"1 1 sustained 1\.3 ", words)
+    assert "casing.clearance = 1" not in words.partition("All points (4)")[2]
+    window = "Spectra and mean energies are over the last 0.2 s of each march, at most 50% of it."
+    assert words.count(window) == 3
+    assert "Growth rates ± 2 standard errors." in words
+    assert "clearance = 5e-4  # swept, casing.clearance: 2 values\n" in page.words
+    assert "speed = 1.2  # swept, march.speed: 2 values\nduration = 1.0" in page.words
+    assert page.words.count("# swept") == 2
+    settings = "--set march.speed=VALUE --set casing.clearance=VALUE"
+    assert f"{settings} (in SI units, or with a unit) repeats a point" in words
+    assert "repeats the run" not in words
+    assert "march.speed 1.2 with casing.clearance 0.5 mm, at 1 with 1 mm; never touches" in words
+
+
+@pytest.mark.parametrize(
+    ("sustained", "expected"),
+    [
+        ({(0, 1)}, "stays in contact at march.speed 1.2 with contact.friction 0"),
+        (
+            {(1, 1), (2, 1), (0, 0), (0, 2)},
+            "at march.speed 1 and 1.4 with contact.friction 0, at 1.2 with 0.1 to 0.2",
+        ),
+        (set(product(range(6), range(3))), "at march.speed 1 to 1.4 whatever contact.friction"),
+        (
+            {(0, 0), (1, 1), (2, 2), (3, 0), (3, 1), (4, 1), (4, 2)},
+            "at march.speed 1 to 1.4 with contact.friction 0 to 0.4 (not at every pair of them)",
+        ),
+    ],
+)
+def test_the_headline_names_the_values_of_the_second_key(
+    sustained: set[tuple[int, int]], expected: str
+) -> None:
+    regime = [
+        ["sustained" if (line, n) in sustained else "damped" for n in range(3)] for line in range(6)
+    ]
+    friction = ("line", 0.1 * np.arange(6), {"long_name": "contact.friction", "units": "1"})
+    speed = ("march_speed", [1.0, 1.2, 1.4], {"long_name": "march.speed", "units": "1"})
+    points = xr.Dataset(
+        {"regime": (("line", "march_speed"), regime)},
+        coords={"march_speed": speed, "contact_friction": friction},
+        attrs={"along": "march_speed"},
+    )
+    assert headline(points, {"sustained": len(sustained)}, "a, b") == (
+        f"Swept: a, b. The stage {expected}."
+        if expected.startswith("stays")
+        else f"Swept: a, b. The stage stays in contact {expected}."
+    )
+
+
+def test_a_sweep_without_a_point_done(tmp_path: Path) -> None:
+    folder = synthetic_sweep(tmp_path / "none", {"march.speed": (1.0, 2.0)}, [None, None])
+    page = Parsed(write_report(folder).read_text(encoding="utf-8"))
+    assert "No result" in page.words
+    assert "2 of 2 points failed" in page.words
+    assert "Not drawn: no point of the sweep is done" in page.words
+    assert page.plots == []
+
+
+def test_a_folder_of_neither_and_a_broken_sweep(tmp_path: Path) -> None:
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / SWEEP_NAME).write_text("broken")
+    for name, complaint in (
+        (".", "expected the folder of a run or a sweep, with its result.nc or sweep.nc"),
+        ("broken", "expected a sweep"),
+    ):
+        done = CliRunner().invoke(app, ["report", str(tmp_path / name)])
+        assert (done.exit_code, done.stdout) == (2, "")
+        assert complaint in done.stderr
+        assert len(done.stderr.splitlines()) == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["broken"]

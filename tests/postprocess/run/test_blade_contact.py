@@ -1,0 +1,163 @@
+"""Contact over blade and time: rubbing patterns made by hand, and what a map must not lose."""
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+from numpy.typing import NDArray
+
+from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.run.blade_contact import (
+    contact_classes,
+    contact_maps,
+    plot_contact_classes,
+    plot_forces,
+    plot_gaps,
+)
+from bladewhirl.postprocess.run.contact_side import contact_phase, plot_contact_phase
+from bladewhirl.postprocess.run.figures import RunFigures
+from bladewhirl.postprocess.run.late_motion import late_motion
+from bladewhirl.postprocess.run.orbits import shaft_orbit
+
+STEPS = 1000  # a record, of the synthetic result
+
+
+def rubbing(steps: NDArray[np.int64]) -> xr.Dataset:
+    """A result whose blades touch for that many steps (record, blade) before each record."""
+    result = synthetic.synthetic_result(records=len(steps), blades=steps.shape[1])
+    result["contact_steps"] = ("time", "blade"), steps
+    return result
+
+
+class TestClasses:
+    def test_permanent_intermittent_and_free_blades(self) -> None:
+        steps = np.zeros((101, 22), dtype=np.int64)
+        steps[1:, 0] = STEPS  # always
+        steps[2::2, 1] = STEPS  # every other record
+        steps[50, 2] = 1  # once, for one step
+        classes = contact_classes(rubbing(steps))
+        expected = ["permanent", "intermittent", "intermittent", *["free"] * 19]
+        assert classes.contact_class.values.tolist() == expected
+        np.testing.assert_allclose(classes.share[:4], [1.0, 0.5, 1e-5, 0.0], rtol=1e-12)
+
+    def test_what_came_before_the_window_does_not_count(self) -> None:
+        steps = np.zeros((101, 22), dtype=np.int64)
+        steps[:51] = STEPS
+        classes = contact_classes(rubbing(steps).isel(time=slice(50, None)))
+        assert set(classes.contact_class.values) == {"free"}
+
+    def test_the_figure_counts_the_classes(self) -> None:
+        steps = np.zeros((11, 22), dtype=np.int64)
+        steps[1:, :3], steps[1:, 3] = STEPS, 100
+        (legend,) = plot_contact_classes(contact_classes(rubbing(steps))).legends
+        texts = [text.get_text() for text in legend.get_texts()]
+        assert texts == ["permanent: 3", "intermittent: 1", "free: 18"]
+
+    def test_every_blade_has_the_mark_of_its_class(self) -> None:
+        """Those whose share is too small for a bar to be seen, too."""
+        steps = np.zeros((11, 22), dtype=np.int64)
+        steps[1:, :3], steps[1, 3] = STEPS, 1
+        axes = plot_contact_classes(contact_classes(rubbing(steps))).axes[0]
+        marks = {line.get_marker(): line.get_xdata() for line in axes.lines}
+        assert {mark: len(np.asarray(at)) for mark, at in marks.items()} == {
+            "s": 3,
+            "D": 1,
+            "o": 18,
+        }
+
+
+class TestMaps:
+    @pytest.mark.parametrize("columns", [1, 7, 100, 1000])
+    def test_spans_lose_neither_impulse_nor_the_smallest_gap(self, columns: int) -> None:
+        result = synthetic.synthetic_result(shaft_radius=1.2e-3)
+        maps = contact_maps(result, columns)
+        assert maps.sizes["time"] == min(columns, 400)
+        length = np.diff(maps.edge)[:, None]
+        for name, impulse in (("force", "contact_impulse"), ("friction", "friction_impulse")):
+            total = np.sum(length * maps[name].values, axis=0)
+            np.testing.assert_allclose(total, result[impulse][1:].sum("time"), rtol=1e-9)
+        np.testing.assert_array_equal(maps.gap.min("time"), result.gap[1:].min("time"))
+        touched = (result.contact_steps[1:] > 0).any("time")
+        np.testing.assert_array_equal(maps.touched.any("time"), touched)
+
+    def test_a_constant_push_is_its_force(self) -> None:
+        result = synthetic.synthetic_result(records=101)
+        impulse = np.full((101, 22), 50.0 * synthetic.RECORD_STEP)
+        result["contact_impulse"] = ("time", "blade"), impulse
+        np.testing.assert_allclose(contact_maps(result, 9).force, 50.0, rtol=1e-12)
+
+    def test_a_single_record_shows_nothing(self) -> None:
+        with pytest.raises(ViewError, match="two records or more"):
+            contact_maps(synthetic.synthetic_result(records=1))
+
+    @pytest.mark.parametrize("shaft_radius", [0.0, 1.5e-3])
+    def test_maps_can_be_drawn_with_and_without_contact(self, shaft_radius: float) -> None:
+        maps = contact_maps(synthetic.synthetic_result(shaft_radius=shaft_radius))
+        gaps, forces = plot_gaps(maps), plot_forces(maps)
+        assert "mm" in gaps.axes[1].get_ylabel()
+        assert "N]" in forces.axes[1].get_ylabel()
+        for figure in (gaps, forces):
+            assert figure.axes[0].get_ylim() == (-0.5, 21.5)
+
+
+class TestPhase:
+    @staticmethod
+    def pressed(side: float, records: int = 401) -> xr.Dataset:
+        """Rigid circle of the shaft, contact at that angle before it, shared by three blades."""
+        result = synthetic.synthetic_result(records=records, bending=0.0, shaft_radius=0.8e-3)
+        orbit = shaft_orbit(result)["rotating"].values
+        at = np.arctan2(orbit[:, 1], orbit[:, 0]) - side
+        apart = np.angle(np.exp(1j * (result.tip_angle.values - at[:, None])))
+        push = np.clip(1.0 - np.abs(apart) / 0.6, 0.0, None)
+        result["contact_impulse"] = ("time", "blade"), push
+        result["gap"] = ("time", "blade"), 1e-3 * (1.0 - push)
+        return result
+
+    @pytest.mark.parametrize(
+        ("side", "scenario"), [(0.0, "standard"), (0.4, "standard"), (np.pi, "inverted")]
+    )
+    def test_the_side_of_contact_tells_the_scenario(self, side: float, scenario: str) -> None:
+        result = self.pressed(side)
+        phases = contact_phase(result, shaft_orbit(result))
+        assert phases.attrs["scenario"] == scenario
+        lead = np.exp(1j * (phases.shaft_lead.values - side))
+        # Mean direction of the contacts: better than the pitch of the blades, 0.29 rad.
+        assert np.abs(np.angle(lead)).max() < 0.02
+        assert phases.attrs["steadiness"] > 0.99
+
+    def test_the_onset_counts_for_no_scenario_of_a_run_or_a_sweep(self) -> None:
+        result, onset = self.pressed(0.4), self.pressed(np.pi)
+        early = result["time"].values < 0.6 * result["time"].values[-1]
+        for name in ("contact_impulse", "gap"):
+            result[name][early] = onset[name].values[early]
+        figure, phases = RunFigures(result).draw("contact-phase")
+        of_sweep = late_motion(result, shaft_orbit(result))
+        assert phases.attrs["scenario"] == of_sweep["scenario"].item() == "standard"
+        assert phases.attrs["lead"] == of_sweep["shaft_lead"].item() == pytest.approx(0.4, abs=0.02)
+        end = result["time"].values[-1]
+        title = figure.axes[0].get_title()
+        assert f"shaft leads by 23°\nover {2 / 3 * end:.3g} to {end:.3g} s" in title
+        assert phases["time"].values[0] == 0.0  # all of it is drawn
+        _, early_phases = RunFigures(result, 0.0, 0.5 * end).draw("contact-phase")
+        assert early_phases.attrs["scenario"] == "inverted"
+
+    def test_phases_are_those_of_the_static_circle(self) -> None:
+        result = synthetic.synthetic_result()
+        phases = contact_phase(result, shaft_orbit(result))
+        turned = (synthetic.SPEED - 70.0) * result.time.values
+        np.testing.assert_allclose(np.exp(1j * phases.shaft_phase), np.exp(1j * turned), atol=1e-12)
+
+    def test_a_resting_shaft_has_no_phase(self) -> None:
+        result = synthetic.synthetic_result(shaft_radius=0.0)
+        phases = contact_phase(result, shaft_orbit(result))
+        assert phases.attrs["scenario"] == "at rest"
+        assert np.isnan(phases.shaft_phase).all()
+        assert "rests" in plot_contact_phase(phases).axes[0].get_title()
+
+    def test_many_turns_are_drawn_at_their_end_only(self) -> None:
+        result = self.pressed(0.0, records=8001)  # 80 rad/s less 70 for 8 s: 12.7 turns
+        upper, lower = plot_contact_phase(contact_phase(result, shaft_orbit(result))).axes
+        drawn = np.asarray(upper.lines[0].get_xdata())
+        assert np.ptp(drawn) == pytest.approx(4 * 2 * np.pi / 10, rel=0.01)
+        assert drawn[-1] == pytest.approx(8.0, abs=0.01)
+        assert np.ptp(np.asarray(lower.lines[0].get_xdata())) == pytest.approx(8.0, rel=0.01)

@@ -1,0 +1,117 @@
+"""Strain energy by groups of modes, against single modes."""
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+
+from bladewhirl.postprocess.run.energies import plot_energy, strain_energies
+
+GROUPS = {0: "suspension", 1: "suspension", 2: "rest", 3: "1F", 4: "1F"}
+
+
+def single(mode: int, amplitude: float = 2e-3) -> xr.Dataset:
+    """A result in which one rotor mode vibrates at its own frequency."""
+    result = synthetic.synthetic_result(records=101)
+    motion = np.zeros((101, 5))
+    motion[:, mode] = amplitude * np.cos(synthetic.ROTOR_FREQUENCY[mode] * result.time.values)
+    result["rotor_displacement"] = ("time", "rotor_mode"), motion
+    return result
+
+
+class TestStrainEnergies:
+    @pytest.mark.parametrize("mode", range(5))
+    def test_a_single_mode_is_a_spring(self, mode: int) -> None:
+        energies = strain_energies(single(mode))
+        frequency = synthetic.ROTOR_FREQUENCY[mode]
+        spring = 0.5 * (frequency * 2e-3 * np.cos(frequency * energies.time.values)) ** 2
+        held = {
+            "suspension": energies.suspension,
+            "1F": energies.first_family.sel(nodal_diameter=1),
+            "rest": energies.rest,
+        }
+        for group, energy in held.items():
+            expected = spring if group == GROUPS[mode] else 0.0 * spring
+            np.testing.assert_allclose(energy, expected, rtol=1e-13, atol=0)
+        np.testing.assert_allclose(energies.total, spring, rtol=1e-13)
+
+    def test_the_first_family_is_told_by_nodal_diameter(self) -> None:
+        result = single(3)
+        result["rotor_family"] = (
+            "rotor_mode",
+            np.array(["1F", "1F", "2F", "1F", "1F"], dtype=object),
+        )
+        result["rotor_nodal_diameter"] = "rotor_mode", np.array([0, 2, 0, 2, 5])
+        result["rotor_displacement"] = ("time", "rotor_mode"), np.ones((101, 5))
+        energies = strain_energies(result)
+        np.testing.assert_array_equal(energies.nodal_diameter, [0, 2, 5])
+        spring = 0.5 * synthetic.ROTOR_FREQUENCY**2
+        expected = [spring[0], spring[1] + spring[3], spring[4]]
+        np.testing.assert_allclose(energies.first_family[7], expected, rtol=1e-14)
+        np.testing.assert_allclose(energies.rest[7], spring[2], rtol=1e-14)
+        assert not energies.suspension.values.any()
+
+    def test_a_stage_without_blade_families_has_suspension_and_rest(self) -> None:
+        result = synthetic.synthetic_result(records=5)
+        result["rotor_family"] = "rotor_mode", np.array(["", "", "", "", ""], dtype=object)
+        energies = strain_energies(result)
+        assert energies.sizes["nodal_diameter"] == 0
+        np.testing.assert_array_equal(energies.rest, energies.total)
+
+
+def lines(figure: Figure) -> dict[str, str]:
+    """Colours of the lines of a figure by label."""
+    return {str(line.get_label()): to_hex(line.get_color()) for line in figure.axes[0].lines}
+
+
+class TestPlotEnergy:
+    def test_terms_are_labelled_in_colours_of_fixed_meaning(self) -> None:
+        drawn = lines(plot_energy(strain_energies(synthetic.synthetic_result())))
+        assert drawn == {
+            "total": "#000000",
+            "suspension": "#009e73",
+            "1F, k = 1": "#d55e00",
+            "rest": "#aaaaaa",
+        }
+
+    def test_nodal_diameters_from_two_up_are_one_line(self) -> None:
+        result = synthetic.synthetic_result(records=5)
+        result["rotor_family"] = "rotor_mode", np.array(["1F"] * 5, dtype=object)
+        result["rotor_nodal_diameter"] = "rotor_mode", np.array([0, 1, 2, 3, 3])
+        result["rotor_displacement"] = ("time", "rotor_mode"), np.ones((5, 5))
+        figure = plot_energy(strain_energies(result))
+        assert set(lines(figure)) == {"total", "1F, k = 0", "1F, k = 1", "1F, other k"}
+        (other,) = [line for line in figure.axes[0].lines if "other" in str(line.get_label())]
+        spring = 0.5 * synthetic.ROTOR_FREQUENCY**2
+        np.testing.assert_allclose(np.asarray(other.get_ydata()), spring[2:].sum())
+
+    def test_modes_without_a_nodal_diameter_count_as_other(self) -> None:
+        result = synthetic.synthetic_result(records=5)
+        result["rotor_nodal_diameter"] = "rotor_mode", np.full(5, -1)
+        assert "1F, other k" in lines(plot_energy(strain_energies(result)))
+
+    def test_short_runs_are_drawn_record_by_record(self) -> None:
+        energies = strain_energies(synthetic.synthetic_result())
+        figure = plot_energy(energies)
+        total = figure.axes[0].lines[0]
+        np.testing.assert_array_equal(np.asarray(total.get_ydata()), energies.total)
+        assert "mean" not in figure.axes[0].get_title()
+
+    def test_long_runs_are_drawn_as_means_over_periods(self) -> None:
+        result = synthetic.synthetic_result(records=3001)
+        time = result.time.values
+        motion = np.zeros((len(time), 5))
+        motion[:, 3] = 1e-3 * np.cos(75.0 * time)  # at the reference frequency
+        result["rotor_displacement"] = ("time", "rotor_mode"), motion
+        figure = plot_energy(strain_energies(result))
+        drawn = np.asarray(figure.axes[0].lines[0].get_ydata())
+        assert len(drawn) == 35  # 35.8 periods
+        np.testing.assert_allclose(drawn, 0.25 * (75.0 * 1e-3) ** 2, rtol=0.05)
+        assert "mean over 85.7 ms" in figure.axes[0].get_title()
+
+    def test_nothing_strained_draws_an_empty_figure(self) -> None:
+        result = synthetic.synthetic_result(records=2)
+        result["rotor_displacement"] = 0.0 * result["rotor_displacement"]
+        assert not lines(plot_energy(strain_energies(result)))

@@ -1,0 +1,74 @@
+"""The growth rate of a motion as a figure: known rates come out, noise widens the band."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+
+from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.run.energies import strain_energies
+from bladewhirl.postprocess.run.growth import amplitude_growth, plot_growth
+from bladewhirl.postprocess.run.regimes import classify
+
+RECORDS = 4001  # 4 s: windows that average the slow suspension's ripple
+
+
+def growing(rate: float) -> xr.Dataset:
+    return synthetic.synthetic_result(
+        blades=6, records=RECORDS, shaft_radius=1e-5, bending=1e-5, ovalisation=0.0, growth=rate
+    )
+
+
+@pytest.mark.parametrize("rate", [-0.3, 1.5])
+def test_a_known_rate_comes_out_within_its_band(rate: float) -> None:
+    still = growing(rate)
+    # The rigid rotation does not grow; without it all energy goes as exp(2 rate t).
+    moving = still["rotor_displacement"] * (still["rotor_frequency"] != 400.0)
+    growth = amplitude_growth(still.assign(rotor_displacement=moving))
+    assert growth.attrs["rate"] == pytest.approx(rate, rel=1e-2)
+    late = growth.isel(time=np.flatnonzero(np.isfinite(growth["fit"].values)))
+    assert late.sizes["time"] == growth.sizes["time"] // 3
+    assert np.all(late["low"] <= late["fit"])
+    assert np.all(late["high"] >= late["fit"])
+    np.testing.assert_allclose(late["fit"], late["amplitude"], rtol=1e-2)
+    exact = np.log(late["fit"].values[-1] / late["fit"].values[0])
+    span = float(late["time"][-1] - late["time"][0])
+    assert exact / span == pytest.approx(growth.attrs["rate"], rel=1e-9)
+    width = np.log((late["high"] / late["fit"]).values[-1]) / (span / 2)
+    assert width == pytest.approx(2 * growth.attrs["error"], rel=1e-9)
+
+
+def test_it_is_the_growth_of_the_regime_and_says_so() -> None:
+    result = growing(1.5)
+    growth = amplitude_growth(result)
+    regime = classify(result, strain_energies(result)["total"].values)
+    assert regime.growth is not None
+    assert growth.attrs["rate"] == regime.growth.rate
+    assert growth.attrs["regime"] == regime.name
+    (axes,) = plot_growth(growth).axes
+    # ± is two standard errors, as the band is.
+    assert f"{regime.growth.rate:.3g} ± {2 * regime.growth.error:.2g} 1/s" in axes.get_title()
+    assert axes.get_yscale() == "log"  # it grows by more than ten times
+
+
+def test_a_march_ended_at_its_limit_is_fitted_over_its_last_windows() -> None:
+    result = growing(1.5).isel(time=slice(0, 700))
+    with pytest.raises(ViewError, match="too short a history"):
+        amplitude_growth(result)
+    result.attrs |= {"end_reason": "divergent", "end_message": "a tip went too far"}
+    growth = amplitude_growth(result)
+    fitted = np.isfinite(growth["fit"].values)
+    assert fitted.sum() == 8
+    assert not fitted[:-8].any()
+    begin = float(growth["time"][-8]) - growth.attrs["window"] / 2
+    assert growth.attrs["span"] == f"{begin:.3g} to {float(result['time'][-1]):.3g} s"
+    (axes,) = plot_growth(growth).axes
+    labels = axes.get_legend_handles_labels()[1]
+    assert f"fit, {growth.attrs['span']}" in labels
+
+
+def test_a_short_history_has_none() -> None:
+    with pytest.raises(ViewError, match="too short a history"):
+        amplitude_growth(synthetic.synthetic_result(blades=6, records=40))

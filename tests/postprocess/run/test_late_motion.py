@@ -1,0 +1,94 @@
+"""What a sweep keeps of late motions: circles and ellipses with known answers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+
+from bladewhirl.postprocess.fields.windows import late_part
+from bladewhirl.postprocess.run.late_motion import late_motion, radius_peaks
+from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.postprocess.run.poincare import poincare_map
+
+WHIRL = -70.0 / (2 * np.pi)  # Hz in rotating axes, counter-clockwise
+
+
+def of(result: xr.Dataset) -> xr.Dataset:
+    return late_motion(result, shaft_orbit(result))
+
+
+@pytest.mark.parametrize(
+    ("speed", "frequency", "rotating", "static"),
+    [
+        (80.0, WHIRL, "backward", "forward"),
+        (60.0, WHIRL, "backward", "backward"),
+        (-80.0, -WHIRL, "forward", "forward"),
+    ],
+)
+def test_a_circle_has_its_own_frequency(
+    speed: float, frequency: float, rotating: str, static: str
+) -> None:
+    found = of(synthetic.synthetic_result(speed=speed, records=1501))
+    assert found["late_radius"].item() == pytest.approx(0.8e-3)
+    assert found["whirl_frequency"].item() == pytest.approx(frequency)
+    assert found["whirl_scatter"].item() == pytest.approx(0.0, abs=1e-9)
+    assert found["whirl_rotating"].item() == rotating
+    assert found["whirl_static"].item() == static
+
+
+def test_a_drifting_whirl_scatters() -> None:
+    """A chirp from 15 to 25 Hz over the last third: its rates are evenly spread."""
+    result = synthetic.synthetic_result(records=3001)
+    time = result["time"].values
+    begin, end = time[-1] * 2 / 3, time[-1]
+    rate = 2 * np.pi * (15.0 + 10.0 * (time - begin) / (end - begin))
+    angle = np.concatenate([[0.0], np.cumsum(np.diff(time) * (rate[1:] + rate[:-1]) / 2)])
+    circle = np.column_stack([np.cos(angle), np.sin(angle)])
+    result["rotor_displacement"][:, :2] = 1e-3 * circle
+    result["rotor_velocity"][:, :2] = 1e-3 * rate[:, None] * (circle[:, ::-1] * [-1.0, 1.0])
+    result["rotor_displacement"][:, 2:] = 0.0
+    found = of(result)
+    assert found["whirl_frequency"].item() == pytest.approx(20.0, rel=1e-3)
+    assert found["whirl_scatter"].item() == pytest.approx(10.0 / np.sqrt(12.0), rel=0.02)
+
+
+def test_maxima_of_an_ellipse_are_its_long_half_axis() -> None:
+    """Seven records a turn: the maxima lie between them."""
+    time = 0.01 * np.arange(100)
+    turn = 2 * np.pi * 100.0 / 7.0 * time
+    place = np.column_stack([3.0 * np.cos(turn), 2.0 * np.sin(turn)])
+    velocity = 200.0 * np.pi / 7.0 * np.column_stack([-3.0 * np.sin(turn), 2.0 * np.cos(turn)])
+    orbit = xr.Dataset(
+        {
+            "rotating": (("time", "axis"), place),
+            "rotating_velocity": (("time", "axis"), velocity),
+        },
+        coords={"time": time},
+    )
+    peaks = radius_peaks(orbit)
+    assert len(peaks) == 28  # twice a turn, the first record itself left out
+    np.testing.assert_allclose(peaks, 3.0, rtol=0.02)
+
+
+def test_sections_and_contacts_are_those_of_the_run() -> None:
+    result = synthetic.synthetic_result(shaft_radius=1.5e-3, records=1001)
+    found = of(result)
+    expected = poincare_map(late_part(shaft_orbit(result)))["place"].values
+    np.testing.assert_array_equal(found["section"], expected)
+    steps = late_part(result)["contact_steps"].isel(time=slice(1, None)).sum("time").values
+    assert steps.any()
+    np.testing.assert_allclose(found["late_contact_share"], steps / 333_000, rtol=1e-12)
+    assert found["scenario"].item() in ("standard", "inverted", "unsteady")
+
+
+@pytest.mark.parametrize("records", [1, 2, 401])
+def test_a_shaft_at_rest_has_no_whirl(records: int) -> None:
+    result = synthetic.synthetic_result(shaft_radius=0.0, records=records, speed=0.0)
+    found = of(result)
+    assert found["late_radius"].item() == 0.0
+    assert np.isnan(found["whirl_frequency"].item())
+    assert found["whirl_rotating"].item() == "none"
+    assert found["scenario"].item() == "at-rest"
+    assert found.sizes["revolution"] == found.sizes["peak"] == 0

@@ -1,0 +1,182 @@
+"""The shaft's orbit against circles and lines in closed form."""
+
+import matplotlib.patches
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.text import Annotation
+from numpy.typing import NDArray
+
+from bladewhirl.postprocess.run.orbits import plot_orbit, shaft_orbit, whirl
+
+Array = NDArray[np.float64]
+RADIUS = 0.8e-3
+RATE = 70.0  # rad/s, backward in rotating axes: what the synthetic shaft does
+
+
+def moved(x: Array, y: Array, x_dot: Array, y_dot: Array) -> xr.Dataset:
+    """A result whose centre moves as given; modes 0 and 1 are translations of unit size."""
+    result = synthetic.synthetic_result(records=len(x))
+    for name, columns in (("displacement", (x, y)), ("velocity", (x_dot, y_dot))):
+        motion = np.zeros((len(x), 5))
+        motion[:, :2] = np.column_stack(columns)
+        result[f"rotor_{name}"] = ("time", "rotor_mode"), motion
+    return result
+
+
+def line(direction: float, records: int = 401) -> xr.Dataset:
+    """A standing vibration of the centre along one direction of the rotating axes."""
+    turn = 100.0 * synthetic.RECORD_STEP * np.arange(records)
+    c, s = np.cos(direction), np.sin(direction)
+    rate = -100.0 * RADIUS * np.sin(turn)
+    return moved(RADIUS * np.cos(turn) * c, RADIUS * np.cos(turn) * s, rate * c, rate * s)
+
+
+class TestShaftOrbit:
+    def test_a_backward_circle_turns_at_the_speed_less_its_rate_in_static_axes(self) -> None:
+        orbit = shaft_orbit(synthetic.synthetic_result())
+        time = orbit.time.values
+        back, on = -RATE * time, (synthetic.SPEED - RATE) * time
+        np.testing.assert_allclose(
+            orbit.rotating, RADIUS * np.column_stack([np.cos(back), np.sin(back)]), atol=1e-17
+        )
+        np.testing.assert_allclose(
+            orbit.static, RADIUS * np.column_stack([np.cos(on), np.sin(on)]), atol=1e-16
+        )
+        np.testing.assert_allclose(orbit.radius, RADIUS, rtol=1e-13)
+
+    def test_velocities_are_those_of_the_circles(self) -> None:
+        orbit = shaft_orbit(synthetic.synthetic_result())
+        for frame, rate in (("rotating", -RATE), ("static", synthetic.SPEED - RATE)):
+            place = orbit[frame].values
+            around = rate * np.column_stack([-place[:, 1], place[:, 0]])
+            np.testing.assert_allclose(orbit[f"{frame}_velocity"], around, atol=1e-14)
+
+    def test_a_centre_fixed_in_the_rotor_goes_round_with_it(self) -> None:
+        still = np.zeros(401)
+        orbit = shaft_orbit(moved(still + RADIUS, still, still, still))
+        assert whirl(orbit, "rotating").direction == "none"
+        assert whirl(orbit, "static").direction == "forward"
+        assert whirl(orbit, "static").rate == pytest.approx(synthetic.SPEED, rel=1e-12)
+
+    def test_a_clamped_centre_rests(self) -> None:
+        result = synthetic.synthetic_result()
+        result["rotor_shape"][0] = 0.0
+        orbit = shaft_orbit(result)
+        assert not orbit.radius.values.any()
+        assert not orbit.static_velocity.values.any()
+        assert whirl(orbit, "static").direction == "none"
+
+    def test_units_and_what_a_figure_needs_are_with_the_data(self) -> None:
+        orbit = shaft_orbit(synthetic.synthetic_result(records=3))
+        assert orbit.radius.attrs["units"] == orbit.static.attrs["units"] == "m"
+        assert orbit.rotating_velocity.attrs["units"] == "m/s"
+        assert orbit.attrs["smallest_clearance"] == synthetic.CLEARANCE
+
+
+class TestWhirl:
+    def test_rates_and_directions_of_the_backward_circle(self) -> None:
+        orbit = shaft_orbit(synthetic.synthetic_result())
+        seen = whirl(orbit, "rotating")
+        assert seen.rate == pytest.approx(-RATE, rel=1e-12)
+        assert seen.direction == "backward"
+        seen = whirl(orbit, "static")
+        assert seen.rate == pytest.approx(synthetic.SPEED - RATE, rel=1e-12)
+        assert seen.direction == "forward"
+
+    def test_forward_is_the_sense_of_rotation(self) -> None:
+        orbit = shaft_orbit(synthetic.synthetic_result(speed=-20.0))
+        assert whirl(orbit, "rotating").rate == pytest.approx(-RATE, rel=1e-12)
+        assert whirl(orbit, "rotating").direction == "forward"
+
+    def test_a_straight_vibration_is_no_whirl(self) -> None:
+        assert whirl(shaft_orbit(line(0.6)), "rotating").direction == "none"
+
+    def test_frames_differ_by_the_speed_for_any_motion(self) -> None:
+        orbit = shaft_orbit(line(0.6))
+        difference = whirl(orbit, "static").rate - whirl(orbit, "rotating").rate
+        assert difference == pytest.approx(synthetic.SPEED, rel=1e-12)
+
+    def test_one_record_shows_no_whirl(self) -> None:
+        orbit = shaft_orbit(synthetic.synthetic_result(records=1))
+        assert whirl(orbit, "rotating").direction == "none"
+
+
+def arrows(axes: Axes) -> list[Array]:
+    """Vectors of the arrows of a panel."""
+    heads = [child for child in axes.get_children() if isinstance(child, Annotation)]
+    return [np.array([*head.xy, *np.subtract(head.xy, head.xyann)]) for head in heads]
+
+
+class TestPlotOrbit:
+    def figure(self, **parameters: float) -> Figure:
+        return plot_orbit(shaft_orbit(synthetic.synthetic_result(**parameters)))  # type: ignore[arg-type]
+
+    def test_two_frames_with_equal_axes_in_mm(self) -> None:
+        rotating, static = self.figure().axes
+        for axes, name in ((rotating, "rotating"), (static, "static")):
+            assert name in axes.get_title()
+            assert axes.get_aspect() == 1.0
+            assert axes.get_xlabel() == "x [mm]"
+            assert axes.get_xlim() == axes.get_ylim() == pytest.approx((-1.1, 1.1))
+        assert "backward, 11.1 Hz" in rotating.get_title()
+        assert "forward, 1.59 Hz" in static.get_title()
+
+    def test_the_title_tells_the_speed(self) -> None:
+        title = self.figure().get_suptitle()
+        assert "1.067" in title  # 80 / 75
+        assert "764 rpm" in title
+
+    def test_axes_fit_a_tiny_orbit_and_tell_the_clearance(self) -> None:
+        figure = self.figure(shaft_radius=1e-6)
+        assert figure.axes[0].get_xlabel() == "x [µm]"
+        assert figure.axes[0].get_xlim()[1] == pytest.approx(1.1, rel=1e-3)
+        assert not figure.axes[0].patches
+        assert figure.get_suptitle().endswith("(the clearance, 1 mm, is far outside)")
+
+    def test_the_clearance_is_a_circle(self) -> None:
+        for axes in self.figure().axes:
+            (circle,) = [p for p in axes.patches if isinstance(p, matplotlib.patches.Circle)]
+            assert circle.radius == pytest.approx(1e3 * synthetic.CLEARANCE)
+
+    def test_arrows_point_the_way_the_shaft_goes(self) -> None:
+        for axes, sense in zip(self.figure().axes, (-1.0, 1.0), strict=True):
+            found = arrows(axes)
+            assert len(found) == 3
+            for x, y, dx, dy in found:
+                assert np.hypot(x, y) == pytest.approx(1e3 * RADIUS)
+                assert sense * (x * dy - y * dx) > 0
+
+    def test_start_and_end_are_marked(self) -> None:
+        result = synthetic.synthetic_result()
+        orbit = shaft_orbit(result)
+        for axes, frame in zip(plot_orbit(orbit).axes, ("rotating", "static"), strict=True):
+            marks = {str(m.get_label()): np.asarray(m.get_data()).T for m in axes.lines}
+            np.testing.assert_allclose(marks["start"], 1e3 * orbit[frame].values[:1])
+            np.testing.assert_allclose(marks["end"], 1e3 * orbit[frame].values[-1:])
+
+    def test_the_strong_line_is_the_last_turn_within_the_last_third(self) -> None:
+        rotating, static = self.figure().axes
+        for axes, turned in ((rotating, 2 * np.pi), (static, 10.0 * 0.4 / 3)):
+            (late,) = [mark for mark in axes.lines if mark.get_label() == "late motion"]
+            path = np.asarray(late.get_xydata())
+            angle = np.unwrap(np.arctan2(path[:, 1], path[:, 0]))
+            assert abs(angle[-1] - angle[0]) == pytest.approx(turned, abs=RATE * 1e-3)
+
+    def test_a_steady_place_has_no_arrows(self) -> None:
+        ripple = 1e-5 * np.sin(np.arange(401.0))
+        orbit = shaft_orbit(moved(RADIUS + ripple, ripple, 0 * ripple, 0 * ripple))
+        rotating, static = plot_orbit(orbit).axes
+        assert not arrows(rotating)
+        assert arrows(static)
+
+    def test_a_shaft_at_rest_and_no_clearance(self) -> None:
+        result = synthetic.synthetic_result(shaft_radius=0.0, records=2)
+        result["clearance"] = 0.0 * result["clearance"]
+        for axes in plot_orbit(shaft_orbit(result)).axes:
+            assert "no whirl" in axes.get_title()
+            assert axes.get_xlim() == (-1.0, 1.0)
+            assert not arrows(axes)

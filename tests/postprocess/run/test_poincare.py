@@ -1,0 +1,75 @@
+"""State space and Poincaré map, against motions that repeat and some that do not."""
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+
+from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.postprocess.run.poincare import plot_state_space, poincare_map, state_space
+
+RADIUS = 0.8e-3
+
+
+def synchronous(speed: float = synthetic.SPEED) -> xr.Dataset:
+    """A shaft at a fixed place of the rotor, whose static circle has the speed of rotation."""
+    result = synthetic.synthetic_result(records=1001, speed=speed)
+    motion = np.zeros((1001, 5))
+    motion[:, 0] = RADIUS
+    result["rotor_displacement"] = ("time", "rotor_mode"), motion
+    result["rotor_velocity"] = ("time", "rotor_mode"), 0.0 * motion
+    return shaft_orbit(result)
+
+
+class TestPoincareMap:
+    @pytest.mark.parametrize("speed", [80.0, 77.7, -80.0])
+    def test_a_synchronous_orbit_is_a_point(self, speed: float) -> None:
+        points = poincare_map(synchronous(speed))
+        assert points.sizes["time"] == 1 + int(abs(speed) / (2 * np.pi))
+        np.testing.assert_allclose(points.place, [[RADIUS, 0.0]] * len(points.time), atol=1e-9)
+        np.testing.assert_allclose(
+            points.velocity, [[0.0, RADIUS * speed]] * len(points.time), atol=1e-6
+        )
+
+    def test_another_circle_makes_a_ring_of_points_at_their_angles(self) -> None:
+        """10 rad/s in static axes, 80 of rotation: an eighth of a turn a revolution."""
+        orbit = shaft_orbit(synthetic.synthetic_result(records=2001))
+        points = poincare_map(orbit)
+        angle = 2 * np.pi / 8 * np.arange(points.sizes["time"])
+        ring = RADIUS * np.column_stack([np.cos(angle), np.sin(angle)])
+        np.testing.assert_allclose(points.place, ring, atol=1e-10)
+        np.testing.assert_allclose(points.time, 2 * np.pi / 80 * np.arange(len(angle)))
+
+    def test_a_window_keeps_the_phase_of_the_revolutions(self) -> None:
+        orbit = shaft_orbit(synthetic.synthetic_result(records=2001))
+        whole, part = poincare_map(orbit), poincare_map(orbit.isel(time=slice(700, 1500)))
+        kept = whole.sel(time=slice(0.7, 1.499))
+        np.testing.assert_allclose(part.time, kept.time, rtol=1e-12)
+        np.testing.assert_allclose(part.place, kept.place, atol=1e-10)
+
+    def test_without_a_revolution_there_is_no_map(self) -> None:
+        orbit = synchronous()
+        with pytest.raises(ViewError, match=r"a revolution or more.* 0\.115"):
+            poincare_map(orbit.isel(time=slice(5, 15)))
+        with pytest.raises(ViewError, match="a revolution or more"):
+            poincare_map(synchronous(speed=0.0))
+
+
+def test_state_space_has_both_axes_of_one_frame() -> None:
+    orbit = synchronous()
+    states = state_space(orbit, "rotating")
+    np.testing.assert_array_equal(states.place, orbit.rotating)
+    np.testing.assert_array_equal(states.velocity, orbit.rotating_velocity)
+
+
+def test_the_figure_shows_place_in_mm_and_velocity() -> None:
+    orbit = synchronous()
+    left, right = plot_state_space(state_space(orbit), poincare_map(orbit)).axes
+    circle = np.concatenate([np.asarray(line.get_xydata()) for line in left.lines])
+    np.testing.assert_allclose(
+        np.hypot(circle[:, 0], circle[:, 1] / synthetic.SPEED), 0.8, rtol=1e-9
+    )
+    points = np.concatenate([np.asarray(line.get_xydata()) for line in right.lines])
+    np.testing.assert_allclose(points, [[0.8, 0.0]] * len(points), atol=1e-5)
+    assert "[mm/s]" in left.get_ylabel()

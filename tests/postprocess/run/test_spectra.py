@@ -1,0 +1,141 @@
+"""Spectrum, spectrogram and the lines of modes, against circles and a chirp in closed form."""
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.run.orbits import Frame, shaft_orbit
+from bladewhirl.postprocess.run.spectra import (
+    LINE_COLOURS,
+    LINE_DASHES,
+    modal_lines,
+    plot_spectrogram,
+    plot_spectrum,
+    shaft_spectrogram,
+    shaft_spectrum,
+)
+
+RADIUS = 0.8e-3
+
+
+def peak(spectrum: xr.Dataset) -> tuple[float, float]:
+    """Frequency and height of the largest amplitude."""
+    at = int(np.argmax(spectrum.amplitude.values))
+    return float(spectrum.frequency[at]), float(spectrum.amplitude[at])
+
+
+def along(complex_place: ArrayLike) -> xr.Dataset:
+    """An orbit whose place in rotating axes is x + i y."""
+    place = np.asarray(complex_place, dtype=np.complex128)
+    orbit = shaft_orbit(synthetic.synthetic_result(records=len(place)))
+    orbit["rotating"] = ("time", "axis"), np.column_stack([place.real, place.imag])
+    return orbit
+
+
+class TestSpectrum:
+    @pytest.mark.parametrize(
+        ("frame", "speed", "frequency"),
+        [("rotating", 80.0, -70.0), ("static", 80.0, 10.0), ("rotating", -80.0, 70.0)],
+    )
+    def test_a_circle_is_one_line_with_its_radius(
+        self, frame: Frame, speed: float, frequency: float
+    ) -> None:
+        orbit = shaft_orbit(synthetic.synthetic_result(records=4001, speed=speed))
+        spectrum = shaft_spectrum(orbit, frame)
+        found, height = peak(spectrum)
+        assert found == pytest.approx(frequency, abs=0.5 * spectrum.attrs["resolution"])
+        assert height == pytest.approx(RADIUS, rel=0.02)
+        mirrored = spectrum.amplitude.sel(frequency=-frequency, method="nearest")
+        assert float(mirrored) < 1e-3 * RADIUS
+
+    def test_a_straight_vibration_is_two_lines_of_half_its_amplitude(self) -> None:
+        time = synthetic.RECORD_STEP * np.arange(4001)
+        spectrum = shaft_spectrum(along(np.exp(0.7j) * RADIUS * np.cos(200 * time)))
+        for side in (-200.0, 200.0):
+            near = spectrum.amplitude.sel(frequency=slice(side - 2, side + 2))
+            assert float(near.max()) == pytest.approx(RADIUS / 2, rel=0.02)
+
+    def test_too_few_records_are_refused(self) -> None:
+        with pytest.raises(ViewError, match=r"needs 16 equally spaced records or more.* holds 9"):
+            shaft_spectrum(shaft_orbit(synthetic.synthetic_result(records=9)))
+
+
+class TestSpectrogram:
+    def test_the_ridge_of_a_chirp_is_its_rate(self) -> None:
+        time = synthetic.RECORD_STEP * np.arange(6001)
+        chirp = RADIUS * np.exp(1j * (30 * time**2 - 400 * time))
+        spectrogram = shaft_spectrogram(along(chirp))
+        ridge = spectrogram.frequency[spectrogram.amplitude.argmax("frequency").values]
+        expected = -400 + 60 * spectrogram.time.values
+        np.testing.assert_allclose(ridge, expected, atol=0.5 * spectrogram.attrs["resolution"])
+        assert len(ridge) > 100
+        np.testing.assert_allclose(spectrogram.amplitude.max("frequency"), RADIUS, rtol=0.1)
+
+    def test_slices_lie_within_the_records(self) -> None:
+        orbit = shaft_orbit(synthetic.synthetic_result(records=2001))
+        window = orbit.isel(time=slice(500, None))
+        spectrogram = shaft_spectrogram(window, length=0.2)
+        assert spectrogram.time.values[0] == pytest.approx(0.6, abs=5e-3)
+        assert spectrogram.time.values[-1] == pytest.approx(1.9, abs=1e-2)
+        np.testing.assert_allclose(spectrogram.amplitude.max("frequency"), RADIUS, rtol=0.02)
+
+
+class TestModalLines:
+    def test_frames_differ_by_the_speed(self) -> None:
+        result = synthetic.synthetic_result()
+        rotating, static = (modal_lines(result, frame) for frame in ("rotating", "static"))
+        of_modes = static["mode"].values != "Ω"
+        np.testing.assert_allclose((static - rotating)[of_modes], synthetic.SPEED)
+        # What rests in space runs backward round the rotor; what turns with it runs forward.
+        assert [*rotating.values[~of_modes], *static.values[~of_modes]] == [-80.0, 80.0]
+
+    def test_modes_are_where_they_vibrate(self) -> None:
+        result = synthetic.synthetic_result()
+        rotating, static = (modal_lines(result, frame) for frame in ("rotating", "static"))
+        seen = {
+            str(name): sorted(rotating.values[rotating["mode"].values == name])
+            for name in rotating["mode"].values
+        }
+        assert seen["1F"] == [-75.0, 75.0]
+        assert seen["suspension"] == [-190.0, 190.0]
+        assert sorted(static.values[static["mode"].values == "casing"]) == [-5.0, 5.0]
+
+    def test_without_such_modes_the_speed_is_left(self) -> None:
+        result = synthetic.synthetic_result()
+        result["rotor_nodal_diameter"] = "rotor_mode", np.zeros(5, dtype=np.int64)
+        result["casing_nodal_diameter"] = "casing_mode", np.full(4, 2)
+        assert modal_lines(result, "static")["mode"].values.tolist() == ["Ω"]
+
+
+class TestFigures:
+    def test_all_lines_are_seen_once_in_the_legend(self) -> None:
+        result = synthetic.synthetic_result(records=2001)
+        orbit, lines = shaft_orbit(result), modal_lines(result, "rotating")
+        for figure in (
+            plot_spectrum(shaft_spectrum(orbit), lines),
+            plot_spectrogram(shaft_spectrogram(orbit), lines),
+        ):
+            (legend,) = figure.legends
+            texts = [text.get_text() for text in legend.get_texts()]
+            assert texts == ["Ω", "1F", "suspension", "casing"]
+        axes = plot_spectrum(shaft_spectrum(orbit), lines).axes[0]
+        low, high = axes.get_xlim()
+        assert low < -190 / (2 * np.pi)
+        assert high > 190 / (2 * np.pi)
+        assert "Hz" in axes.get_xlabel()
+
+    def test_lines_of_modes_differ_without_their_colour(self) -> None:
+        assert LINE_DASHES.keys() == LINE_COLOURS.keys()
+        assert len(set(LINE_DASHES.values())) == len(LINE_DASHES)
+
+    def test_a_shaft_at_rest_can_be_drawn(self) -> None:
+        result = synthetic.synthetic_result(records=401, shaft_radius=0.0)
+        orbit, lines = shaft_orbit(result), modal_lines(result, "static")
+        for figure in (
+            plot_spectrum(shaft_spectrum(orbit, "static"), lines),
+            plot_spectrogram(shaft_spectrogram(orbit, "static"), lines),
+        ):
+            assert np.isfinite([*figure.axes[0].get_xlim(), *figure.axes[0].get_ylim()]).all()

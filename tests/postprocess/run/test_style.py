@@ -1,0 +1,134 @@
+"""The common style: sizes, colours, and what is saved with a figure."""
+
+import csv
+import re
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from matplotlib.text import Text
+from synthetic_result import synthetic_result
+
+from bladewhirl.postprocess.plotting import style
+from bladewhirl.postprocess.run.energies import plot_energy, strain_energies
+from bladewhirl.postprocess.run.orbits import plot_orbit, shaft_orbit
+
+COLUMNS: dict[str, list[float] | list[str]] = {
+    "time [s]": [0.0, 0.1, 0.3],
+    "regime": ["damped", "damped", "sustained"],
+}
+
+
+@pytest.fixture(params=["orbit", "orbit, growing", "energy", "energy, growing"])
+def figure(request: pytest.FixtureRequest) -> Figure:
+    """The figures of a run."""
+    growing = "growing" in request.param
+    result = synthetic_result(records=3001 if growing else 401, growth=0.8 if growing else 0.0)
+    if "orbit" in request.param:
+        return plot_orbit(shaft_orbit(result))
+    return plot_energy(strain_energies(result))
+
+
+class TestFiguresOfARun:
+    def test_are_one_column_wide_with_legible_text_inside(self, figure: Figure) -> None:
+        figure.draw_without_rendering()
+        width, height = figure.get_size_inches()
+        assert width * 0.0254 == pytest.approx(0.08)
+        shown = [t for t in figure.findobj(Text) if isinstance(t, Text) and t.get_text()]
+        assert len(shown) > 5
+        assert min(float(text.get_fontsize()) for text in shown) >= 6.5
+        drawn = figure.get_tightbbox()
+        assert min(drawn.x0, drawn.y0) >= 0
+        assert drawn.x1 <= width
+        assert drawn.y1 <= height
+
+    def test_legend_and_titles_lie_outside_the_axes(self, figure: Figure) -> None:
+        figure.draw_without_rendering()
+        (legend,) = figure.legends
+        for axes in figure.axes:
+            assert not axes.get_window_extent().overlaps(legend.get_window_extent())
+            assert not axes.title.get_window_extent().overlaps(axes.get_window_extent())
+
+    def test_look_the_same_whatever_the_users_settings(self, tmp_path: Path) -> None:
+        energies = strain_energies(synthetic_result(records=50))
+        plain, *_ = style.save_figure(plot_energy(energies), tmp_path / "plain", energies)
+        with matplotlib.rc_context({"font.size": 20, "axes.facecolor": "red", "savefig.dpi": 50}):
+            other, *_ = style.save_figure(plot_energy(energies), tmp_path / "other", energies)
+        np.testing.assert_array_equal(imread(plain), imread(other))
+
+
+class TestColours:
+    def test_meanings_drawn_together_are_told_apart_without_colour_vision(self) -> None:
+        together = ("total", "suspension", "k = 0", "k = 1", "other k", "rest")
+        # Dichromats' views of linear RGB after Vienot, Brettel and Mollon (1999).
+        protan = np.array([[0.11238, 0.88762, 0], [0.11238, 0.88762, 0], [0.00401, -0.00401, 1]])
+        deutan = np.array([[0.29275, 0.70725, 0], [0.29275, 0.70725, 0], [-0.02234, 0.02234, 1]])
+        for view in (np.eye(3), protan, deutan):
+            seen = [view @ np.array(to_rgb(style.COLOURS[name])) ** 2.2 for name in together]
+            for i, one in enumerate(seen):
+                for other in seen[:i]:
+                    assert np.linalg.norm(one - other) > 0.1
+
+    def test_the_map_of_magnitudes_grows_lighter_all_the_way(self) -> None:
+        colours = matplotlib.colormaps[style.SEQUENTIAL](np.linspace(0, 1, 64))[:, :3] ** 2.2
+        lightness = colours @ [0.2126, 0.7152, 0.0722]
+        assert (np.diff(lightness) > 0).all()
+
+
+class TestSaveFigure:
+    def figure(self) -> Figure:
+        figure = style.new_figure(height=0.05)
+        figure.add_subplot().plot([0, 1], [0, 1])
+        return figure
+
+    def test_png_and_pdf_with_columns_as_csv(self, tmp_path: Path) -> None:
+        paths = style.save_figure(self.figure(), tmp_path / "map.png", COLUMNS)
+        assert [path.name for path in paths] == ["map.png", "map.pdf", "map.csv"]
+        height, width, _ = imread(paths[0]).shape
+        assert (width, height) == (944, 590)  # 80 x 50 mm at 300 dots an inch
+        media = re.search(rb"/MediaBox \[\s*0 0 ([\d.]+) ([\d.]+)", paths[1].read_bytes())
+        assert media is not None
+        assert float(media[1]) == pytest.approx(72 * 0.08 / 0.0254)
+        with paths[2].open() as file:
+            rows = list(csv.reader(file))
+        assert rows[0] == ["time [s]", "regime"]
+        assert [float(row[0]) for row in rows[1:]] == COLUMNS["time [s]"]
+        assert [row[1] for row in rows[1:]] == COLUMNS["regime"]
+
+    def test_floats_keep_every_digit(self, tmp_path: Path) -> None:
+        value = 0.1 + 1e-16
+        paths = style.save_figure(self.figure(), tmp_path / "a", {"x": [value, np.pi]})
+        assert [float(x) for x in paths[2].read_text().split()[1:]] == [value, np.pi]
+
+    def test_a_folder_that_is_missing_is_made(self, tmp_path: Path) -> None:
+        orbit = shaft_orbit(synthetic_result())
+        paths = style.save_figure(style.new_figure(height=0.02), tmp_path / "new" / "one", orbit)
+        assert all(path.stat().st_size for path in paths)
+
+    def test_a_dataset_goes_to_netcdf(self, tmp_path: Path) -> None:
+        data = strain_energies(synthetic_result(records=9))
+        *_, beside = style.save_figure(self.figure(), tmp_path / "energy.png", data)
+        with xr.open_dataset(beside, engine="h5netcdf") as saved:
+            xr.testing.assert_identical(saved.load(), data)
+
+    def test_columns_of_different_length_are_refused(self, tmp_path: Path) -> None:
+        with pytest.raises(ValueError, match="columns of one length, found 'a' 2, 'b' 1"):
+            style.save_figure(self.figure(), tmp_path / "a.png", {"a": [1, 2], "b": [1]})
+        assert not list(tmp_path.iterdir())
+
+    def test_a_name_with_dots_is_kept(self, tmp_path: Path) -> None:
+        paths = style.save_figure(self.figure(), tmp_path / "speed_1.05", {"x": [1.0]})
+        assert [path.name for path in paths] == [
+            "speed_1.05.png",
+            "speed_1.05.pdf",
+            "speed_1.05.csv",
+        ]
+
+
+def test_speed_in_words() -> None:
+    assert style.speed_label(synthetic_result(records=2, speed=78.75)) == "Ω = 1.05 (752 rpm)"

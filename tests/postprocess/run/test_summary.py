@@ -1,0 +1,474 @@
+"""The summary of a run: ledger, regimes, contact, and what is written."""
+
+import io
+import json
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+from numpy.typing import NDArray
+from rich.console import Console
+
+from bladewhirl.postprocess.fields.result import open_result
+from bladewhirl.postprocess.run.energies import strain_energies
+from bladewhirl.postprocess.run.regimes import (
+    Regime,
+    Windows,
+    classify,
+    fit_growth,
+    longest_half_period,
+    windowed_amplitude,
+)
+from bladewhirl.postprocess.run.summary import (
+    Summary,
+    displacement_hints,
+    energy_residual,
+    summarise,
+    summary_table,
+    write_summary,
+)
+
+Array = NDArray[np.float64]
+
+REPORT = {
+    "complementarity_residual": 3.25e-12,
+    "unsolved_steps": 0,
+    "dt_over_critical": 0.2125,
+    "steps": 400_000,
+    "wall_time": 1.75,
+    "us_per_step": 4.375,
+}
+KEYS = {
+    "regime",
+    "regime_criterion",
+    "growth_rate",
+    "growth_rate_error",
+    "end_reason",
+    "end_time",
+    "shaft_radius_max",
+    "shaft_radius_final",
+    "strain_energy_max",
+    "strain_energy_final",
+    "contact_share",
+    "gap_violation_max",
+    "energy_residual",
+    "complementarity_residual",
+    "unsolved_steps",
+    "tip_displacement_max",
+    "dt_over_critical",
+    "steps",
+    "wall_time",
+    "us_per_step",
+}
+
+
+@pytest.fixture
+def result() -> xr.Dataset:
+    """A shaft that whirls in a circle of 0.8 mm; tips touch."""
+    return synthetic.synthetic_result()
+
+
+class TestSummarise:
+    def test_figures_of_the_closed_form_motion(self, result: xr.Dataset) -> None:
+        summary = summarise(result, REPORT)
+        assert summary.end_time == pytest.approx(0.4)
+        assert summary.shaft_radius_max == pytest.approx(0.8e-3)
+        assert summary.shaft_radius_final == pytest.approx(0.8e-3)
+        held = summary.strain_energy_final
+        assert held["suspension"] == pytest.approx(0.5 * (190 * 0.8e-3) ** 2)
+        assert held["1F"] == {"1": pytest.approx(0.5 * (75 * 0.3e-3) ** 2)}
+        assert held["rest"] == pytest.approx(0.5 * (400 * 1e-4 * np.sin(40 * 0.4)) ** 2)
+        rest = 0.5 * (400 * 1e-4) ** 2  # a quarter of a turn at 40 rad/s comes within the run
+        peak = held["suspension"] + held["1F"]["1"] + rest
+        assert summary.strain_energy_max == pytest.approx(peak, rel=1e-3)
+
+    def test_tips_that_bend_far_are_pointed_out(self, result: xr.Dataset) -> None:
+        shapes = result["rotor_shape"].values[result["tip_node"].values, :2]
+        moved = np.einsum("bcm,tm->tbc", shapes, result["rotor_displacement"].values)
+        largest = float(np.linalg.norm(moved, axis=2).max())
+        summary = summarise(result, REPORT)
+        assert summary.tip_displacement_max == pytest.approx(largest, rel=1e-12)
+        assert displacement_hints(summary, largest / 0.299) == ()
+        (hint,) = displacement_hints(summary, largest / 0.301)
+        assert f"{largest:.3g} m" in hint
+
+    def test_the_final_radius_is_not_the_largest(self) -> None:
+        decaying = summarise(synthetic.synthetic_result(growth=-3.0), REPORT)
+        assert decaying.shaft_radius_max == pytest.approx(0.8e-3)
+        assert decaying.shaft_radius_final == pytest.approx(0.8e-3 * np.exp(-1.2))
+
+    def test_contact_share_counts_steps_of_each_blade(self, result: xr.Dataset) -> None:
+        steps = np.zeros((401, 22), dtype=np.int64)
+        steps[10, 3], steps[20, 3], steps[400, 21] = 250, 150, 400_000
+        result["contact_steps"] = ("time", "blade"), steps
+        share = summarise(result, REPORT).contact_share
+        assert share[3] == 1e-3
+        assert share[21] == 1.0
+        assert sum(share) == pytest.approx(1.001)
+
+    def test_penetration_is_the_deepest_gap_below_zero(self, result: xr.Dataset) -> None:
+        assert summarise(result, REPORT).gap_violation_max == 0.0
+        result["gap"][17, 4] = -2e-9
+        result["gap"][18, 5] = -1e-9
+        assert summarise(result, REPORT).gap_violation_max == 2e-9
+
+    def test_the_marchs_own_figures_pass_through(self, result: xr.Dataset) -> None:
+        summary = summarise(result, REPORT | {"pivots": 12})
+        assert {key: getattr(summary, key) for key in REPORT} == REPORT
+
+    def test_a_report_that_lacks_entries_is_refused(self, result: xr.Dataset) -> None:
+        with pytest.raises(ValueError, match=r"lacks \['wall_time', 'us_per_step'\]"):
+            summarise(
+                result, {k: v for k, v in REPORT.items() if k not in ("wall_time", "us_per_step")}
+            )
+
+    def test_an_interrupted_run_says_so(self, result: xr.Dataset) -> None:
+        cut = result.assign_attrs(end_reason="interrupted")
+        assert summarise(cut, REPORT).end_reason == "interrupted"
+        assert summarise(result, REPORT).end_reason == "completed"
+
+    def test_a_clamped_shaft_rests(self, result: xr.Dataset) -> None:
+        result["rotor_shape"][0] = 0.0
+        result["rotor_family"][:2] = "2F"
+        summary = summarise(result, REPORT)
+        assert summary.shaft_radius_max == summary.shaft_radius_final == 0.0
+        assert summary.strain_energy_final["suspension"] == 0.0
+        assert summary.strain_energy_final["rest"] > 0.0
+
+    @pytest.mark.parametrize("records", [1, 2, 3, 10])
+    def test_runs_of_few_records_say_what_they_can(self, records: int) -> None:
+        short = synthetic.synthetic_result(records=records)
+        summary = summarise(short, REPORT | {"steps": 0 if records == 1 else 1000 * (records - 1)})
+        assert summary.regime in ("no-contact", "sustained")
+        assert "too few records or periods" in summary.regime_criterion
+        json.loads(summary.to_json())
+
+    def test_a_long_run_is_read_without_holding_its_histories(self, tmp_path: Path) -> None:
+        records, modes = 15_000, 156
+        rng = np.random.default_rng(7)
+        motion = rng.standard_normal((records, modes))
+        file = tmp_path / "result.nc"
+        small = synthetic.synthetic_result(records=records)
+        kept = [name for name in small.variables if "rotor_mode" not in small[name].dims]
+        big = small[kept].assign(
+            rotor_displacement=(("time", "rotor_mode"), motion),
+            rotor_velocity=(("time", "rotor_mode"), motion),
+            rotor_frequency=("rotor_mode", np.linspace(1.0, 9.0, modes)),
+            rotor_nodal_diameter=("rotor_mode", np.arange(modes) // 2 % 12),
+            rotor_family=("rotor_mode", np.array(["1F"] * 22 + ["2F"] * 134, dtype=object)),
+            rotor_shape=(("rotor_node", "rotor_component", "rotor_mode"), np.ones((111, 3, modes))),
+        )
+        big.to_netcdf(file, engine="h5netcdf")
+        with open_result(file) as result:
+            tracemalloc.start()
+            summary = summarise(result, REPORT)
+            _, peak = tracemalloc.get_traced_memory()
+            tracemalloc.stop()
+        total = 0.5 * motion**2 @ np.linspace(1.0, 9.0, modes) ** 2
+        assert summary.strain_energy_max == pytest.approx(total.max(), rel=1e-12)
+        radius = np.sqrt(2) * np.abs(motion.sum(axis=1))
+        assert summary.shaft_radius_max == pytest.approx(radius.max(), rel=1e-12)
+        assert peak < 2 * motion.nbytes  # two histories of 18.7 MB, plus tips and energies
+
+
+WORKS = ("external_work", "normal_work", "friction_work", "coupling_work")
+
+
+class TestEnergyLedger:
+    def test_closes_to_rounding(self, result: xr.Dataset) -> None:
+        assert energy_residual(result) < 1e-14
+
+    @pytest.mark.parametrize("term", [*WORKS, "energy"])
+    def test_finds_an_error_planted_in_a_term(self, result: xr.Dataset, term: str) -> None:
+        names = ["energy", "damping_work", *WORKS]
+        largest = max(float(np.abs(result[name]).max()) for name in names)
+        result[term][137] += 1e-6 * largest
+        assert energy_residual(result) == pytest.approx(1e-6, rel=1e-4)
+
+    def test_damping_takes_energy(self) -> None:
+        """An oscillator that loses half of its energy to damping and nothing else."""
+        result = synthetic.synthetic_result(records=11)
+        share = np.linspace(0.0, 0.5, 11)
+        for work in WORKS:
+            result[work] = "time", np.zeros(11)
+        result["energy"] = "time", 8.0 * (1 - share)
+        result["damping_work"] = "time", 8.0 * share
+        assert energy_residual(result) < 1e-15
+
+    def test_nothing_moves_nothing_is_missing(self, result: xr.Dataset) -> None:
+        for name in ("energy", "damping_work", *WORKS):
+            result[name] = 0.0 * result[name]
+        assert energy_residual(result) == 0.0
+
+
+END = 3.0
+TIME = np.linspace(0.0, END, 3001)
+FREQUENCY = 75.0  # lowest of the synthetic rotor [rad/s]
+
+
+def judged(amplitude: Array, *, contact: slice | None = None, standing: bool = False) -> Regime:
+    """Regime of a history whose strain energy is that amplitude squared; `contact` says when."""
+    result = synthetic.synthetic_result(records=len(TIME))
+    steps = np.zeros((len(TIME), 22), dtype=np.int64)
+    if contact is not None:
+        steps[contact, 5] = 3
+    result["contact_steps"] = ("time", "blade"), steps
+    wave = np.cos(FREQUENCY * TIME) if standing else 1.0
+    return classify(result, (amplitude * wave) ** 2)
+
+
+def wander(rng: np.random.Generator, correlation: float, size: float) -> Array:
+    """Noise of that correlation time [s] and standard deviation."""
+    steps = 600
+    keep = np.exp(-END / steps / correlation)
+    kicks = rng.standard_normal(steps)
+    state = [kicks[0]]
+    for kick in kicks[1:]:
+        state.append(keep * state[-1] + np.sqrt(1 - keep**2) * kick)
+    values: Array = size * np.interp(TIME, np.linspace(0, END, steps), state)
+    return values
+
+
+def _ended_at_the_limit(duration: float, unloaded: float) -> tuple[xr.Dataset, Array]:
+    """A march that grew at 12/s under its load, then at 6/s, and its amplitude."""
+    records = int(duration / 1e-3) + 1
+    result = synthetic.synthetic_result(records=records)
+    time = np.linspace(0.0, duration, records)
+    work = np.minimum(time, duration - unloaded)
+    result = result.assign_coords(time=time).assign(external_work=("time", work))
+    result.attrs |= {
+        "end_reason": "divergent",
+        "end_message": "a tip moved by 21 mm; look at its load",
+    }
+    return result, np.exp(6.0 * time + 6.0 * work)
+
+
+def _windows(level: Array) -> Windows:
+    """Equal windows of 10 ms, all of them to be fitted, of that logarithm of the amplitude."""
+    return Windows(
+        begin=np.arange(0.0, 0.01 * len(level) - 0.005, 0.01),
+        length=0.01,
+        amplitude=np.exp(level),
+        late=0,
+        is_third=True,
+    )
+
+
+ALWAYS = slice(0, None)
+PHASES = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+
+
+class TestRegimes:
+    @pytest.mark.parametrize("rate", [0.2, 1.0, 4.0])
+    @pytest.mark.parametrize("standing", [False, True])
+    def test_exponential_growth_diverges_at_its_rate(self, rate: float, standing: bool) -> None:
+        regime = judged(np.exp(rate * (TIME - END)), contact=ALWAYS, standing=standing)
+        assert regime.name == "divergent"
+        assert regime.growth is not None
+        assert regime.growth.rate == pytest.approx(rate, abs=0.03)
+
+    def test_growth_through_noise_diverges_within_its_uncertainty(self) -> None:
+        rng = np.random.default_rng(3)
+        found = [judged(np.exp(1.5 * TIME + wander(rng, 0.05, 0.1))) for _ in range(40)]
+        assert sum(regime.name == "divergent" for regime in found) >= 34
+        pulls = [(r.growth.rate - 1.5) / r.growth.error for r in found if r.growth is not None]
+        assert np.sqrt(np.mean(np.square(pulls))) < 2.0
+
+    def test_growth_after_a_larger_transient_that_it_overtakes(self) -> None:
+        amplitude = 1.5 * np.exp(-4 * TIME) + np.exp(5 * (TIME - 2.8))
+        assert judged(amplitude, contact=ALWAYS).name == "divergent"
+
+    def test_the_displacement_limit_is_divergence_however_short_the_run(self) -> None:
+        result = synthetic.synthetic_result(records=3)
+        result.attrs |= {"end_reason": "divergent", "end_message": "a tip moved by 21 mm at 0.4 s"}
+        regime = classify(result, np.ones(3))
+        assert regime.name == "divergent"
+        assert regime.reason == "a tip moved by 21 mm at 0.4 s"
+
+    @pytest.mark.parametrize(
+        ("contact", "name"),
+        [(None, "no-contact"), (slice(0, 2700), "damped"), (ALWAYS, "sustained")],
+    )
+    def test_a_steady_orbit_with_ripple_does_not_diverge(
+        self, contact: slice | None, name: str
+    ) -> None:
+        for phase in PHASES:
+            amplitude = 1 + 0.1 * np.cos(FREQUENCY * TIME + phase)
+            assert judged(amplitude, contact=contact).name == name
+
+    @pytest.mark.parametrize("period", [0.05, 0.2, 0.4, 0.7, 1.0, 1.3, 1.7, 1.9])
+    @pytest.mark.parametrize("depth", [0.3, 1.0])
+    def test_beating_does_not_diverge(self, period: float, depth: float) -> None:
+        for phase in PHASES:
+            beat = 1 + depth * np.cos(2 * np.pi * TIME / period + phase)
+            assert judged(beat, contact=ALWAYS).name == "sustained"
+
+    def test_chaos_about_a_steady_amplitude_rarely_looks_divergent(self) -> None:
+        rng = np.random.default_rng(11)
+        found = [judged(np.exp(wander(rng, 0.05, 0.3)), contact=ALWAYS).name for _ in range(60)]
+        assert found.count("divergent") <= 2
+
+    def test_a_decaying_motion_is_damped_or_sustained_by_its_contact(self) -> None:
+        rng = np.random.default_rng(5)
+        for noise in (0.0, 0.2):
+            amplitude = np.exp(-TIME + wander(rng, 0.1, noise))
+            assert judged(amplitude, contact=slice(0, 900)).name == "damped"
+            assert judged(amplitude, contact=ALWAYS).name == "sustained"
+            assert judged(amplitude).name == "no-contact"
+
+    @pytest.mark.parametrize("delay", [0.1, 0.3, 1.0])
+    def test_a_load_that_settles_does_not_diverge(self, delay: float) -> None:
+        assert judged(1 - np.exp(-TIME / delay), contact=ALWAYS).name == "sustained"
+
+    def test_a_load_still_being_ramped_does_not_diverge(self) -> None:
+        ramp = 0.5 * (1 - np.cos(np.pi * TIME / END))
+        assert judged(ramp, contact=ALWAYS).name == "sustained"
+
+    @pytest.mark.parametrize("half", [1.2, 1.8, 2.4])
+    def test_growth_that_ends_in_a_limit_cycle_is_sustained(self, half: float) -> None:
+        amplitude = 1 / (1 + np.exp(-8 * (TIME - half)))
+        assert judged(amplitude, contact=ALWAYS).name == "sustained"
+
+    def test_growth_too_small_to_matter(self) -> None:
+        result = synthetic.synthetic_result(records=len(TIME))
+        result["contact_steps"] = 0 * result["contact_steps"]
+        energy = np.exp(2 * TIME)
+        result["gap"] = ("time", "blade"), np.full((len(TIME), 22), 0.995 * synthetic.CLEARANCE)
+        assert classify(result, energy).name == "no-contact"
+        result["gap"][2500, 3] = 0.98 * synthetic.CLEARANCE
+        assert classify(result, energy).name == "divergent"
+
+    def test_damped_needs_a_last_tenth_without_contact(self) -> None:
+        steady = np.ones(len(TIME))
+        assert judged(steady, contact=slice(100, 2701)).name == "damped"
+        assert judged(steady, contact=slice(2701, 2702)).name == "sustained"
+
+    def test_at_rest_nothing_grows(self) -> None:
+        regime = judged(np.zeros(len(TIME)))
+        assert regime.name == "no-contact"
+        assert regime.growth is None
+
+    def test_growth_out_of_rest_is_growth(self) -> None:
+        amplitude = np.where(TIME < 1.9, 0.0, np.exp(3 * (TIME - END)))
+        assert judged(amplitude, contact=ALWAYS).name == "divergent"
+
+    @pytest.mark.parametrize(
+        ("frequency", "half_period"),
+        [([190.0, 75.0], np.pi / 75.0), ([1e-5, 75.0], np.pi / 75.0), ([0.0, 0.0], np.inf)],
+    )
+    def test_rigid_modes_set_no_period(self, frequency: list[float], half_period: float) -> None:
+        stage = xr.Dataset({"rotor_frequency": ("rotor_mode", frequency)})
+        assert longest_half_period(stage) == pytest.approx(half_period)
+
+    def test_too_few_periods_or_records_are_not_judged(self) -> None:
+        few_periods = TIME[TIME < 0.9]
+        assert windowed_amplitude(few_periods, np.exp(few_periods), np.pi / FREQUENCY) is None
+        few_records = TIME[::40]
+        assert windowed_amplitude(few_records, np.exp(few_records), np.pi / FREQUENCY) is None
+
+    @pytest.mark.parametrize(
+        ("unloaded", "windows"), [(6.4, 6), (11.0, 8), (2.0, 8)], ids=["since", "last", "loaded"]
+    )
+    def test_a_march_ended_at_its_limit_has_a_rate_from_its_last_windows(
+        self, unloaded: float, windows: int
+    ) -> None:
+        period = np.pi / FREQUENCY
+        result, amplitude = _ended_at_the_limit(18.3 * period, unloaded * period)
+        regime = classify(result, amplitude**2)
+        assert regime.name == "divergent"
+        assert regime.growth is not None
+        end, begin = result["time"].values[-1], result["time"].values[-1] - windows * period
+        assert regime.growth.span == f"{begin:.3g} to {end:.3g} s"
+        assert regime.reason.startswith("a tip moved by 21 mm; growth rate of the amplitude ")
+        assert regime.growth.span in regime.reason
+        if unloaded > 6:
+            assert regime.growth.rate == pytest.approx(6.0, rel=1e-2)
+        else:  # the load, which drives it faster, is in it
+            assert regime.growth.rate > 7.0
+        result.attrs["end_reason"] = "completed"
+        assert classify(result, amplitude**2).growth is None
+
+    def test_a_march_of_four_windows_to_its_limit_has_no_rate(self) -> None:
+        period = np.pi / FREQUENCY
+        result, amplitude = _ended_at_the_limit(4.9 * period, 4.9 * period)
+        assert classify(result, amplitude**2).growth is None
+
+    def test_what_left_all_numbers_has_no_rate(self) -> None:
+        period = np.pi / FREQUENCY
+        result, amplitude = _ended_at_the_limit(18.3 * period, 18.3 * period)
+        amplitude[-1] = np.inf
+        regime = classify(result, amplitude**2)
+        assert (regime.name, regime.growth) == ("divergent", None)
+        assert regime.reason == "a tip moved by 21 mm"
+
+    @pytest.mark.parametrize(
+        ("correlation", "count", "least", "most"),
+        [(0.0, 12, 0.8, 1.25), (0.6, 400, 0.9, 1.2), (0.6, 12, 1.0, 2.2)],
+    )
+    def test_the_error_holds_for_correlated_windows(
+        self, correlation: float, count: int, least: float, most: float
+    ) -> None:
+        rng = np.random.default_rng(8)
+        pulls, plain = [], []
+        for _ in range(400):
+            misfit = np.empty(count)
+            misfit[0] = rng.standard_normal()
+            for n in range(1, count):
+                misfit[n] = correlation * misfit[n - 1]
+                misfit[n] += np.sqrt(1 - correlation**2) * rng.standard_normal()
+            growth = fit_growth(_windows(0.1 * misfit + 1.5 * 0.01 * np.arange(count)))
+            pulls.append((growth.rate - 1.5) / growth.error)
+            place = 0.01 * (np.arange(count) - (count - 1) / 2)
+            rest = 0.1 * (misfit - misfit.mean()) - (growth.rate - 1.5) * place
+            naive = np.sqrt(rest @ rest / (count - 2) / (place @ place))
+            assert growth.error >= naive * (1 - 1e-12)
+            plain.append((growth.rate - 1.5) / naive)
+        spread = np.sqrt(np.mean(np.square(pulls)))
+        assert least < spread < most
+        if correlation:
+            assert np.sqrt(np.mean(np.square(plain))) > 1.1 * spread
+
+    def test_the_criterion_is_written_with_every_regime(self, result: xr.Dataset) -> None:
+        text = summarise(result, REPORT).regime_criterion
+        for name in ("divergent:", "no-contact:", "damped:", "sustained:", "Here: "):
+            assert name in text
+
+
+class TestWriting:
+    def test_json_has_the_keys_at_full_precision(self, result: xr.Dataset, tmp_path: Path) -> None:
+        summary = summarise(result, REPORT)
+        document = json.loads(write_summary(summary, tmp_path / "summary.json").read_text())
+        assert document["growth_rate"] is None  # too short a history
+        assert set(document) == KEYS
+        assert Summary(**document) == summary
+        assert set(document["strain_energy_final"]) == {"suspension", "1F", "rest"}
+
+    def test_json_has_the_growth_rate_of_the_regime(self) -> None:
+        result = synthetic.synthetic_result(records=4001, growth=1.5)
+        summary = summarise(result, REPORT)
+        growth = classify(result, strain_energies(result)["total"].values).growth
+        assert growth is not None
+        document = json.loads(summary.to_json())
+        assert (document["growth_rate"], document["growth_rate_error"]) == (
+            growth.rate,
+            growth.error,
+        )
+        assert document["growth_rate_error"] > 0.0
+
+    def test_the_table_reads_in_handy_units(self, result: xr.Dataset) -> None:
+        text = io.StringIO()
+        summary = summarise(result, REPORT)
+        Console(file=text, width=100).print(summary_table(summary))
+        shown = text.getvalue()
+        for line in ("0.8 mm", "of 22", "1F, k = 1", summary.regime, "4.38 µs a step"):
+            assert line in shown
+
+    def test_the_table_of_a_run_at_rest(self) -> None:
+        still = synthetic.synthetic_result(records=2, shaft_radius=0.0, bending=0.0)
+        still["rotor_displacement"] = 0.0 * still["rotor_displacement"]
+        text = io.StringIO()
+        Console(file=text, width=100).print(summary_table(summarise(still, REPORT)))
+        assert "0 J" in text.getvalue()

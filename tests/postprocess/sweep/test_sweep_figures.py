@@ -1,0 +1,318 @@
+"""Figures of sweeps and what is behind them: closed-form motions, failed points, two keys."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.text import Annotation
+from synthetic_result import synthetic_result
+from synthetic_sweep import synthetic_sweep
+from typer.testing import CliRunner, Result
+
+from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.sweep import frequency_map as map_module
+from bladewhirl.postprocess.sweep.bifurcation import bifurcation
+from bladewhirl.postprocess.sweep.blades import blade_contacts
+from bladewhirl.postprocess.sweep.dataset import open_sweep
+from bladewhirl.postprocess.sweep.energies import point_energies
+from bladewhirl.postprocess.sweep.figures import SWEEP_FIGURES, SweepFigures
+from bladewhirl.postprocess.sweep.frequency_map import frequency_map, plot_frequency_map
+from bladewhirl.postprocess.sweep.maps import plot_sweep_maps, sweep_maps
+from bladewhirl.postprocess.sweep.quantities import (
+    cell_edges,
+    contact_sides,
+    regimes,
+    shaft_radius,
+    whirls,
+)
+from bladewhirl.studies.commands.cli import app
+
+REFERENCE = 75.0  # rad/s
+WHIRL = -70.0 / (2 * np.pi)  # Hz in rotating axes
+SPEEDS = (1.2, 0.8, 1.0)
+RADII = (0.4e-3, 0.2e-3, 1.3e-3)
+
+
+@pytest.fixture(scope="module")
+def one(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three speeds out of order, one of which failed, and one at rest."""
+    motions = [
+        *({"speed": REFERENCE * s, "shaft_radius": r} for s, r in zip(SPEEDS, RADII, strict=True)),
+        None,
+        {"speed": REFERENCE * 1.6, "shaft_radius": 0.0, "bending": 0.0},
+    ]
+    over = {"march.speed": (*SPEEDS, 1.4, 1.6)}
+    return synthetic_sweep(tmp_path_factory.mktemp("sweeps") / "one", over, motions)
+
+
+@pytest.fixture(scope="module")
+def two(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two speeds and three frictions, the radius growing with both."""
+    motions = [
+        {"speed": REFERENCE * s, "shaft_radius": (s + f) * 1e-4}
+        for s in (1.0, 2.0)
+        for f in (0.0, 0.1, 0.2)
+    ]
+    over = {"march.speed": (1.0, 2.0), "contact.friction": (0.0, 0.1, 0.2)}
+    return synthetic_sweep(tmp_path_factory.mktemp("sweeps") / "two", over, motions)
+
+
+@pytest.fixture
+def none(tmp_path: Path) -> Path:
+    """Two points, both failed."""
+    return synthetic_sweep(tmp_path / "none", {"march.speed": (1.0, 2.0)}, [None, None])
+
+
+def plot(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, ["plot", *map(str, arguments)])
+
+
+def test_points_are_put_in_order(one: Path) -> None:
+    with open_sweep(one) as sweep:
+        found = shaft_radius(sweep, "march_speed")
+        np.testing.assert_array_equal(found["march_speed"], [0.8, 1.0, 1.2, 1.4, 1.6])
+        expected = [0.2e-3, 1.3e-3, 0.4e-3, np.nan, 0.0]
+        np.testing.assert_allclose(found["shaft_radius_max"].values, [expected], rtol=1e-12)
+        assert regimes(sweep, "march_speed")["regime"].values.tolist() == [
+            ["no-contact", "sustained", "no-contact", "unknown", "no-contact"]
+        ]
+
+
+def test_a_whirl_has_its_frequency_and_rest_has_none(one: Path) -> None:
+    with open_sweep(one) as sweep:
+        found = whirls(sweep, "march_speed").isel(line=0)
+        sides = contact_sides(sweep, "march_speed").isel(line=0)
+    moving, resting = slice(0, 3), slice(3, 5)
+    rotating = found["frequency"].sel(frame="rotating").values
+    np.testing.assert_allclose(rotating[moving], WHIRL, rtol=1e-9)
+    assert np.isnan(rotating[resting]).all()
+    speeds = REFERENCE * found["march_speed"].values / (2 * np.pi)
+    static = found["frequency"].sel(frame="static").values
+    np.testing.assert_allclose(static[moving], WHIRL + speeds[moving], rtol=1e-9)
+    assert found["direction"].sel(frame="rotating").values.tolist() == [
+        *["backward"] * 3,
+        "unknown",
+        "at rest",
+    ]
+    assert found["direction"].sel(frame="static").values[:3].tolist() == [
+        "backward",  # 60 against 70 rad/s
+        "forward",
+        "forward",
+    ]
+    assert sides["scenario"].values[3:].tolist() == ["unknown", "at-rest"]
+    assert np.isnan(sides["shaft_lead"].values[3:]).all()
+
+
+def test_a_map_peaks_at_the_whirl(one: Path) -> None:
+    with open_sweep(one) as sweep:
+        maps = frequency_map(sweep, "march_speed").isel(line=0)
+    assert maps["amplitude"].dims == ("march_speed", "frequency")
+    assert maps["frequency"].attrs["units"] == "1"
+    done = maps["amplitude"].isel(march_speed=[0, 1, 2])
+    peak = maps["frequency"].values[done.argmax("frequency").values]
+    resolution = np.diff(maps["frequency"].values)[0]
+    np.testing.assert_allclose(peak, -70.0 / REFERENCE, atol=0.51 * resolution)
+    assert np.isnan(maps["amplitude"].isel(march_speed=3)).all()
+    orders = maps["engine_order"].sel(order=2).values[:3]
+    np.testing.assert_allclose(orders, [1.6, 2.0, 2.4], rtol=1e-12)
+    casing = maps["mode_line"].sel(mode="casing k=1", direction="forward").values[:3]
+    np.testing.assert_allclose(casing, 5.0 / REFERENCE - np.array([0.8, 1.0, 1.2]), rtol=1e-12)
+
+
+def test_many_points_share_columns(one: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Five points in two columns, read two at a time: the largest of each is seen."""
+    with open_sweep(one) as sweep:
+        every = frequency_map(sweep, "march_speed")["amplitude"].values[0]
+        monkeypatch.setattr(map_module, "MOST_COLUMNS", 2)
+        monkeypatch.setattr(map_module, "PORTION", 2)
+        few = frequency_map(sweep, "march_speed")
+    np.testing.assert_array_equal(few["march_speed"], [0.8, 1.4])
+    np.testing.assert_array_equal(few["amplitude"].values[0, 0], every[:3].max(axis=0))
+    np.testing.assert_array_equal(few["amplitude"].values[0, 1], every[4])
+    assert few.attrs["points_per_column"] == 3
+
+
+@pytest.mark.parametrize("key", ["march_speed", "contact_friction"])
+def test_two_keys_give_a_line_for_each_value_of_the_other(two: Path, key: str) -> None:
+    other = {"march_speed": "contact_friction", "contact_friction": "march_speed"}[key]
+    with open_sweep(two) as sweep:
+        found = shaft_radius(sweep, key)
+        maps = frequency_map(sweep, key)
+    assert found["shaft_radius_max"].dims == ("line", key)
+    expected = found["march_speed"] + found["contact_friction"]
+    np.testing.assert_allclose(found["shaft_radius_max"], 1e-4 * expected.transpose("line", key))
+    assert found[other].dims == ("line",)
+    top = maps["amplitude"].max("frequency").transpose("line", key)
+    assert (np.diff(top.values, axis=0) > 0).all()
+    assert (np.diff(top.values, axis=1) > 0).all()
+
+
+def test_a_bifurcation_diagram_tells_periods_apart(tmp_path: Path) -> None:
+    """Circles that go round once, or once and a half in a revolution, and out of step with it."""
+    turns = (1.0, 1.5, np.sqrt(2.0))
+    motions = [whirling(2 * np.pi * 10.0, share) for share in turns]
+    folder = synthetic_sweep(tmp_path / "b", {"shaft.stiffness": (1.0, 2.0, 3.0)}, motions)
+    with open_sweep(folder) as sweep:
+        found = bifurcation(sweep, "shaft_stiffness").isel(line=0)
+    x = [values[np.isfinite(values)] for values in found["section_x"].values]
+    assert [len(values) for values in x] == [10, 10, 10]  # of a second, the last third
+    np.testing.assert_allclose(x[0], 1e-3, rtol=1e-3)
+    np.testing.assert_allclose(np.sort(x[1]), np.repeat([-1e-3, 1e-3], 5), rtol=1e-2)
+    assert len(np.unique(x[2].round(5))) == 10
+    radius = found["section_radius"].values
+    np.testing.assert_allclose(radius[np.isfinite(radius)], 1e-3, rtol=1e-3)
+
+
+def whirling(speed: float, share: float) -> xr.Dataset:
+    """Three seconds of a circle of 1 mm, `share` of a turn in static axes each revolution."""
+    result = synthetic_result(records=3011, speed=speed, bending=0.0)
+    time = result["time"].values
+    rate = (share - 1.0) * speed
+    angle = rate * time
+    result["rotor_displacement"][:, :2] = 1e-3 * np.column_stack([np.cos(angle), np.sin(angle)])
+    turned = np.column_stack([-np.sin(angle), np.cos(angle)])
+    result["rotor_velocity"][:, :2] = 1e-3 * rate * turned
+    return result
+
+
+def test_blades_are_counted_by_their_share_of_contact(one: Path) -> None:
+    with open_sweep(one) as sweep:
+        share = np.zeros((5, 22))
+        share[0, :4], share[0, 4:10] = 1.0, 0.3  # of speed 1.2
+        changed = sweep.assign(late_contact_share=(("march_speed", "blade"), share))
+        found = blade_contacts(changed, "march_speed").isel(line=0)
+    classes = ("permanent", "intermittent", "free")
+    assert [found[name].values[2] for name in classes] == [4, 6, 12]
+    assert [found[name].values[0] for name in classes] == [0, 0, 22]
+    assert np.isnan(found["free"].values[3])  # it failed
+
+
+def test_energies_are_those_of_the_modes(one: Path) -> None:
+    """Two modes in quadrature hold 1/2 omega^2 q^2 together at any time."""
+    with open_sweep(one) as sweep:
+        found = point_energies(sweep, "march_speed").isel(line=0)
+    radii = np.array([0.2e-3, 1.3e-3, 0.4e-3])
+    np.testing.assert_allclose(found["suspension"][:3], 0.5 * 190.0**2 * radii**2, rtol=1e-9)
+    family = found["first_family"].sel(nodal_diameter=1).values
+    np.testing.assert_allclose(family[:3], 0.5 * 75.0**2 * 0.3e-3**2, rtol=1e-9)
+    np.testing.assert_allclose(
+        found["total"][:3], (found["suspension"] + found["rest"])[:3] + family[:3], rtol=1e-12
+    )
+    assert np.isnan(found["total"].values[3])
+
+
+def test_maps_have_the_values_of_both_keys_in_place(two: Path) -> None:
+    with open_sweep(two) as sweep:
+        maps = sweep_maps(sweep, "march_speed")
+    assert maps["shaft_radius_max"].dims == ("line", "contact_friction", "march_speed")
+    expected = 1e-4 * np.add.outer([0.0, 0.1, 0.2], [1.0, 2.0])
+    np.testing.assert_allclose(maps["shaft_radius_max"].values[0], expected, rtol=1e-12)
+    axes = plot_sweep_maps(maps).axes
+    assert len(axes) == 3  # regime, radius and its colours: the marches are too short for growth
+
+
+def test_a_third_key_makes_rows_of_maps(tmp_path: Path) -> None:
+    over = {"march.speed": (1.0, 2.0), "contact.friction": (0.1, 0.0), "casing.support": (5.0, 3.0)}
+    motions = [
+        {"speed": REFERENCE * s, "shaft_radius": (s + f + k) * 1e-5}
+        for s in (1.0, 2.0)
+        for f in (0.1, 0.0)
+        for k in (5.0, 3.0)
+    ]
+    with open_sweep(synthetic_sweep(tmp_path / "three", over, motions)) as sweep:
+        maps = sweep_maps(sweep, "march_speed")
+        radius = shaft_radius(sweep, "march_speed")
+        top = frequency_map(sweep, "march_speed")["amplitude"].max("frequency")
+    for found in (maps, radius):
+        names = ("march_speed", "contact_friction", "casing_support")
+        expected = 1e-5 * sum((found[name] for name in names), xr.DataArray(0.0))
+        size = found["shaft_radius_max"]
+        np.testing.assert_allclose(size, expected.transpose(*size.dims), rtol=1e-12)
+    np.testing.assert_allclose(maps["casing_support"], [3.0, 5.0])
+    ratio = top.values / radius["shaft_radius_max"].values
+    np.testing.assert_allclose(ratio, ratio[0, 0], rtol=1e-6)
+    assert len(plot_sweep_maps(maps).axes) == 2 * 2 + 1
+
+
+def test_names_of_engine_orders_stay_inside_and_apart(one: Path) -> None:
+    with open_sweep(one) as sweep:
+        figure = plot_frequency_map(frequency_map(sweep, "march_speed"))
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    frame = axes.get_window_extent()
+    boxes = [
+        text.get_window_extent()
+        for text in axes.texts
+        if isinstance(text, Annotation) and text.get_text()
+    ]
+    assert len(boxes) >= 4
+    for number, box in enumerate(boxes):
+        assert frame.x0 < box.x0
+        assert box.x1 < frame.x1
+        assert frame.y0 < box.y0
+        assert box.y1 < frame.y1
+        assert not any(box.overlaps(other) for other in boxes[:number])
+
+
+def test_cells_reach_midway_to_their_neighbours() -> None:
+    np.testing.assert_allclose(
+        cell_edges(np.array([1.0, 2, 4]), logarithmic=False), [0.5, 1.5, 3, 5]
+    )
+    np.testing.assert_allclose(
+        cell_edges(np.array([1.0, 4, 16]), logarithmic=True), [0.5, 2, 8, 32], rtol=1e-12
+    )
+    np.testing.assert_allclose(cell_edges(np.array([3.0]), logarithmic=False), [2.5, 3.5])
+
+
+@pytest.mark.parametrize("which", ["one", "two"])
+def test_all_figures_come_with_their_data(
+    which: str, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    folder = request.getfixturevalue(which)
+    result = plot(folder, "all", "-o", tmp_path)
+    assert result.exit_code == 0, result.stderr
+    told = {line.split(" left out")[0] for line in result.stderr.splitlines()}
+    drawn = set(SWEEP_FIGURES) - told
+    assert told == ({"maps"} & set(SWEEP_FIGURES) if which == "one" else set())
+    assert {path.name for path in tmp_path.iterdir()} == {
+        f"{name}.{kind}" for name in drawn for kind in ("png", "pdf", "nc")
+    }
+    for name in drawn:
+        with xr.open_dataset(tmp_path / f"{name}.nc", engine="h5netcdf") as data:
+            assert "march_speed" in data.coords
+
+
+def test_a_sweep_without_points_says_so(none: Path) -> None:
+    with open_sweep(none) as sweep:
+        for name in SWEEP_FIGURES:
+            with pytest.raises(ViewError, match=r"no point of the sweep is done|two swept keys"):
+                SweepFigures(sweep).draw(name)
+    assert plot(none, "regimes").exit_code == 2
+    assert plot(none, "all").exit_code == 0
+
+
+def test_a_sweep_of_the_first_format_says_what_it_lacks(one: Path) -> None:
+    with open_sweep(one) as sweep:
+        old = sweep.drop_vars(["whirl_frequency", "whirl_rotating"]).assign_attrs(format=1)
+        with pytest.raises(ViewError, match="whirl_frequency, whirl_rotating: not in this sweep"):
+            whirls(old, "march_speed")
+        assert shaft_radius(old, "march_speed").sizes["march_speed"] == 5
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["orbit"], "orbit: a sweep has frequency-map, shaft-radius, regimes"),
+        (["regimes", "--from", "0.1"], "expected no --from and --to with a sweep"),
+    ],
+)
+def test_what_a_sweep_has_not_is_said_in_one_line(
+    one: Path, arguments: list[str], complaint: str
+) -> None:
+    result = plot(one, *arguments)
+    assert result.exit_code == 2
+    assert complaint in result.stderr
+    assert result.stderr.count("\n") == 1

@@ -1,0 +1,265 @@
+"""What readers see of figures of sweeps: all on the canvas, units that read well, lines and marks
+that are told apart without colour.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.collections import PatchCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.transforms import Bbox
+from synthetic_sweep import synthetic_sweep
+
+from bladewhirl.postprocess.plotting.style import new_figure
+from bladewhirl.postprocess.plotting.units import handy_unit
+from bladewhirl.postprocess.sweep.about_zero import linear_threshold, threshold_ticks
+from bladewhirl.postprocess.sweep.bifurcation import bifurcation, plot_bifurcation
+from bladewhirl.postprocess.sweep.dataset import open_sweep
+from bladewhirl.postprocess.sweep.drawing import REGIME_MARKS, lines_of
+from bladewhirl.postprocess.sweep.figures import SWEEP_FIGURES, SweepFigures
+from bladewhirl.postprocess.sweep.frequency_map import frequency_map, plot_frequency_map
+from bladewhirl.postprocess.sweep.maps import DOUBTFUL, plot_sweep_maps, sweep_maps
+from bladewhirl.postprocess.sweep.quantities import contact_sides, regimes, whirls
+from bladewhirl.postprocess.sweep.regimes import plot_regimes
+from bladewhirl.postprocess.sweep.sweep_whirl import plot_contact_sides, plot_whirls
+from bladewhirl.postprocess.sweep.swept_axes import in_handy_units, key_axis
+
+REFERENCE = 75.0  # rad/s
+SPEEDS = (1.0, 1.1, 1.2)
+EDGE = 1.0  # pixel
+
+
+@pytest.fixture(scope="module")
+def four(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three speeds and two values of each of three lengths with long names."""
+    motions = [
+        {"speed": REFERENCE * s, "shaft_radius": 1e-4 * s, "records": 201}
+        for s in SPEEDS
+        for _ in range(8)
+    ]
+    over = {
+        "march.speed": SPEEDS,
+        "casing.clearance_amplitude": (2e-5, 5e-5),
+        "blades.suspension_thickness": (1.25e-3, 2.5e-3),
+        "shaft.bearing_clearance": (0.4e-3, 0.6e-3),
+    }
+    folder = tmp_path_factory.mktemp("sweeps") / "four"
+    units = {key: "1" if key == "march.speed" else "m" for key in over}
+    return synthetic_sweep(folder, over, motions, units=units)
+
+
+def boxes(figure: Figure) -> dict[str, Bbox]:
+    """What is seen of each part of a figure: its panels with all their labels, legends, texts."""
+    figure.draw_without_rendering()
+    found = {f"legend {n}": part.get_window_extent() for n, part in enumerate(figure.legends)}
+    found |= {text.get_text(): text.get_window_extent() for text in figure.texts}
+    for number, axes in enumerate(figure.axes):
+        box = axes.get_tightbbox()
+        assert isinstance(box, Bbox)
+        found[f"panel {number}"] = box
+    return found
+
+
+@pytest.mark.parametrize("name", SWEEP_FIGURES)
+def test_figures_of_four_keys_stay_on_their_canvas(four: Path, name: str) -> None:
+    with open_sweep(four) as sweep:
+        figure, _ = SweepFigures(sweep).draw(name)
+    found = boxes(figure)
+    width, height = figure.bbox.size
+    strays = [
+        part
+        for part, box in found.items()
+        if min(box.x0, box.y0) < -EDGE or box.x1 > width + EDGE or box.y1 > height + EDGE
+    ]
+    assert strays == []
+    apart = [box for part, box in found.items() if part.startswith(("legend", "panel"))]
+    for number, box in enumerate(apart):
+        assert not any(overlap(box, other) for other in apart[:number])
+
+
+def overlap(one: Bbox, other: Bbox) -> bool:
+    """Whether boxes share more than an edge."""
+    common = Bbox.intersection(one, other)
+    return common is not None and min(common.width, common.height) > 2 * EDGE
+
+
+def test_lines_differ_without_their_colour(four: Path) -> None:
+    with open_sweep(four) as sweep:
+        lines = list(lines_of(in_handy_units(regimes(sweep, "march_speed"))))
+    assert len({str(line.dash) for line in lines}) == len({line.mark for line in lines}) == 8
+    assert (np.diff([line.size for line in lines]) < 0).all()
+    assert lines[0].label == "20 µm, 1.25 mm, 0.4 mm"
+
+
+def test_lengths_of_a_key_are_in_units_that_read_well(four: Path) -> None:
+    with open_sweep(four) as sweep:
+        found = whirls(sweep, "casing_clearance_amplitude")
+        figure = plot_whirls(found)
+    axes = figure.axes[1]
+    assert axes.get_xlabel() == "casing.clearance_amplitude [µm]"
+    np.testing.assert_allclose(axes.get_xticks(), [20.0, 50.0])
+    np.testing.assert_allclose(found["casing_clearance_amplitude"], [2e-5, 5e-5])  # the data: SI
+
+
+@pytest.mark.parametrize(
+    ("amount", "unit", "handy"),
+    [
+        (4e-4, "m", "mm"),
+        (5e-5, "m", "µm"),
+        (2e-3, "s", "ms"),
+        (5e-5, "s", "µs"),
+        (3.0, "s", "s"),
+        (2e8, "N/m", "MN/m"),
+        (500.0, "N/m", "N/m"),
+        (2.1e11, "Pa", "GPa"),
+        (1e9, "1", "1"),
+    ],
+)
+def test_handy_units(amount: float, unit: str, handy: str) -> None:
+    found, scale = handy_unit(amount, unit)
+    assert found == handy
+    sizes = {"m": 1.0, "mm": 1e3, "µm": 1e6, "s": 1.0, "ms": 1e3, "µs": 1e6}
+    sizes |= {"N/m": 1.0, "MN/m": 1e-6, "GPa": 1e-9, "1": 1.0}
+    assert scale == pytest.approx(sizes[handy])
+
+
+def keyed(values: np.ndarray) -> xr.Dataset:
+    attributes = {"long_name": "casing.support", "units": "1"}
+    return xr.Dataset(coords={"key": ("key", values, attributes)}, attrs={"along": "key"})
+
+
+def test_ticks_are_at_the_swept_values_if_these_are_few() -> None:
+    axes = new_figure(height=0.05).subplots()
+    few = np.array([1.0, 1.5, 1.6, 3.0])
+    key_axis(axes, keyed(few))
+    np.testing.assert_allclose(axes.get_xticks(), [1.0, 1.5, 3.0])  # 1.6 would run into 1.5
+    low, high = axes.get_xlim()
+    assert 0.9 < low < 1.0
+    assert 3.0 < high < 3.1
+    key_axis(axes, keyed(few), cells=True)
+    np.testing.assert_allclose(axes.get_xlim(), [0.75, 3.7])
+    many = np.linspace(0.0, 1.0, 201)
+    key_axis(axes, keyed(many))
+    assert len(axes.get_xticks()) < 20
+
+
+def test_points_that_nothing_touches_have_no_side(four: Path) -> None:
+    with open_sweep(four) as sweep:
+        share = np.zeros(sweep["late_contact_share"].shape)
+        share[1, ..., 3] = 0.5
+        changed = sweep.assign(late_contact_share=(sweep["late_contact_share"].dims, share))
+        found = contact_sides(changed, "march_speed")
+    assert (found["scenario"].values[:, [0, 2]] == "no-contact").all()
+    assert np.isnan(found["shaft_lead"].values[:, [0, 2]]).all()
+    assert np.isfinite(found["shaft_lead"].values[:, 1]).all()
+    assert not (found["scenario"].values[:, 1] == "no-contact").any()
+    figure = plot_contact_sides(found)
+    words = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert "nothing touches: 16, no mark" in words
+    low, high = figure.axes[1].get_xlim()
+    assert low < SPEEDS[0]  # though nothing is drawn there
+    assert high > SPEEDS[-1]
+
+
+def test_lines_without_a_point_say_so(four: Path) -> None:
+    with open_sweep(four) as sweep:
+        found = whirls(sweep, "march_speed")
+    found["frequency"][2] = np.nan
+    words = [text.get_text() for text in plot_whirls(found).legends[1].get_texts()]
+    assert [word.endswith(": no point") for word in words] == [n == 2 for n in range(8)]
+
+
+def test_rates_that_are_noise_are_on_a_linear_scale() -> None:
+    rate = np.array([1e-4, -2e-4, 3e-4, 0.0, 0.02])
+    assert linear_threshold(rate, np.full(5, 1e-2)) is None
+    assert linear_threshold(rate, np.full(5, 1e-6)) == pytest.approx(1e-3)
+    assert linear_threshold(np.full(3, np.nan), np.full(3, np.nan)) is None
+
+
+@pytest.mark.parametrize(("threshold", "largest"), [(1e-3, 0.02), (1e-3, 5.0), (1e-4, 3e5)])
+def test_ticks_about_zero_are_few_and_outside_the_linear_part(
+    threshold: float, largest: float
+) -> None:
+    ticks = np.array(threshold_ticks(threshold, largest))
+    np.testing.assert_array_equal(ticks, -ticks[::-1])
+    positive = ticks[ticks > 0]
+    assert 1 <= len(positive) <= 3
+    assert threshold * (1 - 1e-9) <= positive.min()
+    assert positive.max() <= largest
+
+
+def test_growth_that_may_be_none_is_crossed_out(four: Path) -> None:
+    with open_sweep(four) as sweep:
+        maps = sweep_maps(sweep, "march_speed")
+    rate = np.full(maps["growth_rate"].shape, 3.0)
+    error = np.ones_like(rate)
+    error[0, 0, :2] = 2.0
+    maps["growth_rate"][:], maps["growth_error"][:] = rate, error
+    figure = plot_sweep_maps(maps)
+    crossed = [
+        len(collection.get_paths())
+        for axes in figure.axes
+        for collection in axes.collections
+        if isinstance(collection, PatchCollection) and collection.get_hatch()
+    ]
+    assert crossed == [2, 0, 0, 0]
+    assert DOUBTFUL in [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def test_the_legend_of_regimes_has_their_marks(four: Path) -> None:
+    with open_sweep(four) as sweep:
+        found = regimes(sweep, "march_speed")
+    found["regime"][0, 0] = "divergent"
+    found["growth_rate"][:] = 1.0
+    found["growth_error"][:] = 0.1
+    figure = plot_regimes(found)
+    drawn = figure.legends[0].findobj(Line2D)
+    marks = {line.get_marker() for line in drawn if isinstance(line, Line2D)}
+    assert marks == {REGIME_MARKS[name] for name in np.unique(found["regime"])}
+    assert "^" in marks
+
+
+def test_a_frequency_map_names_only_modes_that_are_seen(four: Path) -> None:
+    with open_sweep(four) as sweep:
+        maps = frequency_map(sweep, "march_speed")
+    names = [text.get_text() for text in plot_frequency_map(maps).legends[0].get_texts()]
+    assert names == ["suspension", "1F k=1", "casing k=1", "engine orders"]
+    maps["mode_line"].loc[{"mode": "casing k=1"}] = 1e4
+    names = [text.get_text() for text in plot_frequency_map(maps).legends[0].get_texts()]
+    assert names == ["suspension", "1F k=1", "engine orders"]
+
+
+def test_no_mark_of_a_bifurcation_diagram_is_cut_off(tmp_path: Path) -> None:
+    """Two values of the key and three lines, which stand side by side."""
+    over = {"march.speed": (1.0, 1.1), "contact.friction": (0.1, 0.2, 0.3)}
+    motions = [
+        {"speed": REFERENCE * speed, "shaft_radius": 2e-3, "records": 201}
+        for speed in over["march.speed"]
+        for _ in over["contact.friction"]
+    ]
+    with open_sweep(synthetic_sweep(tmp_path / "sweep", over, motions)) as sweep:
+        figure, _ = SweepFigures(sweep).draw("bifurcation")
+    left, right = figure.axes[0].get_xlim()
+    places = np.concatenate(
+        [np.ravel(line.get_xdata()).astype(float) for line in figure.axes[0].lines]
+    )
+    assert len(np.unique(places)) >= 6
+    assert left < places.min()
+    assert places.max() < right
+
+
+def test_a_bifurcation_diagram_without_a_section_keeps_its_unit(tmp_path: Path) -> None:
+    """A last third shorter than a revolution: the largest radius alone says the unit."""
+    over = {"march.speed": (1.0, 1.1)}
+    motions = [{"speed": REFERENCE * s, "shaft_radius": 2e-3, "records": 201} for s in (1.0, 1.1)]
+    with open_sweep(synthetic_sweep(tmp_path / "sweep", over, motions)) as sweep:
+        found = bifurcation(sweep, "march_speed")
+        for name in ("section_x", "section_y", "section_radius"):
+            found[name] = xr.full_like(found[name], np.nan)
+        figure = plot_bifurcation(found)
+    assert all("[mm]" in axes.get_ylabel() for axes in figure.axes)

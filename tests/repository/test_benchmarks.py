@@ -1,0 +1,30 @@
+"""The benchmarks still run; what they measure is for an idle machine."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+from places import ROOT
+
+BENCHMARKS = ROOT / "benchmarks"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("script", "arguments", "words"),
+    [
+        ("march.py", ["--repeat", "1"], ["no contact", "few contacts", "NumPy"]),
+        (
+            "sweep.py",
+            ["--workers", "1", "--points", "1", "--duration", "0.01", "--turns", "1"],
+            ["8 batched", "efficiency"],
+        ),
+    ],
+)
+def test_benchmark(script: str, arguments: list[str], words: list[str]) -> None:
+    command = [sys.executable, str(BENCHMARKS / script), *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert all(word in done.stdout for word in words)

@@ -1,0 +1,113 @@
+"""The cases in examples/: each marches, and at full length gives what the README says."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from places import ROOT
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import read_case, with_values
+from bladewhirl.models.modal.full_stage import modal_stage
+from bladewhirl.studies.runs.run import Run, run_case
+
+EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
+STAGE = ("material", "bladed_disk", "shaft", "casing", "reduction", "damping", "contact")
+
+
+def stage(case: Case) -> dict[str, object]:
+    """The tables that describe the stage, without its load."""
+    tables = case.model_dump()
+    return {name: tables[name] for name in STAGE}
+
+
+def readme_row(name: str) -> list[str]:
+    """What the README's table says of fan stage, casing distortion and imbalance."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (row,) = re.findall(rf"^\| {name} \|(.*)\|$", text, flags=re.MULTILINE)
+    return [cell.strip() for cell in row.split("|")]
+
+
+def test_the_papers_are_there() -> None:
+    assert {"casing_distortion", "fan_stage", "imbalance"} <= {path.stem for path in EXAMPLES}
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_marches(path: Path, tmp_path: Path) -> None:
+    case = with_values(read_case(path), {"march.duration": 5e-3})
+    run = run_case(case, tmp_path / "run", frames=2)
+    assert run.end_reason == "completed"
+    assert run.summary.energy_residual <= 1e-8
+    with run.open() as result:
+        assert result.sizes["time"] == 51
+        assert np.isfinite(result.energy.values).all()
+        moves = float(result.energy.max()) > 0.0
+    assert moves == (case.excitation.type != "none" or any(case.initial.centre_velocity))
+
+
+def test_contact_cases_differ_from_the_fan_stage_in_two_lines() -> None:
+    fan, *others = (
+        stage(read_case(ROOT / "examples" / f"{name}.toml"))
+        for name in ("fan_stage", "casing_distortion", "imbalance")
+    )
+    for other in others:
+        casing = other["casing"]
+        assert isinstance(casing, dict)
+        assert casing["support"] == 7.975e6
+        assert other["damping"] == {"ratio": 0.001}
+        soft = casing | {"support": 1508.0}
+        assert other | {"casing": soft, "damping": {"ratio": 0.005}} == fan
+
+
+@pytest.fixture(scope="module", params=["fan_stage", "casing_distortion", "imbalance"])
+def full(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Run:
+    """An example at full length."""
+    case = read_case(ROOT / "examples" / f"{request.param}.toml")
+    return run_case(case, tmp_path_factory.mktemp("full") / request.param, frames=0)
+
+
+@pytest.mark.slow
+def test_full_length_gives_what_the_readme_says(full: Run) -> None:
+    column = ["fan_stage", "casing_distortion", "imbalance"].index(full.directory.name)
+    summary = full.summary
+    assert readme_row("regime at speed 1.05")[column].replace(" ", "-") == summary.regime
+    # Where it diverges the last digit of a force decides when.
+    late, far = (0.4, 0.1) if summary.regime == "divergent" else (1e-9, 0.02)
+    radius = float(readme_row("largest shaft radius")[column].split()[0]) * 1e-3
+    assert summary.shaft_radius_max == pytest.approx(radius, rel=far)
+    end = float(readme_row("end of the march")[column].split()[0])
+    assert summary.end_time == pytest.approx(end, abs=late)
+    touched = readme_row("blades that touched")[column]
+    assert f"{sum(share > 0.0 for share in summary.contact_share)} of 22" == touched
+    assert summary.energy_residual <= 1e-8
+    assert summary.complementarity_residual <= 1e-10
+
+
+def test_springs_let_six_modes_grow_until_they_touch(tmp_path: Path) -> None:
+    """As fast as the comment in the file says, which is what the stability analysis gives."""
+    run = run_case(read_case(ROOT / "examples" / "coupled_modes.toml"), tmp_path / "run", frames=0)
+    assert run.summary.energy_residual <= 1e-8
+    assert run.summary.regime == "sustained"
+    with run.open() as result:
+        time = result["time"].values
+        touched = result["contact_steps"].values.any(axis=1)
+        assert time[touched][0] == pytest.approx(1.2, abs=0.05)
+        size = np.linalg.norm(result["rotor_displacement"].values, axis=1)
+        growing = (time > 0.6) & (time < 1.1)
+        rate = np.polyfit(time[growing], np.log(size[growing]), 1)[0]
+        assert rate == pytest.approx(6.8654, rel=1e-3)
+        assert result["coupling_work"].values[-1] > 0.0
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_lowest_modes_solve_the_eigenproblem(path: Path) -> None:
+    stage = modal_stage(read_case(path), 6)
+    bodies = ((stage.disk, stage.disk_modes), (stage.casing, stage.casing_modes))
+    for body, modes in bodies:
+        structure, shapes = body.structure, modes.fields(np.arange(6))
+        square = modes.frequency[:6] ** 2
+        assert np.all(np.diff(square) >= 0.0)
+        np.testing.assert_allclose(shapes.T @ structure.mass @ shapes, np.eye(6), atol=1e-8)
+        strain = shapes.T @ structure.stiffness @ shapes
+        np.testing.assert_allclose(strain, np.diag(square), atol=1e-6 * square[-1])

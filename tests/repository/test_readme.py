@@ -1,0 +1,123 @@
+"""README.md: its commands exist, its Python runs, its links lead somewhere."""
+
+import re
+import shlex
+import shutil
+import tomllib
+from pathlib import Path
+
+import pytest
+import xarray as xr
+from places import ROOT
+from typer.main import get_command
+
+from bladewhirl.studies.commands.cli import app
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+
+
+def blocks(language: str) -> list[str]:
+    """Code blocks of the README."""
+    return re.findall(rf"^```{language}\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
+
+
+def commands() -> list[list[str]]:
+    """Arguments of every bladewhirl command in code blocks and in running text."""
+    lines = "\n".join([*blocks("sh"), *blocks("console")]).replace("&&", "\n").splitlines()
+    lines += re.findall(r"`(bladewhirl [a-z]+ [^`]*)`", README)
+    split = [shlex.split(line, comments=True) for line in lines]
+    return [words[1:] for words in split if words and Path(words[0]).name == "bladewhirl"]
+
+
+def test_commands_are_found() -> None:
+    assert len(commands()) >= 5
+
+
+@pytest.mark.parametrize("arguments", commands(), ids=" ".join)
+def test_a_command_is_understood(arguments: list[str]) -> None:
+    name, *rest = arguments
+    group = get_command(app)
+    parent = group.make_context("bladewhirl", [name], resilient_parsing=True)
+    command = group.get_command(parent, name)  # type: ignore[attr-defined]
+    assert command is not None
+    command.make_context(name, rest, parent=parent)
+    for word in rest:
+        if word.startswith("examples/"):
+            assert (ROOT / word).is_file()
+
+
+def test_every_command_has_its_row() -> None:
+    group = get_command(app)
+    assert set(re.findall(r"^\| `bladewhirl (\w+)` \|", README, flags=re.MULTILINE)) == set(
+        group.commands  # type: ignore[attr-defined]
+    )
+
+
+def test_the_two_commands_install_run_and_test() -> None:
+    install = r"python3 -m venv \.venv && \.venv/bin/pip install -e \S+ && \.venv/bin/"
+    run, tests = (block.strip() for block in blocks("sh"))
+    assert re.fullmatch(install + r"bladewhirl run examples/casing_distortion\.toml", run)
+    assert re.fullmatch(install + r"pytest -n auto", tests)
+
+
+def test_python_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    code, _ = blocks("python")
+    assert code.count("march.duration=0.5") == 1
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")
+    monkeypatch.chdir(tmp_path)
+    exec(compile(code.replace("march.duration=0.5", "march.duration=0.02"), "README.md", "exec"))
+    run = tmp_path / "runs" / "from_python"
+    with xr.open_dataset(run / "result.nc") as result:
+        assert result.time[-1] == pytest.approx(0.02)
+    orbit = (run / "my_orbit.csv").read_text().splitlines()
+    assert orbit[0] == "time,axis,rotating"
+    assert len(list((run / "last" / "frames").iterdir())) == 2 * 48
+    assert (run / "my_orbit.png").is_file()
+
+
+def test_the_sketch_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _, code = blocks("python")
+    assert code.count("100 ms") == 1
+    monkeypatch.chdir(tmp_path)
+    exec(compile(code.replace("100 ms", "20 ms"), "README.md", "exec"))
+    with xr.open_dataset(tmp_path / "runs" / "mine" / "result.nc") as result:
+        assert result.sizes["blade"] == 12
+        assert result.time[-1] == pytest.approx(0.02)
+
+
+def test_the_mapping_is_that_of_the_example() -> None:
+    (block,) = blocks("toml")
+    shown = tomllib.loads(block)["bladed_disk"]["mesh"]
+    example = tomllib.loads((ROOT / "examples" / "shrouded_fan.toml").read_text())
+    whole = example["bladed_disk"]["mesh"]
+    sections = shown.pop("sections")
+    assert shown.items() <= whole.items()
+    assert sections.items() <= whole["sections"].items()
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_links_lead_somewhere(document: Path) -> None:
+    for link in re.findall(r"\]\(([^)]+)\)", document.read_text(encoding="utf-8")):
+        assert link.startswith("https://") or (document.parent / link).exists(), link
+
+
+def test_every_picture_is_shown() -> None:
+    shown = {
+        (document.parent / link).resolve()
+        for document in DOCUMENTS
+        for link in re.findall(r"\]\(([^)]+\.png)\)", document.read_text(encoding="utf-8"))
+    }
+    assert shown == {path.resolve() for path in (ROOT / "docs").glob("*.png")}
+
+
+def test_every_dependency_is_explained() -> None:
+    table = README[README.index("Why each dependency is there") :]
+    explained = {
+        name
+        for row in re.findall(r"^\| ([^|]+) \|", table, re.MULTILINE)
+        for name in row.strip().split(", ")
+    }
+    names = {re.split(r"[\[>]", requirement)[0] for requirement in PROJECT["dependencies"]}
+    assert names < explained

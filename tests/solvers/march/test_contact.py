@@ -1,0 +1,441 @@
+"""The contact step: against plain NumPy, on both paths, and in its conventions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+import pytest
+from contact_cases import (
+    ledger_residual,
+    one_tip,
+    problem,
+    random_problem,
+    run,
+    stage_problem,
+    wall,
+    without_symmetry,
+)
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from plain_march import plain_march
+from scipy.interpolate import CubicHermiteSpline
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.contact_problem import (
+    ContactProblem,
+    Load,
+    ReducedCasing,
+    ReducedRotor,
+    Start,
+)
+from bladewhirl.solvers.march.central_difference import initial_gap
+from bladewhirl.solvers.march.march import Chunk
+
+Sliding = Literal["permanent", "signed"]
+
+
+def assert_alike(found: FloatArray, expected: FloatArray, tolerance: float) -> None:
+    np.testing.assert_allclose(found, expected, atol=tolerance * np.abs(expected).max(), rtol=0.0)
+
+
+@settings(max_examples=25)
+@given(
+    seed=st.integers(0, 10**6),
+    tips=st.integers(1, 5),
+    nodes=st.integers(1, 6),
+    sliding=st.sampled_from(["permanent", "signed"]),
+    speed=st.sampled_from([-90.0, -1.0, 0.0, 1.0, 90.0]),
+    tip_rotation=st.booleans(),
+)
+def test_every_step_is_the_one_plain_numpy_takes(
+    seed: int, tips: int, nodes: int, sliding: Sliding, speed: float, tip_rotation: bool
+) -> None:
+    dt, steps = 1e-4, 120
+    given = random_problem(
+        seed, tips=tips, nodes=nodes, sliding=sliding, speed=speed, tip_rotation=tip_rotation
+    )
+    expected = plain_march(given, dt, steps)
+    _, chunk, _ = run(given, dt, steps)
+    # Contact magnifies rounding; the impulses of single steps show it most.
+    assert_alike(chunk.rotor_displacement, expected.rotor, 1e-9)
+    assert_alike(chunk.casing_displacement, expected.casing, 1e-9)
+    assert_alike(chunk.gap[1:], expected.gap, 1e-9)
+    assert_alike(chunk.contact_impulse[1:], expected.multiplier * dt, 1e-7)
+    drag = given.friction * expected.sign * expected.multiplier * dt
+    assert_alike(chunk.friction_impulse[1:], drag, 1e-7)
+    assert_alike(chunk.energy, expected.energy, 1e-9)
+    work = [chunk.external_work, chunk.normal_work, chunk.friction_work, chunk.damping_work]
+    assert_alike(np.column_stack([*work, chunk.coupling_work]), expected.work, 1e-9)
+
+
+def test_the_second_opinion_meets_many_contacts() -> None:
+    """What the comparison above is worth: contacts of several tips and both senses of sliding."""
+    expected = plain_march(random_problem(5, sliding="signed", speed=1.0), 1e-4, 200)
+    contacts = (expected.multiplier > 0.0).sum(axis=1)
+    assert contacts.max() == 4
+    assert np.count_nonzero(contacts) > 50
+    assert {-1.0, 1.0} <= set(expected.sign.ravel())
+
+
+def stirred(given: ContactProblem, outward: float = 2.0) -> ContactProblem:
+    """Blades thrown outward, the casing shaken: half of the tips touch within a millisecond."""
+    random = np.random.default_rng(0)
+    rotor, casing = given.rotor, given.casing
+    tips = len(rotor.tip_angle)
+    wanted = outward * (1.0 + 0.5 * random.normal(size=tips))
+    velocity = np.asarray(np.linalg.lstsq(rotor.tip_radial, wanted, rcond=None)[0], dtype=float)
+    shaken = random.normal(scale=0.05, size=len(casing.frequency))
+    return replace(
+        given, start=replace(given.start, rotor_velocity=velocity, casing_velocity=shaken)
+    )
+
+
+STAGES = pytest.mark.parametrize(
+    ("blades", "elements"), [(22, 40), (21, 41), (5, 8)], ids=["22 in 40", "21 in 41", "5 in 8"]
+)
+
+
+@STAGES
+@pytest.mark.parametrize(
+    ("sliding", "tip_rotation", "slower"),
+    [("permanent", False, 1.0), ("signed", True, -0.003)],
+)
+def test_paths_by_harmonics_and_by_dense_products_agree(
+    blades: int, elements: int, sliding: Sliding, tip_rotation: bool, slower: float
+) -> None:
+    """Also with one body of each kind; even and odd numbers fold differently."""
+    base = stirred(stage_problem(blades, elements))
+    given = replace(base, sliding=sliding, tip_rotation=tip_rotation, speed=slower * base.speed)
+    dt, steps = min(1e-6, 0.5 * given.critical_time_step), 1500
+    state, chunk, _ = run(given, dt, steps)
+    assert chunk.contacts.max() > 1
+    assert state.statistics.contact_steps > 500
+    for rotor, casing in ((True, True), (True, False), (False, True)):
+        bare = without_symmetry(given, rotor=rotor, casing=casing)
+        other_state, other, _ = run(bare, dt, steps)
+        for name in ("rotor_displacement", "casing_displacement", "gap", "energy"):
+            assert_alike(getattr(chunk, name), getattr(other, name), 1e-10)
+        for name in ("rotor_velocity", "casing_velocity", "contact_impulse", "friction_impulse"):
+            assert_alike(getattr(chunk, name), getattr(other, name), 1e-8)
+        np.testing.assert_array_equal(chunk.contact_steps, other.contact_steps)
+        assert state.statistics.contact_steps == other_state.statistics.contact_steps
+
+
+def test_dense_path_can_be_asked_for() -> None:
+    given = stirred(stage_problem(5, 8))
+    dt = 0.5 * given.critical_time_step
+    _, asked, _ = run(given, dt, 300, cyclic=False)
+    _, bare, _ = run(without_symmetry(given, rotor=True, casing=True), dt, 300)
+    np.testing.assert_array_equal(asked.rotor_displacement, bare.rotor_displacement)
+
+
+def test_columns_that_the_displacements_do_not_follow_are_refused() -> None:
+    given = stage_problem(5, 8)
+    turned = replace(given.rotor, tip_radial=np.roll(given.rotor.tip_radial, 1, axis=0))
+    with pytest.raises(ValueError, match=r"aligned to the tips' radial|do not follow"):
+        run(replace(given, rotor=turned), 1e-7, 1)
+    mixed = replace(given.casing, column=np.roll(given.casing.column, 1))
+    with pytest.raises(ValueError, match="do not follow; give column -1"):
+        run(replace(given, casing=mixed), 1e-7, 1)
+
+
+def test_all_tips_at_once() -> None:
+    """Every blade hits at the same step, and the casing is shared by all of them."""
+    given = stage_problem()
+    velocity = np.linalg.lstsq(given.rotor.tip_radial, np.full(22, 3.0), rcond=None)[0]
+    given = replace(
+        given,
+        casing=replace(given.casing, clearance=0.02 * given.casing.clearance),
+        start=replace(given.start, rotor_velocity=velocity),
+        loads=(),
+    )
+    for cyclic in (True, False):
+        state, chunk, _ = run(given, 1e-6, 3000, cyclic=cyclic)
+        assert chunk.contacts.max() == 22
+        assert state.statistics.complementarity_residual < 1e-10
+        assert state.statistics.lcp_failures == 0
+        assert ledger_residual(chunk) < 1e-8
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.1])
+@pytest.mark.parametrize(("modes", "tips"), [(1, 6), (2, 6), (2, 22), (6, 22)])
+def test_singular_delassus_matrices(modes: int, tips: int, friction: float) -> None:
+    """More tips in contact than modes to move them, in a rigid wall: W has the modes' rank."""
+    random = np.random.default_rng(modes + tips)
+    radial = 0.1 + np.abs(random.normal(size=(tips, modes)))
+    rotor = ReducedRotor(
+        frequency=random.uniform(100.0, 300.0, modes),
+        damping_ratio=np.full(modes, 0.01),
+        tip_radial=radial,
+        tip_tangential=0.5 * random.normal(size=(tips, modes)),
+        centre=np.zeros((2, modes)),
+        tip_angle=2.0 * np.pi * np.arange(tips) / tips,
+        tip_radius=0.5,
+        tip_recess=np.zeros(tips),
+        column=np.full(modes, -1),
+        dampers=np.zeros((0, modes)),
+    )
+    casing = wall(1e-3)
+    start = Start(
+        rotor=np.zeros(modes),
+        rotor_velocity=np.full(modes, 1e3),  # so fast that all tips are inside within a step
+        casing=np.zeros(1),
+        casing_velocity=np.zeros(1),
+    )
+    loads = (Load(rotor=np.full(modes, 500.0), casing=np.zeros(1)),)
+    given = problem(rotor, casing, start=start, loads=loads, speed=200.0, friction=friction)
+    state, chunk, _ = run(given, 1e-4, 800)
+    assert state.statistics.contact_steps > 500
+    assert state.statistics.complementarity_residual < 1e-10
+    assert state.statistics.lcp_failures == 0
+    assert chunk.gap.min() > -1e-13
+    assert ledger_residual(chunk) < 1e-10
+
+
+def test_tips_that_move_as_one_share_their_load() -> None:
+    """Six equal rows: W is six times the same number, any sharing is right, the sum is known."""
+    rotor = ReducedRotor(
+        frequency=np.array([100.0]),
+        damping_ratio=np.array([0.5]),
+        tip_radial=np.ones((6, 1)),
+        tip_tangential=np.zeros((6, 1)),
+        centre=np.zeros((2, 1)),
+        tip_angle=np.arange(6.0),
+        tip_radius=0.5,
+        tip_recess=np.zeros(6),
+        column=np.array([-1]),
+        dampers=np.zeros((0, 1)),
+    )
+    load = Load(rotor=np.array([50.0]), casing=np.zeros(1))
+    dt = 1e-4
+    state, chunk, _ = run(problem(rotor, wall(1e-3), loads=(load,)), dt, 2000)
+    assert chunk.contact_impulse[-1].sum() / dt == pytest.approx(50.0 - 100.0**2 * 1e-3, rel=1e-6)
+    assert state.statistics.complementarity_residual < 1e-10
+
+
+def test_the_six_modes_of_the_paper() -> None:
+    """1F and suspension pairs against the casing's k = 1 pair: W has rank two at most."""
+    full = stage_problem()
+    rotor, casing = full.rotor, full.casing
+    r = np.flatnonzero(np.isin(rotor.column, [1, 2]))[:4]
+    c = np.flatnonzero(np.isin(casing.column, [1, 2]))[:2]
+    small = ContactProblem(
+        rotor=rotor.take(r),
+        casing=casing.take(c),
+        speed=full.speed,
+        friction=full.friction,
+        sliding="permanent",
+        tip_rotation=False,
+        displacement_limit=1.0,
+        loads=(Load(rotor=np.zeros(4), casing=np.array([3e4, 0.0])),),
+        start=Start(
+            rotor=np.zeros(4),
+            rotor_velocity=np.zeros(4),
+            casing=np.zeros(2),
+            casing_velocity=np.zeros(2),
+        ),
+    )
+    state, chunk, _ = run(small, 1e-5, 4000, every=10)
+    assert state.statistics.contact_steps > 500
+    assert state.statistics.complementarity_residual < 1e-10
+    assert ledger_residual(chunk) < 1e-8
+
+
+def rubbing(speed: float, sliding: Sliding, *, every: int = 1) -> Chunk:
+    """A tip pressed on the casing at its node 0, both well damped, marched to rest.
+
+    Rotor: radial mode of 100 rad/s, tangential one of 200. Casing: w of 300, u of 400 rad/s.
+    """
+    rotor = one_tip(
+        np.array([100.0, 200.0]),
+        damping_ratio=np.full(2, 0.7),
+        tip_radial=np.array([[1.0, 0.0]]),
+        tip_tangential=np.array([[0.0, 1.0]]),
+    )
+    nodal = np.zeros((4, 4, 2))
+    nodal[:, 0, 0] = nodal[:, 2, 1] = 1.0
+    casing = ReducedCasing(
+        frequency=np.array([300.0, 400.0]),
+        damping_ratio=np.full(2, 0.7),
+        nodal=nodal,
+        clearance=np.tile([1e-3, 0.0], (4, 1)),
+        radius=1.0,
+        column=np.full(2, -1),
+        dampers=np.zeros((0, 2)),
+    )
+    load = Load(rotor=np.array([50.0, 0.0]), casing=np.zeros(2))
+    given = problem(rotor, casing, loads=(load,), speed=speed, friction=0.2, sliding=sliding)
+    return run(given, 1e-4, 3000, every=every)[1]
+
+
+@pytest.mark.parametrize("sliding", ["permanent", "signed"])
+@pytest.mark.parametrize("speed", [3.0, -3.0])
+def test_friction_drags_the_blade_back_and_the_casing_on(speed: float, sliding: Sliding) -> None:
+    chunk = rubbing(speed, sliding)
+    # Radial balance: 50 - 1e4 x = lambda = 9e4 w, x - w = 1 mm.
+    w = 40.0 / 1e5
+    force = 9e4 * w
+    direction = np.sign(speed)
+    np.testing.assert_allclose(chunk.rotor_displacement[-1, 0], 1e-3 + w, rtol=1e-6)
+    np.testing.assert_allclose(chunk.casing_displacement[-1, 0], w, rtol=1e-6)
+    np.testing.assert_allclose(
+        chunk.rotor_displacement[-1, 1], -direction * 0.2 * force / 200.0**2, rtol=1e-6
+    )
+    np.testing.assert_allclose(
+        chunk.casing_displacement[-1, 1], direction * 0.2 * force / 400.0**2, rtol=1e-6
+    )
+    assert chunk.contact_impulse[-1, 0] == pytest.approx(force * 1e-4, rel=1e-6)
+    assert chunk.friction_impulse[-1, 0] == pytest.approx(direction * 0.2 * force * 1e-4, rel=1e-6)
+    # The drive pays: what friction does to the two bodies is stored and damped in them.
+    assert chunk.friction_work[-1] > 0.0
+    assert ledger_residual(chunk) < 1e-10
+
+
+def test_permanent_sliding_has_no_direction_at_standstill() -> None:
+    chunk = rubbing(0.0, "permanent")
+    assert chunk.contact_impulse.sum() > 0.0
+    np.testing.assert_array_equal(chunk.friction_impulse, 0.0)
+    np.testing.assert_array_equal(chunk.rotor_displacement[:, 1], 0.0)
+
+
+@pytest.mark.parametrize("forward", [1.0, -1.0])
+def test_signed_friction_at_standstill_takes_energy(forward: float) -> None:
+    """A blade that swings on the wall is braked, whichever way it goes."""
+    rotor = one_tip(
+        np.array([100.0, 200.0]),
+        tip_radial=np.array([[1.0, 0.0]]),
+        tip_tangential=np.array([[0.0, 1.0]]),
+    )
+    still = np.zeros(1)
+    start = Start(
+        rotor=np.array([1e-3, 0.0]),
+        rotor_velocity=np.array([0.0, 0.5 * forward]),
+        casing=still,
+        casing_velocity=still,
+    )
+    load = Load(rotor=np.array([20.0, 0.0]), casing=still)
+    given = problem(rotor, wall(1e-3), start=start, loads=(load,), friction=0.2, sliding="signed")
+    dt = 1e-5
+    _, chunk, _ = run(given, dt, 500)
+    assert chunk.friction_impulse[5, 0] == pytest.approx(forward * 0.2 * 10.0 * dt, rel=1e-6)
+    assert (np.diff(chunk.friction_work[1:]) < 0.0).all()
+    # Before it turns, the force 2 N against it is constant: closed form of the swing.
+    offset, amplitude = forward * 2.0 / 200.0**2, 0.5 * forward / 200.0
+    phase = 200.0 * chunk.time
+    exact = -offset * (1.0 - np.cos(phase)) + amplitude * np.sin(phase)
+    np.testing.assert_allclose(chunk.rotor_displacement[:, 1], exact, atol=1e-5 * abs(amplitude))
+
+
+def uneven_wall(nodes: int, seed: int) -> tuple[ReducedCasing, CubicHermiteSpline]:
+    """A rigid casing with a clearance that varies, and the same curve by SciPy over one turn."""
+    random = np.random.default_rng(seed)
+    clearance = np.column_stack(
+        [random.uniform(1e-3, 2e-3, nodes), random.normal(scale=1e-3, size=nodes)]
+    )
+    casing = replace(wall(0.0, nodes), clearance=clearance)
+    around = np.vstack([clearance, clearance[:1]])
+    arc = np.linspace(0.0, 2.0 * np.pi, nodes + 1)  # radius 1: arc length is angle
+    return casing, CubicHermiteSpline(arc, around[:, 0], around[:, 1])
+
+
+@pytest.mark.parametrize("speed", [37.0, -37.0, 2.0 * np.pi * 100.0])
+@pytest.mark.parametrize("nodes", [1, 3, 40])
+def test_a_tip_passes_from_element_to_element(nodes: int, speed: float) -> None:
+    """More than one turn, over node 0 in both senses; at 100 turns a second it lands on nodes."""
+    casing, curve = uneven_wall(nodes, nodes)
+    tips = 3
+    angle = np.array([0.0, 2.1, 5.9])
+    rotor = ReducedRotor(
+        frequency=np.ones(1),
+        damping_ratio=np.zeros(1),
+        tip_radial=np.zeros((tips, 1)),
+        tip_tangential=np.zeros((tips, 1)),
+        centre=np.zeros((2, 1)),
+        tip_angle=angle,
+        tip_radius=1.0,
+        tip_recess=np.zeros(tips),
+        column=np.full(1, -1),
+        dampers=np.zeros((0, 1)),
+    )
+    _, chunk, _ = run(problem(rotor, casing, speed=speed), 1e-3, 250)
+    at = np.mod(angle + speed * chunk.time[:, None], 2.0 * np.pi)
+    np.testing.assert_allclose(chunk.gap, curve(at), rtol=1e-10)
+
+
+@pytest.mark.parametrize("tip_rotation", [False, True])
+def test_the_place_of_a_tip_may_follow_its_tangential_displacement(tip_rotation: bool) -> None:
+    casing, curve = uneven_wall(5, 9)
+    rotor = one_tip(np.array([40.0]), tip_tangential=np.ones((1, 1)), tip_angle=np.array([6.0]))
+    still = np.zeros(1)
+    start = Start(rotor=np.array([0.6]), rotor_velocity=still, casing=still, casing_velocity=still)
+    given = problem(rotor, casing, start=start, speed=5.0, tip_rotation=tip_rotation)
+    _, chunk, _ = run(given, 1e-3, 400)
+    swing = chunk.rotor_displacement[:, 0]
+    assert swing.min() < -0.59
+    at = np.mod(6.0 + 5.0 * chunk.time + swing * tip_rotation, 2.0 * np.pi)
+    np.testing.assert_allclose(chunk.gap[:, 0], curve(at), rtol=1e-9)
+
+
+def test_a_travelling_tip_feels_the_casing_under_it() -> None:
+    """The gap closes by u_r and opens by the casing's w, interpolated with its slopes."""
+    given = stage_problem()
+    casing = given.casing
+    moved = np.random.default_rng(3).normal(scale=1e-5, size=len(casing.frequency))
+    given = replace(given, start=replace(given.start, casing=moved), loads=())
+    _, chunk, _ = run(given, 1e-6, 200, every=20)
+    fields = np.einsum("nkm,tm->tnk", casing.nodal[:, :2], chunk.casing_displacement)
+    around = np.concatenate([fields, fields[:, :1]], axis=1)
+    arc = casing.element_length * np.arange(len(casing.nodal) + 1)
+    gap = np.empty((chunk.records, 22))
+    for i, time in enumerate(chunk.time):
+        wall_curve = CubicHermiteSpline(arc, around[i, :, 0], around[i, :, 1])
+        at = np.mod(given.rotor.tip_angle + given.speed * time, 2.0 * np.pi) * casing.radius
+        outward = given.rotor.tip_radial @ chunk.rotor_displacement[i]
+        gap[i] = 1e-3 + wall_curve(at) - outward
+    # A record holds the smallest gap since the one before.
+    assert (chunk.gap[1:] <= gap[1:] + 1e-12).all()
+    np.testing.assert_allclose(chunk.gap[0], gap[0], rtol=1e-10)
+    steps = run(given, 1e-6, 200)[1]
+    np.testing.assert_allclose(steps.gap[::20], gap, rtol=1e-9)
+    np.testing.assert_array_equal(chunk.gap[1:], steps.gap[1:].reshape(10, 20, 22).min(axis=1))
+
+
+def test_a_rigid_casing_needs_no_mode() -> None:
+    rotor = one_tip(np.array([100.0]), tip_radial=np.ones((1, 1)))
+    idle = wall(1e-3)
+    rigid = replace(
+        idle,
+        frequency=np.zeros(0),
+        damping_ratio=np.zeros(0),
+        nodal=np.zeros((4, 4, 0)),
+        column=np.zeros(0, dtype=np.int64),
+        dampers=np.zeros((0, 0)),
+    )
+    chunks = []
+    for casing in (idle, rigid):
+        load = Load(rotor=np.array([50.0]), casing=np.zeros(len(casing.frequency)))
+        chunks.append(run(problem(rotor, casing, loads=(load,)), 1e-4, 500)[1])
+    assert chunks[0].contact_impulse.sum() > 0.0
+    assert chunks[1].casing_displacement.shape == (501, 0)
+    np.testing.assert_array_equal(chunks[0].contact_impulse, chunks[1].contact_impulse)
+
+
+@pytest.mark.parametrize("recess", [3e-4, -2e-4])
+def test_a_short_blade_touches_later_and_a_long_one_sooner(recess: float) -> None:
+    """A tip at constant speed meets a rigid wall after clearance + recess."""
+    clearance, velocity, dt = 1e-3, 2.0, 1e-6
+    rotor = one_tip(np.zeros(1), tip_radial=np.ones((1, 1)), tip_recess=np.array([recess]))
+    start = Start(
+        rotor=np.zeros(1),
+        rotor_velocity=np.full(1, velocity),
+        casing=np.zeros(1),
+        casing_velocity=np.zeros(1),
+    )
+    touching = problem(rotor, wall(clearance), start=start)
+    assert initial_gap(touching) == pytest.approx(clearance + recess)
+    _, chunk, _ = run(touching, dt, 800)
+    first = chunk.time[np.flatnonzero(chunk.contact_impulse[:, 0])[0]]
+    assert first == pytest.approx((clearance + recess) / velocity, abs=2.0 * dt)
+    assert chunk.rotor_displacement.max() == pytest.approx(clearance + recess, abs=1e-9)

@@ -1,0 +1,234 @@
+"""Results on disk: layout, growth, what a kill leaves, and that nothing infinite gets in."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import fields, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+from places import ROOT
+from synthetic_result import synthetic_result
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import with_values
+from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.postprocess.fields.result import check_result, open_result
+from bladewhirl.solvers.march.march import Chunk
+from bladewhirl.solvers.march.recorder import (
+    HISTORY,
+    STATIC,
+    Attribute,
+    NonFiniteError,
+    Recorder,
+    description_bytes,
+    result_bytes,
+)
+
+SMALL = {
+    "bladed_disk.blades": 5,
+    "bladed_disk.elements_per_blade": 2,
+    "casing.elements": 8,
+    "reduction.fixed_interface_modes": 10,
+}
+SUPPORTS = {
+    "casing.springs": [{"angle": 0.0, "radial": 1e6}, {"angle": 2.0, "tangential": 1e5}],
+    "casing.struts": [{"angle": 3.0, "length": 0.2}],
+}
+ATTRIBUTES: dict[str, Attribute] = {
+    "title": "made up",
+    "speed": 100.0,
+    "reference_frequency": 250.0,
+    "clamped": 0,
+}
+
+
+@cache
+def small_stage(*, supported: bool = False) -> StageArrays:
+    if not supported:
+        return build_stage(with_values(Case(), SMALL)).arrays
+    return replace(
+        build_stage(with_values(Case(), SMALL | SUPPORTS)).arrays,
+        rotor_link=np.array([[3, 2]]),
+        rotor_spring=np.array([[1, -1], [2, 5]]),
+        mass_node=np.array([1, 4]),
+        point_mass=np.array([0.25, 0.5]),
+    )
+
+
+def made_up(stage: StageArrays, first: int, count: int) -> Chunk:
+    """Records whose every number tells where it belongs."""
+    sizes = {
+        "rotor_mode": len(stage.rotor_frequency),
+        "casing_mode": len(stage.casing_frequency),
+        "blade": len(stage.tip_node),
+    }
+    number = np.arange(first, first + count)
+    values: dict[str, Any] = {"step": 100 * number, "time": 1e-4 * number}
+    for place, (name, variable) in enumerate(HISTORY.items()):
+        if name == "time":
+            continue
+        width = [sizes[dimension] for dimension in variable.dimensions[1:]]
+        columns = np.arange(np.prod(width, dtype=int)).reshape(width)
+        values[name] = number.reshape(-1, *[1] * len(width)) * 1000 + columns + place / 64
+    for name in ("contact_steps", "contacts"):
+        values[name] = values[name].astype(np.int64)
+    return Chunk(**values)
+
+
+def test_the_layout_covers_everything_there_is() -> None:
+    assert [*STATIC] == [field.name for field in fields(StageArrays)]
+    assert {*HISTORY} == {field.name for field in fields(Chunk)} - {"step"}
+
+
+def test_what_a_stage_has_none_of_is_left_out(tmp_path: Path) -> None:
+    with Recorder(tmp_path / "result.nc", small_stage(), ATTRIBUTES) as recorder:
+        recorder.write(made_up(small_stage(), 0, 1))
+    with xr.open_dataset(tmp_path / "result.nc") as found:
+        missing = {*STATIC} - {*found.variables}
+        hung = {"rotor_link", "rotor_spring", "mass_node", "point_mass"}
+        assert missing == {name for name in STATIC if name.startswith("support_")} | hung
+        assert "support" not in found.sizes
+
+
+def test_a_result_grows_and_reads_back_to_the_last_bit(tmp_path: Path) -> None:
+    stage = small_stage(supported=True)
+    with Recorder(tmp_path / "result.nc", stage, ATTRIBUTES) as recorder:
+        for first, count in ((0, 7), (7, 0), (7, 200), (207, 1)):
+            recorder.write(made_up(stage, first, count))
+        assert (recorder.records, recorder.steps) == (208, 20_700)
+        recorder.finish("completed", "", {"wall_time": 0.5})
+    whole = made_up(stage, 0, 208)
+    with xr.open_dataset(tmp_path / "result.nc") as found:
+        for name, variable in {**HISTORY, **STATIC}.items():
+            assert found[name].dims == variable.dimensions
+            assert found[name].attrs["units"] == variable.units
+            assert found[name].attrs["long_name"]
+        for name in HISTORY:
+            np.testing.assert_array_equal(found[name].values, getattr(whole, name))
+        for field in fields(StageArrays):
+            given = np.asarray(getattr(stage, field.name))
+            np.testing.assert_array_equal(found[field.name].values, given)
+        assert found["contact_steps"].dtype == np.int64
+        assert found["rotor_family"].values[0] == "1F"
+        assert found["rotor_shape"].sel(rotor_component="y").sizes["rotor_node"] == 16
+        assert found.encoding["unlimited_dims"] == {"time"}
+        expected = {"end_reason": "completed", "end_message": "", "steps": 20_700, **ATTRIBUTES}
+        assert {name: found.attrs[name] for name in expected} == expected
+        assert found.attrs["wall_time"] == 0.5
+
+
+def test_variables_and_dimensions_are_those_postprocess_is_tested_with(tmp_path: Path) -> None:
+    stage = small_stage()
+    model = synthetic_result(records=3)
+    attributes: dict[str, Attribute] = {str(name): 1.0 for name in model.attrs}
+    with Recorder(tmp_path / "result.nc", stage, attributes) as recorder:
+        recorder.write(made_up(stage, 0, 1))
+    with open_result(tmp_path) as found:
+        check_result(found, "it")
+        assert {*model.variables} == {*found.variables} - {
+            "axis",
+            "rotor_component",
+            "casing_component",
+        }
+        for name, variable in model.variables.items():
+            assert found[name].dims == variable.dims
+            text = variable.dtype.kind == "O"
+            assert found[name].dtype.kind in ("UO" if text else variable.dtype.kind)
+
+
+def test_a_number_that_is_not_finite_never_gets_in(tmp_path: Path) -> None:
+    stage = small_stage()
+    chunk = made_up(stage, 0, 6)
+    gap = chunk.gap.copy()
+    gap[4, 2] = np.inf
+    velocity = chunk.rotor_velocity.copy()
+    velocity[5, 0] = np.nan
+    with Recorder(tmp_path / "result.nc", stage, ATTRIBUTES) as recorder:
+        with pytest.raises(NonFiniteError, match="record 4 is not finite"):
+            recorder.write(replace(chunk, gap=gap, rotor_velocity=velocity))
+        assert (recorder.records, recorder.steps) == (4, 300)
+        recorder.finish("divergent", "too far", {})
+    with xr.open_dataset(tmp_path / "result.nc") as found:
+        assert found.sizes["time"] == 4
+        for name in found.variables:
+            if found[name].dtype.kind == "f":
+                assert np.isfinite(found[name].values).all()
+
+
+def test_the_size_of_a_result_is_foretold(tmp_path: Path) -> None:
+    stage = small_stage()
+    path = tmp_path / "result.nc"
+    with Recorder(path, stage, ATTRIBUTES) as recorder:
+        for first in range(0, 40_000, 4000):
+            recorder.write(made_up(stage, first, 4000))
+    modes = len(stage.rotor_frequency), len(stage.casing_frequency)
+    told = description_bytes(stage) + result_bytes(*modes, 5, 40_000)
+    assert path.stat().st_size == pytest.approx(told, rel=0.01)
+
+
+def test_the_size_of_a_short_result_is_foretold(tmp_path: Path) -> None:
+    stage = small_stage()
+    path = tmp_path / "result.nc"
+    with Recorder(path, stage, ATTRIBUTES) as recorder:
+        recorder.write(made_up(stage, 0, 7))
+    modes = len(stage.rotor_frequency), len(stage.casing_frequency)
+    told = description_bytes(stage) + result_bytes(*modes, 5, 7)
+    assert path.stat().st_size == pytest.approx(told, rel=0.05)
+
+
+def test_a_file_that_cannot_be_made_is_an_os_error(tmp_path: Path) -> None:
+    with pytest.raises(OSError, match="nowhere"):
+        Recorder(tmp_path / "nowhere" / "result.nc", small_stage(), ATTRIBUTES)
+
+
+ENDLESS = """
+import sys
+from itertools import count
+from test_recorder import ATTRIBUTES, made_up, small_stage
+from bladewhirl.solvers.march.recorder import Recorder
+
+stage = small_stage()
+with Recorder(sys.argv[1], stage, ATTRIBUTES) as recorder:
+    for number in count():
+        recorder.write(made_up(stage, 5 * number, 5))
+        print(recorder.records, flush=True)
+"""
+
+
+@pytest.mark.parametrize("told", [1, 40, 333])
+def test_a_killed_run_is_readable_to_the_last_flush(tmp_path: Path, told: int) -> None:
+    path = tmp_path / "result.nc"
+    # The test's own modules come before what the environment names, and don't replace it.
+    here = [str(Path(__file__).parent), str(ROOT / "tests" / "support")]
+    paths = [*here, *filter(None, [os.environ.get("PYTHONPATH")])]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+    with subprocess.Popen(
+        [sys.executable, "-c", ENDLESS, str(path)],
+        stdout=subprocess.PIPE,
+        text=True,
+        env=environment,
+    ) as process:
+        assert process.stdout is not None
+        flushed = [int(process.stdout.readline()) for _ in range(told)][-1]
+        process.send_signal(signal.SIGKILL)
+    assert process.returncode == -signal.SIGKILL
+    with h5py.File(path) as file:  # opens without repair
+        assert "rotor_displacement" in file
+    with xr.open_dataset(path) as found:
+        assert found.sizes["time"] >= flushed == 5 * told
+        assert found.attrs["end_reason"] == "unfinished"
+        kept = made_up(small_stage(), 0, flushed)
+        assert found.attrs["steps"] >= kept.step[-1]
+        for name in HISTORY:
+            values = found[name].values[:flushed]
+            np.testing.assert_array_equal(values, getattr(kept, name))

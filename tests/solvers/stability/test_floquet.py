@@ -1,0 +1,145 @@
+"""Monodromy by direct integration: closed forms, Mathieu, another integrator, the frame."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+from scipy.special import mathieu_a, mathieu_b
+
+from bladewhirl.models.coupling.springs import (
+    CouplingModes,
+    FloatArray,
+    paper_modes,
+    periodic_stiffness,
+)
+from bladewhirl.solvers.stability.floquet import floquet
+from bladewhirl.solvers.stability.growth import eigenvalues, growth_rate
+
+UNIT = 255.0
+"""A bladed disk's lowest frequency [rad/s], the unit of the speeds below."""
+
+
+def six_modes(damping_ratio: float = 0.0) -> CouplingModes:
+    return paper_modes(
+        casing=0.055 * UNIT,
+        first_flexural=UNIT,
+        suspension=2.527 * UNIT,
+        damping_ratio=damping_ratio,
+    )
+
+
+def test_oscillator_of_constant_stiffness() -> None:
+    """x'' + 2 xi w x' + w^2 x = 0 has exponents -xi w +- i w sqrt(1 - xi^2)."""
+    result = floquet(
+        lambda times: np.full((len(times), 1, 1), 9.0), period=1.0, damping=np.array([[0.6]])
+    )
+    exact = -0.3 + 1j * np.sqrt(9.0 - 0.09)
+    assert np.sort_complex(result.exponents) == pytest.approx([exact.conjugate(), exact], rel=1e-12)
+    cos, sin, w = np.cos(exact.imag), np.sin(exact.imag), exact.imag
+    position = np.exp(-0.3) * np.array([cos + 0.3 * sin / w, sin / w])
+    assert result.monodromy[0] == pytest.approx(position, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("characteristic", "trace"),
+    [
+        pytest.param(mathieu_a(0, 1.0), 2.0, id="a0"),
+        pytest.param(mathieu_b(1, 1.0), -2.0, id="b1"),
+        pytest.param(mathieu_a(1, 1.0), -2.0, id="a1"),
+        pytest.param(mathieu_b(2, 1.0), 2.0, id="b2"),
+        pytest.param(mathieu_a(2, 1.0), 2.0, id="a2"),
+    ],
+)
+def test_borders_of_the_mathieu_equation(characteristic: float, trace: float) -> None:
+    """x'' + (a - 2 cos 2t) x = 0: the multipliers reach +-1 at the characteristic values."""
+
+    def excess(a: float) -> float:
+        result = floquet(lambda times: (a - 2.0 * np.cos(2.0 * times))[:, None, None], period=np.pi)
+        return float(np.trace(result.monodromy)) - trace
+
+    border = brentq(excess, characteristic - 0.1, characteristic + 0.1, xtol=1e-13)
+    assert border == pytest.approx(characteristic, abs=1e-11)
+
+
+def test_mathieu_grows_between_its_borders_only() -> None:
+    a = np.array([[[0.5]], [[2.5]]])  # between b1 and a1, between a1 and b2
+    result = floquet(lambda times: a - 2.0 * np.cos(2.0 * times)[:, None, None, None], period=np.pi)
+    assert result.monodromy.shape == (2, 2, 2)
+    assert result.growth[0] > 0.1
+    assert result.growth[1] == pytest.approx(0.0, abs=1e-10)
+
+
+def test_same_monodromy_as_a_runge_kutta_method() -> None:
+    modes, speed, kappa = six_modes(0.005), 1.17 * UNIT, 500.0
+    size, damping = modes.size, np.diag(modes.damping_rate[modes.entry])
+
+    def rate(time: float, state: FloatArray) -> FloatArray:
+        x, v = state.reshape(2, size, 2 * size)
+        k_t = periodic_stiffness(modes, kappa=kappa, angle=speed * time)
+        return np.concatenate([v, -k_t @ x - damping @ v]).ravel()
+
+    period = 2.0 * np.pi / speed
+    end = solve_ivp(
+        rate, (0.0, period), np.eye(2 * size).ravel(), method="DOP853", rtol=1e-12, atol=1e-12
+    ).y[:, -1]
+    expected = np.asarray(end).reshape(2 * size, 2 * size)
+    ours = floquet(
+        lambda times: periodic_stiffness(modes, kappa=kappa, angle=speed * times),
+        period=period,
+        damping=damping,
+    ).monodromy
+    scale = np.repeat([UNIT, 1.0], size)
+    assert scale[:, None] * (ours - expected) / scale == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.005])
+@pytest.mark.parametrize(
+    ("speed", "kappa"), [(0.6, 1000.0), (1.17, 500.0), (1.9, 500.0), (2.7, 500.0), (2.7, 900.0)]
+)
+def test_agrees_with_the_autonomous_form(speed: float, kappa: float, damping_ratio: float) -> None:
+    modes = six_modes(damping_ratio)
+    omega = speed * UNIT
+    result = floquet(
+        lambda times: periodic_stiffness(modes, kappa=kappa, angle=omega * times),
+        period=2.0 * np.pi / omega,
+        damping=np.diag(modes.damping_rate[modes.entry]),
+    )
+    growth = growth_rate(modes, speed=omega, kappa=kappa)
+    assert result.growth == pytest.approx(growth, rel=1e-6, abs=1e-6 * UNIT)
+    # Over one turn the half-speed frame changes sign.
+    expected = -np.exp(eigenvalues(modes, speed=omega, kappa=kappa) * result.period)
+    distance = np.abs(expected[:, None] - result.multipliers)
+    assert distance.min(axis=0) == pytest.approx(0.0, abs=1e-9)
+    assert distance.min(axis=1) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_agrees_for_many_nodal_diameters_and_a_single_mode() -> None:
+    # The last two are a casing pair and a single rotor mode, as for k = N/2.
+    modes = CouplingModes(
+        name=tuple("abcdefghi"),
+        on_casing=np.array([1, 0, 1, 0, 0, 1, 0, 1, 0], dtype=bool),
+        nodal_diameter=np.array([0, 0, 1, 1, 1, 2, 2, 3, 3]),
+        frequency=np.array([1.1, 1.0, 0.3, 0.9, 2.4, 0.5, 1.2, 1.3, 1.4]),
+        amplitude=np.array([0.4, 0.6, 0.5, 0.3, 0.2, 0.4, 0.7, 0.9, 0.8]),
+        damping_ratio=np.linspace(0.001, 0.01, 9),
+        paired=np.array([0, 0, 1, 1, 1, 1, 1, 1, 0], dtype=bool),
+    )
+    for speed in (0.7, 1.0, 1.25):
+
+        def stiffness(times: FloatArray, speed: float = speed) -> FloatArray:
+            return periodic_stiffness(modes, kappa=0.5, angle=speed * times)
+
+        result = floquet(
+            stiffness,
+            period=2.0 * np.pi / speed,
+            damping=np.diag(modes.damping_rate[modes.entry]),
+        )
+        growth = growth_rate(modes, speed=speed, kappa=0.5)
+        assert result.growth == pytest.approx(growth, abs=1e-9)
+
+
+def test_too_tight_a_tolerance_is_said() -> None:
+    with pytest.raises(ArithmeticError, match="monodromy matrix: expected a change below 0"):
+        floquet(lambda times: np.cos(times)[:, None, None], period=2.0 * np.pi, tolerance=0.0)

@@ -1,0 +1,241 @@
+"""Growth rates, zones and tracked branches, against closed forms, scans and the real system."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bladewhirl.models.coupling.invariant_frame import invariant_matrices, state_matrix
+from bladewhirl.models.coupling.springs import (
+    CouplingModes,
+    FloatArray,
+    paper_modes,
+)
+from bladewhirl.solvers.stability.growth import (
+    coincidence_speeds,
+    eigenvalues,
+    growth_rate,
+    is_unstable,
+    stability_chart,
+)
+from bladewhirl.solvers.stability.tracking import track
+from bladewhirl.solvers.stability.zones import unstable_zones
+
+UNIT = 255.0
+"""A bladed disk's lowest frequency [rad/s], the unit of the speeds below."""
+
+CASING, FIRST, SUSPENSION = 0.055 * UNIT, UNIT, 2.527 * UNIT
+
+
+def six_modes(damping_ratio: float = 0.0) -> CouplingModes:
+    return paper_modes(
+        casing=CASING, first_flexural=FIRST, suspension=SUSPENSION, damping_ratio=damping_ratio
+    )
+
+
+def random_pairs(seed: int) -> CouplingModes:
+    """One to three casing and rotor pairs of k = 2."""
+    rng = np.random.default_rng(seed)
+    casing, rotor = rng.integers(1, 4, 2)
+    count = int(casing + rotor)
+    return CouplingModes(
+        name=("pair",) * count,
+        on_casing=np.arange(count) < casing,
+        nodal_diameter=np.full(count, 2),
+        frequency=rng.uniform(0.05, 5.0, count),
+        amplitude=rng.uniform(0.1, 1.5, count),
+        damping_ratio=np.zeros(count),
+        paired=np.ones(count, dtype=bool),
+    )
+
+
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.02])
+def test_half_size_spectrum_is_that_of_equation_21(damping_ratio: float) -> None:
+    modes = six_modes(damping_ratio)
+    for speed, kappa in ((0.8, 100.0), (1.17, 500.0), (2.7, 900.0)):
+        state = state_matrix(modes, speed=speed * UNIT, kappa=kappa)
+        full = np.linalg.eigvals(state)
+        ours = eigenvalues(modes, speed=speed * UNIT, kappa=kappa)
+        distance = np.abs(full[:, None] - ours)
+        assert distance.min(axis=0) == pytest.approx(0.0, abs=1e-9 * UNIT)
+        assert distance.min(axis=1) == pytest.approx(0.0, abs=1e-9 * UNIT)
+
+
+def test_pi_decides_at_the_papers_example_point() -> None:
+    """(1.17, 500 N/m): unstable with pi, stable without (claim 11)."""
+    speed, kappa = 1.17 * UNIT, 500.0
+    assert growth_rate(six_modes(), speed=speed, kappa=kappa) == pytest.approx(7.5, abs=0.1)
+    assert growth_rate(six_modes(), speed=speed, kappa=kappa, with_pi=False) == 0.0
+    assert 6.5 < growth_rate(six_modes(0.005), speed=speed, kappa=kappa) < 7.1
+
+
+def test_no_springs_no_growth() -> None:
+    speeds = np.linspace(0.6, 3.0, 400) * UNIT
+    assert not is_unstable(growth_rate(six_modes(), speed=speeds, kappa=0.0), speeds).any()
+    damped = growth_rate(six_modes(0.01), speed=speeds, kappa=0.0)
+    assert damped == pytest.approx(-0.01 * CASING, rel=1e-6)
+
+
+def test_narrow_zones_have_the_width_and_growth_of_the_averaged_equations() -> None:
+    """To first order in eps: width 2 eps / (k sqrt(w_c w_r)), growth eps / (2 sqrt(w_c w_r))."""
+    for kappa in (1e-4, 1e-2):
+        zones = unstable_zones(
+            six_modes(), kappas=np.array([kappa]), low=0.6 * UNIT, high=3.0 * UNIT
+        )
+        mean = np.sqrt(CASING * np.array([FIRST, SUSPENSION]))
+        eps = np.pi * kappa
+        assert zones.rotor.tolist() == [1, 2]
+        assert zones.upper - zones.lower == pytest.approx(2.0 * eps / mean, rel=1e-3)
+        assert zones.growth == pytest.approx(0.5 * eps / mean, rel=1e-3)
+
+
+def test_zones_start_at_the_coincidence_speeds_and_widen() -> None:
+    """Claim 10; the shift of claim 13 upwards."""
+    modes = six_modes()
+    kappas = np.array([1e-6, 10.0, 100.0, 500.0, 1000.0])
+    zones = unstable_zones(modes, kappas=kappas, low=0.6 * UNIT, high=3.0 * UNIT)
+    coincidence = coincidence_speeds(modes)
+    assert coincidence == {(0, 1): CASING + FIRST, (0, 2): CASING + SUSPENSION}
+    for rotor in (1, 2):
+        zone = zones.rotor == rotor
+        assert zones.kappa[zone].tolist() == kappas.tolist()
+        assert zones.lower[zone][0] == pytest.approx(coincidence[0, rotor], rel=1e-8)
+        assert np.all(np.diff(zones.upper[zone] - zones.lower[zone]) > 0.0)
+        assert np.all(np.diff(zones.lower[zone]) > 0.0)
+
+
+def test_co_rotating_combinations_give_no_instability() -> None:
+    """k Omega = |w_c - w_r| and the crossings of waves of one body stay stable (claim 14)."""
+    modes = replace(six_modes(), frequency=np.array([1.5, 1.0, 2.6]))
+    speeds = np.concatenate([np.linspace(c - 0.1, c + 0.1, 401) for c in (0.5, 1.1, 0.8)])
+    assert np.all(growth_rate(modes, speed=speeds, kappa=0.02 / np.pi) == 0.0)
+    zones = unstable_zones(modes, kappas=np.array([1e-8]), low=0.0, high=10.0)
+    assert zones.lower == pytest.approx([2.5, 4.1], rel=1e-6)
+
+
+def test_printed_sign_of_equation_18_gives_no_instability() -> None:
+    """With the gyroscopic block of q5, q6 as printed zones A and B are not there (erratum)."""
+    modes, kappa = six_modes(), 500.0
+    unstable = {True: 0, False: 0}
+    for speed in np.linspace(0.6, 3.0, 97) * UNIT:
+        gyroscopic, stiffness = invariant_matrices(modes, speed=speed, kappa=kappa)
+        printed = gyroscopic.copy()
+        printed[:2, :2] *= -1.0  # the casing's coordinates stand first here
+        for as_printed, matrix in ((True, printed), (False, gyroscopic)):
+            state = np.block([[np.zeros((6, 6)), np.eye(6)], [-stiffness, -matrix]])
+            growth = np.linalg.eigvals(state).real.max()
+            unstable[as_printed] += bool(is_unstable(growth, speed))
+    assert unstable[True] == 0
+    assert unstable[False] >= 5
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_zones_hold_exactly_the_unstable_points_of_a_scan(seed: int) -> None:
+    modes, kappa = random_pairs(seed), 10.0 ** np.random.default_rng(seed).uniform(-2.0, 1.5)
+    speeds = np.linspace(0.01, 6.0, 400)
+    zones = unstable_zones(modes, kappas=np.array([kappa]), low=speeds[0], high=speeds[-1])
+    inside = np.any((speeds >= zones.lower[:, None]) & (speeds <= zones.upper[:, None]), axis=0)
+    scanned = is_unstable(growth_rate(modes, speed=speeds, kappa=kappa), speeds)
+    assert inside.tolist() == scanned.tolist()
+
+
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.005])
+def test_borders_part_growth_from_stability(damping_ratio: float) -> None:
+    modes = six_modes(damping_ratio)
+    zones = unstable_zones(modes, kappas=np.array([50.0, 700.0]), low=0.6 * UNIT, high=3.0 * UNIT)
+    assert zones.kappa.tolist() == [50.0, 50.0, 700.0, 700.0]
+    gap = 1e-7 * UNIT
+    for border, outwards in ((zones.lower, -1.0), (zones.upper, 1.0)):
+        for side, unstable in ((outwards, False), (-outwards, True)):
+            speed = border + side * gap
+            growth = growth_rate(modes, speed=speed, kappa=zones.kappa)
+            assert is_unstable(growth, speed).tolist() == [unstable] * 4
+
+
+def test_zones_are_cut_at_the_ends_of_the_range() -> None:
+    zones = unstable_zones(
+        six_modes(), kappas=np.array([0.0, 500.0]), low=1.17 * UNIT, high=2.7 * UNIT
+    )
+    assert zones.kappa.tolist() == [500.0, 500.0]
+    assert [zones.lower[0], zones.upper[1]] == pytest.approx([1.17 * UNIT, 2.7 * UNIT])
+
+
+def test_zones_where_a_single_mode_meets_a_pair() -> None:
+    """k = N/2: the zone starts at the coincidence too, found by sampling."""
+    modes = replace(
+        six_modes().take([0, 1]),
+        nodal_diameter=np.array([4, 4]),
+        frequency=np.array([1.0, 1.4]),
+        paired=np.array([True, False]),
+    )
+    zones = unstable_zones(modes, kappas=np.array([0.02]), low=0.3, high=0.9)
+    assert zones.lower < 0.62 < zones.upper
+    speeds = np.linspace(0.3, 0.9, 301)
+    inside = (speeds > zones.lower) & (speeds < zones.upper)
+    scanned = is_unstable(growth_rate(modes, speed=speeds, kappa=0.02), speeds)
+    assert inside.tolist() == scanned.tolist()
+
+
+def test_modes_of_one_body_or_of_k_0_have_no_zones() -> None:
+    rotor_only = six_modes().take([1, 2])
+    breathing = replace(
+        six_modes(), nodal_diameter=np.zeros(3, dtype=np.int64), paired=np.zeros(3, dtype=bool)
+    )
+    for modes in (rotor_only, breathing):
+        zones = unstable_zones(modes, kappas=np.array([500.0]), low=1.0, high=1000.0)
+        assert zones.kappa.size == 0
+
+
+def test_chart_is_the_growth_rate_on_a_grid_and_reports_progress() -> None:
+    speeds, kappas = np.linspace(0.6, 3.0, 90) * UNIT, np.linspace(0.0, 1000.0, 100)
+    calls: list[tuple[int, int]] = []
+    chart = stability_chart(
+        six_modes(),
+        speeds=speeds,
+        kappas=kappas,
+        progress=lambda done, of: calls.append((done, of)),
+    )
+    assert chart.growth.shape == (100, 90)
+    assert chart.growth[40, 33] == growth_rate(six_modes(), speed=speeds[33], kappa=kappas[40])
+    assert calls[-1] == (9000, 9000)
+    assert len(calls) > 1
+    assert not chart.unstable[0].any()
+    assert chart.unstable[-1].any()
+
+
+def test_growth_adds_nothing_across_nodal_diameters() -> None:
+    first = six_modes()
+    second = replace(first, nodal_diameter=np.full(3, 2), frequency=first.frequency * 1.9)
+    both = CouplingModes(
+        name=first.name + second.name,
+        **{
+            name: np.concatenate([getattr(first, name), getattr(second, name)])
+            for name in (
+                *("on_casing", "nodal_diameter", "frequency"),
+                *("amplitude", "damping_ratio", "paired"),
+            )
+        },
+    )
+    speeds = np.linspace(0.6, 3.0, 200) * UNIT
+    parts = [growth_rate(modes, speed=speeds, kappa=800.0) for modes in (first, second)]
+    assert growth_rate(both, speed=speeds, kappa=800.0) == pytest.approx(np.maximum(*parts))
+
+
+def test_branches_that_cross_keep_their_direction() -> None:
+    x = np.linspace(-1.0, 1.0, 41)
+    exact = np.stack([1j * x, -1j * x, 0.3 + 1j * x**2, 2.0 - 1j * x], axis=-1)
+    rng = np.random.default_rng(3)
+    shuffled = np.array([rng.permutation(row) for row in exact])
+    shuffled[0] = exact[0]
+    assert track(x, shuffled) == pytest.approx(exact, abs=1e-14)
+
+
+def test_tracked_spectrum_is_continuous_and_complete() -> None:
+    speeds = np.linspace(0.6, 3.0, 2401) * UNIT
+    spectra = eigenvalues(six_modes(), speed=speeds, kappa=500.0)
+    branches = track(speeds, spectra)
+    assert np.sort_complex(branches[1200]) == pytest.approx(np.sort_complex(spectra[1200]))
+    largest: FloatArray = np.abs(np.diff(branches, axis=0)).max(axis=1)
+    assert largest.max() < 0.02 * UNIT  # untracked, sorted spectra jump by the unit

@@ -1,0 +1,182 @@
+"""The command line: new case files, and errors of the user's in one line each."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import read_case
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.commands.cli import UserErrorGroup, app
+from bladewhirl.studies.commands.progress import ProgressLines
+
+RUNNER = CliRunner()
+LEFT_OF_200 = {
+    1: "6 min 38 s",
+    20: "6 min 0 s",
+    40: "5 min 20 s",
+    60: "4 min 40 s",
+    80: "4 min 0 s",
+    100: "3 min 20 s",
+    120: "2 min 40 s",
+    140: "2 min 0 s",
+    160: "1 min 20 s",
+    180: "40 s",
+}
+"""Time left after so many of 200 points, of two seconds each."""
+
+
+def test_new_writes_the_default_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert RUNNER.invoke(app, ["new"]).exit_code == 0
+    assert read_case("case.toml") == Case()
+
+
+def test_new_overwrites_by_force_only(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text("precious")
+    refused = RUNNER.invoke(app, ["new", str(path)])
+    assert refused.exit_code == 2
+    assert refused.stderr == f"{path}: already exists; --force overwrites it\n"
+    assert path.read_text() == "precious"
+    assert RUNNER.invoke(app, ["new", str(path), "--force"]).exit_code == 0
+    assert read_case(path) == Case()
+
+
+def test_new_where_nothing_can_be_written(tmp_path: Path) -> None:
+    for arguments in ([f"{tmp_path}/no/such/folder.toml"], ["--force", str(tmp_path)]):
+        result = RUNNER.invoke(app, ["new", *arguments])
+        assert result.exit_code == 2
+        assert "cannot be written" in result.stderr
+        assert len(result.stderr.splitlines()) == 1
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "value",
+    ["material.young_modulus=1e300", "material.young_modulus=1e24", "shaft.stiffness=1e-300"],
+)
+@pytest.mark.parametrize(
+    "command",
+    ["campbell", "convergence", "modes", "run", "show --png", "stability", "veering"],
+)
+def test_numbers_beyond_double_precision_are_one_line(
+    tmp_path: Path, command: str, value: str
+) -> None:
+    path = tmp_path / "extreme.toml"
+    path.write_text("bladed_disk = { blades = 5, elements_per_blade = 2 }\ncasing.elements = 20")
+    few = ["--set", "reduction.fixed_interface_modes=10", "--set", value]
+    done = RUNNER.invoke(app, [*command.split(), str(path), "-o", str(tmp_path / "out"), *few])
+    assert (done.exit_code, done.stdout) == (2, "")
+    [line] = done.stderr.splitlines()
+    place = f"--set: {value.replace('=', ' = ')}: expected 1e+09 to 1e+12 Pa for a solid"
+    within = f"{path}: expected sizes, material and springs within reach of double precision"
+    assert line.startswith(place if "modulus" in value else within)
+    assert [*tmp_path.iterdir()] == [path]
+
+
+def command_raising(error: Exception) -> typer.Typer:
+    small = typer.Typer(cls=UserErrorGroup, pretty_exceptions_enable=False)
+
+    @small.command()
+    def fail(path: Path) -> None:
+        raise error
+
+    @small.command()
+    def read(path: Path) -> None:
+        read_case(path)
+
+    return small
+
+
+def test_faults_are_lines_on_standard_error(tmp_path: Path) -> None:
+    path = tmp_path / "bad.toml"
+    path.write_text('title = 3\n[march]\nspeed = "[red]3[/red] kg"')
+    result = RUNNER.invoke(command_raising(UserError()), ["read", str(path)])
+    assert (result.exit_code, result.stdout) == (2, "")
+    lines = result.stderr.splitlines()
+    assert lines[0] == f"{path}: title = 3: expected text"
+    assert lines[1].startswith(f'{path}: march.speed = "[red]3[/red] kg": expected a number')
+    assert len(lines) == 2
+
+
+def test_a_message_of_many_lines_becomes_one() -> None:
+    result = RUNNER.invoke(command_raising(UserError("a\n  b")), ["fail", "x"])
+    assert (result.exit_code, result.stderr) == (2, "a b\n")
+
+
+def test_our_own_mistakes_are_not_hidden() -> None:
+    result = RUNNER.invoke(command_raising(ValueError("ours")), ["fail", "x"])
+    assert isinstance(result.exception, ValueError)
+
+
+def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    code = "from bladewhirl.studies.commands.cli import main; main()"
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        check=False,
+    )
+
+
+def test_the_installed_entry_point(tmp_path: Path) -> None:
+    assert run("new", cwd=tmp_path).returncode == 0
+    refused = run("new", cwd=tmp_path)
+    assert (refused.returncode, refused.stdout) == (2, "")
+    assert refused.stderr == "case.toml: already exists; --force overwrites it\n"
+    assert run("--version", cwd=tmp_path).stdout.startswith("bladewhirl ")
+    unknown = run("frobnicate", cwd=tmp_path)
+    assert unknown.returncode == 2
+    assert "Traceback" not in unknown.stderr
+
+
+def test_help_loads_nothing_heavy() -> None:
+    code = (
+        "import sys, typer.testing, bladewhirl.studies.commands.cli as cli\n"
+        "for arguments in (['--help'], ['new', '--help'], ['nonsense']):\n"
+        "    typer.testing.CliRunner().invoke(cli.app, arguments)\n"
+        "print(*sorted({name.partition('.')[0] for name in sys.modules}))\n"
+        "print(*sorted(name for name in sys.modules if name.startswith('bladewhirl.')))\n"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    top, own = (set(line.split()) for line in result.stdout.splitlines())
+    assert top.isdisjoint({"numpy", "scipy", "pint", "numba", "xarray", "pyvista"})
+    assert all(name.startswith("bladewhirl.studies") for name in own)
+
+
+def test_help_shows_every_word_in_brackets(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Texts are taken for markup: a bracket not escaped would vanish with what is in it."""
+    monkeypatch.setenv("TERMINAL_WIDTH", "300")
+    for name, command in typer.main.get_command(app).commands.items():  # type: ignore[attr-defined]
+        shown = RUNNER.invoke(app, [name, "--help"], env={"COLUMNS": "300"}).stdout
+        texts = [command.help, *(getattr(parameter, "help", None) for parameter in command.params)]
+        for bracketed in re.findall(r"\[[^\]\\]*\]", " ".join(filter(None, texts))):
+            assert bracketed in shown, f"{name} --help lacks {bracketed}"
+
+
+def test_a_job_tells_how_far_it_is_where_there_is_no_terminal(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    now = 0.0
+    lines = ProgressLines("points", clock=lambda: now)
+    for done in range(201):
+        now = 2.0 * done
+        lines(done, 200)
+    expected = [f"{n} of 200 points, {told} left" for n, told in LEFT_OF_200.items()]
+    assert [*capsys.readouterr().err.splitlines()] == [*expected, "200 of 200 points"]
+    now = 0.0
+    slow = ProgressLines("points", clock=lambda: now)
+    slow(1, 1000)
+    for now, done in [(59.0, 2), (61.0, 3), (200.0, 3)]:  # noqa: B007  # the clock reads it
+        slow(done, 1000, ", 1 failed")
+    told = "3 of 1000 points, 1 failed, 8 h 26 min left"  # two points in 61 s
+    assert capsys.readouterr().err.splitlines()[-1] == told

@@ -1,0 +1,69 @@
+"""`bladewhirl export`: what it writes, what it says, what it refuses."""
+
+from pathlib import Path
+
+import pytest
+import pyvista
+import synthetic_result as synthetic
+from typer.testing import CliRunner
+
+from bladewhirl.studies.commands.cli import app
+
+RUNNER = CliRunner()
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    directory = tmp_path_factory.mktemp("run")
+    synthetic.synthetic_result(elements=1).to_netcdf(directory / "result.nc", engine="h5netcdf")
+    return directory
+
+
+def test_a_window_as_lines(run: Path) -> None:
+    arguments = ["--frames", "5", "--from", "100 ms", "--to", "0.2"]
+    done = RUNNER.invoke(app, ["export", str(run), *arguments])
+    assert done.exit_code == 0, done.stderr
+    assert "5 instants from 0.1 s to 0.2 s" in done.stdout
+    assert "a revolution" in done.stderr  # too few for a smooth turn
+    reader = pyvista.PVDReader(run / "vtk" / "series.pvd")
+    assert reader.time_values == pytest.approx([0.1, 0.125, 0.15, 0.175, 0.2])
+    assert all(part.area == 0 for part in reader.read())
+
+
+def test_surfaces_in_a_named_folder(run: Path, tmp_path: Path) -> None:
+    target = tmp_path / "deep" / "machine"
+    done = RUNNER.invoke(
+        app, ["export", str(run / "result.nc"), "--surface", "--frames", "2", "-o", str(target)]
+    )
+    assert done.exit_code == 0, done.stderr
+    rotor, casing, contact = pyvista.PVDReader(target / "series.pvd").read()
+    assert rotor.area > 0
+    assert casing.area > 0
+    assert contact.n_points == 22
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--from", "0.3", "--to", "0.1"], "--from, --to: window [0.3, 0.1] s must be ordered"),
+        (["--from", "7"], "window [7, "),
+        (["--to", "soon"], "--to soon: expected a time in seconds"),
+        (["-o", "file/series"], "file/series: cannot be written"),
+    ],
+)
+def test_what_is_refused(
+    run: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    arguments: list[str],
+    message: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").touch()
+    before = sorted(run.rglob("*"))
+    done = RUNNER.invoke(app, ["export", str(run), *arguments])
+    assert done.exit_code == 2
+    assert message in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert sorted(run.rglob("*")) == before
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]

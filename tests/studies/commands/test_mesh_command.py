@@ -1,0 +1,185 @@
+"""`bladewhirl mesh`, and runs of cases with a mesh file: self-contained, and one line a fault."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from places import EXAMPLES
+from stages import steel
+from typer.testing import CliRunner
+
+from bladewhirl.meshes.files.registry import WRITERS, read_line_mesh
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import dumps_case, read_case, with_values
+from bladewhirl.models.geometry.sketch import Sketch
+from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.sweeps.axes import make_grid
+from bladewhirl.studies.sweeps.plan import plan_sweep, read_plan, write_plan
+
+RUNNER = CliRunner()
+
+
+def bladewhirl(*arguments: object) -> str:
+    done = RUNNER.invoke(app, [*map(str, arguments)])
+    assert done.exit_code == 0, done.output
+    return " ".join(done.stdout.split())
+
+
+def derived(*arguments: object) -> dict[str, Any]:
+    done = RUNNER.invoke(app, [*map(str, arguments)])
+    assert done.exit_code == 0, done.output
+    found: dict[str, Any] = json.loads(done.stdout)["derived"]
+    return found
+
+
+def fault(*arguments: object) -> str:
+    done = RUNNER.invoke(app, [*map(str, arguments)])
+    assert (done.exit_code, done.stdout) == (2, "")
+    [line] = done.stderr.splitlines()
+    return line
+
+
+@pytest.mark.parametrize("suffix", [*WRITERS])
+def test_a_case_is_written_and_read_as_a_mesh(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"stage{suffix}"
+    few = ["--set", "bladed_disk.blades=5"]
+    told = bladewhirl("mesh", EXAMPLES / "fan_stage.toml", *few, "-o", path)
+    for part in ("56 nodes, 60 lines", "tips nodes 5", "blades lines 50", f"Wrote {path}."):
+        assert part in told
+    assert [*tmp_path.iterdir()] == [path]
+    case = tmp_path / "case.toml"
+    case.write_text(f'bladed_disk.mesh.file = "{path.name}"')
+    modes = ["--set", "reduction.fixed_interface_modes=30", "--json"]
+    wanted = derived("show", EXAMPLES / "fan_stage.toml", *few, *modes)
+    found = derived("show", case, *modes)
+    assert found["bladed_disk_mass"] == pytest.approx(wanted["bladed_disk_mass"], rel=1e-12)
+    assert found["cyclic"] == wanted["cyclic"] == {"bladed_disk": True, "casing": True}
+    for mode, same in zip(found["bladed_disk"], wanted["bladed_disk"], strict=True):
+        assert mode["frequency"]["hz"] == pytest.approx(same["frequency"]["hz"], rel=1e-9)
+
+
+def test_a_mesh_is_converted_as_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "fan.inp"
+    assert "blade tips nodes 12" in bladewhirl("mesh", EXAMPLES / "shrouded_fan.msh", "-o", path)
+    before, after = (read_line_mesh(p) for p in (EXAMPLES / "shrouded_fan.msh", path))
+    assert np.array_equal(before.points, after.points)
+    assert np.array_equal(before.lines, after.lines)
+    assert set(after.line_groups) == {"disk", "blades", "shroud"}
+
+
+def test_files_are_overwritten_by_force_only(tmp_path: Path) -> None:
+    path = tmp_path / "fan.vtu"
+    path.write_text("precious")
+    arguments = ["mesh", EXAMPLES / "shrouded_fan.msh", "-o", path]
+    done = RUNNER.invoke(app, [*map(str, arguments)])
+    assert (done.exit_code, path.read_text()) == (2, "precious")
+    assert done.stderr == f"{path}: already exists; --force overwrites it\n"
+    bladewhirl(*arguments, "--force")
+    assert len(read_line_mesh(path).lines) == 192
+
+
+def test_what_a_format_does_not_hold_is_said(tmp_path: Path) -> None:
+    sketch = Sketch(3)
+    sketch.node("centre", 0.0, shared=True)
+    sketch.node("tip", 0.5)
+    sketch.node("weight", 0.45)
+    sketch.member("blades", "centre", "tip", steel(0.01), elements=2)
+    sketch.link("tip", "weight")
+    sketch.spring("tip", "tip+1", tangential=1e3)
+    sketch.set("centre", "centre")
+    sketch.set("tips", "tip")
+    case = tmp_path / "case.toml"
+    case.write_text(dumps_case(Case(sketch=sketch.table)))
+    done = RUNNER.invoke(app, ["mesh", str(case), "-o", str(tmp_path / "a.inp")])
+    assert done.exit_code == 0
+    left_out = "spring_radial, spring_tangential, spring_rotation, rigid"
+    assert done.stderr == f"{tmp_path / 'a.inp'} does not hold {left_out}; .vtu and .msh do.\n"
+    assert len(read_line_mesh(tmp_path / "a.inp").lines) == 6
+
+
+def test_a_run_of_a_mesh_file_can_be_rerun_from_its_folder_alone(tmp_path: Path) -> None:
+    elsewhere, first, moved, second = (tmp_path / name for name in ("in", "a", "b", "c"))
+    elsewhere.mkdir()
+    for suffix in (".toml", ".msh"):
+        shutil.copy(EXAMPLES / f"shrouded_fan{suffix}", elsewhere)
+    short = ["--set", "march.duration=2e-3", "--frames", "0"]
+    bladewhirl("run", elsewhere / "shrouded_fan.toml", "-o", first, *short)
+    shutil.rmtree(elsewhere)
+    first.rename(moved)
+    bladewhirl("run", moved / "case.toml", "-o", second, "--frames", "0")
+    bladewhirl("run", second / "case.toml", "-o", second, "--frames", "0", "--overwrite")
+    assert read_line_mesh(second / "mesh.msh").lines.shape == (192, 2)
+    with xr.open_dataset(moved / "result.nc") as a, xr.open_dataset(second / "result.nc") as b:
+        assert float(abs(a.energy).max()) > 0.0
+        np.testing.assert_array_equal(a.energy, b.energy)
+    assert read_case(second / "case.toml").blades == 12
+
+
+def test_modes_of_a_mesh_file() -> None:
+    told = bladewhirl("modes", EXAMPLES / "shrouded_fan.toml")
+    assert "56.5255" in told
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["none.msh"], "none.msh: expected a readable file (No such file or directory)"),
+        (["none.toml"], "none.toml: expected a readable file (No such file or directory)"),
+        (["bad.msh"], "bad.msh: expected a .msh file that meshio can read"),
+        (["bad.vtu", "--set", "march.speed=1"], "--set march.speed=1: expected a case file"),
+    ],
+)
+def test_faults_of_the_source(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], expected: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bad.msh").write_text("nonsense")
+    assert fault("mesh", *arguments, "-o", "out.vtu").startswith(expected)
+    assert [*tmp_path.iterdir()] == [tmp_path / "bad.msh"]
+
+
+@pytest.mark.parametrize("name", ["out.stl", "no/such/out.vtu", "no/such/out.msh"])
+def test_faults_of_the_target(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = RUNNER.invoke(app, ["mesh", str(EXAMPLES / "shrouded_fan.msh"), "-o", name])
+    assert done.exit_code == 2
+    [line] = done.stderr.splitlines()
+    assert line.startswith(f"{name}: ")
+    assert not [*tmp_path.iterdir()]
+
+
+@pytest.mark.parametrize("command", ["show", "run", "modes", "campbell", "stability", "mesh"])
+def test_a_bad_mapping_is_one_line_and_nothing_is_written(tmp_path: Path, command: str) -> None:
+    case = tmp_path / "case.toml"
+    mesh = EXAMPLES / "shrouded_fan.msh"
+    case.write_text(f'[bladed_disk.mesh]\nfile = "{mesh}"\nunit = "mm"\ncentre = "hub"')
+    output = [] if command == "show" else ["-o", tmp_path / "out.vtu"]
+    assert fault(command, case, *output) == (
+        f'{case}: bladed_disk.mesh.tips = "tips": expected a group of nodes of shrouded_fan.msh: '
+        '"hub", "blade tips"'
+    )
+    assert [*tmp_path.iterdir()] == [case]
+
+
+def test_a_sweep_keeps_its_mesh_and_varies_its_sections(tmp_path: Path) -> None:
+    elsewhere, begun = tmp_path / "in", tmp_path / "sweep"
+    elsewhere.mkdir()
+    begun.mkdir()
+    for suffix in (".toml", ".msh"):
+        shutil.copy(EXAMPLES / f"shrouded_fan{suffix}", elsewhere)
+    case = with_values(read_case(elsewhere / "shrouded_fan.toml"), {"march.duration": 1e-3})
+    key = "bladed_disk.mesh.sections.blades.thickness"
+    grid = make_grid(case, {key: [0.005, 0.006]}, large=False)
+    write_plan(plan_sweep(case, grid, histories=False), begun)
+    shutil.rmtree(elsewhere)
+    begun.rename(tmp_path / "moved")
+    again = read_plan(tmp_path / "moved")
+    assert again.case.blades == 12
+    values, unit = again.coordinates[key]
+    assert (values.tolist(), unit) == ([0.005, 0.006], "m")

@@ -1,0 +1,115 @@
+"""`bladewhirl plot`: figures by name, windows, and what it refuses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+from typer.testing import CliRunner, Result
+
+from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.result import open_result
+from bladewhirl.postprocess.run.figures import FIGURES, RunFigures
+from bladewhirl.postprocess.sweep.figures import SWEEP_FIGURES
+from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.commands.plot import NAMES, SWEEP_NAMES
+
+
+def plot(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, ["plot", *map(str, arguments)])
+
+
+@pytest.fixture
+def directory(tmp_path: Path) -> Path:
+    """The folder of a run."""
+    return made(tmp_path / "run", synthetic.SPEED)
+
+
+def made(folder: Path, speed: float) -> Path:
+    folder.mkdir()
+    synthetic.synthetic_result(shaft_radius=1.2e-3, speed=speed).to_netcdf(
+        folder / "result.nc", engine="h5netcdf"
+    )
+    return folder
+
+
+def test_the_help_names_every_figure() -> None:
+    assert list(NAMES) == list(FIGURES)
+    assert list(SWEEP_NAMES) == list(SWEEP_FIGURES)
+    shown = plot("--help").stdout
+    assert all(f"{name}:" in shown for name in (*NAMES, *SWEEP_NAMES))
+
+
+def test_all_figures_come_with_their_data(directory: Path) -> None:
+    result = plot(directory, "all")
+    assert result.exit_code == 0, result.stderr
+    assert result.stderr.startswith("regime left out: too short a history to judge growth")
+    drawn = [name for name in NAMES if name != "regime"]
+    expected = {f"{name}.{kind}" for name in drawn for kind in ("png", "pdf", "nc")}
+    assert {path.name for path in (directory / "plots").iterdir()} == expected
+    with xr.open_dataset(directory / "plots" / "state-space.nc", engine="h5netcdf") as data:
+        assert data.sizes["time"] == 401
+        assert data.sizes["revolution"] == 6  # 0.4 s at 80 rad/s: 5.1 turns
+    with xr.open_dataset(directory / "plots" / "spectrum.nc", engine="h5netcdf") as data:
+        assert set(data["mode"].values) == {"1F", "suspension", "casing", "Ω"}
+        peak = float(data.frequency[int(np.argmax(data.amplitude.values))])
+        assert peak == pytest.approx(-70.0, abs=5.0)
+
+
+def test_a_window_and_a_folder(directory: Path, tmp_path: Path) -> None:
+    result = plot(directory / "result.nc", "gaps", "orbit", "gaps", "--from", "0.1", "--to",
+                  "200 ms", "-o", tmp_path / "figures")  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    assert len(list((tmp_path / "figures").iterdir())) == 6
+    with xr.open_dataset(tmp_path / "figures" / "orbit.nc", engine="h5netcdf") as data:
+        assert data.time.values[[0, -1]] == pytest.approx([0.1, 0.2])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["waterfall", "orbit", "bode"], "waterfall, bode: a run has orbit, whirl, "),
+        (
+            ["orbit", "--from", "0.3", "--to", "0.1"],
+            "--from, --to: window [0.3, 0.1] s must be ordered",
+        ),
+        (["orbit", "--to", "soon"], "--to soon: expected a time"),
+    ],
+)
+def test_what_cannot_be_drawn_is_said_in_one_line(
+    directory: Path, arguments: list[str], complaint: str
+) -> None:
+    result = plot(directory, *arguments)
+    assert result.exit_code == 2
+    assert result.stderr.startswith(complaint)
+    assert result.stderr.count("\n") == 1
+    assert not (directory / "plots").exists()
+
+
+def test_a_folder_without_a_run(tmp_path: Path) -> None:
+    result = plot(tmp_path, "orbit")
+    assert result.exit_code == 2
+    assert "expected a result" in result.stderr
+
+
+def test_figures_that_a_run_does_not_have_are_left_out_of_all(tmp_path: Path) -> None:
+    still = made(tmp_path / "still", 0.0)
+    result = plot(still, "all")
+    assert result.exit_code == 0, result.stderr
+    assert result.stderr.startswith("state-space left out: a Poincaré map needs a revolution")
+    assert len(list((still / "plots").iterdir())) == 3 * (len(NAMES) - 2)
+    assert plot(still, "state-space").exit_code == 2
+
+
+def test_without_a_name_the_names_are_listed(directory: Path) -> None:
+    result = plot(directory)
+    assert result.exit_code == 0
+    assert [line.partition(":")[0] for line in result.stdout.splitlines()] == [*NAMES]
+
+
+def test_a_figure_that_there_is_not_names_those_that_there_are(directory: Path) -> None:
+    with open_result(directory) as result, pytest.raises(ViewError, match="one of orbit, whirl"):
+        RunFigures(result).draw("orbt")

@@ -1,0 +1,122 @@
+"""`bladewhirl render`: which files it writes, what it says, what it refuses."""
+
+from pathlib import Path
+
+import pytest
+import synthetic_result as synthetic
+from PIL import Image
+from typer.testing import CliRunner
+
+from bladewhirl.studies.commands.cli import app
+
+RUNNER = CliRunner()
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    directory = tmp_path_factory.mktemp("run")
+    synthetic.synthetic_result(elements=1).to_netcdf(directory / "result.nc", engine="h5netcdf")
+    return directory
+
+
+@pytest.mark.usefixtures("can_draw")
+def test_each_kind_goes_to_the_folder_of_the_run(run: Path) -> None:
+    done = RUNNER.invoke(app, ["render", str(run), "--gif", "--mp4", "--frames", "4"])
+    assert done.exit_code == 0, done.stderr
+    assert (run / "animation.mp4").is_file()
+    with Image.open(run / "animation.gif") as film:
+        assert getattr(film, "n_frames", 1) == 4
+    assert "4 pictures from" in done.stdout
+    assert "--from and --to choose another window" in done.stderr
+    assert RUNNER.invoke(app, ["render", str(run / "result.nc"), "--png"]).exit_code == 0
+    assert (run / "still.png").is_file()
+
+
+@pytest.mark.usefixtures("can_draw")
+def test_a_named_file_and_a_window_with_units(run: Path, tmp_path: Path) -> None:
+    path = tmp_path / "new" / "coarse.gif"
+    arguments = ["--from", "50 ms", "--to", "0.4", "--frames", "5", "--frame", "rotating"]
+    done = RUNNER.invoke(app, ["render", str(run), "-o", str(path), *arguments])
+    assert done.exit_code == 0, done.stderr
+    assert "5 pictures from 0.05 s to 0.4 s" in done.stdout
+    assert "a revolution" in done.stderr  # too few for a smooth turn
+    with Image.open(path) as film:
+        assert getattr(film, "n_frames", 1) == 5
+
+
+@pytest.mark.usefixtures("can_draw")
+def test_stills_at_times_and_a_sheet(run: Path, tmp_path: Path) -> None:
+    times = ["--time", "50 ms", "--time", "0.1", "--time", "0.2"]
+    still = ["render", str(run), "-o", str(tmp_path / "at.png"), "--colour", "gap", "--orbit"]
+    done = RUNNER.invoke(app, [*still, *times])
+    assert done.exit_code == 0, done.stderr
+    sheet = ["render", str(run), "--sheet", "-o", str(tmp_path / "many.png")]
+    done = RUNNER.invoke(app, [*sheet, "--frames", "4", "--from", "0.1", "--to", "0.2"])
+    assert done.exit_code == 0, done.stderr
+    assert "4 pictures" in done.stdout
+    assert {path.name for path in tmp_path.iterdir()} == {
+        *(f"at_{number}.png" for number in (1, 2, 3)),
+        "many.png",
+    }
+
+
+def test_a_page_needs_nothing_to_draw_with(run: Path, tmp_path: Path) -> None:
+    path = tmp_path / "run.html"
+    done = RUNNER.invoke(app, ["render", str(run), "-o", str(path), "--frames", "3"])
+    assert done.exit_code == 0, done.stderr
+    assert "3 pictures from" in done.stdout
+    assert path.is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--png", "--from", "0.1"], "--from: not for what is to be drawn"),
+        (["--gif", "--time", "0.1"], "--time: not for what is to be drawn"),
+        (["--png", "--time", "soon"], "--time soon: expected a time in seconds"),
+        (["--png", "--time", "3 mm"], "--time 3 mm: expected a time in seconds"),
+        (["--png", "--time", "7"], "time 7 s lies outside the run"),
+        (["--from", "0.3", "--to", "0.1"], "--from, --to: window [0.3, 0.1] s must be ordered"),
+        (["--from", "nan"], "--from nan: expected a time in seconds"),
+        (["--png", "--time", "nan"], "--time nan: expected a time in seconds"),
+        (["--sheet", "--time", "0.1", "--frames", "3"], "--frames: not for what is to be drawn"),
+        (["--png", "--time", "0.1", "--time", "9"], "time 9 s lies outside the run"),
+        (["--sheet", "-o", "film.gif"], "--output film.gif: expected one file"),
+        (["--html", "--time", "0.1"], "--time: not for what is to be drawn"),
+        (["--exaggeration", "0"], "exaggeration must be a positive number"),
+        (["-o", "film.avi"], "--output film.avi: expected a name that ends in"),
+        (["--png", "-o", "film.gif"], "--output film.gif: expected one file"),
+        (["--gif", "--mp4", "-o", "film.gif"], "asked for by --gif --mp4"),
+    ],
+)
+def test_what_is_refused(
+    run: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    arguments: list[str],
+    message: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    before = sorted(run.iterdir())
+    done = RUNNER.invoke(app, ["render", str(run), *arguments])
+    assert done.exit_code == 2
+    assert message in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert sorted(run.iterdir()) == before
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.usefixtures("can_draw")
+def test_where_nothing_can_be_written(run: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    target = tmp_path / "file" / "still.png"
+    done = RUNNER.invoke(app, ["render", str(run), "-o", str(target)])
+    assert done.exit_code == 2
+    assert done.stderr.startswith(f"{target}: cannot be written")
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_no_run_there(tmp_path: Path) -> None:
+    done = RUNNER.invoke(app, ["render", str(tmp_path)])
+    assert done.exit_code == 2
+    assert "result.nc: expected a result" in done.stderr

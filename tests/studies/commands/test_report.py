@@ -1,0 +1,185 @@
+"""`bladewhirl report`: pages that stand alone, with figures and numbers of what they are about."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+from report_pages import Parsed
+from typer.testing import CliRunner, Result
+
+from bladewhirl.postprocess.reports.words import (
+    CONTACT,
+    ENERGIES,
+    FREQUENCIES,
+    REGIME,
+    SHAFT,
+)
+from bladewhirl.postprocess.run.blade_contact import contact_maps
+from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.runs.reports import write_report
+
+FIGURES = [*REGIME, *SHAFT, *CONTACT, *FREQUENCIES, *ENERGIES]
+MARCHED = {
+    "complementarity_residual": 3.25e-12,
+    "unsolved_steps": 0,
+    "dt_over_critical": 0.2125,
+    "wall_time": 1.75,
+    "us_per_step": 4.375,
+}
+
+
+def made(folder: Path, **attributes: Any) -> Path:
+    """The folder of a run."""
+    folder.mkdir()
+    result = synthetic.synthetic_result(shaft_radius=1.2e-3)
+    attributes = {**MARCHED, **attributes}
+    known = {name: value for name, value in attributes.items() if value is not None}
+    result.assign_attrs(known).to_netcdf(folder / "result.nc", engine="h5netcdf")
+    (folder / "provenance.json").write_text(
+        json.dumps({"bladewhirl": "0.1.0", "python": "3.11.4", "dependencies": {"numpy": "2.2.9"}})
+    )
+    return folder
+
+
+def report(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, ["report", *map(str, arguments)])
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    run = made(tmp_path_factory.mktemp("reports") / "run", title="<b>a & b</b></script>")
+    done = report(run)
+    assert (done.exit_code, done.stdout) == (0, f"Wrote {run / 'report.html'}.\n"), done.stderr
+    return run
+
+
+@pytest.fixture(scope="module")
+def page(folder: Path) -> Parsed:
+    return Parsed((folder / "report.html").read_text(encoding="utf-8"))
+
+
+def test_it_stands_alone(folder: Path, page: Parsed) -> None:
+    assert page.references
+    assert page.outside() == []
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    assert "default-src 'none'" in text  # what a browser would refuse to load
+    assert "<title>&lt;b&gt;a &amp; b&lt;/b&gt;&lt;/script&gt;: Sustained</title>" in text
+    assert not [path.name for path in folder.iterdir() if path.name.startswith(".")]
+
+
+def test_all_figures_are_inside(page: Parsed) -> None:
+    drawn = set(FIGURES) - {"regime"}  # so short a run has no growth rate
+    assert set(page.pictures) == drawn
+    for picture in page.pictures.values():
+        content = base64.b64decode(picture.partition(",")[2])
+        assert content.startswith(b"\x89PNG")
+        assert len(content) > 5_000
+    assert "Not drawn: too short a history to judge growth, or at rest." in page.words
+
+
+def test_contents_lead_to_sections(folder: Path, page: Parsed) -> None:
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    links = [own[1:] for own in page.references if own.startswith("#")]
+    assert len(links) == page.tags.count("section") == 7
+    assert all(f'<section id="{name}">' in text for name in links)
+
+
+def test_numbers_are_those_of_the_run(page: Parsed) -> None:
+    words = re.sub(r"\s+", " ", page.words)
+    for expected in (
+        "1.2 mm",  # the radius of the circle
+        "1.2 times the clearance",
+        "backward 11.1 Hz",  # 70 rad/s, rotating frame
+        "forward 1.59 Hz",  # 80 - 70 rad/s, static frame
+        "Ω = 1.067 764 rpm",  # 80 over 75 rad/s
+        "complementarity residual 3.25e-12",
+        "time step / critical 0.212",
+        'title = "synthetic"',
+        "numpy 2.2.9",
+    ):
+        assert expected in words, expected
+
+
+def test_the_map_shows_the_run(folder: Path, page: Parsed) -> None:
+    with xr.open_dataset(folder / "result.nc", engine="h5netcdf") as result:
+        maps, orbit = contact_maps(result), shaft_orbit(result).load()
+    contact, path = page.plots
+    told = np.array(contact["data"][0]["customdata"])  # blade, span, (N, N, mm)
+    np.testing.assert_allclose(told[..., 0], maps["force"].values.T, rtol=1e-4)
+    np.testing.assert_allclose(told[..., 1], maps["friction"].values.T, rtol=1e-4)
+    np.testing.assert_allclose(told[..., 2], 1e3 * maps["gap"].values.T, rtol=1e-4)
+    # The marker that follows the pointer: where the shaft is at the end of each span.
+    assert len(path["data"]) == 1 + 2 + 2
+    for places, frame in zip(page.marked, ("rotating", "static"), strict=True):
+        expected = 1e3 * orbit[frame].sel(time=maps["time"], method="nearest").values
+        np.testing.assert_allclose(places, expected, rtol=1e-4, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("reason", "words"),
+    [
+        ("interrupted", "The march was interrupted: all that follows is up to 0.4 s."),
+        ("unfinished", "it was killed, or is still running. All that follows is up to 0.4 s"),
+    ],
+)
+def test_a_march_that_did_not_end_is_said_to_be_so(tmp_path: Path, reason: str, words: str) -> None:
+    gone = dict.fromkeys(MARCHED) if reason == "unfinished" else {}
+    steps = 0 if reason == "unfinished" else 400_000
+    run = made(tmp_path / "run", end_reason=reason, steps=steps, **gone)
+    target = tmp_path / "own.html"
+    target.write_text("old")
+    assert write_report(run, target) == target
+    page = Parsed(target.read_text(encoding="utf-8"))
+    assert words in page.words
+    assert "Sustained so far" in page.words
+    assert ("complementarity residual" in page.words) == (reason == "interrupted")
+    assert not re.search(r"\bnan\b", page.words)
+    assert "400000" in page.words  # steps up to the last record
+    assert not (run / "report.html").exists()
+
+
+def test_a_march_to_its_limit_says_so_once(tmp_path: Path) -> None:
+    message = "blade 3 passed march.displacement_limit = 0.1 m at 0.4 s; look at its load"
+    run = made(tmp_path / "run", end_reason="divergent", end_message=message)
+    words = Parsed(write_report(run).read_text(encoding="utf-8")).words
+    assert len(re.findall("(?i)blade 3 passed", words)) == 1
+    assert words.count("Look at its load.") == 1
+
+
+@pytest.mark.parametrize("kind", ["nothing", "no folder", "broken", "foreign", "one record"])
+def test_what_is_no_run_ends_in_one_line(tmp_path: Path, kind: str) -> None:
+    place = tmp_path / "place"
+    if kind != "no folder":
+        place.mkdir()
+    if kind == "broken":
+        (place / "result.nc").write_text("broken")
+    if kind == "foreign":
+        xr.Dataset({"a": 1.0}).to_netcdf(place / "result.nc", engine="h5netcdf")
+    if kind == "one record":
+        one = synthetic.synthetic_result(records=1)
+        one.to_netcdf(place / "result.nc", engine="h5netcdf")
+    done = report(place)
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert len(done.stderr.splitlines()) == 1
+    assert "expected" in done.stderr or "must" in done.stderr
+    assert not (place / "report.html").exists()
+
+
+def test_files_that_cannot_be(folder: Path, tmp_path: Path) -> None:
+    for target, complaint in (
+        (tmp_path / "report.pdf", "must end in .html"),
+        (folder / "result.nc" / "report.html", "cannot be written"),
+    ):
+        done = report(folder, "-o", target)
+        assert done.exit_code == 2
+        assert complaint in done.stderr
+        assert len(done.stderr.splitlines()) == 1

@@ -1,0 +1,473 @@
+"""Claims of the paper: how they are judged, what they are judged by, and the command."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import re
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from places import ROOT
+from synthetic_result import CLEARANCE, ROTOR_FREQUENCY, synthetic_result
+from typer.testing import CliRunner
+
+from bladewhirl.models.case.file import read_case, with_values
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.fields.result import open_result
+from bladewhirl.postprocess.run.measures import HOLDERS, Motion
+from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
+from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.paper import trials as laboratory
+from bladewhirl.studies.paper.cases import CASES, changed
+from bladewhirl.studies.paper.claim import (
+    CLAIMS,
+    VERDICTS,
+    Check,
+    Claim,
+    Finding,
+    NotTestableError,
+    at_most,
+    near,
+)
+from bladewhirl.studies.paper.claims_imbalance import done_points
+from bladewhirl.studies.paper.claims_truncated import middle_of_divergence
+from bladewhirl.studies.paper.figures import PAPER_FIGURES, draw_figures
+from bladewhirl.studies.paper.judge import Plan, chosen_claims, reproduce_claims
+from bladewhirl.studies.paper.page import scorecard_page
+from bladewhirl.studies.paper.scorecard import Score, Scorecard, counted
+from bladewhirl.studies.paper.trials import KAPPAS, SURVEYS, TRIALS, Laboratory, perturbed
+from bladewhirl.studies.sweeps.cache import RunStore, run_key
+
+EXAMPLES = ROOT / "examples"
+RUNNER = CliRunner()
+
+SHORT = {"march.duration": 2e-3}
+
+
+def checks(*met: bool, essential: bool = False) -> tuple[Check, ...]:
+    return tuple(Check(text=str(value), met=value, essential=essential) for value in met)
+
+
+@pytest.mark.parametrize(
+    ("finding", "verdict"),
+    [
+        (Finding(ours="", checks=checks(True, True)), "holds"),
+        (Finding(ours="", checks=checks(True, False)), "partly"),
+        (Finding(ours="", checks=checks(False, False)), "does not hold"),
+        (
+            Finding(ours="", checks=checks(True) + checks(False, essential=True)),
+            "does not hold",
+        ),
+        (Finding(ours="", checks=checks(True), obstacle="no march"), "not testable"),
+    ],
+)
+def test_the_verdict_follows_from_the_checks(finding: Finding, verdict: str) -> None:
+    assert finding.verdict == verdict
+
+
+def test_a_number_is_near_or_not() -> None:
+    assert near("speed", 1.0699, 1.05, 0.02).met
+    assert not near("speed", 1.0701, 1.05, 0.02).met
+
+
+def test_repeats_that_differ_make_it_partly() -> None:
+    yes, no = (Finding(ours="", checks=checks(met)) for met in (True, False))
+    claim = CLAIMS[20]
+    assert Score(claim=claim, findings=(yes, yes)).verdict == "holds"
+    assert Score(claim=claim, findings=(no, no)).verdict == "does not hold"
+    split = Score(claim=claim, findings=(yes, yes, no))
+    assert split.verdict == "partly"
+    assert split.why.startswith("holds in 2, does not hold in 1 of 3 repeats")
+
+
+def test_every_claim_knows_what_it_needs() -> None:
+    assert set(CLAIMS) == set(range(1, 47))
+    for number, claim in CLAIMS.items():
+        assert claim.number == number
+        assert claim.text.endswith(".")
+        assert claim.paper
+        assert set(claim.trials) <= set(TRIALS)
+        assert set(claim.sweeps) <= set(SURVEYS)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "file"),
+    [
+        ("modal", "fan_stage"),
+        ("distortion", "casing_distortion"),
+        ("imbalance", "imbalance"),
+    ],
+)
+def test_the_cases_are_those_of_the_examples(scenario: Any, file: str) -> None:
+    assert CASES[scenario] == read_case(EXAMPLES / f"{file}.toml")
+
+
+def test_keys_of_the_other_load_are_left_out() -> None:
+    changes = {"excitation.ramp": 0.1, "excitation.modal_force": 1e4, "damping.ratio": 0.01}
+    assert changed("imbalance", changes).excitation.model_dump()["ramp"] == 0.1
+    assert changed("distortion", changes).excitation.model_dump()["modal_force"] == 1e4
+    assert changed("modal", changes).damping.ratio == 0.01
+    with pytest.raises(UserError, match="ratio"):
+        changed("modal", {"damping.ratio": -1.0})
+
+
+@pytest.mark.parametrize(
+    ("case", "key"),
+    [
+        (CASES["distortion"], "modal_force"),
+        (CASES["imbalance"], "clearance_speed"),
+        (
+            with_values(
+                CASES["imbalance"], {"excitation": {"type": "imbalance", "unbalance": 0.6}}
+            ),
+            "unbalance",
+        ),
+    ],
+)
+def test_a_repeat_changes_the_force_a_little(case: Any, key: str) -> None:
+    again = perturbed(case, 2)
+    before, after = (
+        getattr(getattr(each.excitation, key), "value", getattr(each.excitation, key))
+        for each in (case, again)
+    )
+    force = (before / after) ** 2 if key == "clearance_speed" else after / before
+    assert force - 1.0 == pytest.approx(2e-7, rel=1e-4)
+    assert perturbed(case, 0) is case
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_runs_are_found_again(workers: int, tmp_path: Path) -> None:
+    """In this process, and in others."""
+    store = RunStore(directory=tmp_path / "runs", workers=workers)
+    cases = [
+        with_values(CASES["distortion"], {**SHORT, "march.speed": speed}) for speed in (1.0, 1.05)
+    ]
+    refused = with_values(cases[0], {"march.time_step": 1e-4})  # beyond the critical step
+    told: list[tuple[int, int]] = []
+    store.make([*cases, cases[0], refused], lambda done, total: told.append((done, total)))
+    assert told[0] == (0, 3)
+    assert told[-1] == (3, 3)
+    assert list(store.failures) == [run_key(refused)]
+    assert "time_step" in store.failures[run_key(refused)]
+    for case in cases:
+        with open_result(store.path(case)) as result:
+            assert result.attrs["speed"] == pytest.approx(
+                case.march.speed.value * result.attrs["reference_frequency"]
+            )
+    assert store.missing(cases) == []
+    assert len(list((tmp_path / "runs").iterdir())) == 2
+
+
+def test_the_name_of_a_run_tells_cases_apart() -> None:
+    case = CASES["imbalance"]
+    assert run_key(case) == run_key(with_values(case, {}))
+    assert run_key(case) != run_key(with_values(case, {"damping.ratio": 0.006}))
+
+
+def test_motion_of_a_known_result() -> None:
+    """The closed form whirls backward at 70 rad/s while the rotor turns at 80."""
+    motion = Motion(synthetic_result(growth=2.0))
+    assert motion.late_whirl("rotating").direction == "backward"
+    assert motion.late_whirl("rotating").rate == pytest.approx(-70.0, rel=1e-3)
+    assert motion.late_whirl("static").rate == pytest.approx(10.0, rel=1e-2)
+    energy = motion.energy(0.0, motion.end)
+    assert energy["total"] == pytest.approx(sum(energy[name] for name in HOLDERS))
+    assert sum(motion.share(*motion.late).values()) == pytest.approx(1.0)
+    # Only the bending modes make up 1F, both with k = 1: e = 1/2 omega^2 a^2 exp(2 g t).
+    first = motion.energies["k = 1"].values[0]
+    assert first == pytest.approx(0.5 * ROTOR_FREQUENCY[3] ** 2 * (0.3e-3) ** 2)
+    # A tenth of the last energy is reached ln(10) / (2 growth) before the end, within a period.
+    # Rigid rotation (2F) does not grow and adds little.
+    period = 2 * np.pi / motion.reference
+    last_mean = motion.end - period / 2
+    expected = last_mean - np.log(10.0) / 4.0
+    steady = Motion(synthetic_result(growth=8.0, shaft_radius=0.1e-3, bending=0.1e-3))
+    expected = steady.end - period / 2 - np.log(10.0) / 16.0
+    assert steady.onset(0.1) == pytest.approx(expected, abs=1.5 * period)
+
+
+def test_orbit_of_known_radius_and_casing_motion() -> None:
+    motion = Motion(synthetic_result())
+    mean, ripple = motion.radius_between(0.1, 0.3)
+    assert mean == pytest.approx(motion.radius.mean(), rel=1e-3)
+    assert ripple < 0.3 * CLEARANCE
+    assert motion.casing_motion < 0.4e-3
+    assert motion.touched
+    assert sum(motion.blades.values()) == 22
+
+
+def swept(divergent: list[list[bool]]) -> xr.Dataset:
+    """A sweep over two speeds and the coupling stiffnesses of the truncated space."""
+    regime = np.where(divergent, "divergent", "damped")
+    dimensions = ("march_speed", "coupling_stiffness")
+    state = np.full(regime.shape, "done")
+    state[0, 0] = "failed"
+    return xr.Dataset(
+        {"regime": (dimensions, regime), "state": (dimensions, state)},
+        coords={
+            "march_speed": np.linspace(1.0, 1.6, len(divergent)),
+            "coupling_stiffness": list(KAPPAS),
+        },
+    )
+
+
+def test_critical_speeds_of_a_sweep() -> None:
+    sweep = swept([[False] * 3, [True, False, False], [True, True, False], [False, True, False]])
+    assert middle_of_divergence(sweep, 0.0) == pytest.approx(1.3)
+    assert middle_of_divergence(sweep, 500.0) == pytest.approx(1.5)
+    assert np.isnan(middle_of_divergence(sweep, 1000.0))
+    assert done_points(sweep)["march_speed"].values.tolist() == pytest.approx([1.2, 1.4, 1.6])
+
+
+def test_a_sweep_with_a_failed_point_is_not_complete(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert not laboratory._is_complete(tmp_path)
+    (tmp_path / SWEEP_NAME).touch()
+    sweep = swept([[True] * 3, [True] * 3])
+    monkeypatch.setattr(laboratory, "open_sweep", lambda directory: nullcontext(sweep))
+    assert not laboratory._is_complete(tmp_path)
+    sweep["state"][0, 0] = "done"
+    assert laboratory._is_complete(tmp_path)
+
+
+def test_a_quick_sweep_is_coarser_in_speed_alone() -> None:
+    survey = SURVEYS["six modes, imbalance"]
+    full, quick = (survey.axes(coarse=coarse) for coarse in (False, True))
+    assert full["march.speed"] == [0.95, 1.3, 1.65, 2.0]
+    assert quick["march.speed"] == [0.95, 2.0]
+    assert quick["coupling.stiffness"] == full["coupling.stiffness"] == list(KAPPAS)
+
+
+def test_the_step_of_all_sweeps_can_be_chosen() -> None:
+    plan = Plan(
+        claims=chosen_claims([29, 36]),
+        changes={},
+        modal_changes={},
+        quick=True,
+        repeats=1,
+        speed_step=0.005,
+    )
+    assert len(SURVEYS["distortion"].axes(coarse=True, step=0.005)["march.speed"]) == 211
+    assert plan.sweeps == (
+        "distortion: 211 from 0.95 to 2; imbalance: 211 from 0.95 to 2;"
+        " six modes, distortion: 121 by 3 from 0.9 to 1.5"
+    )
+
+
+def test_records_up_to_a_time() -> None:
+    motion = Motion(synthetic_result())
+    assert motion.record_at(0.0) == 1
+    assert motion.record_at(motion.end) == motion.result.sizes["time"]
+
+
+@pytest.mark.parametrize(("second", "met"), [(1, False), (2, True)])
+def test_a_shift_has_to_be_larger_than_the_step_of_the_sweep(second: int, met: bool) -> None:
+    """Each stiffness makes one speed diverge; the last is far from the others."""
+    divergent = [[False] * 3 for _ in range(7)]
+    divergent[1][0] = divergent[1 + second][1] = divergent[6][2] = True
+
+    class Swept:
+        def sweep(self, name: str) -> xr.Dataset:
+            return swept(divergent)
+
+    finding = CLAIMS[36].evaluate(Swept())  # type: ignore[arg-type]
+    assert [check.met for check in finding.checks] == [met, True]
+
+
+def nothing(lab: Laboratory) -> Finding:
+    raise NotTestableError("no reason")
+
+
+def test_an_obstacle_becomes_a_finding() -> None:
+    claim = replace(CLAIMS[20], evaluate=nothing)
+    finding = claim.judge(None)  # type: ignore[arg-type]
+    assert finding.verdict == "not testable"
+    assert finding.why == "no reason."
+
+
+def short_plan(claims: tuple[Claim, ...], repeats: int) -> Plan:
+    return Plan(claims=claims, changes=SHORT, modal_changes={}, quick=False, repeats=repeats)
+
+
+def test_a_claim_on_a_march_is_judged_over_repeats(tmp_path: Path) -> None:
+    """Two milliseconds of the imbalance's ramp: no contact, so no limit cycle."""
+    plan = short_plan(chosen_claims([33]), 2)
+    card, lab = reproduce_claims(plan, tmp_path, workers=1)
+    with lab:
+        (score,) = card.scores
+        assert len(score.findings) == 2
+        assert score.verdict == "does not hold"
+        assert len(list((tmp_path / "runs").glob("*.nc"))) == 2
+    again, lab = reproduce_claims(plan, tmp_path, workers=1)
+    with lab:
+        assert again.to_json() == card.to_json()
+
+
+def test_the_command_writes_the_scorecard(tmp_path: Path) -> None:
+    done = RUNNER.invoke(app, ["reproduce", "4", "6", "1", "-o", str(tmp_path / "out"), "--json"])
+    assert done.exit_code == 0, done.output
+    card = json.loads(done.stdout)
+    assert [entry["claim"] for entry in card["claims"]] == [1, 4, 6]
+    assert card["counts"] == {"holds": 3, "partly": 0, "does not hold": 0, "not testable": 0}
+    assert card == json.loads((tmp_path / "out" / "scorecard.json").read_text())
+    page = (tmp_path / "out" / "scorecard.html").read_text()
+    assert [int(n) for n in re.findall(r'<tr id="claim-(\d+)">', page)] == [4, 1, 6]  # by section
+    assert re.findall(r"Like Fig\. (\d+):", page) == ["6", "8"]
+    assert page.count('src="data:image/png;base64,') == 3
+    assert not re.search(r"(src|href)=\"(?!data:)", page)  # needs nothing beside it
+
+
+def test_every_cited_figure_has_its_panels() -> None:
+    cited = {number for claim in CLAIMS.values() for number in claim.figures}
+    assert cited == set(PAPER_FIGURES)
+    for figure in PAPER_FIGURES.values():
+        assert figure.panels
+
+
+def test_a_figure_that_cannot_be_had_says_why(tmp_path: Path) -> None:
+    """A stage that is stable at the paper's example point has no divergent mode."""
+    with Laboratory(
+        directory=tmp_path,
+        store=RunStore(directory=tmp_path),
+        modal_changes={"casing.support": 8e6},
+    ) as lab:
+        (panel,) = draw_figures(lab, ["13"], tmp_path / "figures")["13"]
+    assert panel.picture is None
+    assert "no mode grows" in panel.obstacle
+    page = scorecard_page(card_of(lambda: Finding(ours="<b>", checks=checks(True))), {"6": [panel]})
+    assert "not drawn: no mode grows" in page
+    assert "&lt;b&gt;" in page
+
+
+def test_a_changed_case_changes_the_verdict(tmp_path: Path) -> None:
+    arguments = ["reproduce", "6", "--set", "casing.support=7.975e6", "-o", str(tmp_path)]
+    done = RUNNER.invoke(app, arguments)
+    assert done.exit_code == 0, done.output
+    assert "does not hold" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["47"], "claim 47: expected numbers from 1 to"),
+        (["1", "--set", "speed"], "--set speed: expected KEY=VALUE"),
+        (["1", "--set", "damping.ratio=-1"], "damping.ratio = -1: expected"),
+        (["29", "--speed-step", "0"], "--speed-step 0: expected 0.0001 to 0.6"),
+        (["29", "--speed-step", "nan"], "--speed-step nan: expected 0.0001 to 0.6"),
+        (["1", "--workers", "1", "--scheduler", "tcp://x:1"], "--scheduler, --workers"),
+    ],
+)
+def test_faults_end_in_one_line(arguments: list[str], message: str, tmp_path: Path) -> None:
+    done = RUNNER.invoke(app, ["reproduce", *arguments, "-o", str(tmp_path / "out")])
+    assert done.exit_code == 2
+    assert message in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def card_of(make: Callable[[], Finding]) -> Scorecard:
+    return Scorecard(scores=(Score(claim=CLAIMS[1], findings=(make(),)),), conditions={})
+
+
+def test_counts_are_of_the_verdicts() -> None:
+    card = card_of(lambda: Finding(ours="", checks=checks(True)))
+    assert card.counts["holds"] == 1
+    assert card.summary.startswith("1 claims: 1 holds")
+
+
+def test_a_check_may_be_of_numpy() -> None:
+    checks = (at_most("spread", np.float64(1.0), 2.0), Check(text="rises", met=np.True_))  # type: ignore[arg-type]
+    card = card_of(lambda: Finding(ours="", checks=checks))
+    (entry,) = json.loads(card.to_json())["claims"]
+    assert [check["met"] for check in entry["repeats"][0]["checks"]] == [True, True]
+
+
+@pytest.mark.slow
+def test_modal_claims_hold(tmp_path: Path) -> None:
+    """As the README says: claim 5 misses its bound in 5F only, claim 15 its phase only."""
+    plan = Plan(
+        claims=chosen_claims(range(1, 16)), changes={}, modal_changes={}, quick=False, repeats=1
+    )
+    card, lab = reproduce_claims(plan, tmp_path, workers=1)
+    with lab:
+        verdicts = {score.claim.number: score.verdict for score in card.scores}
+    assert {number for number, verdict in verdicts.items() if verdict != "holds"} == {5, 15}
+    assert verdicts[5] == verdicts[15] == "partly"
+
+
+@pytest.mark.slow
+def test_the_page_says_what_is_computed(tmp_path: Path) -> None:
+    """Claims that two marches decide: the page was made by this program, not by an older one."""
+    page = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
+    said = dict(re.findall(r"^\| (\d+) \|.*\| ([a-z ]+) \|$", page, flags=re.MULTILINE))
+    numbers = (20, 21, 22, 23, 24, 30, 33, 42, 43, 44)
+    plan = Plan(claims=chosen_claims(numbers), changes={}, modal_changes={}, quick=False, repeats=1)
+    card, lab = reproduce_claims(plan, tmp_path, workers=1)
+    with lab:
+        found = {str(score.claim.number): score.verdict for score in card.scores}
+    assert found == {number: said[number] for number in found}
+
+
+def page_maker() -> Any:
+    """docs/reproduction.py as a module."""
+    path = ROOT / "docs" / "reproduction.py"
+    spec = importlib.util.spec_from_file_location("docs_reproduction", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_page_and_the_readme_say_what_was_computed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    maker = page_maker()
+    card = card_of(lambda: Finding(ours="a | b", checks=checks(True, False)))
+    card_folder, search_folder = tmp_path / "card", tmp_path / "search"
+    card_folder.mkdir()
+    search_folder.mkdir()
+    (card_folder / "scorecard.json").write_text(card.to_json())
+    (search_folder / "report.md").write_text("5 sets were screened.\n")
+    (search_folder / "sensitivity.png").write_bytes(b"a picture")
+    readme = tmp_path / "README.md"
+    readme.write_text("before\n<!-- scorecard -->\nold\n<!-- scorecard end -->\nafter\n")
+    monkeypatch.setattr(maker, "README", readme)
+    monkeypatch.setattr(maker, "PAGE", tmp_path / "reproduction.md")
+    maker.main([str(card_folder), str(search_folder)])
+    count = "of 1 claims 0 hold, 1 partly, 0 do not hold, 0 not testable"
+    before, said, after = readme.read_text().split("<!-- scorecard")
+    assert count in said
+    assert (before, after) == ("before\n", " end -->\nafter\n")
+    page = (tmp_path / "reproduction.md").read_text()
+    assert count in page
+    assert "| a \\| b | partly |" in page
+    assert "* 1, partly: not met: False; met: True." in page
+    assert re.search(r"5 sets were screened\.\n\n!\[.+\]\(sensitivity\.png\)\n$", page)
+    assert (tmp_path / "sensitivity.png").read_bytes() == b"a picture"
+    again = card_of(lambda: Finding(ours="c", checks=checks(True)))
+    (card_folder / "scorecard.json").write_text(again.to_json())
+    maker.main([str(card_folder)])
+    newer = (tmp_path / "reproduction.md").read_text()
+    assert "| c | holds |" in newer
+    assert newer.split("## Values")[1] == page.split("## Values")[1]
+
+
+def test_the_readme_counts_what_its_page_lists() -> None:
+    page = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
+    verdicts = [
+        line.rsplit("| ", 1)[1].removesuffix(" |")
+        for line in page.splitlines()
+        if re.match(r"\| \d+ \|", line)
+    ]
+    said = page_maker().COUNT.search((ROOT / "README.md").read_text(encoding="utf-8"))[0]
+    for name in VERDICTS:
+        assert f" {counted(name, verdicts.count(name))}" in said
+    assert f"of {len(verdicts)} claims" in said

@@ -1,0 +1,395 @@
+"""`bladewhirl run` and `run_case`: what a run leaves, refuses, and how it ends."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import SimpleNamespace
+
+import h5py
+import meshio
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import dumps_case, loads, read_case, with_values
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.runs.run import run_case
+
+RUNNER = CliRunner()
+
+SMALL = """
+title = "A few blades"
+[bladed_disk]
+blades = 6
+elements_per_blade = 2
+[casing]
+elements = 12
+support = 7.975e6
+[reduction]
+fixed_interface_modes = 10
+[excitation]
+type = "casing-distortion"
+modal_force = 30000
+duration = "5 ms"
+[march]
+time_step = 2e-6
+record_step = 1e-4
+duration = 0.01
+"""
+
+FILES = [
+    "case.toml",
+    "energy.nc",
+    "energy.pdf",
+    "energy.png",
+    "orbit.nc",
+    "orbit.pdf",
+    "orbit.png",
+    "provenance.json",
+    "result.nc",
+    "summary.json",
+]
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    path = tmp_path / "small.toml"
+    path.write_text(SMALL)
+    return path
+
+
+def test_what_a_run_leaves(path: Path) -> None:
+    out = path.parent / "deep" / "down"
+    done = RUNNER.invoke(app, ["run", str(path), "-o", str(out), "--frames", "7"])
+    assert done.exit_code == 0, done.stderr
+    assert sorted(entry.name for entry in out.iterdir()) == [*FILES, "vtk"]
+    assert len(list((out / "vtk" / "frames").iterdir())) == 14
+    assert read_case(out / "case.toml") == read_case(path)
+    provenance = json.loads((out / "provenance.json").read_text())
+    assert provenance["dependencies"]["numpy"] == np.__version__
+    assert {"bladewhirl", "date", "python", "platform"} < provenance.keys()
+    assert "pytest" not in provenance["dependencies"]
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["steps"] == 5000
+    assert summary["end_time"] == pytest.approx(0.01)
+    assert summary["energy_residual"] < 1e-8
+    assert summary["complementarity_residual"] < 1e-10
+    assert max(summary["contact_share"]) > 0.0
+    assert summary["wall_time"] == pytest.approx(1e-6 * summary["us_per_step"] * 5000)
+    assert "regime" in done.stdout
+    assert "deep/down" in "".join(done.stdout.split())
+    with xr.open_dataset(out / "result.nc") as result:
+        assert result.sizes["time"] == 101
+        np.testing.assert_allclose(result["time"], 1e-4 * np.arange(101), atol=1e-12)
+        case = read_case(path)
+        assert result.attrs["case"] == dumps_case(case)
+        assert (result.attrs["end_reason"], result.attrs["end_message"]) == ("completed", "")
+        assert result.attrs["steps"] == 5000
+        assert result.attrs["casing_radius"] == pytest.approx(0.501)
+        stage = build_stage(case)
+        assert result.attrs["speed"] == stage.speed
+        assert result.attrs["reference_frequency"] == stage.reference_frequency
+        assert result["contact_steps"].sum() > 0
+        normal = result["contact_impulse"].values
+        assert normal.min() >= 0.0
+        np.testing.assert_allclose(result["friction_impulse"], 0.1 * normal)  # permanent sliding
+    first = meshio.read(out / "vtk" / "frames" / "rotor_00000.vtu")
+    assert len(first.points) == 6 * 3 + 1
+
+
+def test_json_is_the_summary_and_nothing_else(path: Path) -> None:
+    out = path.parent / "out"
+    done = RUNNER.invoke(app, ["run", str(path), "-o", str(out), "--json", "--frames", "0"])
+    assert done.exit_code == 0
+    assert done.stdout == (out / "summary.json").read_text()
+    assert json.loads(done.stdout)["steps"] == 5000
+    assert not (out / "vtk").exists()
+
+
+def test_the_folder_is_named_after_the_case(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(path.parent)
+    arguments = ["run", path.name, "--frames", "0", "--set", "march.duration=1e-4"]
+    assert RUNNER.invoke(app, arguments).exit_code == 0
+    assert (path.parent / "runs" / "small" / "result.nc").is_file()
+    refused = RUNNER.invoke(app, arguments)
+    assert refused.exit_code == 2
+    assert refused.stderr == (
+        "runs/small: already exists; --overwrite replaces the run in it, -o names another folder\n"
+    )
+
+
+def test_a_resolved_case_gives_the_same_bits_again(path: Path) -> None:
+    out, again = path.parent / "out", path.parent / "again"
+    first = run_case(read_case(path, ["march.speed=2500 rpm"]), out, frames=0)
+    second = run_case(read_case(out / "case.toml"), again, frames=0)
+    assert (again / "case.toml").read_bytes() == (out / "case.toml").read_bytes()
+    with first.open() as one, second.open() as two:
+        assert one.attrs["speed"] == pytest.approx(2500 * np.pi / 30)
+        for name, variable in one.variables.items():
+            np.testing.assert_array_equal(variable.values, two[name].values)
+
+
+def test_from_python_to_a_dataset(path: Path) -> None:
+    told: list[tuple[str, int, int]] = []
+    case = with_values(read_case(path), {"march.duration": 0.1, "excitation.modal_force": 10.0})
+    run = run_case(
+        case, path.parent / "out", frames=5, progress=lambda *report: told.append(report)
+    )
+    assert run.end_reason == "completed"
+    assert run.summary.regime == "no-contact"
+    assert told[-2:] == [("marching", 50_000, 50_000), ("writing", 50_000, 50_000)]
+    assert len(told) > 2
+    assert told == sorted(told)
+    assert "5 frames over 4.3 revolutions" in run.hints[0]
+    with run.open() as result:
+        assert result["gap"].min() > 0.0
+        assert shaft_orbit(result)["radius"].max() == 0.0  # nobody touched the shaft
+
+
+def test_nothing_recorded_between_is_lost(path: Path) -> None:
+    """Records ten times as far apart hold the sums and minima of the finer ones."""
+    coarse_case = read_case(path, ["march.record_step=1e-3"])
+    fine = run_case(read_case(path), path.parent / "fine", frames=0)
+    coarse = run_case(coarse_case, path.parent / "coarse", frames=0)
+    with fine.open() as one, coarse.open() as two:
+        for name in ("contact_impulse", "friction_impulse", "contact_steps"):
+            sums = one[name].values[1:].reshape(10, 10, -1).sum(axis=1)
+            np.testing.assert_allclose(two[name].values[1:], sums, rtol=1e-12, atol=1e-15)
+        smallest = one["gap"].values[1:].reshape(10, 10, -1).min(axis=1)
+        np.testing.assert_array_equal(two["gap"].values[1:], smallest)
+        for name in ("rotor_displacement", "casing_velocity", "energy", "friction_work"):
+            np.testing.assert_array_equal(two[name].values, one[name].values[::10])
+    assert coarse.summary.contact_share == pytest.approx(fine.summary.contact_share)
+
+
+def test_no_duration_is_the_start_alone(path: Path) -> None:
+    values = {"march.duration": 0.0, "initial.centre_velocity": (0.25, 0.0)}
+    run = run_case(with_values(read_case(path), values), path.parent / "out", frames=3)
+    assert (run.end_reason, run.summary.steps, run.summary.end_time) == ("completed", 0, 0.0)
+    with run.open() as result:
+        orbit = shaft_orbit(result)
+        np.testing.assert_allclose(orbit["rotating_velocity"].values, [[0.25, 0.0]], atol=1e-6)
+
+
+def test_divergence_is_a_result(path: Path) -> None:
+    out = path.parent / "out"
+    values = ["--set", "march.displacement_limit=1e-4", "--set", "march.duration=0.1"]
+    done = RUNNER.invoke(
+        app, ["run", str(path), "-o", str(out), "--json", "--frames", "4", *values]
+    )
+    assert done.exit_code == 0
+    summary = json.loads(done.stdout)
+    assert summary["regime"] == "divergent"
+    assert summary["end_time"] < 0.05
+    message = done.stderr.splitlines()[0]
+    assert message.startswith("blade ")
+    assert "passed march.displacement_limit = 0.0001 m at" in message
+    assert "damping" in message  # a remedy
+    with xr.open_dataset(out / "result.nc") as result:
+        assert result.attrs["end_reason"] == "divergent"
+        assert result.attrs["end_message"] == message
+        assert result["time"][-1] == summary["end_time"]
+        for variable in result.variables.values():
+            assert variable.dtype.kind != "f" or np.isfinite(variable.values).all()
+
+
+def test_a_window_of_the_run_seen_from_the_rotor(path: Path) -> None:
+    out = path.parent / "out"
+    window = ["--from", "2 ms", "--to", "0.004", "--frames", "3", "--rotating"]
+    assert RUNNER.invoke(app, ["run", str(path), "-o", str(out), *window]).exit_code == 0
+    index = (out / "vtk" / "series.pvd").read_text()
+    assert re.findall(r'timestep="([^"]+)" part="0"', index) == ["0.002", "0.003", "0.004"]
+    frames = [meshio.read(out / "vtk" / "frames" / f"rotor_0000{i}.vtu") for i in range(3)]
+    np.testing.assert_array_equal(frames[0].points, frames[2].points)  # the rotor stays
+
+
+def test_a_series_that_begins_after_the_end_is_left_out(path: Path) -> None:
+    out = path.parent / "out"
+    values = ["--set", "march.displacement_limit=1e-4", "--from", "9 ms"]
+    done = RUNNER.invoke(app, ["run", str(path), "-o", str(out), *values])
+    assert done.exit_code == 0
+    assert "Hint: no ParaView series: window" in done.stderr
+    assert (out / "summary.json").is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["--set", "march.time_step=5e-5"], "--set: march.time_step = 5e-5: expected less than"),
+        (["--set", "march.sped=1"], "--set: march.sped = 1: expected a known key; the nearest is"),
+        (["--frames", "-1"], "--frames -1: expected 0 or more"),
+        (["--from", "0.2", "--to", "0.1"], "--from 0.2 --to 0.1: expected a window in order"),
+        (["--from", "nan"], "--from nan: expected a time in seconds"),
+        (["--from", "-1"], "--from -1 --to inf: expected a window in order"),
+        (["--to", "soon"], "--to soon: expected a time in seconds"),
+        (["--from", "20 ms"], "--from 0.02: expected a time before the end of the run, 0.01 s"),
+    ],
+)
+def test_bad_input_leaves_nothing(path: Path, arguments: list[str], line: str) -> None:
+    done = RUNNER.invoke(app, ["run", str(path), "-o", str(path.parent / "out"), *arguments])
+    assert (done.exit_code, done.stdout) == (2, "")
+    [message] = done.stderr.splitlines()
+    assert message.startswith(line)
+    assert [*path.parent.iterdir()] == [path]
+
+
+def test_faults_of_the_model_name_the_file(path: Path) -> None:
+    path.write_text(SMALL.replace("modes = 10", "modes = 100"))
+    done = RUNNER.invoke(app, ["run", str(path), "-o", str(path.parent / "out")])
+    assert done.exit_code == 2
+    expected = f"{path}: reduction.fixed_interface_modes = 100: expected at most "
+    assert done.stderr.startswith(expected)
+    missing = RUNNER.invoke(app, ["run", str(path.parent / "no.toml")])
+    assert missing.exit_code == 2
+    assert missing.stderr.startswith(f"{path.parent / 'no.toml'}: expected a readable file")
+
+
+def quick(**values: object) -> Case:
+    return with_values(loads(SMALL), {"march.duration": 1e-4, **values})
+
+
+def test_overwriting_replaces_a_run_and_nothing_else(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    run_case(quick(), out, frames=5)
+    for name in ("notes.txt", "vtk/state.pvsm", "animation.gif"):
+        (out / name).write_text("mine")
+    with pytest.raises(UserError, match="already exists; --overwrite"):
+        run_case(quick(), out)
+    run_case(quick(title="second"), out, frames=0, overwrite=True)
+    assert read_case(out / "case.toml").title == "second"
+    kept = sorted(str(entry.relative_to(out)) for entry in out.rglob("*"))
+    # The animation was of the first run.
+    assert kept == sorted([*FILES, "notes.txt", "vtk", "vtk/state.pvsm"])
+    run_case(quick(), out, frames=2, overwrite=True)
+    assert (out / "vtk" / "series.pvd").is_file()
+
+
+def test_what_is_no_run_is_not_overwritten(tmp_path: Path) -> None:
+    foreign, file, empty = tmp_path / "foreign", tmp_path / "file", tmp_path / "empty"
+    foreign.mkdir()
+    (foreign / "result.nc").write_text("precious")
+    file.write_text("precious")
+    empty.mkdir()
+    for path in (foreign, file):
+        with pytest.raises(UserError, match="already exists"):
+            run_case(quick(), path)
+    with pytest.raises(UserError, match="expected an empty folder or one of a run"):
+        run_case(quick(), foreign, overwrite=True)
+    with pytest.raises(UserError, match="expected a folder to overwrite, found a file"):
+        run_case(quick(), file, overwrite=True)
+    assert file.read_text() == (foreign / "result.nc").read_text() == "precious"
+    run_case(quick(), empty, frames=0)
+    assert (empty / "result.nc").is_file()
+
+
+def test_a_bad_case_does_not_touch_the_run_it_was_to_overwrite(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    run_case(quick(), out, frames=0)
+    before = (out / "result.nc").read_bytes()
+    with pytest.raises(UserError, match=r"march\.time_step"):
+        run_case(quick(**{"march.time_step": 1e-4}), out, overwrite=True)
+    assert (out / "result.nc").read_bytes() == before
+
+
+def test_where_nothing_can_be_written(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    out = tmp_path / "file" / "deep" / "out"
+    with pytest.raises(UserError) as found:
+        run_case(quick(), out)
+    reason = f"cannot be made or written: {tmp_path / 'file'} takes no files (Not a directory)"
+    assert [*found.value.lines] == [f"{out}: {reason}"]
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="has no folder that takes no files")
+def test_a_folder_that_cannot_be_made_is_no_lack_of_room() -> None:
+    """A virtual file system has no room either; even root makes no folder in it."""
+    with pytest.raises(UserError, match=r"^/proc/foo: cannot be made or written: /proc takes no"):
+        run_case(quick(), Path("/proc/foo"))
+
+
+def test_a_disk_without_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is seen before the march where it can be, and ends a march in order."""
+    free = [10**7]
+    monkeypatch.setattr("shutil.disk_usage", lambda path: SimpleNamespace(free=free.pop()))
+    long = quick(**{"march.duration": 100.0})
+    with pytest.raises(UserError, match="MB of room on the disk, found 10 MB"):
+        run_case(long, tmp_path / "deep" / "out")
+    assert not [*tmp_path.iterdir()]
+    free[:] = [10**6, *[10**12] * 3]
+    with pytest.raises(UserError, match="expected 4 MB of room on the disk, found 1 MB"):
+        run_case(long, tmp_path / "out")
+    with xr.open_dataset(tmp_path / "out" / "result.nc") as result:
+        assert result.attrs["end_reason"] == "unfinished"
+        assert result.sizes["time"] == 2 * 400
+
+
+def flushed_records(result: Path) -> int:
+    """Records that a reader sees while the run goes on; none while the file is being laid out."""
+    try:
+        with h5py.File(result, "r", locking=False) as file:
+            return int(file["time"].shape[0])
+    except (OSError, KeyError, RuntimeError):
+        return 0
+
+
+@contextmanager
+def running(path: Path, out: Path) -> Iterator[subprocess.Popen[str]]:
+    """A run of an hour, under way."""
+    code = "from bladewhirl.studies.commands.cli import main; main()"
+    values = ["--set", "march.duration=3600", "--frames", "3"]
+    arguments = ["run", str(path), "-o", str(out), *values]
+    with subprocess.Popen(
+        [sys.executable, "-c", code, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        while process.poll() is None and flushed_records(out / "result.nc") <= 100:
+            time.sleep(0.05)
+        yield process
+        process.kill()
+
+
+def test_ctrl_c_finishes_what_was_recorded(path: Path) -> None:
+    out = path.parent / "out"
+    with running(path, out) as process:
+        process.send_signal(signal.SIGINT)
+        stdout, stderr = process.communicate()
+    assert process.returncode == 130, stderr
+    assert "Traceback" not in stderr
+    assert stderr.splitlines()[0].startswith("interrupted at ")
+    assert "regime" in stdout
+    assert sorted(entry.name for entry in out.iterdir()) == [*FILES, "vtk"]
+    summary = json.loads((out / "summary.json").read_text())
+    with xr.open_dataset(out / "result.nc") as result:
+        assert result.attrs["end_reason"] == "interrupted"
+        assert result.attrs["steps"] == summary["steps"] == round(summary["end_time"] / 2e-6)
+        assert result["time"][-1] == summary["end_time"] > 0.0
+
+
+def test_a_killed_run_can_be_read_and_overwritten(path: Path) -> None:
+    out = path.parent / "out"
+    with running(path, out) as process:
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+    with xr.open_dataset(out / "result.nc") as result:
+        assert result.attrs["end_reason"] == "unfinished"
+        records = result.sizes["time"]
+        assert records > 100
+        np.testing.assert_allclose(result["time"], 1e-4 * np.arange(records), atol=1e-9)
+        assert np.isfinite(result["rotor_velocity"].values).all()
+    run = run_case(read_case(path), out, frames=0, overwrite=True)
+    assert run.end_reason == "completed"

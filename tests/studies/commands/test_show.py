@@ -1,0 +1,221 @@
+"""`bladewhirl show`: derived figures against closed forms, and its two outputs."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import case_from, with_values
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.postprocess.pictures import panel
+from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.runs.derived import derive
+
+RUNNER = CliRunner()
+STEEL = 7800.0
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    path = tmp_path / "case.toml"
+    path.write_text('[casing]\nsupport = 7.975e6\n[excitation]\ntype = "imbalance"\n')
+    return path
+
+
+def shown(path: Path, *arguments: str) -> dict[str, Any]:
+    done = RUNNER.invoke(app, ["show", str(path), "--json", *arguments])
+    assert done.exit_code == 0, done.stderr
+    document: dict[str, Any] = json.loads(done.stdout)
+    return document
+
+
+def test_masses_frequencies_and_speed(path: Path) -> None:
+    derived = shown(path)["derived"]
+    blades, spokes = 22 * 0.45 * 0.1 * 0.01, 22 * 0.05 * 0.1 * 0.03
+    rim = 22 * 2 * 0.05 * np.sin(np.pi / 22) * 0.1 * 0.03
+    assert derived["bladed_disk_mass"] == pytest.approx(STEEL * (blades + spokes + rim))
+    assert derived["casing_mass"] == pytest.approx(STEEL * 2 * np.pi * 0.501 * 0.1 * 0.01)
+    speed, reference = derived["speed"], derived["reference_frequency"]
+    assert speed["normalised"] == pytest.approx(1.05)
+    assert speed["rad_per_s"] == pytest.approx(1.05 * reference["rad_per_s"])
+    assert speed["rpm"] == pytest.approx(60 * speed["hz"])
+    assert speed["hz"] == pytest.approx(speed["rad_per_s"] / 2 / np.pi)
+    lowest = {mode["nodal_diameter"]: mode["frequency"] for mode in derived["bladed_disk"]}
+    assert sorted(lowest) == list(range(12))
+    assert min(lowest, key=lambda k: lowest[k]["hz"]) == 1
+    assert lowest[1] == reference
+    # What independent trials of this stage found: 1F spans 1.000 to 1.028, suspension 2.527.
+    assert max(mode["normalised"] for mode in lowest.values()) == pytest.approx(1.028, abs=5e-4)
+    assert derived["suspension"]["normalised"] == pytest.approx(2.527, abs=5e-4)
+    casing = {mode["nodal_diameter"]: mode["frequency"] for mode in derived["casing"]}
+    assert casing[1]["rad_per_s"] == pytest.approx(np.sqrt(7.975e6 / (STEEL * 0.1 * 0.01)))
+    assert casing[1]["normalised"] == pytest.approx(4.0, abs=1e-3)
+
+
+def test_march_and_load(path: Path) -> None:
+    derived = shown(path)["derived"]
+    assert derived["imbalance"]["force"] == pytest.approx(34e3 * (1.05 / 0.95) ** 2)
+    assert derived["imbalance"]["unbalance"] == pytest.approx(0.59, rel=0.01)
+    assert derived["distortion"] is None
+    assert derived["dt_over_critical"] == pytest.approx(1e-6 / derived["critical_time_step"])
+    assert (derived["steps"], derived["records"]) == (3_000_000, 30_001)
+    assert derived["reduction"]["boundary"] == {"tip_radial": 22, "tip_tangential": 22, "centre": 2}
+    assert derived["reduction"]["fixed_interface_modes"] == 110
+    assert derived["reduction"]["modes"] == 156
+    assert 8 * 30_001 * 600 < derived["result_bytes"] < 8 * 30_001 * 800
+
+
+def test_a_pair_of_fixed_interface_modes_is_not_cut(path: Path) -> None:
+    reduction = shown(path, "--set", "reduction.fixed_interface_modes=50")["derived"]["reduction"]
+    assert reduction["fixed_interface_modes"] == 51
+
+
+def test_the_distorted_mode_and_its_static_answer(path: Path) -> None:
+    derived = shown(path, "--set", 'excitation={type="casing-distortion"}')["derived"]
+    assert derived["imbalance"] is None
+    assert derived["distortion"]["static_displacement"] == pytest.approx(5.9e-3, rel=0.01)
+    free = ["--set", "casing.support=0", "--set", 'excitation={type="casing-distortion"}']
+    answer = shown(path, *free)["derived"]["distortion"]
+    assert answer is None or answer["static_displacement"] > 1e3
+
+
+def test_clamped(path: Path) -> None:
+    values = ["--set", "shaft.clamped=true", "--set", 'excitation={type="none"}']
+    derived = shown(path, *values)["derived"]
+    assert derived["suspension"] is None
+    assert derived["speed"]["normalised"] == pytest.approx(1.05)
+    assert derived["reduction"]["boundary"]["centre"] == 0
+
+
+def test_what_is_said_of_the_path_is_what_the_march_does() -> None:
+    stage = build_stage(with_values(Case(), {"bladed_disk.blades": 5}))
+    scheme = CentralDifference(contact_problem(stage), 1e-6, 100)
+    assert tuple(derive(stage).cyclic.values()) == scheme.cyclic == (True, True)
+
+
+def test_the_case_shown_is_the_case(path: Path) -> None:
+    case = case_from(shown(path, "--set", "march.speed=2500 rpm")["case"])
+    expected = {
+        "casing.support": 7.975e6,
+        "excitation": {"type": "imbalance"},
+        "march.speed": "2500 rpm",
+    }
+    assert case == with_values(Case(), expected)
+
+
+def test_to_read(path: Path) -> None:
+    done = RUNNER.invoke(app, ["show", str(path)], env={"COLUMNS": "100"})
+    assert done.exit_code == 0
+    text, _, table = done.stdout.partition("\n\nbladed disk")
+    assert tomllib.loads(text)["casing"]["support"] == 7.975e6
+    for words in (
+        "40.234 Hz",
+        "2534.7 rpm",
+        "0.5895 kg m",
+        "time step / critical 0.214",
+        "156 modes",
+    ):
+        assert words in table
+    rows = [line.split() for line in table.splitlines()]
+    assert ["1", "40.2335", "1", "160.93", "3.9999"] in rows
+
+
+def test_the_lowest_of_a_stage_without_symmetry_beside_those_of_its_casing(path: Path) -> None:
+    path.write_text("bladed_disk = { blades = 6, mistuning.stiffness_spread = 0.05 }")
+    derived = shown(path)["derived"]
+    disk = [mode["frequency"]["hz"] for mode in derived["bladed_disk"]]
+    assert {mode["nodal_diameter"] for mode in derived["bladed_disk"]} == {-1}
+    assert len(disk) == 12
+    assert disk == sorted(disk)
+    assert disk[0] == derived["reference_frequency"]["hz"]
+    table = RUNNER.invoke(app, ["show", str(path)]).stdout.partition("normalised")[2]
+    rows = [line.split() for line in table.splitlines()]
+    ring = [mode["frequency"]["hz"] for mode in derived["casing"]]
+    assert [row[1] for row in rows if row and row[0] == "–"] == [f"{hertz:.6g}" for hertz in disk]
+    assert [row[1] for row in rows if row and row[0].isdigit()] == [f"{hz:.6g}" for hz in ring]
+
+
+@pytest.mark.parametrize(
+    ("values", "line"),
+    [
+        (
+            ["march.time_step=5e-6"],
+            "--set: march.time_step = 5e-6: expected less than the critical",
+        ),
+        (
+            ["reduction.fixed_interface_modes=1000"],
+            "--set: reduction.fixed_interface_modes = 1000:",
+        ),
+        (["casing.elements=two"], '--set: casing.elements = "two": expected a whole number'),
+    ],
+)
+def test_faults_are_one_line(path: Path, values: list[str], line: str) -> None:
+    arguments = [part for value in values for part in ("--set", value)]
+    done = RUNNER.invoke(app, ["show", str(path), *arguments])
+    assert (done.exit_code, done.stdout) == (2, "")
+    [message] = done.stderr.splitlines()
+    assert message.startswith(line)
+
+
+def test_a_coupling_is_shown_though_it_is_not_marched(path: Path) -> None:
+    assert shown(path, "--set", "coupling.stiffness=500")["case"]["coupling"]["stiffness"] == 500.0
+
+
+@pytest.mark.usefixtures("can_draw")
+def test_a_drawing_of_the_stage(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    few = ["--set", "reduction.fixed_interface_modes=10"]
+    done = RUNNER.invoke(app, ["show", str(path), "--json", "--png", *few])
+    assert done.exit_code == 0, done.stderr
+    assert done.stderr == "Wrote case.png.\n"
+    json.loads(done.stdout)
+    with Image.open(tmp_path / "case.png") as picture:
+        image = np.asarray(picture.convert("RGB"), dtype=np.int64)
+    blade, disk, casing = (0x00, 0x72, 0xB2), (0x00, 0x9E, 0x73), (0x56, 0xB4, 0xE9)
+    stage = image[:, :960]
+    row, column = np.indices(stage.shape[:2])
+    radius = np.hypot(row - 479.5, column - 479.5)
+    reach = [radius[np.all(stage == colour, axis=-1)].max() for colour in (disk, blade, casing)]
+    assert reach == sorted(reach)  # rim, blades, casing from the inside out
+    assert reach[1] / reach[0] == pytest.approx(0.5 / 0.065, rel=0.03)  # half of the rim's 30 mm
+    for name, wanted in (("blue", blade), ("sky", casing)):
+        assert np.all(image[:, 960:] == wanted, axis=-1).any(), name  # and so in the key
+
+
+@pytest.mark.usefixtures("can_draw")
+def test_the_key_of_a_drawing_is_not_cut(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written: list[str] = []
+    monkeypatch.setattr(panel, "write_key", lambda plotter, key, top, **more: written.extend(key))
+    taper = "[{ thickness = 0.01234 }, { thickness = 0.00567 }]"
+    path.write_text(f"bladed_disk.taper = {taper}\nreduction.fixed_interface_modes = 10")
+    done = RUNNER.invoke(app, ["show", str(path), "--png", "-o", str(tmp_path / "a.png")])
+    assert done.exit_code == 0, done.stderr
+    assert "blades, 5.67 to 12.3 mm" in written
+    assert max(map(len, written)) <= panel.KEY_LETTERS
+
+
+def test_a_drawing_where_none_can_be_written(path: Path, tmp_path: Path) -> None:
+    few = ["--set", "reduction.fixed_interface_modes=10"]
+    for arguments, message in (
+        (["-o", "x.png"], "--output: not without --png"),
+        (["--png", "-o", str(tmp_path / "x.svg")], "must end in .png"),
+    ):
+        done = RUNNER.invoke(app, ["show", str(path), *few, *arguments])
+        assert done.exit_code == 2
+        assert message in done.stderr
+        assert len(done.stderr.splitlines()) == 1
+        assert done.stdout == ""

@@ -1,0 +1,227 @@
+"""`bladewhirl stability`: one point, the chart, the divergent mode in time, and bad input."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from places import ROOT
+from typer.testing import CliRunner
+
+from bladewhirl.postprocess.fields.result import open_result
+from bladewhirl.postprocess.run.orbits import shaft_orbit, whirl
+from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.commands.ranges import parse_range
+
+FAN_STAGE = str(ROOT / "examples" / "fan_stage.toml")
+POINT = ["--speed", "1.17", "--kappa", "500"]
+SMALL = ["--speeds", "0.6:3:40", "--kappas", "0:1000:20"]
+
+RUNNER = CliRunner()
+
+
+def run(*arguments: str) -> str:
+    result = RUNNER.invoke(app, ["stability", FAN_STAGE, *arguments], catch_exceptions=False)
+    assert result.exit_code == 0, result.stderr
+    return result.stdout
+
+
+@pytest.mark.parametrize(
+    ("flags", "growth"),
+    [
+        pytest.param([], 7.504, id="with pi"),
+        pytest.param(["--no-pi"], 0.0, id="without pi"),
+        pytest.param(["--damped"], 6.8655, id="damped"),
+    ],
+)
+def test_papers_example_point(flags: list[str], growth: float) -> None:
+    """Growth rates of an independent integration."""
+    point = json.loads(run(*POINT, *flags, "--json"))
+    assert point["growth_rate"] == pytest.approx(growth, abs=1e-3)
+    assert point["growth_rate_floquet"] == pytest.approx(point["growth_rate"], abs=1e-6)
+    assert point["unstable"] == (growth > 0.0)
+    values = np.array(point["eigenvalues"])
+    assert values.shape == (12, 2)
+    assert values[:, 0].max() == point["growth_rate"]
+
+
+def test_speed_with_a_unit_is_the_same_speed() -> None:
+    reference = json.loads(run(*POINT, "--json"))
+    rpm = reference["speed_rad_per_s"] * 30.0 / np.pi
+    again = json.loads(run("--speed", f"{rpm!r} rpm", "--kappa", "500", "--json"))
+    assert again["speed"] == pytest.approx(1.17, rel=1e-12)
+    assert again["growth_rate"] == pytest.approx(reference["growth_rate"], rel=1e-9)
+
+
+def test_physical_amplitudes_are_hundreds_of_times_weaker() -> None:
+    """At the same stiffness the paper's point is stable; the casing's amplitude is 0.2."""
+    point = json.loads(run(*POINT, "--physical", "--json"))
+    assert point["amplitude"] == "physical"
+    assert not point["unstable"]
+
+
+def test_rest_has_no_monodromy() -> None:
+    point = json.loads(run("--speed", "0", "--kappa", "500", "--json"))
+    assert point["growth_rate"] == pytest.approx(0.0, abs=1e-6)
+    assert "growth_rate_floquet" not in point
+
+
+def test_point_as_a_table() -> None:
+    printed = run(*POINT)
+    assert "7.50348 1/s (unstable)" in printed
+
+
+def test_chart_with_its_figures_and_data(tmp_path: Path) -> None:
+    folder = tmp_path / "chart"
+    printed = run(*SMALL, "--modes", "casing,1F,suspension", "-o", str(folder))
+    assert "casing k=2 + 1F k=2: from 0.8319" in printed
+    names = {path.name for path in folder.iterdir()}
+    for figure in ("stability", "spectrum", "truncation"):
+        assert {f"{figure}.png", f"{figure}.pdf", f"{figure}.nc"} <= names
+    with xr.open_dataset(folder / "stability.nc", engine="h5netcdf") as chart:
+        assert chart["growth"].shape == (20, 40)
+        zone = chart.isel(zone=(chart["zone_rotor"] == "1F k=1").values)
+        assert zone["zone_lower"].values[-1] == pytest.approx(1.1423, abs=2e-3)
+    refused = RUNNER.invoke(app, ["stability", FAN_STAGE, *SMALL, "-o", str(folder)])
+    assert refused.exit_code == 2
+    assert refused.stderr == f"{folder}: already exists; --overwrite writes into it\n"
+
+
+def test_chart_as_one_document(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    report = json.loads(run(*SMALL, "--json"))
+    assert [zone["rotor"] for zone in report["zones"]] == ["1F k=1", "suspension"]
+    assert [zone["coincidence"] for zone in report["zones"]] == pytest.approx(
+        [1.0550, 2.5817], abs=1e-3
+    )
+    zone = report["zones"][0]
+    assert np.all(np.diff(np.subtract(zone["upper"], zone["lower"])) > 0.0)
+    assert not list(tmp_path.iterdir())
+
+
+def test_divergent_mode_in_time(tmp_path: Path) -> None:
+    """Claim 15, measured on what was written: a result like any other."""
+    folder = tmp_path / "mode"
+    point = json.loads(run(*POINT, "-o", str(folder), "--json"))
+    motion = point["coupled_mode"]
+    assert motion["rotor_wave_speed"] < 0.0 < motion["casing_wave_speed"]
+    names = {path.name for path in folder.iterdir()}
+    assert {"result.nc", "orbit.png", "phases.pdf", "shapes.nc", "animation.gif", "vtk"} <= names
+    with open_result(folder) as result:
+        orbit = shaft_orbit(result)
+        assert whirl(orbit, "rotating").direction == "backward"
+        assert whirl(orbit, "static").direction == "forward"
+        assert whirl(orbit, "rotating").rate == pytest.approx(motion["whirl_speed_rotating"])
+        radius = orbit["radius"].values
+        grown = np.log(radius[-1] / radius[0]) / float(result["time"][-1])
+        assert grown == pytest.approx(point["growth_rate"], rel=1e-6)
+        # The blade that comes nearest does so at the end, a blade's pitch from contact at most.
+        gap = result["gap"].values
+        assert 0.0 <= gap.min() < 0.05e-3
+        assert np.unravel_index(gap.argmin(), gap.shape)[0] > 0.98 * len(gap)
+        frames = len(result["time"])
+    assert len(list((folder / "vtk").rglob("*.vtu"))) > min(frames, 300)
+
+
+def test_damping_takes_energy_as_a_growing_circle_does(tmp_path: Path) -> None:
+    """The power sum 2 xi omega v^2 grows with exp(2 growth t)."""
+    folder = tmp_path / "mode"
+    point = json.loads(run(*POINT, "--damped", "--no-films", "-o", str(folder), "--json"))
+    assert not (folder / "vtk").exists()
+    with open_result(folder) as result:
+        power = sum(
+            float(np.sum(2.0 * 0.005 * result[f"{body}_frequency"] * velocity**2))
+            for body in ("rotor", "casing")
+            for velocity in [result[f"{body}_velocity"].isel(time=0)]
+        )
+        rate, time = 2.0 * point["growth_rate"], result["time"].values
+        expected = power * np.expm1(rate * time) / rate
+        assert result["damping_work"].values == pytest.approx(expected, rel=1e-4)
+        energy = result["energy"].values
+        balance = result["coupling_work"].values - result["damping_work"].values
+        assert balance == pytest.approx(energy - energy[0])
+
+
+def test_mode_of_more_nodal_diameters_leaves_the_shaft_alone(tmp_path: Path) -> None:
+    folder = tmp_path / "mode"
+    point = json.loads(
+        run(
+            "--speed",
+            "0.85",
+            "--kappa",
+            "500",
+            "--modes",
+            "casing,1F",
+            "--no-films",
+            "-o",
+            str(folder),
+            "--json",
+        )
+    )
+    assert point["coupled_mode"]["nodal_diameter"] == 2
+    assert not (folder / "orbit.png").exists()
+    with open_result(folder) as result:
+        assert set(result["rotor_nodal_diameter"].values) == {2}
+
+
+def test_stable_point_has_no_divergent_mode(tmp_path: Path) -> None:
+    folder = tmp_path / "mode"
+    result = RUNNER.invoke(
+        app, ["stability", FAN_STAGE, "--speed", "2", "--kappa", "500", "-o", str(folder)]
+    )
+    assert result.exit_code == 2
+    assert "there is no divergent mode to draw" in result.stderr
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--speed", "1", "--kappa", "-1"], "--kappa -1: expected a number of zero or more"),
+        (["--speed", "1", "--kappa", "nan"], "--kappa nan: expected a number of zero or more"),
+        (["--speed", "1"], "--speed, --kappa: expected both"),
+        (["--speed", "fast", "--kappa", "1"], "--speed fast: expected multiples of"),
+        (["--speeds", "3:1:5"], "--speeds 3:1:5: expected a STOP above the START of 3"),
+        (["--speeds", "1:1:5"], "--speeds 1:1:5: expected a STOP above the START of 1"),
+        (["--speeds", "1:2"], "--speeds 1:2: expected START:STOP:COUNT"),
+        (["--speeds", "1:2:3:4"], "--speeds 1:2:3:4: expected START:STOP:COUNT"),
+        (["--kappas=-1:2:3"], "--kappas -1:2:3: expected a START of zero or more"),
+        (["--kappas", "0:inf:3"], "--kappas 0:inf:3: expected START:STOP:COUNT with finite"),
+        (["--kappas", "0:10:1"], "--kappas 0:10:1: expected a COUNT from 2"),
+        (["--line", "-3"], "--line -3: expected a number of zero or more"),
+        (["--modes", "suspensoin"], "(did you mean suspension?)"),
+        (["--modes", "1F:99"], "--modes 1F:99: expected a nodal diameter of 1F: 1, 2,"),
+        (["--modes", "1F,"], '--modes "": expected one of six, all, casing'),
+        (["--modes", "1F:one"], "--modes 1F:one: expected one of six, all, casing"),
+        (["--modes", "casing:1F:1"], "--modes casing:1F:1: expected one of six, all, casing"),
+        (["--set", "shaft.clamped=true"], "--modes six: the stage has no suspension pair"),
+        (
+            ["--damped", "--set", "shaft.damping=10"],
+            "here with --damped there are dampers: --speed and --kappa give one",
+        ),
+        (
+            ["--set", "shaft.stiffness_y=1e7", "--set", "shaft.frame=static"],
+            "here the shaft springs that stand still differ: --speed and --kappa give one point",
+        ),
+        (
+            ["--set", 'casing.springs=[{ angle = 0.0, radial = "1 MN/m" }]'],
+            "here the casing is not the same all round: --speed, --kappa and --physical give one",
+        ),
+        (["--set", "casing.sport=1"], "casing.sport"),
+    ],
+)
+def test_bad_input_is_one_line(arguments: list[str], said: str, tmp_path: Path) -> None:
+    folder = tmp_path / "none"
+    result = RUNNER.invoke(app, ["stability", FAN_STAGE, *arguments, "-o", str(folder)])
+    assert result.exit_code == 2
+    assert said in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+    assert result.stdout == ""
+    assert not folder.exists()
+
+
+def test_range_includes_its_ends() -> None:
+    assert parse_range("--speeds", "0.5:2:4").tolist() == [0.5, 1.0, 1.5, 2.0]

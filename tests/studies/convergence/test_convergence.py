@@ -1,0 +1,201 @@
+"""Convergence in time step and modes: measured orders, what the command leaves, bad input."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from stages import steel
+from typer.testing import CliRunner
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import dumps_case, loads, with_values
+from bladewhirl.models.geometry.sketch import Sketch
+from bladewhirl.models.inputs.errors import CaseError, UserError
+from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.convergence.study import MODES as MODES_KEPT
+from bladewhirl.studies.convergence.study import (
+    TIME_STEP,
+    default_modes,
+    default_time_steps,
+    mode_convergence,
+    observed_order,
+    time_step_convergence,
+)
+from bladewhirl.studies.sweeps.cache import RunStore
+
+SMALL = (
+    "bladed_disk.blades=6",
+    "casing.elements=12",
+    "casing.support=7.975e6",
+    "reduction.fixed_interface_modes=12",
+    "initial.centre_velocity=[0.5, 0.0]",
+    "march.duration=20 ms",
+    "march.record_step=1e-4",
+    "march.time_step=4e-6",
+)
+
+
+def small(*overrides: str) -> Case:
+    """A shaft that is thrown at a casing."""
+    return loads("", overrides=[*SMALL, *overrides])
+
+
+FREE, CLOSE = small("casing.clearance=1.0"), small("casing.clearance=0.2 mm")
+SHORT = small("march.duration=5 ms")
+STEPS = [1e-5, 5e-6, 2.5e-6]
+MODES = [6, 12, 24]
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> RunStore:
+    """All marches, made at once: a worker takes seconds to start."""
+    store = RunStore(directory=tmp_path_factory.mktemp("marches"), workers=1)
+    steps = [with_values(case, {TIME_STEP: step}) for case in (FREE, CLOSE) for step in STEPS]
+    modes = [with_values(small(), {MODES_KEPT: count}) for count in MODES]
+    short = [with_values(SHORT, {TIME_STEP: 2e-6}), with_values(SHORT, {MODES_KEPT: 6}), SHORT]
+    store.make([*steps, *modes, *short])
+    assert not store.failures
+    return store
+
+
+def test_order_of_a_power_law() -> None:
+    size = np.array([4.0, 2.0, 1.0, 0.5])
+    assert observed_order(size, 0.3 * size**1.5) == pytest.approx(1.5)
+    assert observed_order(size, np.array([8.0, 2.0, np.nan, 0.0])) == pytest.approx(2.0)
+    assert np.isnan(observed_order(size, np.array([1.0, 0.0, 0.0, np.nan])))
+
+
+@pytest.mark.parametrize("order", [-1.0, 1.0, 2.0])
+@pytest.mark.parametrize("size", [[4.0, 3.0, 1.0, 0.5], [4.0, 1.0, 0.5], [4.0, 2.0, 1.0, 0.5]])
+def test_the_order_is_found_whatever_the_steps(size: list[float], order: float) -> None:
+    steps = np.array(size)
+    error = 0.3 * steps**order
+    change = np.abs(np.append(np.diff(error), np.nan))
+    assert observed_order(steps, change) == pytest.approx(order, abs=1e-6)
+
+
+def test_second_order_without_contact(store: RunStore) -> None:
+    found = time_step_convergence(FREE, STEPS, store)
+    assert found["regime"].values.tolist() == ["no-contact"] * 3
+    assert found.attrs["displacement_order"] == pytest.approx(2.0, abs=0.05)
+    assert found.attrs["free_order"] == found.attrs["displacement_order"]
+    assert found.attrs["free_until"] == pytest.approx(0.02)
+    assert np.isnan(found.attrs["impulse_order"])
+    distance = found["distance"].values
+    assert distance[2] == 0.0
+    assert distance[0] / distance[1] == pytest.approx(5.0, rel=0.05)  # (16 - 1) / (4 - 1)
+
+
+def test_contact_and_what_precedes_it(store: RunStore) -> None:
+    found = time_step_convergence(CLOSE, STEPS, store)
+    assert 0.0 < found.attrs["free_until"] < 5e-3
+    assert found.attrs["free_order"] == pytest.approx(2.0, abs=0.2)
+    impulse = found["impulse"].values
+    assert (impulse > 0.0).all()
+    error = np.abs(impulse - impulse[-1]) / impulse[-1]
+    np.testing.assert_allclose(found["impulse_error"], error)
+    assert error.max() < 0.05
+    assert set(found["regime"].values) == {"sustained"}
+
+
+def test_modes(store: RunStore) -> None:
+    found = mode_convergence(small(), MODES, store)
+    assert found["kept"].values.tolist() == [6, 12, 24]
+    assert found["distance"].values[-1] == 0.0
+    assert (found["distance"].values[:-1] > 0.0).all()
+    assert (np.diff(found["frequency_error"].values) < 0.0).all()
+    assert len(set(found["regime"].values)) == 1
+    assert found.attrs["motion_converged"] == 1
+
+
+def test_what_is_looked_at_by_default() -> None:
+    case = small()
+    assert default_modes(case) == [12, 18, 24, 30, 36]
+    assert max(default_time_steps(small("march.time_step=1e-5"))) <= 4e-5
+    # Of 1.6e-5 and 8e-6 s a record step of 1e-4 s is no multiple.
+    assert default_time_steps(case) == [4e-6, 2e-6]
+    assert default_time_steps(small("march.record_step=8e-5")) == [8e-6, 4e-6, 2e-6]
+
+
+def drawn(blades: int, elements: int) -> Case:
+    """Blades on a hub, by a sketch."""
+    sketch = Sketch(blades)
+    sketch.node("hub", 0.0, 0.0, shared=True)
+    sketch.node("tip", 0.5)
+    sketch.member("blades", "hub", "tip", steel(0.01), elements=elements)
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    return sketch.case(reduction={"fixed_interface_modes": 3})
+
+
+def test_the_blades_of_a_sketch_count() -> None:
+    assert default_modes(drawn(12, 5)) == [24, 36, 48, 60, 72]
+    with pytest.raises(CaseError, match="elements for 9 fixed-interface modes or more"):
+        default_modes(drawn(3, 1))
+
+
+def test_a_march_that_cannot_be_made(store: RunStore) -> None:
+    with pytest.raises(UserError, match=r"march\.time_step = 0\.0001: .*critical"):
+        time_step_convergence(small(), [1e-4, 5e-5], store)
+
+
+def command(*arguments: str) -> tuple[int, str, str]:
+    result = CliRunner().invoke(app, ["convergence", *arguments])
+    return result.exit_code, result.stdout, result.stderr
+
+
+def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, store: RunStore) -> None:
+    """In a folder where the marches are, as after an interruption."""
+    monkeypatch.chdir(tmp_path)
+    Path("small.toml").write_text(dumps_case(SHORT), encoding="utf-8")
+    runs = Path("small-convergence") / "runs"
+    runs.mkdir(parents=True)
+    for step, count in ((4e-6, 12), (2e-6, 12), (4e-6, 6)):
+        path = store.path(with_values(SHORT, {TIME_STEP: step, MODES_KEPT: count}))
+        shutil.copy(path, runs)
+    options = ("--time-steps", "4us, 2e-6", "--modes", "12,6", "--workers", "1")
+    code, out, err = command("small.toml", *options, "--overwrite")
+    assert code == 0, err
+    assert "Order in the time step" in out
+    folder = Path("small-convergence")
+    assert {path.name for path in folder.iterdir()} == {
+        "runs",
+        "convergence.json",
+        *(f"{name}.{kind}" for name in ("time-step", "modes") for kind in ("png", "pdf", "nc")),
+    }
+    assert len(list((folder / "runs").glob("*.nc"))) == 3  # 4 us with 12 modes is in both
+    found = json.loads((folder / "convergence.json").read_text())
+    assert found["time_steps"]["time_step"] == [4e-6, 2e-6]
+    assert found["time_steps"]["displacement_order"] is None
+    assert found["modes"]["modes"] == [6, 12]
+    with xr.open_dataset(folder / "modes.nc") as data:
+        assert data["regime"].values.tolist() == found["modes"]["regime"]
+    assert command("small.toml", *options)[0] == 2
+    code, out, _ = command("small.toml", *options, "--overwrite", "--json")
+    assert code == 0
+    assert json.loads(out) == found
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["--time-steps", "1e-6"], "--time-steps 1e-6: expected two or more different times"),
+        (["--time-steps", "1e-6,soon"], "--time-steps soon: expected a time in seconds"),
+        (
+            ["--time-steps", "1,1e-6"],
+            "--time-steps 1: march.record_step = 1e-4: expected at least",
+        ),
+        (["--modes", "44,44"], "--modes 44,44: expected two or more different whole numbers"),
+        (["--modes", "44,few"], "--modes 44,few: expected two or more different whole numbers"),
+    ],
+)
+def test_bad_input_is_one_line(arguments: list[str], line: str) -> None:
+    code, _, err = command("examples/imbalance.toml", *arguments)
+    assert code == 2
+    assert err.startswith(line)
+    assert err.count("\n") == 1

@@ -1,0 +1,201 @@
+"""What a sweep runs over: ranges, lists, units, keys, and everything wrong with them."""
+
+from __future__ import annotations
+
+import tracemalloc
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from bladewhirl.models.case.case import Case, March
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.sweeps.axes import Axis, Grid, Value, coordinate, make_grid, parse_over
+from bladewhirl.studies.sweeps.plan import plan_sweep
+
+
+def values(option: str) -> tuple[Value, ...]:
+    [found] = parse_over([option]).values()
+    return found
+
+
+def test_a_range_holds_the_numbers_one_would_type() -> None:
+    found = values("march.speed=0.95:2.0:0.005")
+    assert len(found) == 211
+    assert found == tuple(float(f"{0.95 + 0.005 * i:.3f}") for i in range(211))
+
+
+@pytest.mark.parametrize(
+    ("option", "expected"),
+    [
+        ("a=1:2:0.5", (1, 1.5, 2)),
+        ("a=0:1:0.3", (0, 0.3, 0.6, 0.9)),
+        ("a=0:1:0.3333333333", (0, 0.3333333333, 0.6666666666, 1)),
+        ("a=-1:1:1", (-1, 0, 1)),
+        ("a=20:24:2", (20, 22, 24)),
+        ("a=2000 rpm:2020 rpm:10 rpm", ("2000 rpm", "2010 rpm", "2020 rpm")),
+        ("a=0.05,0.1", (0.05, 0.1)),
+        ("a=3, 1, 2", (3, 1, 2)),
+        ("a=1e-3,2e-3", (0.001, 0.002)),
+        ("a=0.5 mm,1 mm", ("0.5 mm", "1 mm")),
+    ],
+)
+def test_ranges_and_lists(option: str, expected: tuple[Value, ...]) -> None:
+    assert values(option) == expected
+    assert [type(value) for value in values(option)] == [type(value) for value in expected]
+
+
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        ("march.speed", "expected KEY="),
+        ("march.speed=", "expected KEY="),
+        ("a=1:2", "START:STOP:STEP, got 2"),
+        ("a=1:2:x", "expected numbers, got 'x'"),
+        ("a=1:nan:1", "expected numbers, got 'nan'"),
+        ("a=1::1", "expected numbers, got ''"),
+        ("a=1:2:0", "not zero"),
+        ("a=2:1:0.1", "START below STOP"),
+        ("a=2:1:-0.1", "START below STOP"),
+        ("a=1:1:0.1", "more than a single point"),
+        ("a=1:1.05:0.1", "more than a single point"),
+        ("a=0:1:1e-30", "at most 10000000 points"),
+        ("a=1", "at least two values"),
+        ("a=1,,2", "expected numbers, got ''"),
+        ("a=1 mm:2:1", "the same unit"),
+        ("a=1 mm,1 m", "the same unit"),
+    ],
+)
+def test_bad_ranges_say_what_was_expected(option: str, message: str) -> None:
+    with pytest.raises(UserError) as caught:
+        parse_over([option])
+    [line] = caught.value.lines
+    assert line.startswith("--over")
+    assert message in line
+
+
+def test_a_key_comes_once() -> None:
+    with pytest.raises(UserError, match="each key once"):
+        parse_over(["a=1,2", "a=3,4"])
+
+
+@pytest.mark.parametrize(
+    ("key", "nearest"),
+    [
+        ("march.sped", "march.speed"),
+        ("friction", "contact.friction"),
+        ("contact.sliding", "contact."),
+        ("title", ""),
+        ("march", ""),
+        ("excitation.clearance_speed", ""),  # the default case has no load
+    ],
+)
+def test_only_keys_with_a_number(key: str, nearest: str) -> None:
+    with pytest.raises(UserError, match=f"holds a number; the nearest is {nearest}"):
+        make_grid(Case(), {key: (1, 2)}, large=False)
+
+
+def test_products_run_fastest_over_the_last_key() -> None:
+    grid = make_grid(
+        Case(), {"march.speed": (1.0, 1.1), "contact.friction": (0.0, 0.1, 0.2)}, large=False
+    )
+    assert (grid.shape, grid.size) == ((2, 3), 6)
+    assert grid.label(4) == "march.speed = 1.1, contact.friction = 0.1"
+    cases = list(grid.cases(Case()))
+    assert [case.contact.friction for case in cases] == [0.0, 0.1, 0.2] * 2
+    assert [case.march.speed.value for case in cases] == [1.0] * 3 + [1.1] * 3
+
+
+@pytest.mark.parametrize("found", [(1.0,), (1.0, 1.0), (1, 1.0), ()])
+def test_values_that_are_no_sweep(found: tuple[float, ...]) -> None:
+    with pytest.raises(UserError, match=r"--over march\.speed: expected"):
+        make_grid(Case(), {"march.speed": found}, large=False)
+
+
+def test_large_sweeps_are_asked_for() -> None:
+    over = {"march.speed": range(1, 1001), "contact.friction": range(101)}
+    with pytest.raises(UserError, match="101000 points are more than 100000; --yes"):
+        make_grid(Case(), over, large=False)
+    assert make_grid(Case(), over, large=True).size == 101_000
+    with pytest.raises(UserError, match="at most 10000000 points, got 101000000"):
+        make_grid(Case(), {**over, "march.duration": range(1, 1001)}, large=True)
+
+
+def test_a_fault_is_named_with_its_point() -> None:
+    over = {"contact.friction": (0.1, -0.1), "march.speed": (1.0, 1.1)}
+    grid = make_grid(Case(), over, large=False)
+    with pytest.raises(UserError) as caught:
+        list(grid.cases(Case()))
+    first, second = caught.value.lines
+    assert "point contact.friction = -0.1, march.speed = 1.0: contact.friction = -0.1" in first
+    assert "march.speed = 1.1" in second
+
+
+def test_many_faults_are_counted() -> None:
+    grid = Grid(axes=(Axis(key="contact.friction", values=tuple(range(-20, 0))),))
+    with pytest.raises(UserError) as caught:
+        list(grid.cases(Case()))
+    assert len(caught.value.lines) == 6
+    assert "15 more points have faults" in caught.value.lines[-1]
+
+
+def test_faults_that_only_the_stage_shows_come_before_anything_runs() -> None:
+    """The critical step of the default stage is a few microseconds."""
+    grid = make_grid(Case(), {"march.time_step": (1e-6, 1e-4)}, large=False)
+    with pytest.raises(UserError, match=r"point march\.time_step = 1e-4: march\.time_step"):
+        plan_sweep(Case(), grid, histories=False)
+
+
+@pytest.mark.parametrize(
+    ("over", "steps"),
+    [
+        ({"march.duration": (1.0, 1001.0)}, "1e\\+09 steps of one march"),
+        (
+            {"march.duration": (500.0, 600.0), "march.speed": [1 + 1e-3 * n for n in range(1000)]},
+            "1.1e\\+12 steps of all marches",
+        ),
+    ],
+)
+def test_more_steps_than_anyone_waits_for_are_asked_for(
+    over: dict[str, Sequence[float]], steps: str
+) -> None:
+    grid = make_grid(Case(), over, large=False)
+    with pytest.raises(UserError, match=f"^--over: {steps} are more than 1e.*; --yes runs them"):
+        plan_sweep(Case(), grid, histories=False, large=False)
+    if grid.size == 2:
+        plan = plan_sweep(Case(), grid, histories=False, large=True)
+        assert plan.steps == round(1002.0 / Case().march.time_step)
+
+
+def test_coordinates_are_si_numbers_with_their_unit() -> None:
+    over = {"casing.clearance": ("0.5 mm", "1 mm"), "march.speed": ("60 rpm", "120 rpm")}
+    case = Case(march=March(duration=1e-3))
+    plan = plan_sweep(case, make_grid(case, over, large=False), histories=False)
+    clearance, metre = plan.coordinates["casing.clearance"]
+    assert (clearance.tolist(), metre) == ([5e-4, 1e-3], "m")
+    speed, unit = plan.coordinates["march.speed"]
+    np.testing.assert_allclose(speed, [2 * np.pi, 4 * np.pi], rtol=1e-15)
+    assert unit == "rad/s"
+
+
+def test_speeds_of_two_kinds_share_no_axis() -> None:
+    speeds = [March(speed=given).speed for given in (1.0, "60 rpm")]
+    with pytest.raises(UserError, match="all speeds as numbers"):
+        coordinate(speeds)
+
+
+def test_memory_of_a_plan_hardly_grows_with_its_points() -> None:
+    """Cases and groups of work come one at a time: what grows is a value of the axis a point."""
+
+    def peak(points: int) -> int:
+        over = {"march.speed": [1.0 + 1e-4 * point for point in range(points)]}
+        case = Case(march=March(duration=1e-4))
+        tracemalloc.start()
+        plan = plan_sweep(case, make_grid(case, over, large=False), histories=True)
+        assert sum(1 for _ in plan.left(np.zeros(points, dtype=np.int8))) == points
+        _, most = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        return most
+
+    peak(2)  # imports and what is kept from call to call
+    assert peak(2000) - peak(20) < 2000 * 500
