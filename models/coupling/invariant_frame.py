@@ -15,12 +15,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bladewhirl.models.coupling.springs import (
-    ComplexArray,
-    CouplingModes,
-    FloatArray,
-    spring_factor,
-)
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.coupling.springs import CouplingModes, spring_factor
 
 
 def frame_matrices(

@@ -25,12 +25,9 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
-ComplexArray = NDArray[np.complex128]
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
 
 ANGLES = 181
 """Angles at which springs are looked at where their stiffness changes as the rotor turns."""

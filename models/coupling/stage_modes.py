@@ -7,14 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bladewhirl.models.coupling.springs import (
-    BoolArray,
-    CouplingModes,
-    FloatArray,
-    IntArray,
-    Springs,
-    body_coordinates,
-)
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
+from bladewhirl.models.coupling.springs import CouplingModes, Springs, body_coordinates
 from bladewhirl.models.elements.casing import Casing
 from bladewhirl.models.elements.cyclic import is_pair, wave_parts
 from bladewhirl.models.modal.full_stage import ModalStage

@@ -17,7 +17,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bladewhirl.models.coupling.springs import BoolArray, FloatArray, IntArray, spring_factor
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
+from bladewhirl.models.coupling.springs import spring_factor
 from bladewhirl.models.coupling.stage_modes import (
     FAMILIES,
     SMALLEST_AMPLITUDE,

@@ -18,11 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-
-ComplexArray = NDArray[np.complex128]
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 
 SYMMETRY_TOLERANCE = 1e-12
 """Largest change of a matrix under a turn by one sector that still counts as symmetric: of each

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from bladewhirl.models.coupling.springs import IntArray
+from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.fields import expectation
 
 ALL, SIX = "all", "six"

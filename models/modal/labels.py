@@ -15,8 +15,8 @@ from typing import Literal
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.elements.cyclic import ComplexArray, SectorLayout, is_pair
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.models.elements.cyclic import SectorLayout, is_pair
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.modal.modes import (
     Modes,

@@ -10,13 +10,8 @@ import scipy.linalg as la
 import scipy.sparse.linalg as spla
 from numpy.typing import NDArray
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.elements.cyclic import (
-    ComplexArray,
-    is_pair,
-    nodal_diameter_of,
-    wave_shares,
-)
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.models.elements.cyclic import is_pair, nodal_diameter_of, wave_shares
 from bladewhirl.models.elements.structure import Structure
 
 NO_COLUMN = -1

@@ -12,8 +12,8 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse.linalg as spla
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.elements.cyclic import ComplexArray, SectorLayout, is_pair
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.models.elements.cyclic import SectorLayout, is_pair
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.modal.modes import (
     DENSE_LIMIT,

@@ -8,7 +8,8 @@ import numpy as np
 import xarray as xr
 from scipy.integrate import cumulative_trapezoid
 
-from bladewhirl.models.coupling.springs import FloatArray, Springs
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.coupling.springs import Springs
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.postprocess.fields.mode_result import stage_dataset, with_history
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, RadialShapes

@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.coupling.springs import BoolArray
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
 from bladewhirl.solvers.stability.coincidence import Coincidences, frequency_in_other_frame

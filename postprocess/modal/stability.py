@@ -16,7 +16,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from bladewhirl.models.coupling.springs import BoolArray, ComplexArray, CouplingModes, FloatArray
+from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray
+from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
 from bladewhirl.solvers.stability.growth import (
     UNSTABLE_GROWTH,

@@ -17,8 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.coupling.invariant_frame import frame_matrices, state_matrix
-from bladewhirl.models.coupling.springs import ComplexArray, CouplingModes, FloatArray
+from bladewhirl.models.coupling.springs import CouplingModes
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,12 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 
-from bladewhirl.models.coupling.springs import (
-    ComplexArray,
-    CouplingModes,
-    FloatArray,
-    periodic_stiffness,
-)
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.coupling.springs import CouplingModes, periodic_stiffness
 
 FEWEST_STEPS = 8
 MOST_STEPS = 1 << 17

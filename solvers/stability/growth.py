@@ -24,14 +24,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray
 from bladewhirl.models.coupling.invariant_frame import state_matrix
-from bladewhirl.models.coupling.springs import (
-    BoolArray,
-    ComplexArray,
-    CouplingModes,
-    FloatArray,
-    spring_factor,
-)
+from bladewhirl.models.coupling.springs import CouplingModes, spring_factor
 
 UNSTABLE_GROWTH = 1e-6
 """A point is unstable when its growth rate exceeds this share of the rotational speed."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from bladewhirl.models.coupling.springs import ComplexArray, FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 
 
 def track(parameter: FloatArray, values: ComplexArray) -> ComplexArray:

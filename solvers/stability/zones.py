@@ -1,8 +1,8 @@
 """Borders of the unstable zones by root finding (Fig. 11).
 
-Without damping every real mu of `bladewhirl.solvers.stability.growth.whirl_matrix` has a
-signature, the sign of sum_i nu_i |X_i|^2: positive and negative ones meet and turn complex, equal
-ones avoid each other. As the speed grows, positive casing waves sink below negative rotor waves, and a zone of
+Without damping every real mu of `bladewhirl.solvers.stability.growth.whirl_matrix` has a signature,
+the sign of sum_i nu_i |X_i|^2: positive and negative ones meet and turn complex, equal ones avoid
+each other. As the speed grows, positive casing waves sink below negative rotor waves, and a zone of
 instability lies at each exchange. The counts of exchanges begun and ended climb ladders, of which
 bisection finds each rung, so that no zone is too narrow to be found.
 
@@ -17,13 +17,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
 from bladewhirl.models.coupling.invariant_frame import state_matrix
-from bladewhirl.models.coupling.springs import (
-    BoolArray,
-    CouplingModes,
-    FloatArray,
-    IntArray,
-)
+from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.solvers.stability.growth import (
     growth_rate,
     is_unstable,

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from bladewhirl.models.coupling.springs import FloatArray, IntArray, Springs
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.coupling.springs import Springs
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.postprocess.fields.coupled_mode_result import coupled_mode_result, radial_shapes
 from bladewhirl.postprocess.fields.result import RESULT_NAME

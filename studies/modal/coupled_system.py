@@ -7,8 +7,9 @@ from difflib import get_close_matches
 
 import numpy as np
 
+from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.coupling.springs import CouplingModes, IntArray
+from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.models.coupling.stage_modes import StageModes, stage_modes
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.mode_names import ALL, SIX, family_and_diameter

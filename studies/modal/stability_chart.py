@@ -12,7 +12,8 @@ import xarray as xr
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from bladewhirl.models.coupling.springs import CouplingModes, FloatArray
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.postprocess.modal.stability import (
     chart_dataset,
     plot_chart,

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import typer
 
-from bladewhirl.models.coupling.springs import BoolArray, CouplingModes, FloatArray
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
+from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.models.coupling.without_sectors import DenseModes, dense_modes
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.mode_names import ALL, CASING, SIX, family_and_diameter

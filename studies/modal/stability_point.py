@@ -11,7 +11,7 @@ import rich
 import typer
 from rich.table import Table
 
-from bladewhirl.models.coupling.springs import ComplexArray
+from bladewhirl.meshes.line_mesh import ComplexArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import Speed
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, coupled_modes

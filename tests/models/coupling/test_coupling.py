@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.coupling.invariant_frame import frame_matrices, invariant_matrices
 from bladewhirl.models.coupling.springs import (
     CouplingModes,
-    FloatArray,
     coupling_stiffness,
     paper_modes,
     periodic_stiffness,

@@ -8,12 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from bladewhirl.models.coupling.springs import (
-    CouplingModes,
-    FloatArray,
-    paper_modes,
-    periodic_stiffness,
-)
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.coupling.springs import CouplingModes, paper_modes, periodic_stiffness
 from bladewhirl.solvers.stability.coupled_modes import (
     CoupledMotion,
     RadialShapes,

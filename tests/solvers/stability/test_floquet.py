@@ -8,12 +8,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
-from bladewhirl.models.coupling.springs import (
-    CouplingModes,
-    FloatArray,
-    paper_modes,
-    periodic_stiffness,
-)
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.coupling.springs import CouplingModes, paper_modes, periodic_stiffness
 from bladewhirl.solvers.stability.floquet import floquet
 from bladewhirl.solvers.stability.growth import eigenvalues, growth_rate
 

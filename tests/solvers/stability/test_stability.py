@@ -7,12 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.coupling.invariant_frame import invariant_matrices, state_matrix
-from bladewhirl.models.coupling.springs import (
-    CouplingModes,
-    FloatArray,
-    paper_modes,
-)
+from bladewhirl.models.coupling.springs import CouplingModes, paper_modes
 from bladewhirl.solvers.stability.growth import (
     coincidence_speeds,
     eigenvalues,
