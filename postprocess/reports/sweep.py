@@ -32,12 +32,12 @@ from bladewhirl.postprocess.reports.sweep_explorer import (
 from bladewhirl.postprocess.reports.words import MAPS, SWEEP
 from bladewhirl.postprocess.run.orbits import MILLI
 from bladewhirl.postprocess.run.regimes import CERTAINTY, CRITERION, rate_text
+from bladewhirl.postprocess.sweep.axes import in_handy_units
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.postprocess.sweep.drawing import REGIME_COLOURS
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map
 from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key, other_keys
-from bladewhirl.postprocess.sweep.swept_axes import in_handy_units
 
 WINDOWED = ("frequency-map", "energy-families")
 """Figures over the window that the dataset's `window` names; others are over the last third."""

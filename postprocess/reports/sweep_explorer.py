@@ -14,10 +14,10 @@ from bladewhirl.postprocess.reports.contact_explorer import buttons, plain_layou
 from bladewhirl.postprocess.reports.page import Explorer
 from bladewhirl.postprocess.run.orbits import MILLI
 from bladewhirl.postprocess.run.regimes import CERTAINTY, rate_text
+from bladewhirl.postprocess.sweep.axes import in_handy_units, is_wide, key_label
 from bladewhirl.postprocess.sweep.drawing import REGIME_COLOURS, line_label
 from bladewhirl.postprocess.sweep.frequency_map import DECADES, LINES
 from bladewhirl.postprocess.sweep.quantities import LINE, cell_edges
-from bladewhirl.postprocess.sweep.swept_axes import in_handy_units, is_wide, key_label
 
 if TYPE_CHECKING:
     pass

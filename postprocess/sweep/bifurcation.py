@@ -12,6 +12,7 @@ from bladewhirl.postprocess.plotting.legends import legends_below, set_title
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.units import length_unit
 from bladewhirl.postprocess.run.orbits import LONG_LINE
+from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, side_by_side
 from bladewhirl.postprocess.sweep.drawing import (
     MOST_LINES,
     Line,
@@ -20,7 +21,6 @@ from bladewhirl.postprocess.sweep.drawing import (
     lines_of,
 )
 from bladewhirl.postprocess.sweep.quantities import LINE, along
-from bladewhirl.postprocess.sweep.swept_axes import in_handy_units, key_axis, side_by_side
 
 PARTS = {
     "section_x": "x once a revolution",

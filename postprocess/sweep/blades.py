@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from bladewhirl.postprocess.plotting.legends import Group, legends_below, set_title
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, SEQUENTIAL, new_figure, styled
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, CLASS_HATCHES, PERMANENT
+from bladewhirl.postprocess.sweep.axes import in_handy_units, is_wide, key_axis
 from bladewhirl.postprocess.sweep.drawing import chosen, left_out_note, panel_titles, panels_note
 from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges
-from bladewhirl.postprocess.sweep.swept_axes import in_handy_units, is_wide, key_axis
 
 MOST_ROWS = 4
 """Lines in a figure that has a row for each."""

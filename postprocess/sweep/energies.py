@@ -19,6 +19,7 @@ from bladewhirl.postprocess.plotting.style import (
     styled,
 )
 from bladewhirl.postprocess.run.energies import FIRST_FAMILY, PLOT_DECADES
+from bladewhirl.postprocess.sweep.axes import in_handy_units, is_wide, key_axis
 from bladewhirl.postprocess.sweep.blades import MOST_ROWS
 from bladewhirl.postprocess.sweep.dataset import GROUP
 from bladewhirl.postprocess.sweep.drawing import (
@@ -30,7 +31,6 @@ from bladewhirl.postprocess.sweep.drawing import (
     panels_note,
 )
 from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges
-from bladewhirl.postprocess.sweep.swept_axes import in_handy_units, is_wide, key_axis
 
 DIAMETER = "nodal_diameter"
 

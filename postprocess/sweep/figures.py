@@ -24,8 +24,7 @@ from bladewhirl.postprocess.sweep.quantities import (
     whirls,
 )
 from bladewhirl.postprocess.sweep.regimes import plot_regimes
-from bladewhirl.postprocess.sweep.shaft_radius import plot_shaft_radius
-from bladewhirl.postprocess.sweep.sweep_whirl import plot_contact_sides, plot_whirls
+from bladewhirl.postprocess.sweep.shaft import plot_contact_sides, plot_shaft_radius, plot_whirls
 
 
 class SweepFigures:

@@ -22,6 +22,7 @@ from bladewhirl.postprocess.plotting.legends import Group, legends_below, set_ti
 from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL, styled
 from bladewhirl.postprocess.run.orbits import MILLI
 from bladewhirl.postprocess.run.spectra import LINE_DASHES
+from bladewhirl.postprocess.sweep.axes import in_handy_units, is_wide, key_axis
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.postprocess.sweep.drawing import (
     MOST_PANELS,
@@ -33,7 +34,6 @@ from bladewhirl.postprocess.sweep.drawing import (
     panels_note,
 )
 from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges
-from bladewhirl.postprocess.sweep.swept_axes import in_handy_units, is_wide, key_axis
 
 MOST_COLUMNS = 1000
 """Columns of a map at most: of more points, neighbours share one."""

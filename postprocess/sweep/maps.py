@@ -25,13 +25,18 @@ from bladewhirl.postprocess.plotting.style import (
 )
 from bladewhirl.postprocess.plotting.units import length_unit
 from bladewhirl.postprocess.run.regimes import CERTAINTY
-from bladewhirl.postprocess.sweep.about_zero import linear_threshold, threshold_ticks
+from bladewhirl.postprocess.sweep.axes import (
+    in_handy_units,
+    is_wide,
+    key_axis,
+    linear_threshold,
+    threshold_ticks,
+)
 from bladewhirl.postprocess.sweep.blades import MOST_ROWS
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.postprocess.sweep.drawing import chosen, left_out_note, panel_titles, panels_note
 from bladewhirl.postprocess.sweep.quantities import LINE, as_lines, cell_edges, in_order
 from bladewhirl.postprocess.sweep.regimes import HATCH, draw_regimes, regime_entries
-from bladewhirl.postprocess.sweep.swept_axes import in_handy_units, is_wide, key_axis
 
 DIVERGING = "PuOr_r"
 """Colours on both sides of zero: told apart by colour-blind readers."""
@@ -86,8 +91,8 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     pictures = [_Picture(radius, f"largest radius [{unit}]", SEQUENTIAL, *_of_magnitudes(radius))]
     doubtful = np.abs(growth) <= CERTAINTY * error
     if np.isfinite(growth).any():
-        about_zero = _about_zero(growth, error)
-        pictures.append(_Picture(growth, "growth rate [1/s]", DIVERGING, *about_zero))
+        rate_colours = _rate_colours(growth, error)
+        pictures.append(_Picture(growth, "growth rate [1/s]", DIVERGING, *rate_colours))
     figure = new_figure(width=FULL_WIDTH, height=0.035 + 0.05 * len(shown))
     columns = 1 + len(pictures)
     rows = figure.subplots(len(shown), columns, sharex=True, sharey=True, squeeze=False)
@@ -190,7 +195,7 @@ def _of_magnitudes(values: Array) -> tuple[Normalize, Locator | None]:
     return Normalize(0.0, known.max()), MaxNLocator(4)
 
 
-def _about_zero(rate: Array, error: Array) -> tuple[Normalize, Locator]:
+def _rate_colours(rate: Array, error: Array) -> tuple[Normalize, Locator]:
     """The same on both sides of zero; linear about it only where a few rates are far larger."""
     top = float(np.nanmax(np.abs(rate))) or 1.0
     if threshold := linear_threshold(rate, error):

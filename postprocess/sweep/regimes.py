@@ -16,7 +16,13 @@ from bladewhirl.postprocess.fields.fields import Array
 from bladewhirl.postprocess.plotting.legends import Group, legends_below, set_title
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.run.regimes import CERTAINTY
-from bladewhirl.postprocess.sweep.about_zero import linear_threshold, threshold_ticks
+from bladewhirl.postprocess.sweep.axes import (
+    in_handy_units,
+    is_wide,
+    key_axis,
+    linear_threshold,
+    threshold_ticks,
+)
 from bladewhirl.postprocess.sweep.drawing import (
     MOST_LINES,
     REGIME_COLOURS,
@@ -29,7 +35,6 @@ from bladewhirl.postprocess.sweep.drawing import (
     mark_entry,
 )
 from bladewhirl.postprocess.sweep.quantities import LINE, cell_edges
-from bladewhirl.postprocess.sweep.swept_axes import in_handy_units, is_wide, key_axis
 
 NOT_JUDGED = "no growth rate: the marches are too short to judge it, or at rest"
 

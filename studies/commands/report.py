@@ -25,7 +25,7 @@ def report(
     It holds the regime and why, the figures of `bladewhirl plot` with words, maps to point at, the
     numbers, the resolved case and what made it. An older report is replaced.
     """
-    from bladewhirl.studies.runs.reports import write_report
+    from bladewhirl.studies.runs.report import write_report
 
     written = write_report(directory, output)
     typer.echo(f"Wrote {written}.")

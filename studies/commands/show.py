@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from bladewhirl.models.stage.stage import Stage
-    from bladewhirl.studies.runs.derived import Derived, Mode, Rate
+    from bladewhirl.studies.runs.properties import Mode, Rate, StageProperties
 
 
 NO_DIAMETER = 10**9
@@ -50,7 +50,7 @@ def show(
     from bladewhirl.models.stage.build import time_step_faults
     from bladewhirl.models.stage.hints import stage_hints
     from bladewhirl.models.stage.stage import build_stage
-    from bladewhirl.studies.runs.derived import derive
+    from bladewhirl.studies.runs.properties import stage_properties
 
     if output is not None and not png:
         raise UserError("--output: not without --png, which draws")
@@ -61,19 +61,19 @@ def show(
         faults = list(time_step_faults(stage))
         if faults:
             raise CaseError(faults)
-        derived = derive(stage)
+        properties = stage_properties(stage)
     for hint in stage_hints(stage):
         typer.echo(f"Hint: {hint}.", err=True)
     if png:
         _draw(stage, output or Path(f"{case.stem}.png"))
     if json:
         tables = checked.model_dump(mode="json", exclude_none=True)
-        document = {"case": tables, "derived": asdict(derived)}
+        document = {"case": tables, "derived": asdict(properties)}
         typer.echo(json_text.dumps(document, indent=2, allow_nan=False, ensure_ascii=False))
         return
     console = Console()
     typer.echo(dumps_case(checked))
-    console.print(_figures(derived), _frequencies(derived), sep="\n")
+    console.print(_figures(properties), _frequencies(properties), sep="\n")
 
 
 def _draw(stage: Stage, target: Path) -> None:
@@ -95,33 +95,33 @@ def _draw(stage: Stage, target: Path) -> None:
     typer.echo(f"Wrote {target}.", err=True)
 
 
-def _figures(derived: Derived) -> Table:
+def _figures(properties: StageProperties) -> Table:
     from rich.table import Table
 
     table = Table(show_header=False, box=None, pad_edge=False)
     table.add_column(style="cyan", no_wrap=True)
     table.add_column(overflow="fold")
-    for name, text in _rows(derived):
+    for name, text in _rows(properties):
         table.add_row(name, text)
     return table
 
 
-def _rows(derived: Derived) -> Iterator[tuple[str, str]]:
-    from bladewhirl.studies.runs.derived import MARCHES
+def _rows(properties: StageProperties) -> Iterator[tuple[str, str]]:
+    from bladewhirl.studies.runs.properties import MARCHES
 
-    reduction = derived.reduction
-    yield "bladed disk", f"{derived.bladed_disk_mass:.5g} kg"
-    yield "casing", f"{derived.casing_mass:.5g} kg"
-    yield "reference frequency", _text(derived.reference_frequency)
-    yield "speed", _text(derived.speed)
-    if derived.suspension is not None:
-        yield "suspension modes", _text(derived.suspension)
-    if derived.imbalance is not None:
-        load = derived.imbalance
+    reduction = properties.reduction
+    yield "bladed disk", f"{properties.bladed_disk_mass:.5g} kg"
+    yield "casing", f"{properties.casing_mass:.5g} kg"
+    yield "reference frequency", _text(properties.reference_frequency)
+    yield "speed", _text(properties.speed)
+    if properties.suspension is not None:
+        yield "suspension modes", _text(properties.suspension)
+    if properties.imbalance is not None:
+        load = properties.imbalance
         yield "imbalance", f"{load.unbalance:.4g} kg m, {load.force:.5g} N at this speed"
-    if derived.distortion is not None:
-        answer = 1e3 * derived.distortion.static_displacement
-        yield "casing mode loaded", _text(derived.distortion.frequency)
+    if properties.distortion is not None:
+        answer = 1e3 * properties.distortion.static_displacement
+        yield "casing mode loaded", _text(properties.distortion.frequency)
         yield "its static answer", f"{answer:.4g} mm"
     sets = ", ".join(f"{size} {name}" for name, size in reduction.boundary.items())
     yield (
@@ -131,29 +131,30 @@ def _rows(derived: Derived) -> Iterator[tuple[str, str]]:
     )
     yield (
         "its frequency errors",
-        ", ".join(f"{name} {100 * error:.2g} %" for name, error in _families(derived)),
+        ", ".join(f"{name} {100 * error:.2g} %" for name, error in _families(properties)),
     )
-    for body, found in derived.symmetry.items():
+    for body, found in properties.symmetry.items():
         yield f"symmetry, {body.replace('_', ' ')}", found
-    for body, cyclic in derived.cyclic.items():
+    for body, cyclic in properties.cyclic.items():
         count = reduction.marched[body]
         yield f"march, {body.replace('_', ' ')}", f"{count} modes, {MARCHES[cyclic]}"
     yield (
         "critical time step",
-        f"{derived.critical_time_step:.4g} s, time step / critical {derived.dt_over_critical:.3g}",
+        f"{properties.critical_time_step:.4g} s, time step / critical "
+        f"{properties.dt_over_critical:.3g}",
     )
-    yield "steps", f"{derived.steps}, {derived.records} records"
-    yield "result.nc", f"about {derived.result_bytes / 1e6:.3g} MB"
+    yield "steps", f"{properties.steps}, {properties.records} records"
+    yield "result.nc", f"about {properties.result_bytes / 1e6:.3g} MB"
 
 
-def _families(derived: Derived) -> list[tuple[str, float]]:
+def _families(properties: StageProperties) -> list[tuple[str, float]]:
     """Errors of the suspension pair and the first five families."""
-    errors = derived.reduction.frequency_error
+    errors = properties.reduction.frequency_error
     shown = ("suspension", *(f"{rank}F" for rank in range(1, 6)))
     return [(name, errors[name]) for name in shown if name in errors]
 
 
-def _frequencies(derived: Derived) -> Table:
+def _frequencies(properties: StageProperties) -> Table:
     """Lowest frequencies by nodal diameter, side by side."""
     from rich.table import Table
 
@@ -162,7 +163,7 @@ def _frequencies(derived: Derived) -> Table:
     for body in ("bladed disk", "casing"):
         table.add_column(f"{body} [Hz]", justify="right")
         table.add_column("normalised", justify="right")
-    columns = (_by_diameter(derived.bladed_disk), _by_diameter(derived.casing))
+    columns = (_by_diameter(properties.bladed_disk), _by_diameter(properties.casing))
     for key in sorted({*columns[0], *columns[1]}):
         found = [column.get(key) for column in columns]
         table.add_row(

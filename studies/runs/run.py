@@ -35,8 +35,8 @@ from bladewhirl.solvers.march.recorder import (
     result_bytes,
 )
 from bladewhirl.studies.runs import folder as folder
-from bladewhirl.studies.runs.derived import MARCHES
-from bladewhirl.studies.runs.write_up import Run, Window, write_up
+from bladewhirl.studies.runs.outputs import Run, Window, write_outputs
+from bladewhirl.studies.runs.properties import MARCHES
 
 __all__ = [
     "Activity",
@@ -146,7 +146,7 @@ def run_case(
             (directory / name).write_bytes(content)
         folder.write_provenance(directory, case)
         report = march_to_file(prepared, directory / RESULT_NAME, progress)
-        run = write_up(directory, report, window)
+        run = write_outputs(directory, report, window)
         return replace(run, hints=(*stage_hints(prepared.stage), *run.hints))
     except OSError as error:
         raise UserError(f"{directory}: cannot be written ({error})") from None

@@ -19,7 +19,7 @@ from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.modal.modes import structure_modes
 from bladewhirl.models.sections.wall import Wall
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.studies.runs.derived import derive
+from bladewhirl.studies.runs.properties import stage_properties
 
 RADIUS = 0.501
 SECTION = steel(0.01)
@@ -212,9 +212,9 @@ def test_the_stage_knows_its_supports() -> None:
     assert outward[struts].min() > 0.0
     np.testing.assert_array_equal(arrays.support_reach[~struts], 0.0)
     assert (arrays.support_radial_stiffness > 0.0).all()
-    assert derive(stage).cyclic == {"bladed_disk": True, "casing": False}
+    assert stage_properties(stage).cyclic == {"bladed_disk": True, "casing": False}
     assert stage.casing_modes.frequency[0] > 0.0
-    assert derive(stage).casing_mass > MASS
+    assert stage_properties(stage).casing_mass > MASS
 
 
 @pytest.mark.parametrize(

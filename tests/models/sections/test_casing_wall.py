@@ -19,7 +19,7 @@ from bladewhirl.models.modal.modes import structure_modes
 from bladewhirl.models.sections.around_ring import Lobes, RingProfile
 from bladewhirl.models.sections.wall import Arc, Wall
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.studies.runs.derived import derive
+from bladewhirl.studies.runs.properties import stage_properties
 
 RADIUS = 0.501
 
@@ -164,8 +164,8 @@ def test_the_stage_has_the_wall_of_its_case() -> None:
     stage = build_stage(case)
     assert not stage.casing_modes.is_cyclic
     assert stage.reduction.modes.is_cyclic
-    assert derive(stage).cyclic == {"bladed_disk": True, "casing": False}
-    assert derive(stage).casing_mass == pytest.approx(mass(stage.casing), rel=1e-12)
+    assert stage_properties(stage).cyclic == {"bladed_disk": True, "casing": False}
+    assert stage_properties(stage).casing_mass == pytest.approx(mass(stage.casing), rel=1e-12)
     thickness = stage.arrays.casing_thickness
     angle = np.rad2deg(stage.casing.mesh.angles + np.pi / 40)
     stiff = ((angle > 45) & (angle < 135)) | ((angle > 225) & (angle < 315))

@@ -21,7 +21,7 @@ from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor, Start
 from bladewhirl.models.stage.loads import imbalance_force
 from bladewhirl.models.stage.stage import Stage, build_stage
-from bladewhirl.studies.runs.derived import derive
+from bladewhirl.studies.runs.properties import stage_properties
 
 SMALL = {
     "bladed_disk.blades": 8,
@@ -91,7 +91,7 @@ def test_the_example_pulls_along_the_softer_spring() -> None:
     case = read_case(EXAMPLES / "unequal_shaft.toml")
     assert loads(dumps_case(case)) == case
     found = build_stage(case)
-    assert derive(found).cyclic == {"bladed_disk": False, "casing": True}
+    assert stage_properties(found).cyclic == {"bladed_disk": False, "casing": True}
     x, y = case.shaft.stiffnesses
     assert x < y
     # The static answer at the clearance speed closes the clearance where the tips go with the hub.

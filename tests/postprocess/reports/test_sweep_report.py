@@ -18,7 +18,7 @@ from bladewhirl.postprocess.reports.words import SWEEP
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 from bladewhirl.postprocess.sweep.figures import SWEEP_FIGURES
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.runs.reports import write_report
+from bladewhirl.studies.runs.report import write_report
 
 REFERENCE = 75.0  # rad/s
 SPEEDS = (1.0, 1.2, 1.4, 1.6)

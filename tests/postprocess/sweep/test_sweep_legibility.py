@@ -17,7 +17,12 @@ from synthetic_sweep import synthetic_sweep
 
 from bladewhirl.postprocess.plotting.style import new_figure
 from bladewhirl.postprocess.plotting.units import handy_unit
-from bladewhirl.postprocess.sweep.about_zero import linear_threshold, threshold_ticks
+from bladewhirl.postprocess.sweep.axes import (
+    in_handy_units,
+    key_axis,
+    linear_threshold,
+    threshold_ticks,
+)
 from bladewhirl.postprocess.sweep.bifurcation import bifurcation, plot_bifurcation
 from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.drawing import REGIME_MARKS, lines_of
@@ -26,8 +31,7 @@ from bladewhirl.postprocess.sweep.frequency_map import frequency_map, plot_frequ
 from bladewhirl.postprocess.sweep.maps import DOUBTFUL, plot_sweep_maps, sweep_maps
 from bladewhirl.postprocess.sweep.quantities import contact_sides, regimes, whirls
 from bladewhirl.postprocess.sweep.regimes import plot_regimes
-from bladewhirl.postprocess.sweep.sweep_whirl import plot_contact_sides, plot_whirls
-from bladewhirl.postprocess.sweep.swept_axes import in_handy_units, key_axis
+from bladewhirl.postprocess.sweep.shaft import plot_contact_sides, plot_whirls
 
 REFERENCE = 75.0  # rad/s
 SPEEDS = (1.0, 1.1, 1.2)

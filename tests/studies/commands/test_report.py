@@ -25,7 +25,7 @@ from bladewhirl.postprocess.reports.words import (
 from bladewhirl.postprocess.run.blade_contact import contact_maps
 from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.runs.reports import write_report
+from bladewhirl.studies.runs.report import write_report
 
 FIGURES = [*REGIME, *SHAFT, *CONTACT, *FREQUENCIES, *ENERGIES]
 MARCHED = {

@@ -19,7 +19,7 @@ from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.pictures import panel
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.runs.derived import derive
+from bladewhirl.studies.runs.properties import stage_properties
 
 RUNNER = CliRunner()
 STEEL = 7800.0
@@ -100,7 +100,7 @@ def test_clamped(path: Path) -> None:
 def test_what_is_said_of_the_path_is_what_the_march_does() -> None:
     stage = build_stage(with_values(Case(), {"bladed_disk.blades": 5}))
     scheme = CentralDifference(contact_problem(stage), 1e-6, 100)
-    assert tuple(derive(stage).cyclic.values()) == scheme.cyclic == (True, True)
+    assert tuple(stage_properties(stage).cyclic.values()) == scheme.cyclic == (True, True)
 
 
 def test_the_case_shown_is_the_case(path: Path) -> None:

@@ -76,7 +76,7 @@ class Run:
         return open_result(self.directory)
 
 
-def write_up(directory: Path, report: Mapping[str, float], window: Window) -> Run:
+def write_outputs(directory: Path, report: Mapping[str, float], window: Window) -> Run:
     """Leave summary, figures and series of the result in a folder.
 
     Args:

@@ -1,4 +1,4 @@
-"""Figures that follow from a case: masses, frequencies, time step, speed, loads, sizes."""
+"""Properties of a stage: masses, frequencies, time step, speed, loads, sizes."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Mode:
 
 @dataclass(frozen=True, kw_only=True)
 class ReductionFigures:
-    """What the Craig-Bampton reduction of the bladed disk kept, and how well."""
+    """Size and accuracy of the Craig-Bampton reduction of the bladed disk."""
 
     boundary: dict[str, int]  #: degrees of freedom kept, by set
     fixed_interface_modes: int  #: kept; whole pairs, so perhaps one more than asked for
@@ -72,8 +72,8 @@ class DistortionFigures:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Derived:
-    """All of them."""
+class StageProperties:
+    """Properties of a stage that follow from its case."""
 
     bladed_disk_mass: float  #: [kg]
     casing_mass: float  #: struts included [kg]
@@ -95,17 +95,17 @@ class Derived:
     distortion: DistortionFigures | None
 
 
-def derive(stage: Stage) -> Derived:
-    """Work the figures of a stage out.
+def stage_properties(stage: Stage) -> StageProperties:
+    """Masses, frequencies, time step, loads and sizes of a stage.
 
     Raises:
         CaseError: some are beyond the largest float.
     """
     with numbers_within_reach(stage.case):
-        return _derive(stage)
+        return _properties(stage)
 
 
-def _derive(stage: Stage) -> Derived:
+def _properties(stage: Stage) -> StageProperties:
     case, disk, modes = stage.case, stage.disk, stage.reduction.modes
     casing, boundary = stage.casing, stage.boundary_sets
     pair = suspension_pair(modes)
@@ -113,7 +113,7 @@ def _derive(stage: Stage) -> Derived:
     critical = critical_time_step(rotor, wall, stage.kept.springs)
     records = case.march.timing.records
     kept = {name: len(dofs) for name, dofs in boundary.items()}
-    return Derived(
+    return StageProperties(
         bladed_disk_mass=disk.model.mass,
         casing_mass=casing.mass,
         reference_frequency=_rate(stage, stage.reference_frequency),

@@ -1,4 +1,4 @@
-"""Axes of figures of sweeps that show a swept key: unit, scale, ticks and limits."""
+"""Axes of figures of sweeps: those of a swept key, and those of growth rates about zero."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator, ScalarFo
 
 from bladewhirl.postprocess.fields.fields import Array
 from bladewhirl.postprocess.plotting.units import handy_unit
+from bladewhirl.postprocess.run.regimes import CERTAINTY
 from bladewhirl.postprocess.sweep.quantities import cell_edges
 
 WIDE_RANGE = 50.0
@@ -20,6 +21,12 @@ where they usually are."""
 
 MARGIN = 0.03
 """Share of the swept range that is left free on both sides of points, so that none is cut."""
+
+CLEAR_RATE_RANGE = 30.0
+"""Ratio of the largest rate to what is usual from which a scale is linear about zero only."""
+
+MOST_RATE_TICKS = 3
+"""Ticks on each side of zero of a scale that is linear about zero only."""
 
 
 def in_handy_units(found: xr.Dataset) -> xr.Dataset:
@@ -102,6 +109,39 @@ def side_by_side(place: Array, number: int, count: int) -> Array:
     gap = float(np.diff(at).min()) if len(at) > 1 else 1.0
     moved = at + 0.5 * gap * ((number + 0.5) / count - 0.5)
     return np.asarray(np.exp(moved) if wide else moved)
+
+
+def linear_threshold(rate: Array, error: Array) -> float | None:
+    """Power of ten below which a scale is to be linear; None where all of it is to be.
+
+    It is above most rates, and above what most of them are uncertain by, so that noise is not
+    spread over decades.
+
+    Args:
+        rate: nan where there is none, (...).
+        error: standard error of each, in the same unit, (...).
+    """
+    size, doubt = np.abs(rate), CERTAINTY * error[np.isfinite(error)]
+    size = size[np.isfinite(size) & (size > 0)]
+    if not size.size:
+        return None
+    usual = max(float(np.median(size)), float(np.median(doubt)) if doubt.size else 0.0)
+    if float(size.max()) <= CLEAR_RATE_RANGE * usual:
+        return None
+    return float(10.0 ** np.ceil(np.log10(usual)))
+
+
+def threshold_ticks(threshold: float, largest: float) -> list[float]:
+    """Zero, and powers of ten on both sides of it, few enough to stay apart.
+
+    Args:
+        threshold: from `linear_threshold`.
+        largest: amount on the scale.
+    """
+    first, last = round(np.log10(threshold)), int(np.floor(np.log10(largest)))
+    powers = range(last, first - 1, -max(1, -(-(last - first + 1) // MOST_RATE_TICKS)))
+    positive = [10.0**power for power in reversed(powers)]
+    return [-value for value in reversed(positive)] + [0.0, *positive]
 
 
 def _around(place: Array, wide: bool) -> Array:
