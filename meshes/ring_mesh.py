@@ -8,6 +8,9 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 
+W, W_SLOPE, U, U_SLOPE = range(4)
+"""Components of a node's motion in every array of nodal values: w, dw/ds, u, du/ds."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class RingMesh:

@@ -20,13 +20,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.ring_mesh import U, W
 from bladewhirl.models.coupling.springs import spring_factor
 from bladewhirl.models.coupling.stage_modes import FAMILIES, SMALLEST_AMPLITUDE, is_radial
-from bladewhirl.models.elements.cyclic import wave_parts
+from bladewhirl.models.elements.cyclic import evenly_spaced, wave_parts
 from bladewhirl.models.inputs.mode_names import NamedModes, chosen_modes
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes
-from bladewhirl.models.stage.contact_problem import U, W, evenly_spaced
 
 
 @dataclass(frozen=True, kw_only=True)

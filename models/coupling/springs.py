@@ -214,7 +214,7 @@ def coupling_stiffness(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Springs:
+class CouplingSprings:
     """Springs between two modal bodies: which of their modes they couple, and how stiffly."""
 
     modes: CouplingModes

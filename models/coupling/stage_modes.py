@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
-from bladewhirl.models.coupling.springs import CouplingModes, Springs, body_coordinates
-from bladewhirl.models.elements.casing import Casing
+from bladewhirl.meshes.ring_mesh import U, W
+from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings, body_coordinates
+from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.elements.cyclic import is_pair, wave_parts
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes
-from bladewhirl.models.stage.contact_problem import U, W
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
 """Families of the bladed disk that are coupled, besides the suspension pair."""
@@ -48,9 +48,9 @@ class StageModes:
         """Coordinates that belong to one body, and the numbers of their modes on it."""
         return body_coordinates(self.modes, self.number, on_casing=on_casing)
 
-    def springs(self, kappa: float, *, with_pi: bool = True) -> Springs:
+    def springs(self, kappa: float, *, with_pi: bool = True) -> CouplingSprings:
         """Springs of stiffness kappa [N/m] that couple these modes."""
-        return Springs(modes=self.modes, number=self.number, kappa=kappa, with_pi=with_pi)
+        return CouplingSprings(modes=self.modes, number=self.number, kappa=kappa, with_pi=with_pi)
 
     def with_unit_amplitudes(self) -> StageModes:
         """Give every mode amplitude one, as the paper does."""
@@ -201,7 +201,7 @@ def coupled_entries(
     return CoupledEntries(modes=modes, family=family, number=numbers)
 
 
-def casing_motion(casing: Casing, modes: LabelledModes) -> RadialModes:
+def casing_motion(casing: CasingModel, modes: LabelledModes) -> RadialModes:
     """The modes of a casing as the springs see them, from their fields."""
 
     def motion(numbers: IntArray) -> tuple[FloatArray, FloatArray]:

@@ -25,9 +25,8 @@ from bladewhirl.models.coupling.stage_modes import (
     casing_motion,
     lowest_radial,
 )
-from bladewhirl.models.elements.cyclic import wave_parts
+from bladewhirl.models.elements.cyclic import evenly_spaced, wave_parts
 from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.models.stage.contact_problem import evenly_spaced
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,11 +15,10 @@ from bladewhirl.models.elements.attachments import (
     node_springs,
     point_masses,
 )
-from bladewhirl.models.elements.cyclic import SectorLayout
+from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout
 from bladewhirl.models.elements.forms import mass, straight_stiffness
 from bladewhirl.models.elements.structure import Structure, keep_free
 from bladewhirl.models.geometry.beam_model import BeamModel
-from bladewhirl.models.modal.modes import NO_COLUMN
 from bladewhirl.models.sections.rectangular import LineProperties
 
 FIRST, SECOND, ROTATION = range(COMPONENTS)
@@ -27,7 +26,7 @@ FIRST, SECOND, ROTATION = range(COMPONENTS)
 
 
 @dataclass(frozen=True, kw_only=True)
-class BladedDisk:
+class BladedDiskModel:
     """A bladed disk in its rotating frame: straight Bernoulli beams with rods, 3 DoF a node.
 
     The centre node stands on a spring in x and one in y and does not rotate; clamped, it is held.
@@ -94,7 +93,7 @@ class BladedDisk:
 
 def assemble_bladed_disk(
     model: BeamModel, *, shaft_stiffness: float | tuple[float, float], clamped: bool
-) -> BladedDisk:
+) -> BladedDiskModel:
     """Assemble a bladed disk.
 
     Stiffness and mass are integrated with the section at the quadrature points, so tapered beams
@@ -139,7 +138,7 @@ def assemble_bladed_disk(
         layout=_sector_layout(mesh, node_dofs),
         held=np.zeros((unknowns.shape[1], 0)),
     )
-    return BladedDisk(model=model, structure=structure, expansion=expansion)
+    return BladedDiskModel(model=model, structure=structure, expansion=expansion)
 
 
 def _nodal_to_line_axes(mesh: LineMesh) -> FloatArray:

@@ -14,8 +14,8 @@ from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.case.case import BeamSection, Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.plausibility import unusual_values
-from bladewhirl.models.elements.bladed_disk import BladedDisk, assemble_bladed_disk
-from bladewhirl.models.elements.casing import Casing, assemble_casing
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
+from bladewhirl.models.elements.casing import CasingModel, assemble_casing
 from bladewhirl.models.elements.supports import Support, spring, strut
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.checks import part_outside
@@ -32,7 +32,7 @@ LOST = 100.0
 that can be trusted."""
 
 
-def case_bladed_disk(case: Case, *, clamped: bool) -> BladedDisk:
+def case_bladed_disk(case: Case, *, clamped: bool) -> BladedDiskModel:
     """Assemble the bladed disk of a case, with a free or a clamped centre."""
     return assemble_bladed_disk(
         case_beam_model(case), shaft_stiffness=case.shaft.stiffnesses, clamped=clamped
@@ -73,7 +73,7 @@ def case_sketch(case: Case) -> Sketch:
     return bladed_disk_sketch(case.bladed_disk, lambda section: _section(case, section))
 
 
-def case_casing(case: Case) -> Casing:
+def case_casing(case: Case) -> CasingModel:
     """Assemble the casing of a case."""
     given = case.casing
     return assemble_casing(
@@ -97,7 +97,7 @@ def case_clearance(case: Case) -> FloatArray:
     return np.column_stack([profile.value(casing.angles), slope])
 
 
-def tip_in_sector(disk: BladedDisk) -> tuple[int, int]:
+def tip_in_sector(disk: BladedDiskModel) -> tuple[int, int]:
     """Positions of the tip's radial and tangential DoF among those of a sector.
 
     Without sectors there are no pairs whose phase they would fix, and these are any positions.
@@ -109,7 +109,7 @@ def tip_in_sector(disk: BladedDisk) -> tuple[int, int]:
     return first.index(disk.tip_radial[0]), first.index(disk.tip_tangential[0])
 
 
-def lowest_frequency(disk: BladedDisk, frequencies: Iterable[float]) -> float:
+def lowest_frequency(disk: BladedDiskModel, frequencies: Iterable[float]) -> float:
     """Lowest of a bladed disk's frequencies [rad/s].
 
     An eigenvalue has the rounding error of the largest one. That one is at least the largest

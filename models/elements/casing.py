@@ -27,7 +27,7 @@ TANGENTIAL, TANGENTIAL_SLOPE, RADIAL, RADIAL_SLOPE = range(4)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Casing:
+class CasingModel:
     """A casing in the static frame: Hermite in both fields, 4 DoF a node."""
 
     mesh: RingMesh
@@ -62,7 +62,7 @@ def assemble_casing(
     support: float,
     rotation: Literal["free", "fixed"],
     supports: tuple[Support, ...] = (),
-) -> Casing:
+) -> CasingModel:
     """Assemble a casing.
 
     Args:
@@ -103,7 +103,7 @@ def assemble_casing(
         layout=SectorLayout(sector_dofs=node_dofs, centre_dofs=np.full(3, -1)),
         held=held,
     )
-    return Casing(
+    return CasingModel(
         mesh=mesh,
         properties=properties.mean(assembler.weights),
         curvature=curvature,

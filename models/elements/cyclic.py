@@ -27,6 +27,10 @@ entry over the largest of the diagonal's in its row and column, so that a soft s
 beams is seen."""
 
 
+NO_COLUMN = -1
+"""DFT column of a mode found without cyclic symmetry."""
+
+
 def real_dft(sectors: int) -> FloatArray:
     """Orthonormal real DFT over sectors, (sectors, sectors): x = F u, u = F^T x (Eqs 11-13).
 
@@ -74,6 +78,14 @@ def wave_parts(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatArray:
     phase = np.multiply.outer(k, angle)
     waves = np.stack([np.cos(phase), np.sin(phase)], axis=1)
     return np.asarray(share[:, None, None] * (waves @ field))
+
+
+def evenly_spaced(angles: FloatArray) -> bool:
+    """Whether angles step by a full turn over their number, in order, from any start."""
+    steps = np.mod(
+        angles - angles[0] - 2.0 * np.pi * np.arange(len(angles)) / len(angles), 2 * np.pi
+    )
+    return bool(np.minimum(steps, 2.0 * np.pi - steps).max() < 1e-9)
 
 
 @dataclass(frozen=True, kw_only=True)

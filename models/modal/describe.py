@@ -9,18 +9,18 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.shaft import Shaft
-from bladewhirl.models.elements.bladed_disk import BladedDisk
-from bladewhirl.models.elements.casing import Casing
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
+from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.elements.supports import ALONG, OUTWARD
 from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.modal.stage_arrays import StageArrays
 
 
 def stage_arrays(
-    disk: BladedDisk,
+    disk: BladedDiskModel,
     disk_modes: Modes,
     disk_family: tuple[str, ...],
-    casing: Casing,
+    casing: CasingModel,
     casing_modes: Modes,
     casing_family: tuple[str, ...],
     *,

@@ -9,9 +9,9 @@ import scipy.linalg as la
 import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.elements.cyclic import nodal_diameter_of
+from bladewhirl.models.elements.cyclic import NO_COLUMN, nodal_diameter_of
 from bladewhirl.models.elements.structure import Structure
-from bladewhirl.models.modal.modes import DENSE_LIMIT, NO_COLUMN, Modes
+from bladewhirl.models.modal.modes import DENSE_LIMIT, Modes
 
 Frequencies = Mapping[int, FloatArray]
 """Ascending frequencies [rad/s] by nodal diameter, a pair given once; all under -1 without

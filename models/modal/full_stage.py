@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.elements.bladed_disk import BladedDisk
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import (
     case_bladed_disk,
     case_casing,
@@ -15,7 +15,7 @@ from bladewhirl.models.elements.build import (
     numbers_within_reach,
     tip_in_sector,
 )
-from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, Casing
+from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
 from bladewhirl.models.modal.describe import stage_arrays
 from bladewhirl.models.modal.labels import LabelledModes, labelled_modes
 from bladewhirl.models.modal.stage_arrays import StageArrays
@@ -26,16 +26,16 @@ class ModalStage:
     """Bladed disk, with a free and with a clamped centre, and casing; nothing is reduced."""
 
     case: Case
-    free_disk: BladedDisk
-    clamped_disk: BladedDisk
-    casing: Casing
+    free_disk: BladedDiskModel
+    clamped_disk: BladedDiskModel
+    casing: CasingModel
     reference_frequency: float  #: lowest of the bladed disk with a free centre [rad/s]
     free_modes: LabelledModes
     clamped_modes: LabelledModes
     casing_modes: LabelledModes
 
     @property
-    def disk(self) -> BladedDisk:
+    def disk(self) -> BladedDiskModel:
         """The bladed disk as the case has it."""
         return self.clamped_disk if self.case.shaft.clamped else self.free_disk
 

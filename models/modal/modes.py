@@ -11,11 +11,8 @@ import scipy.sparse.linalg as spla
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
-from bladewhirl.models.elements.cyclic import is_pair, nodal_diameter_of, wave_shares
+from bladewhirl.models.elements.cyclic import NO_COLUMN, is_pair, nodal_diameter_of, wave_shares
 from bladewhirl.models.elements.structure import Structure
-
-NO_COLUMN = -1
-"""DFT column of a mode found without cyclic symmetry."""
 
 DENSE_LIMIT = 3000
 """Largest structure whose modes are found by a dense solver."""

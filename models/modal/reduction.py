@@ -13,15 +13,9 @@ import scipy.linalg as la
 import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
-from bladewhirl.models.elements.cyclic import SectorLayout, is_pair
+from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout, is_pair
 from bladewhirl.models.elements.structure import Structure
-from bladewhirl.models.modal.modes import (
-    DENSE_LIMIT,
-    NO_COLUMN,
-    Modes,
-    align_phase,
-    collect_modes,
-)
+from bladewhirl.models.modal.modes import DENSE_LIMIT, Modes, align_phase, collect_modes
 
 DEGENERATE = 1e-6
 """Relative distance below which two squared fixed-interface frequencies count as one pair."""

@@ -13,7 +13,8 @@ from typing import Literal
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.coupling.springs import Springs
+from bladewhirl.models.coupling.springs import CouplingSprings
+from bladewhirl.models.elements.cyclic import evenly_spaced
 
 NEVER = np.inf
 """End of a load that stays on."""
@@ -64,10 +65,6 @@ class ReducedRotor:
             column=self.column[modes],
             dampers=self.dampers[:, modes],
         )
-
-
-W, W_SLOPE, U, U_SLOPE = range(4)
-"""Components of a casing node in `ReducedCasing.nodal` and `Casing.nodal`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,7 +149,7 @@ class ContactProblem:
     displacement_limit: float  #: beyond it small displacements are no longer meant [m]
     loads: tuple[Load, ...]
     start: Start
-    springs: Springs | None = None  #: between the bodies
+    springs: CouplingSprings | None = None  #: between the bodies
 
     @property
     def critical_time_step(self) -> float:
@@ -161,7 +158,7 @@ class ContactProblem:
 
 
 def critical_time_step(
-    rotor: ReducedRotor, casing: ReducedCasing, springs: Springs | None
+    rotor: ReducedRotor, casing: ReducedCasing, springs: CouplingSprings | None
 ) -> float:
     """2 / omega_max of both bodies as coupled, the stability limit of central differences [s]."""
     highest = max(rotor.frequency.max(initial=0.0), casing.frequency.max(initial=0.0))
@@ -179,11 +176,3 @@ def at_rest(rotor: ReducedRotor, casing: ReducedCasing) -> Start:
         casing=still_casing,
         casing_velocity=still_casing,
     )
-
-
-def evenly_spaced(angles: FloatArray) -> bool:
-    """Whether angles step by a full turn over their number, in order, from any start."""
-    steps = np.mod(
-        angles - angles[0] - 2.0 * np.pi * np.arange(len(angles)) / len(angles), 2 * np.pi
-    )
-    return bool(np.minimum(steps, 2.0 * np.pi - steps).max() < 1e-9)

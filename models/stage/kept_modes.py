@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.meshes.ring_mesh import U, W
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
-from bladewhirl.models.coupling.springs import Springs
+from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.coupling.stage_modes import CoupledEntries, RadialModes, coupled_entries
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.inputs.mode_names import NamedModes, chosen_modes
-from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor, U, W
+from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,7 +23,7 @@ class KeptModes:
 
     rotor: IntArray  #: (rotor modes kept,)
     casing: IntArray  #: (casing modes kept,)
-    springs: Springs | None  #: between modes kept; None without stiffness
+    springs: CouplingSprings | None  #: between modes kept; None without stiffness
 
 
 def kept_modes(
@@ -72,7 +73,7 @@ def _springs(
     coupled: CoupledEntries,
     kept: tuple[IntArray, IntArray],
     chosen: tuple[IntArray, IntArray],
-) -> Springs:
+) -> CouplingSprings:
     """Springs between the chosen modes that are kept, numbered among these.
 
     Raises:
@@ -89,7 +90,7 @@ def _springs(
         raise CaseError([case_fault(case, "coupling.modes", expected)])
     modes, number = coupled.modes.take(here), coupled.number[here]
     among = [np.searchsorted(own, number) for own in kept]  # in the rotor's, in the casing's
-    return Springs(
+    return CouplingSprings(
         modes=modes if case.coupling.amplitude == "physical" else modes.with_unit_amplitudes(),
         number=np.where(modes.on_casing, among[1], among[0]),
         kappa=case.coupling.stiffness,

@@ -9,11 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.ring_mesh import U, W
 from bladewhirl.models.case.excitation import CasingDistortion, Harmonic, Imbalance
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.coupling.stage_modes import is_radial
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.stage.contact_problem import Load, ReducedRotor, Start, U, W
+from bladewhirl.models.stage.contact_problem import Load, ReducedRotor, Start
 from bladewhirl.models.stage.stage import Stage
 
 X, Y = range(2)

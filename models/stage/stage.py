@@ -9,7 +9,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
-from bladewhirl.models.elements.bladed_disk import BladedDisk
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import (
     case_bladed_disk,
     case_casing,
@@ -18,7 +18,7 @@ from bladewhirl.models.elements.build import (
     numbers_within_reach,
     tip_in_sector,
 )
-from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, Casing
+from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.modal.describe import stage_arrays
 from bladewhirl.models.modal.frequencies import Frequencies, family_errors, lowest_frequencies
@@ -42,8 +42,8 @@ class Stage:
     """A bladed disk and a casing: in full, reduced, and with their modes named."""
 
     case: Case
-    disk: BladedDisk
-    casing: Casing
+    disk: BladedDiskModel
+    casing: CasingModel
     disk_frequencies: Frequencies  #: of the full bladed disk, as supported in the case
     reference_frequency: float  #: lowest of the full bladed disk with a free centre [rad/s]
     reduction: Reduction  #: of the bladed disk
@@ -135,7 +135,7 @@ def build_stage(case: Case) -> Stage:
     )
 
 
-def boundary_sets(disk: BladedDisk) -> dict[str, IntArray]:
+def boundary_sets(disk: BladedDiskModel) -> dict[str, IntArray]:
     """Degrees of freedom of a bladed disk that the casing and the shaft act on, by name."""
     return {
         "tip_radial": disk.tip_radial,
@@ -144,7 +144,7 @@ def boundary_sets(disk: BladedDisk) -> dict[str, IntArray]:
     }
 
 
-def _reference_frequency(case: Case, disk: BladedDisk, full: Frequencies) -> float:
+def _reference_frequency(case: Case, disk: BladedDiskModel, full: Frequencies) -> float:
     """Lowest frequency of the full bladed disk with a free centre [rad/s].
 
     Raises:
@@ -156,7 +156,7 @@ def _reference_frequency(case: Case, disk: BladedDisk, full: Frequencies) -> flo
     return lowest_frequency(disk, (found[0] for found in full.values()))
 
 
-def _reduced_rotor(case: Case, disk: BladedDisk, modes: Modes) -> ReducedRotor:
+def _reduced_rotor(case: Case, disk: BladedDiskModel, modes: Modes) -> ReducedRotor:
     centre = np.zeros((2, modes.count))
     centre[: len(disk.centre)] = modes.shapes[disk.centre]  # none when clamped
     return ReducedRotor(
@@ -174,7 +174,7 @@ def _reduced_rotor(case: Case, disk: BladedDisk, modes: Modes) -> ReducedRotor:
     )
 
 
-def _reduced_casing(case: Case, casing: Casing, modes: Modes) -> ReducedCasing:
+def _reduced_casing(case: Case, casing: CasingModel, modes: Modes) -> ReducedCasing:
     return ReducedCasing(
         frequency=modes.frequency,
         damping_ratio=np.full(modes.count, case.damping.ratio),
@@ -186,7 +186,7 @@ def _reduced_casing(case: Case, casing: Casing, modes: Modes) -> ReducedCasing:
     )
 
 
-def _check_reduction(case: Case, disk: BladedDisk) -> None:
+def _check_reduction(case: Case, disk: BladedDiskModel) -> None:
     """Refuse what can't be reduced.
 
     Raises:

@@ -9,7 +9,7 @@ import xarray as xr
 from scipy.integrate import cumulative_trapezoid
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.coupling.springs import Springs
+from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.postprocess.fields.mode_result import stage_dataset, with_history
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, RadialShapes
@@ -42,7 +42,12 @@ def radial_shapes(stage: StageModes) -> RadialShapes:
 
 
 def coupled_mode_result(
-    stage: StageModes, motion: CoupledMotion, springs: Springs, *, reference: float, case: str
+    stage: StageModes,
+    motion: CoupledMotion,
+    springs: CouplingSprings,
+    *,
+    reference: float,
+    case: str,
 ) -> xr.Dataset:
     """Lay a coupled mode in time out like `result.nc`.
 
@@ -98,7 +103,7 @@ def _gaps(stage: StageModes, motion: CoupledMotion) -> FloatArray:
     return np.asarray(at_rest + wall - tips)
 
 
-def _energy(motion: CoupledMotion, springs: Springs) -> FloatArray:
+def _energy(motion: CoupledMotion, springs: CouplingSprings) -> FloatArray:
     """Energy of both bodies and of the springs between them, (records,)."""
     moved = motion.displacement
     strain = springs.modes.frequency[springs.modes.entry] * moved

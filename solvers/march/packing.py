@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.coupling.springs import Springs as ModalSprings
+from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
 from bladewhirl.solvers.kernel.arrays import (
     U_KIND,
@@ -266,7 +266,7 @@ def pack_dampers(
 
 
 def pack_springs(
-    springs: ModalSprings | None,
+    springs: CouplingSprings | None,
     carried: ReducedRotor,
     rotor: Layout,
     casing: Layout,
@@ -295,7 +295,7 @@ def pack_springs(
 
 
 def _springs_between(
-    springs: ModalSprings | None, rotor: Layout, casing: Layout, angle_per_step: float
+    springs: CouplingSprings | None, rotor: Layout, casing: Layout, angle_per_step: float
 ) -> Springs:
     none = np.zeros(0, dtype=np.int64)
     if springs is None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.coupling.springs import Springs
+from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.postprocess.fields.coupled_mode_result import coupled_mode_result, radial_shapes
 from bladewhirl.postprocess.fields.result import RESULT_NAME
@@ -53,7 +53,7 @@ def whirl_records(mode: CoupledMode) -> FloatArray:
 def draw_coupled_mode(
     stage: StageModes,
     mode: CoupledMode,
-    springs: Springs,
+    springs: CouplingSprings,
     folder: Path,
     *,
     reference: float,

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bladewhirl.meshes.ring_mesh import W
 from bladewhirl.models.case.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.modal.modes import suspension_pair
 from bladewhirl.models.stage.build import marched_bodies
-from bladewhirl.models.stage.contact_problem import W, critical_time_step
+from bladewhirl.models.stage.contact_problem import critical_time_step
 from bladewhirl.models.stage.loads import imbalance_force, radial_mode, unbalance
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.solvers.march.recorder import description_bytes, result_bytes

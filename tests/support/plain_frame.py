@@ -9,7 +9,7 @@ import numpy as np
 import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.elements.bladed_disk import BladedDisk
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 
 
 def beam_stiffness(EA: float, EI: float, length: float) -> FloatArray:
@@ -42,7 +42,7 @@ def beam_mass(rho_A: float, length: float) -> FloatArray:
     )
 
 
-def frame_matrices(disk: BladedDisk, spring: float) -> tuple[FloatArray, FloatArray]:
+def frame_matrices(disk: BladedDiskModel, spring: float) -> tuple[FloatArray, FloatArray]:
     """Mass and stiffness of a bladed disk in fixed axes, (x, y, rotation) of node after node.
 
     The centre's rotation is held and left out, the centre's springs are in.
@@ -68,7 +68,7 @@ def frame_matrices(disk: BladedDisk, spring: float) -> tuple[FloatArray, FloatAr
     return mass[np.ix_(free, free)], stiffness[np.ix_(free, free)]
 
 
-def frame_frequencies(disk: BladedDisk, spring: float) -> FloatArray:
+def frame_frequencies(disk: BladedDiskModel, spring: float) -> FloatArray:
     """All natural frequencies [rad/s], ascending."""
     mass, stiffness = frame_matrices(disk, spring)
     return np.asarray(np.sqrt(la.eigh(stiffness, mass, eigvals_only=True)))

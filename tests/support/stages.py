@@ -12,9 +12,9 @@ from places import DATA
 from bladewhirl.meshes.line_mesh import FloatArray, LineMesh
 from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.case.file import case_from
-from bladewhirl.models.elements.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.build import case_bladed_disk
-from bladewhirl.models.elements.casing import Casing, assemble_casing
+from bladewhirl.models.elements.casing import CasingModel, assemble_casing
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.modal.modes import Modes, structure_modes
 from bladewhirl.models.sections.rectangular import QUANTITIES, LineProperties, Section
@@ -43,7 +43,7 @@ def line_properties(mesh: LineMesh, sections: dict[str, Section]) -> LinePropert
     return LineProperties(**dict(zip(QUANTITIES, table, strict=True)))
 
 
-def with_sections(mesh: LineMesh, disk_thickness: float, *, clamped: bool) -> BladedDisk:
+def with_sections(mesh: LineMesh, disk_thickness: float, *, clamped: bool) -> BladedDiskModel:
     """Bladed disk of a mesh with 10 mm blades, on the shaft of the reference results."""
     disk = steel(disk_thickness)
     properties = line_properties(mesh, {"blades": steel(0.01), "spokes": disk, "rim": disk})
@@ -54,7 +54,7 @@ def with_sections(mesh: LineMesh, disk_thickness: float, *, clamped: bool) -> Bl
 @cache
 def bladed_disk(
     blades: int = 22, elements: int = 10, disk_thickness: float = 0.01, clamped: bool = False
-) -> BladedDisk:
+) -> BladedDiskModel:
     """The stage of the paper's Table 1: literally, or with thicker beams for the disk."""
     case = case_from(
         {
@@ -69,7 +69,7 @@ def bladed_disk(
     return case_bladed_disk(case, clamped=clamped)
 
 
-def tip_reference(disk: BladedDisk) -> tuple[int, int]:
+def tip_reference(disk: BladedDiskModel) -> tuple[int, int]:
     """Positions of the tip's radial and tangential displacement among a sector's DoF."""
     layout = disk.structure.layout
     assert layout is not None
@@ -77,7 +77,7 @@ def tip_reference(disk: BladedDisk) -> tuple[int, int]:
     return first.index(disk.tip_radial[0]), first.index(disk.tip_tangential[0])
 
 
-def disk_modes(disk: BladedDisk, count: int | None = None) -> Modes:
+def disk_modes(disk: BladedDiskModel, count: int | None = None) -> Modes:
     """Modes of a bladed disk, phases fixed at the tips."""
     return structure_modes(disk.structure, tip_reference(disk), count)
 
@@ -88,7 +88,7 @@ def casing(
     support: float = 0.0,
     curvature: Literal["exact", "shallow"] = "exact",
     rotation: Literal["free", "fixed"] = "free",
-) -> Casing:
+) -> CasingModel:
     """Ring of the reference results: 0.501 m, 100 x 10 mm."""
     ring = RingMesh(elements=elements, radius=0.501)
     return assemble_casing(

@@ -27,7 +27,7 @@ from bladewhirl.models.case.case import BladedDisk as BladedDiskTable
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import dumps_case, loads, read_case, template, with_values
 from bladewhirl.models.case.mesh_file import MeshSection, MeshTable
-from bladewhirl.models.elements.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.build import case_beam_model
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.mesh_data import grouped_lines
@@ -63,7 +63,7 @@ def papers() -> BeamModel:
     return case_beam_model(Case())
 
 
-def assembled(model: BeamModel) -> BladedDisk:
+def assembled(model: BeamModel) -> BladedDiskModel:
     return assemble_bladed_disk(model, shaft_stiffness=3.4e7, clamped=False)
 
 
@@ -73,7 +73,7 @@ def from_file(path: Path, **more: Any) -> BeamModel:
     return case_beam_model(Case(bladed_disk=BladedDiskTable(mesh=table)))
 
 
-def renumbered(disk: BladedDisk, points: FloatArray) -> list[sp.csr_array]:
+def renumbered(disk: BladedDiskModel, points: FloatArray) -> list[sp.csr_array]:
     """Mass and stiffness with the nodes in the order of other points."""
     away, node = KDTree(disk.mesh.points).query(points)
     assert away.max() < 1e-14

@@ -12,14 +12,14 @@ from plain_frame import frame_frequencies
 from stages import bladed_disk, disk_modes, hertz, oracle, with_sections
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.elements.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.modal.modes import families
 
 SPRING = 3.4e7
 CLAMPING = pytest.mark.parametrize("clamped", [False, True], ids=["free", "clamped"])
 
 
-def static(disk: BladedDisk, dof: int) -> FloatArray:
+def static(disk: BladedDiskModel, dof: int) -> FloatArray:
     """Displacement of every node along x, y and its rotation under a unit force, (nodes, 3)."""
     force = np.zeros((disk.structure.size, 1))
     force[dof] = 1.0
@@ -76,7 +76,7 @@ def test_harmonic_response_to_an_unbalance(case: dict[str, float]) -> None:
     np.testing.assert_allclose(found, [case[name] for name in names], rtol=1e-7)
 
 
-def rigid_translation(disk: BladedDisk, angle: float) -> FloatArray:
+def rigid_translation(disk: BladedDiskModel, angle: float) -> FloatArray:
     """Field of a unit translation of the whole disk."""
     field = np.zeros(disk.structure.size)
     for component, turn in ((0, 0.0), (1, np.pi / 2.0)):

@@ -13,7 +13,7 @@ from stages import observed_order, steel
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.file import case_from, dumps_case, loads
-from bladewhirl.models.elements.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.build import case_beam_model, case_bladed_disk
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.sketch import Sketch
@@ -23,7 +23,7 @@ from bladewhirl.models.sections.rectangular import Section
 STEEL = {"young_modulus": 2.1e11, "density": 7800.0}
 
 
-def disk(*, clamped: bool = False, **tables: Any) -> BladedDisk:
+def disk(*, clamped: bool = False, **tables: Any) -> BladedDiskModel:
     """A bladed disk of six blades, as a case file would describe it."""
     case = case_from({"bladed_disk": {"blades": 6, **tables}})
     assert loads(dumps_case(case)) == case
@@ -34,7 +34,7 @@ def model(**tables: Any) -> BeamModel:
     return disk(**tables).model
 
 
-def frequencies(body: BladedDisk) -> FloatArray:
+def frequencies(body: BladedDiskModel) -> FloatArray:
     """Ascending [rad/s]."""
     mass, stiffness = body.structure.mass.toarray(), body.structure.stiffness.toarray()
     return np.asarray(1.0 / np.sqrt(la.eigvalsh(mass, stiffness)[::-1]))

@@ -13,7 +13,7 @@ from stages import CASING_REFERENCE, casing_modes, observed_order, steel
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.case.file import case_from, dumps_case, loads, read_case
-from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, Casing, assemble_casing
+from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel, assemble_casing
 from bladewhirl.models.elements.supports import ALONG, OUTWARD, ROTATION, Support, spring, strut
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.modal.modes import structure_modes
@@ -27,7 +27,7 @@ EA, EI = SECTION.axial_stiffness, SECTION.bending_stiffness
 MASS = SECTION.line_mass * 2.0 * np.pi * RADIUS
 
 
-def ring(*supports: Support, elements: int = 40) -> Casing:
+def ring(*supports: Support, elements: int = 40) -> CasingModel:
     """A steel ring that may turn, on supports alone."""
     return assemble_casing(
         RingMesh(elements=elements, radius=RADIUS),
@@ -39,7 +39,7 @@ def ring(*supports: Support, elements: int = 40) -> Casing:
     )
 
 
-def field(casing: Casing, x: float, y: float, turn: float) -> FloatArray:
+def field(casing: CasingModel, x: float, y: float, turn: float) -> FloatArray:
     """The ring moved as a whole, by Hermite's nodal values."""
     angle, radius = casing.mesh.angles, casing.mesh.radius
     cos, sin = np.cos(angle), np.sin(angle)

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stages import bladed_disk, casing, disk_modes, tip_reference
 
-from bladewhirl.models.elements.bladed_disk import BladedDisk
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.cyclic import (
     SectorLayout,
     is_pair,
@@ -137,7 +137,7 @@ def test_modes_found_by_sectors_are_modes(structure: Structure) -> None:
     np.testing.assert_allclose(modes.purity, 1.0, atol=1e-10)
 
 
-def slightly_mistuned(disk: BladedDisk) -> Structure:
+def slightly_mistuned(disk: BladedDiskModel) -> Structure:
     """The disk with a tip heavier by a part in 1e7 of all its entries."""
     nudge = disk.structure.mass.copy().tolil()
     for dof in (disk.tip_radial[0], disk.tip_tangential[0]):

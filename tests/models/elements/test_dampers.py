@@ -16,7 +16,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_from, read_case, with_values
-from bladewhirl.models.elements.casing import Casing, assemble_casing
+from bladewhirl.models.elements.casing import CasingModel, assemble_casing
 from bladewhirl.models.elements.supports import Support, spring, strut
 from bladewhirl.models.modal.modes import structure_modes
 from bladewhirl.models.sections.wall import Wall
@@ -25,7 +25,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem, Start
 from bladewhirl.models.stage.stage import build_stage
 
 
-def ring(*supports: Support) -> Casing:
+def ring(*supports: Support) -> CasingModel:
     """A steel ring that may turn, on supports alone."""
     return assemble_casing(
         RingMesh(elements=40, radius=0.501),

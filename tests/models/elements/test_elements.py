@@ -11,7 +11,7 @@ from stages import line_properties, observed_order, oracle, steel
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray, LineMesh
 from bladewhirl.models.elements.assembly import curved_beams, straight_beams
-from bladewhirl.models.elements.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.forms import (
     curved_exact_stiffness,
     curved_shallow_stiffness,
@@ -139,7 +139,7 @@ def test_curved_beam_deflects_as_castigliano_says() -> None:
     assert (observed_order(errors) > 3.5).all()
 
 
-def cantilever(elements: int, angle: float = 0.0) -> BladedDisk:
+def cantilever(elements: int, angle: float = 0.0) -> BladedDiskModel:
     """One blade of the stage alone, clamped at its root."""
     stage = oracle("disk_modes")["stage"]
     radii = np.linspace(0.0, stage["tip_radius"] - stage["disk_radius"], elements + 1)

@@ -17,7 +17,7 @@ from synthetic_result import synthetic_result
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.file import case_from
-from bladewhirl.models.elements.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.build import case_bladed_disk
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.sections.rectangular import QUANTITIES, Section, along, along_elements
@@ -32,7 +32,7 @@ SPAN, TIP_MASS, YOUNG, DENSITY = 0.45, 0.1, 2.1e11, 7800.0
 TAPER = [steel(0.020), steel(0.012), steel(0.008)]
 
 
-def cantilever(taper: Sequence[Section], elements: int) -> BladedDisk:
+def cantilever(taper: Sequence[Section], elements: int) -> BladedDiskModel:
     """A blade of that taper with a mass at its tip, held at its root."""
     sketch = Sketch()
     sketch.node("root", 0.0, shared=True)

@@ -15,7 +15,7 @@ from bladewhirl.meshes.curve import points_along
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import dumps_case, loads
-from bladewhirl.models.elements.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.inputs.errors import CaseError
@@ -46,11 +46,11 @@ def cantilever(section: Section | list[Section], elements: int, **more: Any) -> 
     return sketch
 
 
-def clamped(sketch: Sketch) -> BladedDisk:
+def clamped(sketch: Sketch) -> BladedDiskModel:
     return assemble_bladed_disk(sketch.build(), shaft_stiffness=1.0, clamped=True)
 
 
-def frequencies(disk: BladedDisk) -> FloatArray:
+def frequencies(disk: BladedDiskModel) -> FloatArray:
     """Ascending [rad/s]; of a body that is held, the lowest are right beside very stiff parts."""
     structure = disk.structure
     inverse = la.eigvalsh(structure.mass.toarray(), structure.stiffness.toarray())

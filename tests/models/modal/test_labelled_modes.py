@@ -12,18 +12,18 @@ import scipy.sparse.linalg as spla
 from stages import CASING_REFERENCE, bladed_disk, casing, oracle, steel, tip_reference
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.elements.bladed_disk import BladedDisk, assemble_bladed_disk
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.modal.labels import LabelledModes, labelled_modes
 
 BLADES = 22
 
 
-def modes_of(disk: BladedDisk, count: int | None = None) -> LabelledModes:
+def modes_of(disk: BladedDiskModel, count: int | None = None) -> LabelledModes:
     return labelled_modes(disk.structure, tip_reference(disk), "bladed-disk", count)
 
 
 @cache
-def mistuned(spread: float) -> BladedDisk:
+def mistuned(spread: float) -> BladedDiskModel:
     """The thick-disked stage with blades whose stiffness differs at random by that much."""
     tuned = bladed_disk(disk_thickness=0.03)
     mesh, properties = tuned.mesh, tuned.properties

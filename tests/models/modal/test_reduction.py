@@ -11,21 +11,21 @@ import scipy.sparse.linalg as spla
 from stages import bladed_disk, disk_modes, tip_reference
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.elements.bladed_disk import BladedDisk
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.modal.modes import families
 from bladewhirl.models.modal.reduction import Reduction, craig_bampton
 
 
-def tips_and_centre(disk: BladedDisk) -> IntArray:
+def tips_and_centre(disk: BladedDiskModel) -> IntArray:
     return np.concatenate([disk.tip_radial, disk.tip_tangential, disk.centre])
 
 
-def reduce(disk: BladedDisk, count: int, *, dense: bool = False) -> Reduction:
+def reduce(disk: BladedDiskModel, count: int, *, dense: bool = False) -> Reduction:
     structure = replace(disk.structure, layout=None) if dense else disk.structure
     return craig_bampton(structure, tips_and_centre(disk), count, tip_reference(disk))
 
 
-def fixed_interface_frequencies(disk: BladedDisk) -> FloatArray:
+def fixed_interface_frequencies(disk: BladedDiskModel) -> FloatArray:
     """All frequencies with tips and centre held [rad/s], by one dense eigenproblem."""
     inside = np.setdiff1d(np.arange(disk.structure.size), tips_and_centre(disk))
     stiffness, mass = disk.structure.stiffness.toarray(), disk.structure.mass.toarray()

@@ -13,7 +13,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.case.file import case_from, dumps_case, loads, read_case
 from bladewhirl.models.elements.build import case_casing
-from bladewhirl.models.elements.casing import TANGENTIAL, Casing, assemble_casing
+from bladewhirl.models.elements.casing import TANGENTIAL, CasingModel, assemble_casing
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.modal.modes import structure_modes
 from bladewhirl.models.sections.around_ring import Lobes, RingProfile
@@ -24,19 +24,19 @@ from bladewhirl.studies.runs.properties import stage_properties
 RADIUS = 0.501
 
 
-def ring(wall: Wall, elements: int = 40, **options: Any) -> Casing:
+def ring(wall: Wall, elements: int = 40, **options: Any) -> CasingModel:
     """A free ring with that wall."""
     given: dict[str, Any] = {"curvature": "exact", "support": 0.0, "rotation": "free"}
     mesh = RingMesh(elements=elements, radius=RADIUS)
     return assemble_casing(mesh, wall, **(given | options))
 
 
-def frequencies(casing: Casing, count: int = 12) -> FloatArray:
+def frequencies(casing: CasingModel, count: int = 12) -> FloatArray:
     """Lowest frequencies but for the rigid motions [rad/s]."""
     return structure_modes(casing.structure, CASING_REFERENCE, count + 3).frequency[3:]
 
 
-def mass(casing: Casing) -> float:
+def mass(casing: CasingModel) -> float:
     """Mass of the ring by its matrix [kg]: of a field that moves every point by one."""
     one = np.zeros(casing.structure.size)
     one[casing.structure.node_dofs[:, TANGENTIAL]] = 1.0

@@ -12,7 +12,7 @@ from plain_march import plain_march, spring_stiffness
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.file import CaseError, loads
-from bladewhirl.models.coupling.springs import CouplingModes, Springs, coupling_stiffness
+from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings, coupling_stiffness
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, Start
 from bladewhirl.models.stage.stage import Stage, build_stage
@@ -36,7 +36,7 @@ def problem(*overrides: str) -> ContactProblem:
     return contact_problem(stage(*overrides))
 
 
-def springs(given: ContactProblem) -> Springs:
+def springs(given: ContactProblem) -> CouplingSprings:
     assert given.springs is not None
     return given.springs
 
@@ -191,7 +191,7 @@ def test_a_single_mode_on_springs_marches_as_written_out() -> None:
         damping_ratio=np.zeros(2),
         paired=np.array([True, False]),
     )
-    held = Springs(modes=modes, number=np.array([0, 2]), kappa=2e6)
+    held = CouplingSprings(modes=modes, number=np.array([0, 2]), kappa=2e6)
     given = replace(given, springs=held)
     _, chunk, _ = run(given, 1e-5, 400)
     plain = plain_march(given, 1e-5, 400)
