@@ -16,11 +16,11 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+import bladewhirl as bw
 from bladewhirl.models.case.file import read_case
-from bladewhirl.postprocess.paraview.series import write_vtk
+from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.pictures.render import render_animation
 from bladewhirl.postprocess.pictures.web_page import render_page
-from bladewhirl.studies.runs.run import run_case
 
 CASE = Path(__file__).resolve().parent.parent / "examples" / "casing_distortion.toml"
 FRAMES, PICTURES = 300, 100
@@ -38,16 +38,16 @@ def main() -> None:
     table = Table("", "wall [s]", "processor [s]", "goal [s]", box=None)
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
-        run = run_case(read_case(CASE, ["march.duration=0.05"]), folder / "run", frames=0)
+        run = bw.run(read_case(CASE, ["march.duration=0.05"]), folder / "run", frames=0)
         with run.open() as result:
             records = np.arange(result.sizes["time"] - PICTURES, result.sizes["time"])
             works: dict[str, tuple[Callable[[], object], str]] = {
                 f"{FRAMES} frames of VTK": (
-                    lambda: write_vtk(result, folder / "lines", frames=FRAMES),
+                    lambda: export_vtk(result, folder / "lines", frames=FRAMES),
                     "5",
                 ),
                 f"{FRAMES} frames of VTK, surfaces": (
-                    lambda: write_vtk(result, folder / "boxes", frames=FRAMES, surface=True),
+                    lambda: export_vtk(result, folder / "boxes", frames=FRAMES, surface=True),
                     "",
                 ),
                 f"GIF of {PICTURES} pictures": (

@@ -9,9 +9,10 @@ from .models.inputs.errors import UserError as UserError
 from .models.sections.rectangular import Section as Section
 from .postprocess.fields.result import open_result as open_result
 from .postprocess.fields.tip_motion import tip_displacement as tip_displacement
-from .postprocess.paraview.series import write_vtk as write_vtk
+from .postprocess.paraview.series import export_vtk as export_vtk
 from .postprocess.plotting.style import save_figure as save_figure
 from .postprocess.run.orbits import plot_orbit as plot_orbit
 from .postprocess.run.orbits import shaft_orbit as shaft_orbit
 from .postprocess.sweep.dataset import open_sweep as open_sweep
-from .studies.runs.run import run_case as run_case
+from .studies.runs.report import report as report
+from .studies.runs.run import run as run

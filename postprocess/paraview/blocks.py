@@ -22,7 +22,7 @@ def stage_blocks(
     rotating: bool = False,
     factor: float = 0.0,
 ) -> pyvista.MultiBlock:
-    """Parts of the stage by name, with the fields of `write_vtk`.
+    """Parts of the stage by name, with the fields of `export_vtk`.
 
     Args:
         dataset: a result.

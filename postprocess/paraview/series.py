@@ -45,7 +45,7 @@ PORTION_POINTS = 1_000_000  #: and points at all of them together, of large stag
 Progress = Callable[[int, int], None]
 
 
-def write_vtk(
+def export_vtk(
     dataset: xr.Dataset,
     directory: str | Path,
     *,

@@ -46,7 +46,7 @@ def export(
     from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.postprocess.fields.fields import frame_records, sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
-    from bladewhirl.postprocess.paraview.series import write_vtk
+    from bladewhirl.postprocess.paraview.series import export_vtk
     from bladewhirl.studies.commands.times import options_of_window, parse_time
 
     window = (parse_time("--from", start), parse_time("--to", end))
@@ -57,7 +57,7 @@ def export(
         with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
             task = bar.add_task(folder.name, total=len(records))
             try:
-                index = write_vtk(
+                index = export_vtk(
                     result,
                     folder,
                     frames=frames,

@@ -14,15 +14,6 @@ if TYPE_CHECKING:
 
     import xarray as xr
 
-FILES = {
-    "gif": "animation.gif",
-    "mp4": "animation.mp4",
-    "png": "still.png",
-    "sheet": "sheet.png",
-    "html": "page.html",
-}
-"""What is written for each kind of picture where no file is named."""
-
 SHEET_PICTURES = 9
 """Pictures of a sheet where neither times nor a number are given."""
 
@@ -148,16 +139,17 @@ def render(
 def _targets(directory: Path, output: Path | None, kinds: list[str]) -> dict[str, Path]:
     """The files to write, by kind."""
     from bladewhirl.models.inputs.errors import UserError
+    from bladewhirl.studies.runs.folder import PICTURES
 
     if output is None:
         folder = directory if directory.is_dir() else directory.parent
-        return {kind: folder / FILES[kind] for kind in kinds or ["gif"]}
+        return {kind: folder / PICTURES[kind] for kind in kinds or ["gif"]}
     suffix = output.suffix.lower().removeprefix(".")
-    endings = dict.fromkeys(Path(name).suffix for name in FILES.values())
+    endings = dict.fromkeys(Path(name).suffix for name in PICTURES.values())
     if f".{suffix}" not in endings:
         raise UserError(f"--output {output}: expected a name that ends in {', '.join(endings)}")
     kinds = kinds or [suffix]
-    if len(kinds) > 1 or Path(FILES[kinds[0]]).suffix != f".{suffix}":
+    if len(kinds) > 1 or Path(PICTURES[kinds[0]]).suffix != f".{suffix}":
         flags = " ".join(f"--{kind}" for kind in kinds)
         raise UserError(f"--output {output}: expected one file of the kind asked for by {flags}")
     return {kinds[0]: output}

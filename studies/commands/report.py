@@ -7,9 +7,6 @@ from typing import Annotated
 
 import typer
 
-REPORT_NAME = "report.html"
-"""File of a report in the folder that it is about."""
-
 
 def report(
     directory: Annotated[
@@ -25,7 +22,7 @@ def report(
     It holds the regime and why, the figures of `bladewhirl plot` with words, maps to point at, the
     numbers, the resolved case and what made it. An older report is replaced.
     """
-    from bladewhirl.studies.runs.report import write_report
+    from bladewhirl.studies.runs.report import report as write_report
 
     written = write_report(directory, output)
     typer.echo(f"Wrote {written}.")

@@ -63,7 +63,7 @@ def run(
 
     from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.studies.commands.times import parse_time
-    from bladewhirl.studies.runs.run import run_case
+    from bladewhirl.studies.runs.run import run as run_case
 
     values = overrides or []
     window = (parse_time("--from", start), parse_time("--to", end))

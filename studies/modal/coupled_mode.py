@@ -17,7 +17,7 @@ from bladewhirl.postprocess.modal.coupled_modes import (
     plot_phases,
     plot_shapes,
 )
-from bladewhirl.postprocess.paraview.series import write_vtk
+from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.pictures.render import animation_records, render_animation
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.postprocess.run.orbits import shaft_orbit
@@ -91,7 +91,7 @@ def draw_coupled_mode(
         orbit = shaft_orbit(result)
         save_figure(plot_orbits(orbit), folder / "orbit", orbit)
     if films:
-        write_vtk(result, folder / "vtk")
+        export_vtk(result, folder / "vtk")
         render_animation(result, folder / ANIMATION, animation_records(result))
     return motion
 

@@ -17,7 +17,7 @@ from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.mode_result import PICTURES, Wave, mode_motion, stage_dataset
 from bladewhirl.postprocess.modal.mode_shapes import animate_mode, mode_title, plot_mode_shapes
 from bladewhirl.postprocess.modal.scenarios import plot_scenario, scenario_dataset
-from bladewhirl.postprocess.paraview.series import write_vtk
+from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.studies.modal.mode_names import ChosenMode, choose_modes, family_of
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
@@ -150,4 +150,4 @@ def _film(stage: ModalStage, mode: ChosenMode, wave: Wave, folder: Path) -> None
     title = words if mode.body == "bladed-disk" else f"casing {words}"
     motion = mode_motion(stage, mode.body, mode.numbers, wave=wave, title=title)
     animate_mode(motion, mode.body, folder / f"{mode.stem}.gif")
-    write_vtk(motion, folder / f"{mode.stem}-vtk", frames=PICTURES)
+    export_vtk(motion, folder / f"{mode.stem}-vtk", frames=PICTURES)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import sys
 from collections.abc import Iterator
@@ -19,8 +20,6 @@ from bladewhirl.models.case.file import dumps_case
 from bladewhirl.models.case.mesh_file import MeshTable
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.recorder import RESULT_NAME
-from bladewhirl.studies.commands.render import FILES as PICTURES
-from bladewhirl.studies.commands.report import REPORT_NAME
 
 CASE_NAME = "case.toml"
 PROVENANCE_NAME = "provenance.json"
@@ -28,6 +27,17 @@ SUMMARY_NAME = "summary.json"
 MESH_NAME = "mesh"  #: of a copy of a mesh file, before its suffix
 VTK_NAME = "vtk"
 ORBIT_NAME, ENERGY_NAME = "orbit.png", "energy.png"
+REPORT_NAME = "report.html"
+FAILURES_NAME = "failures.json"  #: of a sweep: points that failed, with reasons
+
+PICTURES = {
+    "gif": "animation.gif",
+    "mp4": "animation.mp4",
+    "png": "still.png",
+    "sheet": "sheet.png",
+    "html": "page.html",
+}
+"""Files of pictures, by kind, where none are named."""
 
 PACKAGE = "bladewhirl"
 
@@ -117,6 +127,13 @@ def portable_case(case: Case, folder: str = "") -> str:
 
 def _copy_name(mesh: MeshTable) -> str:
     return MESH_NAME + Path(mesh.file).suffix.lower()
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a text file so that it is there whole or as it was."""
+    unfinished = path.with_name(f".{path.name}")
+    unfinished.write_text(text, encoding="utf-8")
+    os.replace(unfinished, path)
 
 
 def write_provenance(directory: Path, case: Case) -> None:

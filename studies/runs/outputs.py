@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.studies.runs import folder as folder
+from bladewhirl.studies.runs import folder
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -112,7 +112,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
     """Write the ParaView series; yields hints."""
     from bladewhirl.postprocess.fields.fields import ViewError, frame_records, sampling_hint
-    from bladewhirl.postprocess.paraview.series import write_vtk
+    from bladewhirl.postprocess.paraview.series import export_vtk
 
     if window.frames == 0:
         return
@@ -121,7 +121,7 @@ def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterat
     except ViewError as error:  # the run ended before the window
         yield f"no ParaView series: {error}"
         return
-    write_vtk(
+    export_vtk(
         result,
         directory,
         frames=window.frames,

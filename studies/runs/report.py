@@ -14,12 +14,10 @@ from bladewhirl.postprocess.reports.page import Page, write_page
 from bladewhirl.postprocess.reports.run import run_report
 from bladewhirl.postprocess.reports.sweep import sweep_report
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
-from bladewhirl.studies.commands.report import REPORT_NAME
-from bladewhirl.studies.runs.folder import PROVENANCE_NAME
-from bladewhirl.studies.sweeps.store import FAILURES_NAME
+from bladewhirl.studies.runs.folder import FAILURES_NAME, PROVENANCE_NAME, REPORT_NAME
 
 
-def write_report(directory: str | Path, output: str | Path | None = None) -> Path:
+def report(directory: str | Path, output: str | Path | None = None) -> Path:
     """Write the report of a run or a sweep as one HTML file for use offline; returns its path.
 
     Args:

@@ -34,7 +34,7 @@ from bladewhirl.solvers.march.recorder import (
     description_bytes,
     result_bytes,
 )
-from bladewhirl.studies.runs import folder as folder
+from bladewhirl.studies.runs import folder
 from bladewhirl.studies.runs.outputs import Run, Window, write_outputs
 from bladewhirl.studies.runs.properties import MARCHES
 
@@ -46,7 +46,7 @@ __all__ = [
     "march_to_file",
     "prepare",
     "prepare_stage",
-    "run_case",
+    "run",
 ]
 
 SPARE_BYTES = 4_000_000
@@ -99,7 +99,7 @@ def prepare_stage(stage: Stage) -> Prepared:
     return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
 
 
-def run_case(
+def run(
     case: Case,
     directory: str | Path,
     *,
@@ -146,8 +146,8 @@ def run_case(
             (directory / name).write_bytes(content)
         folder.write_provenance(directory, case)
         report = march_to_file(prepared, directory / RESULT_NAME, progress)
-        run = write_outputs(directory, report, window)
-        return replace(run, hints=(*stage_hints(prepared.stage), *run.hints))
+        done = write_outputs(directory, report, window)
+        return replace(done, hints=(*stage_hints(prepared.stage), *done.hints))
     except OSError as error:
         raise UserError(f"{directory}: cannot be written ({error})") from None
 

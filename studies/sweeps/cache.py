@@ -15,7 +15,7 @@ from typing import Any, cast
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import dumps_case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.studies.runs import folder as folder
+from bladewhirl.studies.runs import folder
 from bladewhirl.studies.runs.run import prepare_stage
 from bladewhirl.studies.sweeps.cluster import march_groups
 from bladewhirl.studies.sweeps.layout import make_layout, march_extent

@@ -16,7 +16,7 @@ from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.build import march_faults
 from bladewhirl.postprocess.sweep.dataset import DONE, FORMAT, Layout
-from bladewhirl.studies.runs import folder as folder
+from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import (
     OVER,
     Grid,
@@ -28,7 +28,7 @@ from bladewhirl.studies.sweeps.axes import (
 )
 from bladewhirl.studies.sweeps.layout import history_bytes, make_layout, march_extent
 from bladewhirl.studies.sweeps.points import Group, stage_at
-from bladewhirl.studies.sweeps.store import Coordinates, write_whole
+from bladewhirl.studies.sweeps.store import Coordinates
 
 PLAN_NAME = "sweep.json"
 """What a sweep is, so that it can be resumed."""
@@ -152,7 +152,7 @@ def write_plan(plan: Plan, directory: Path) -> None:
     text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
     for name, content in files.items():
         (directory / name).write_bytes(content)
-    write_whole(directory / PLAN_NAME, text)
+    folder.write_whole(directory / PLAN_NAME, text)
 
 
 def read_plan(directory: Path) -> Plan:

@@ -36,11 +36,9 @@ from bladewhirl.postprocess.sweep.dataset import (
     WINDOW_SHARE,
     Layout,
 )
+from bladewhirl.studies.runs.folder import FAILURES_NAME, write_whole
 from bladewhirl.studies.sweeps.axes import Grid
 from bladewhirl.studies.sweeps.points import Failure, Outcome
-
-FAILURES_NAME = "failures.json"
-"""Points that failed, with reasons."""
 
 Coordinates = Mapping[str, tuple[FloatArray, str]]
 """Values of each swept key and their unit."""
@@ -179,13 +177,6 @@ class Store:
             for point, reason in sorted(self._failures.items())
         ]
         write_whole(path, json.dumps(document, indent=2, ensure_ascii=False) + "\n")
-
-
-def write_whole(path: Path, text: str) -> None:
-    """Write a text file so that it is there whole or as it was."""
-    unfinished = path.with_name(f".{path.name}")
-    unfinished.write_text(text, encoding="utf-8")
-    os.replace(unfinished, path)
 
 
 def _read_failures(directory: Path) -> dict[int, str]:

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from places import ROOT
 
+import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.modal.full_stage import modal_stage
-from bladewhirl.studies.runs.run import Run, run_case
+from bladewhirl.studies.runs.run import Run
 
 EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
 STAGE = ("material", "bladed_disk", "shaft", "casing", "reduction", "damping", "contact")
@@ -36,7 +37,7 @@ def test_the_papers_are_there() -> None:
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_marches(path: Path, tmp_path: Path) -> None:
     case = with_values(read_case(path), {"march.duration": 5e-3})
-    run = run_case(case, tmp_path / "run", frames=2)
+    run = bw.run(case, tmp_path / "run", frames=2)
     assert run.end_reason == "completed"
     assert run.summary.energy_residual <= 1e-8
     with run.open() as result:
@@ -64,7 +65,7 @@ def test_contact_cases_differ_from_the_fan_stage_in_two_lines() -> None:
 def full(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Run:
     """An example at full length."""
     case = read_case(ROOT / "examples" / f"{request.param}.toml")
-    return run_case(case, tmp_path_factory.mktemp("full") / request.param, frames=0)
+    return bw.run(case, tmp_path_factory.mktemp("full") / request.param, frames=0)
 
 
 @pytest.mark.slow
@@ -86,7 +87,7 @@ def test_full_length_gives_what_the_readme_says(full: Run) -> None:
 
 def test_springs_let_six_modes_grow_until_they_touch(tmp_path: Path) -> None:
     """As fast as the comment in the file says, which is what the stability analysis gives."""
-    run = run_case(read_case(ROOT / "examples" / "coupled_modes.toml"), tmp_path / "run", frames=0)
+    run = bw.run(read_case(ROOT / "examples" / "coupled_modes.toml"), tmp_path / "run", frames=0)
     assert run.summary.energy_residual <= 1e-8
     assert run.summary.regime == "sustained"
     with run.open() as result:

@@ -27,7 +27,7 @@ from bladewhirl.studies.paper.search.search import (
 )
 from bladewhirl.studies.paper.trials import PERTURBATION
 from bladewhirl.studies.runs.figures_folder import written_to
-from bladewhirl.studies.sweeps.store import write_whole
+from bladewhirl.studies.runs.folder import write_whole
 
 REPORT_NAME = "report.md"
 

@@ -25,8 +25,8 @@ from bladewhirl.studies.paper.scorecard import Score
 from bladewhirl.studies.paper.search.parameters import STARTS, ParameterSet
 from bladewhirl.studies.paper.trials import Laboratory
 from bladewhirl.studies.runs import folder as run_directory
+from bladewhirl.studies.runs.folder import write_whole
 from bladewhirl.studies.sweeps.cache import RunStore
-from bladewhirl.studies.sweeps.store import write_whole
 
 MODAL_CLAIMS = (6, 7, 8)
 CONTACT_CLAIMS = (20, 21, 22, 23, 24, 25, 26, 30, 31, 32, 33, 42, 43, 44)

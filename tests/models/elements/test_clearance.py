@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from places import ROOT
 
+import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_from, dumps_case, loads, read_case, with_values
 from bladewhirl.models.elements.build import case_clearance
@@ -17,7 +18,6 @@ from bladewhirl.models.sections.around_ring import Lobes, RingProfile
 from bladewhirl.models.stage.build import contact_problem, march_faults
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.central_difference import initial_gap
-from bladewhirl.studies.runs.run import run_case
 
 ELLIPSE = ROOT / "examples" / "elliptical_clearance.toml"
 
@@ -44,7 +44,7 @@ def test_gaps_at_rest_are_the_lobes_to_fourth_order() -> None:
 def test_a_tip_touches_first_where_the_clearance_is_smallest(tmp_path: Path) -> None:
     """The force turns with blade 0 and grows by a fifth of the lobes a revolution."""
     case = with_values(read_case(ELLIPSE), {"march.duration": 0.3})
-    run = run_case(case, tmp_path / "run", frames=0)
+    run = bw.run(case, tmp_path / "run", frames=0)
     assert run.summary.energy_residual <= 1e-8
     with run.open() as result:
         touched = result.contact_steps.values > 0

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
+import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.check import case_from
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.elements.build import case_beam_model
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.studies.runs.run import run_case
 
 
 def test_a_beam_model_is_a_line() -> None:
@@ -24,7 +24,7 @@ def test_a_beam_model_is_a_line() -> None:
 def test_a_run_is_a_line(tmp_path: Path) -> None:
     tables = {"bladed_disk.blades": 5, "casing.elements": 20, "march.duration": 0.0}
     case = with_values(Case(), {**tables, "reduction.fixed_interface_modes": 5})
-    run = run_case(case, tmp_path / "run", frames=0)
+    run = bw.run(case, tmp_path / "run", frames=0)
     assert repr(run) == f"<Run: {tmp_path / 'run'}, completed, no-contact>"
 
 

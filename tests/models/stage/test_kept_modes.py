@@ -11,12 +11,12 @@ import pytest
 from contact_cases import ledger_residual, run
 from plain_march import plain_march
 
+import bladewhirl as bw
 from bladewhirl.models.case.file import CaseError, loads
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, Start
 from bladewhirl.models.stage.loads import radial_mode
 from bladewhirl.models.stage.stage import Stage, build_stage
-from bladewhirl.studies.runs.run import run_case
 
 CONTACT = ("casing.support=7.975e6", "reduction.fixed_interface_modes=22", "casing.elements=20")
 
@@ -192,7 +192,7 @@ def test_harmonics_and_products_march_alike() -> None:
 
 def test_a_run_in_six_modes_leaves_what_any_run_does(tmp_path: Path) -> None:
     case = stage("six", "excitation.type=casing-distortion", "march.duration=20 ms").case
-    done = run_case(case, tmp_path / "run", frames=3)
+    done = bw.run(case, tmp_path / "run", frames=3)
     assert done.summary.strain_energy_max > 0.0
     assert set(done.summary.strain_energy_final["1F"]) == {"1"}
     assert (tmp_path / "run" / "vtk" / "series.pvd").is_file()
@@ -208,7 +208,7 @@ def test_a_run_in_six_modes_leaves_what_any_run_does(tmp_path: Path) -> None:
 def test_a_run_says_how_it_was_marched(tmp_path: Path, modes: str, march: str) -> None:
     """Symmetry is found all the same; with six modes it does not pay."""
     values = [*CONTACT, "march.duration=2e-4", f"reduction.modes={modes}"]
-    done = run_case(loads("", overrides=values), tmp_path / "run", frames=0)
+    done = bw.run(loads("", overrides=values), tmp_path / "run", frames=0)
     assert done.symmetry == (
         f"bladed disk: 22 equal sectors: cyclic path, march {march}; "
         f"casing: 20 equal sectors: cyclic path, march {march}"

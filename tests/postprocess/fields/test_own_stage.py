@@ -12,6 +12,7 @@ import pytest
 from places import ROOT
 from typer.testing import CliRunner
 
+import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.geometry.sketch import Sketch
@@ -20,7 +21,6 @@ from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.runs.run import run_case
 
 STEEL = {"young_modulus": 2.1e11, "density": 7800.0}
 
@@ -56,13 +56,13 @@ def case(sketch: Sketch) -> Case:
 
 
 def test_march_in_a_few_lines(tmp_path: Path) -> None:
-    run = run_case(case(propeller()), tmp_path / "propeller", frames=3)
+    run = bw.run(case(propeller()), tmp_path / "propeller", frames=3)
     assert run.end_reason == "completed"
     assert run.summary.energy_residual < 1e-8
     assert run.summary.shaft_radius_max > 1e-5
     assert run.symmetry.startswith("bladed disk: 4 equal sectors: cyclic path")
     assert (run.directory / "vtk" / "series.pvd").is_file()
-    again = run_case(read_case(run.directory / "case.toml"), tmp_path / "again", frames=0)
+    again = bw.run(read_case(run.directory / "case.toml"), tmp_path / "again", frames=0)
     with run.open() as one, again.open() as other:
         assert set(one.rotor_part.values) == {"arms", "blades"}
         np.testing.assert_array_equal(one.rotor_displacement, other.rotor_displacement)
@@ -187,7 +187,7 @@ def test_a_run_of_a_mesh_moves_to_another_place(tmp_path: Path) -> None:
     for suffix in (".toml", ".msh"):
         shutil.copy(source.with_suffix(suffix), first)
     short = ["march.duration=0.5e-3", "reduction.fixed_interface_modes=20"]
-    run_case(read_case(first / "shrouded_fan.toml", short), first / "run", frames=0)
+    bw.run(read_case(first / "shrouded_fan.toml", short), first / "run", frames=0)
     provenance = json.loads((first / "run" / "provenance.json").read_text())
     content = (first / "shrouded_fan.msh").read_bytes()
     assert provenance["mesh"] == {
@@ -203,6 +203,6 @@ def test_a_run_of_a_mesh_moves_to_another_place(tmp_path: Path) -> None:
         assert str(tmp_path) not in text
         (moved / "again.toml").write_text(text)
         for name in ("case.toml", "again.toml"):
-            again = run_case(read_case(moved / name), tmp_path / name, frames=0)
+            again = bw.run(read_case(moved / name), tmp_path / name, frames=0)
             with again.open() as other:
                 np.testing.assert_array_equal(result.rotor_displacement, other.rotor_displacement)

@@ -31,7 +31,7 @@ from bladewhirl.postprocess.modal.veering import (
     plot_families,
     plot_shaft_veering,
 )
-from bladewhirl.postprocess.paraview.series import write_vtk
+from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.solvers.stability.coincidence import coincidences
 from bladewhirl.solvers.stability.coupled_modes import phase_rate, wave_coefficient
 from bladewhirl.studies.modal.scenarios import whirling_modes
@@ -130,7 +130,7 @@ def test_films_loop_and_move(tmp_path: Path) -> None:
 
 def test_paraview_series_of_a_mode(tmp_path: Path) -> None:
     data = moving("bladed-disk", "1F", 1, "backward")
-    write_vtk(data, tmp_path, frames=PICTURES)
+    export_vtk(data, tmp_path, frames=PICTURES)
     frames = sorted((tmp_path / "frames").glob("rotor_*.vtu"))
     assert len(frames) == PICTURES
     mesh = meshio.read(frames[5])

@@ -10,7 +10,7 @@ import synthetic_result as synthetic
 import xarray as xr
 
 from bladewhirl.postprocess.paraview import series as vtk_series
-from bladewhirl.postprocess.paraview.series import write_vtk
+from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.paraview.surfaces import Boxes, SurfaceSeries, casing_boxes, rotor_boxes
 
 WIDTH, BLADE = 0.1, 0.010  # of the synthetic stage [m]
@@ -114,7 +114,7 @@ PARTS: Mapping[str, Mapping[str, int]] = {
 
 class TestSeries:
     def test_parts_and_fields(self, result: xr.Dataset, tmp_path: Path) -> None:
-        write_vtk(result, tmp_path, frames=2, surface=True)
+        export_vtk(result, tmp_path, frames=2, surface=True)
         for name, expected in PARTS.items():
             mesh = meshio.read(tmp_path / "frames" / f"{name}_00001.vtu")
             found = {key: 1 if a.ndim == 1 else a.shape[1] for key, a in mesh.point_data.items()}
@@ -122,7 +122,7 @@ class TestSeries:
             assert all(np.isfinite(array).all() for array in mesh.point_data.values())
 
     def test_blades_turn_and_the_casing_stands(self, result: xr.Dataset, tmp_path: Path) -> None:
-        write_vtk(result, tmp_path, frames=3, surface=True)
+        export_vtk(result, tmp_path, frames=3, surface=True)
         first, last = (
             {n: meshio.read(tmp_path / "frames" / f"{n}_0000{i}.vtu").points for n in PARTS}
             for i in (0, 2)
@@ -138,9 +138,9 @@ class TestSeries:
         self, result: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         seen: list[tuple[int, int]] = []
-        write_vtk(result, tmp_path / "whole", frames=3, surface=True)
+        export_vtk(result, tmp_path / "whole", frames=3, surface=True)
         monkeypatch.setattr(vtk_series, "PORTION_POINTS", 1)  # one record at a time
-        write_vtk(
+        export_vtk(
             result,
             tmp_path / "parts",
             frames=3,

@@ -13,7 +13,7 @@ import synthetic_result as synthetic
 import xarray as xr
 
 from bladewhirl.postprocess.paraview import series as vtk_series
-from bladewhirl.postprocess.paraview.series import SeriesWriter, write_vtk
+from bladewhirl.postprocess.paraview.series import SeriesWriter, export_vtk
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +23,7 @@ def result() -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def series(result: xr.Dataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_vtk(result, tmp_path_factory.mktemp("vtk"), frames=21, start=0.1, end=0.2)
+    return export_vtk(result, tmp_path_factory.mktemp("vtk"), frames=21, start=0.1, end=0.2)
 
 
 def entries(index: Path) -> list[dict[str, str]]:
@@ -69,7 +69,7 @@ class TestIndex:
             meshio.read(self.folder / listed[-1]["file"])
 
         monkeypatch.setattr(SeriesWriter, "add", add_and_read)
-        write_vtk(result, tmp_path, frames=6)
+        export_vtk(result, tmp_path, frames=6)
         assert complete == [2, 4, 6, 8, 10, 12]
 
     def test_killed_while_writing_the_index(
@@ -86,14 +86,14 @@ class TestIndex:
 
         monkeypatch.setattr(os, "replace", die)
         with pytest.raises(KeyboardInterrupt):
-            write_vtk(result, tmp_path, frames=10)
+            export_vtk(result, tmp_path, frames=10)
         assert len(entries(tmp_path / "series.pvd")) == 2 * 3
 
     def test_a_shorter_export_leaves_no_old_frames(
         self, result: xr.Dataset, tmp_path: Path
     ) -> None:
-        write_vtk(result, tmp_path, frames=9)
-        write_vtk(result, tmp_path, frames=4)
+        export_vtk(result, tmp_path, frames=9)
+        export_vtk(result, tmp_path, frames=4)
         assert len(entries(tmp_path / "series.pvd")) == 8
         assert len(list((tmp_path / "frames").glob("*.vtu"))) == 8
 
@@ -105,7 +105,7 @@ class TestFrames:
         moved = result.copy(deep=True)
         moved["rotor_displacement"][:] = np.array([3e-3, -1e-3, 0, 0, 0])
         moved["casing_displacement"][:] = np.array([-2e-3, 5e-4, 0, 0])
-        index = write_vtk(moved, tmp_path, frames=5)
+        index = export_vtk(moved, tmp_path, frames=5)
         for entry in entries(index):
             mesh = meshio.read(index.parent / entry["file"])
             if entry["name"] == "rotor":
@@ -131,7 +131,7 @@ class TestFrames:
     def test_gap_and_force_at_the_tips(self, result: xr.Dataset, tmp_path: Path) -> None:
         record = int(np.argmax(result.contacts.values))
         time = float(result.time[record])
-        index = write_vtk(result, tmp_path, frames=1, start=time)
+        index = export_vtk(result, tmp_path, frames=1, start=time)
         mesh = meshio.read(index.parent / "frames" / "rotor_00000.vtu")
         tips = result.tip_node.values
         np.testing.assert_array_equal(mesh.point_data["gap"][tips], result.gap.values[record])
@@ -148,7 +148,7 @@ class TestFrames:
         assert not np.delete(force, tips, axis=0).any()
 
     def test_velocity_and_radial_displacement(self, result: xr.Dataset, tmp_path: Path) -> None:
-        index = write_vtk(result, tmp_path, frames=1, start=0.123)
+        index = export_vtk(result, tmp_path, frames=1, start=0.123)
         mesh = meshio.read(index.parent / "frames" / "casing_00000.vtu")
         angle = np.arctan2(mesh.points[:, 1], mesh.points[:, 0])
         w = synthetic.casing_w(angle, result.casing_displacement.values[123])
@@ -164,8 +164,8 @@ class TestFrames:
         self, result: xr.Dataset, tmp_path: Path
     ) -> None:
         time = 0.25
-        static = write_vtk(result, tmp_path / "static", frames=1, start=time)
-        turning = write_vtk(result, tmp_path / "turning", frames=1, start=time, rotating=True)
+        static = export_vtk(result, tmp_path / "static", frames=1, start=time)
+        turning = export_vtk(result, tmp_path / "turning", frames=1, start=time, rotating=True)
         angle = -synthetic.SPEED * time
         back = np.array(
             [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
@@ -184,9 +184,9 @@ class TestFrames:
         self, result: xr.Dataset, tmp_path: Path, caplog: pytest.LogCaptureFixture
     ) -> None:
         caplog.set_level(logging.INFO)
-        write_vtk(result, tmp_path, frames=10, start=0.0, end=0.02)
+        export_vtk(result, tmp_path, frames=10, start=0.0, end=0.02)
         assert "revolution" not in caplog.text
-        write_vtk(result, tmp_path, frames=10)
+        export_vtk(result, tmp_path, frames=10)
         assert "a revolution" in caplog.text
 
 
@@ -215,9 +215,9 @@ class TestUndeformedMesh:
 def test_portions_do_not_show(
     result: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = write_vtk(result, tmp_path / "whole", frames=20)
+    whole = export_vtk(result, tmp_path / "whole", frames=20)
     monkeypatch.setattr(vtk_series, "PORTION", 7)
-    parts = write_vtk(result, tmp_path / "parts", frames=20)
+    parts = export_vtk(result, tmp_path / "parts", frames=20)
     assert entries(whole) == entries(parts)
     for entry in entries(whole):
         one, other = (meshio.read(index.parent / entry["file"]) for index in (whole, parts))

@@ -13,12 +13,12 @@ from report_pages import Parsed
 from synthetic_sweep import synthetic_sweep
 from typer.testing import CliRunner
 
+import bladewhirl as bw
 from bladewhirl.postprocess.reports.headline import headline
 from bladewhirl.postprocess.reports.words import SWEEP
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 from bladewhirl.postprocess.sweep.figures import SWEEP_FIGURES
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.runs.report import write_report
 
 REFERENCE = 75.0  # rad/s
 SPEEDS = (1.0, 1.2, 1.4, 1.6)
@@ -84,7 +84,7 @@ def test_two_keys_and_missing_points(tmp_path: Path) -> None:
     folder = synthetic_sweep(tmp_path / "two", over, motions)
     with h5py.File(folder / SWEEP_NAME, "r+") as file:
         file["state"][1, 0] = 0
-    page = Parsed(write_report(folder).read_text(encoding="utf-8"))
+    page = Parsed(bw.report(folder).read_text(encoding="utf-8"))
     words = re.sub(r"\s+", " ", page.words)
     assert re.search(r"\d of 3 points so far", words)
     assert "unfinished: 1 of 4 points are missing; bladewhirl sweep --resume" in words
@@ -104,7 +104,7 @@ def test_two_keys_have_their_columns_marks_and_window(tmp_path: Path) -> None:
     motions = [{"speed": REFERENCE, "shaft_radius": radius} for radius in (*RADII, RADII[0])]
     units = {"march.speed": "1", "casing.clearance": "m"}
     folder = synthetic_sweep(tmp_path / "two", over, motions, units=units, case=CASE)
-    page = Parsed(write_report(folder).read_text(encoding="utf-8"))
+    page = Parsed(bw.report(folder).read_text(encoding="utf-8"))
     words = re.sub(r"\s+", " ", page.words)
     assert "march.speed casing.clearance [mm] regime largest shaft displacement" in words
     assert re.search(r"1 1 sustained 1\.3 ", words)
@@ -158,7 +158,7 @@ def test_the_headline_names_the_values_of_the_second_key(
 
 def test_a_sweep_without_a_point_done(tmp_path: Path) -> None:
     folder = synthetic_sweep(tmp_path / "none", {"march.speed": (1.0, 2.0)}, [None, None])
-    page = Parsed(write_report(folder).read_text(encoding="utf-8"))
+    page = Parsed(bw.report(folder).read_text(encoding="utf-8"))
     assert "No result" in page.words
     assert "2 of 2 points failed" in page.words
     assert "Not drawn: no point of the sweep is done" in page.words

@@ -15,6 +15,7 @@ import xarray as xr
 from report_pages import Parsed
 from typer.testing import CliRunner, Result
 
+import bladewhirl as bw
 from bladewhirl.postprocess.reports.words import (
     CONTACT,
     ENERGIES,
@@ -25,7 +26,6 @@ from bladewhirl.postprocess.reports.words import (
 from bladewhirl.postprocess.run.blade_contact import contact_maps
 from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.runs.report import write_report
 
 FIGURES = [*REGIME, *SHAFT, *CONTACT, *FREQUENCIES, *ENERGIES]
 MARCHED = {
@@ -137,7 +137,7 @@ def test_a_march_that_did_not_end_is_said_to_be_so(tmp_path: Path, reason: str, 
     run = made(tmp_path / "run", end_reason=reason, steps=steps, **gone)
     target = tmp_path / "own.html"
     target.write_text("old")
-    assert write_report(run, target) == target
+    assert bw.report(run, target) == target
     page = Parsed(target.read_text(encoding="utf-8"))
     assert words in page.words
     assert "Sustained so far" in page.words
@@ -150,7 +150,7 @@ def test_a_march_that_did_not_end_is_said_to_be_so(tmp_path: Path, reason: str, 
 def test_a_march_to_its_limit_says_so_once(tmp_path: Path) -> None:
     message = "blade 3 passed march.displacement_limit = 0.1 m at 0.4 s; look at its load"
     run = made(tmp_path / "run", end_reason="divergent", end_message=message)
-    words = Parsed(write_report(run).read_text(encoding="utf-8")).words
+    words = Parsed(bw.report(run).read_text(encoding="utf-8")).words
     assert len(re.findall("(?i)blade 3 passed", words)) == 1
     assert words.count("Look at its load.") == 1
 

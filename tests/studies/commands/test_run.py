@@ -1,4 +1,4 @@
-"""`bladewhirl run` and `run_case`: what a run leaves, refuses, and how it ends."""
+"""`bladewhirl run` and `bladewhirl.run`: what a run leaves, refuses, and how it ends."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
+import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import dumps_case, loads, read_case, with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.runs.run import run_case
 
 RUNNER = CliRunner()
 
@@ -133,8 +133,8 @@ def test_the_folder_is_named_after_the_case(path: Path, monkeypatch: pytest.Monk
 
 def test_a_resolved_case_gives_the_same_bits_again(path: Path) -> None:
     out, again = path.parent / "out", path.parent / "again"
-    first = run_case(read_case(path, ["march.speed=2500 rpm"]), out, frames=0)
-    second = run_case(read_case(out / "case.toml"), again, frames=0)
+    first = bw.run(read_case(path, ["march.speed=2500 rpm"]), out, frames=0)
+    second = bw.run(read_case(out / "case.toml"), again, frames=0)
     assert (again / "case.toml").read_bytes() == (out / "case.toml").read_bytes()
     with first.open() as one, second.open() as two:
         assert one.attrs["speed"] == pytest.approx(2500 * np.pi / 30)
@@ -145,9 +145,7 @@ def test_a_resolved_case_gives_the_same_bits_again(path: Path) -> None:
 def test_from_python_to_a_dataset(path: Path) -> None:
     told: list[tuple[str, int, int]] = []
     case = with_values(read_case(path), {"march.duration": 0.1, "excitation.modal_force": 10.0})
-    run = run_case(
-        case, path.parent / "out", frames=5, progress=lambda *report: told.append(report)
-    )
+    run = bw.run(case, path.parent / "out", frames=5, progress=lambda *report: told.append(report))
     assert run.end_reason == "completed"
     assert run.summary.regime == "no-contact"
     assert told[-2:] == [("marching", 50_000, 50_000), ("writing", 50_000, 50_000)]
@@ -162,8 +160,8 @@ def test_from_python_to_a_dataset(path: Path) -> None:
 def test_nothing_recorded_between_is_lost(path: Path) -> None:
     """Records ten times as far apart hold the sums and minima of the finer ones."""
     coarse_case = read_case(path, ["march.record_step=1e-3"])
-    fine = run_case(read_case(path), path.parent / "fine", frames=0)
-    coarse = run_case(coarse_case, path.parent / "coarse", frames=0)
+    fine = bw.run(read_case(path), path.parent / "fine", frames=0)
+    coarse = bw.run(coarse_case, path.parent / "coarse", frames=0)
     with fine.open() as one, coarse.open() as two:
         for name in ("contact_impulse", "friction_impulse", "contact_steps"):
             sums = one[name].values[1:].reshape(10, 10, -1).sum(axis=1)
@@ -177,7 +175,7 @@ def test_nothing_recorded_between_is_lost(path: Path) -> None:
 
 def test_no_duration_is_the_start_alone(path: Path) -> None:
     values = {"march.duration": 0.0, "initial.centre_velocity": (0.25, 0.0)}
-    run = run_case(with_values(read_case(path), values), path.parent / "out", frames=3)
+    run = bw.run(with_values(read_case(path), values), path.parent / "out", frames=3)
     assert (run.end_reason, run.summary.steps, run.summary.end_time) == ("completed", 0, 0.0)
     with run.open() as result:
         orbit = shaft_orbit(result)
@@ -263,17 +261,17 @@ def quick(**values: object) -> Case:
 
 def test_overwriting_replaces_a_run_and_nothing_else(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    run_case(quick(), out, frames=5)
+    bw.run(quick(), out, frames=5)
     for name in ("notes.txt", "vtk/state.pvsm", "animation.gif"):
         (out / name).write_text("mine")
     with pytest.raises(UserError, match="already exists; --overwrite"):
-        run_case(quick(), out)
-    run_case(quick(title="second"), out, frames=0, overwrite=True)
+        bw.run(quick(), out)
+    bw.run(quick(title="second"), out, frames=0, overwrite=True)
     assert read_case(out / "case.toml").title == "second"
     kept = sorted(str(entry.relative_to(out)) for entry in out.rglob("*"))
     # The animation was of the first run.
     assert kept == sorted([*FILES, "notes.txt", "vtk", "vtk/state.pvsm"])
-    run_case(quick(), out, frames=2, overwrite=True)
+    bw.run(quick(), out, frames=2, overwrite=True)
     assert (out / "vtk" / "series.pvd").is_file()
 
 
@@ -285,22 +283,22 @@ def test_what_is_no_run_is_not_overwritten(tmp_path: Path) -> None:
     empty.mkdir()
     for path in (foreign, file):
         with pytest.raises(UserError, match="already exists"):
-            run_case(quick(), path)
+            bw.run(quick(), path)
     with pytest.raises(UserError, match="expected an empty folder or one of a run"):
-        run_case(quick(), foreign, overwrite=True)
+        bw.run(quick(), foreign, overwrite=True)
     with pytest.raises(UserError, match="expected a folder to overwrite, found a file"):
-        run_case(quick(), file, overwrite=True)
+        bw.run(quick(), file, overwrite=True)
     assert file.read_text() == (foreign / "result.nc").read_text() == "precious"
-    run_case(quick(), empty, frames=0)
+    bw.run(quick(), empty, frames=0)
     assert (empty / "result.nc").is_file()
 
 
 def test_a_bad_case_does_not_touch_the_run_it_was_to_overwrite(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    run_case(quick(), out, frames=0)
+    bw.run(quick(), out, frames=0)
     before = (out / "result.nc").read_bytes()
     with pytest.raises(UserError, match=r"march\.time_step"):
-        run_case(quick(**{"march.time_step": 1e-4}), out, overwrite=True)
+        bw.run(quick(**{"march.time_step": 1e-4}), out, overwrite=True)
     assert (out / "result.nc").read_bytes() == before
 
 
@@ -308,7 +306,7 @@ def test_where_nothing_can_be_written(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     out = tmp_path / "file" / "deep" / "out"
     with pytest.raises(UserError) as found:
-        run_case(quick(), out)
+        bw.run(quick(), out)
     reason = f"cannot be made or written: {tmp_path / 'file'} takes no files (Not a directory)"
     assert [*found.value.lines] == [f"{out}: {reason}"]
 
@@ -317,7 +315,7 @@ def test_where_nothing_can_be_written(tmp_path: Path) -> None:
 def test_a_folder_that_cannot_be_made_is_no_lack_of_room() -> None:
     """A virtual file system has no room either; even root makes no folder in it."""
     with pytest.raises(UserError, match=r"^/proc/foo: cannot be made or written: /proc takes no"):
-        run_case(quick(), Path("/proc/foo"))
+        bw.run(quick(), Path("/proc/foo"))
 
 
 def test_a_disk_without_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -326,11 +324,11 @@ def test_a_disk_without_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr("shutil.disk_usage", lambda path: SimpleNamespace(free=free.pop()))
     long = quick(**{"march.duration": 100.0})
     with pytest.raises(UserError, match="MB of room on the disk, found 10 MB"):
-        run_case(long, tmp_path / "deep" / "out")
+        bw.run(long, tmp_path / "deep" / "out")
     assert not [*tmp_path.iterdir()]
     free[:] = [10**6, *[10**12] * 3]
     with pytest.raises(UserError, match="expected 4 MB of room on the disk, found 1 MB"):
-        run_case(long, tmp_path / "out")
+        bw.run(long, tmp_path / "out")
     with xr.open_dataset(tmp_path / "out" / "result.nc") as result:
         assert result.attrs["end_reason"] == "unfinished"
         assert result.sizes["time"] == 2 * 400
@@ -391,5 +389,5 @@ def test_a_killed_run_can_be_read_and_overwritten(path: Path) -> None:
         assert records > 100
         np.testing.assert_allclose(result["time"], 1e-4 * np.arange(records), atol=1e-9)
         assert np.isfinite(result["rotor_velocity"].values).all()
-    run = run_case(read_case(path), out, frames=0, overwrite=True)
+    run = bw.run(read_case(path), out, frames=0, overwrite=True)
     assert run.end_reason == "completed"

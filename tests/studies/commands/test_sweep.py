@@ -20,6 +20,7 @@ import xarray as xr
 from distributed import LocalCluster
 from typer.testing import CliRunner
 
+import bladewhirl as bw
 from bladewhirl.models.case.case import Case, March
 from bladewhirl.models.case.excitation import Imbalance
 from bladewhirl.models.case.file import dumps_case
@@ -30,7 +31,6 @@ from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.postprocess.sweep.dataset import DONE, Layout, SweepError, open_sweep
 from bladewhirl.postprocess.sweep.figures import LEFT_BY_A_SWEEP
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.runs.run import run_case
 from bladewhirl.studies.sweeps import cluster as sweep_cluster
 from bladewhirl.studies.sweeps import plan as sweep_plan
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, read_plan
@@ -65,7 +65,7 @@ def same_bits(one: Path, other: Path) -> bool:
 
 def test_a_point_is_what_a_run_of_its_case_says(swept: Path, tmp_path: Path) -> None:
     case = CASE.model_copy(update={"march": March(speed=1.05, duration=6e-3, record_step=5e-5)})
-    run = run_case(case, tmp_path / "run", frames=0)
+    run = bw.run(case, tmp_path / "run", frames=0)
     with open_sweep(swept) as dataset, run.open() as result:
         point = dataset.sel(march_speed=1.05, contact_friction=0.1)
         assert point["regime"].item() == run.summary.regime
