@@ -24,7 +24,7 @@ from bladewhirl.studies.paper.scorecard import counted
 DOCS = Path(__file__).parent
 PAGE, README = DOCS / "reproduction.md", DOCS.parent / "README.md"
 COUNT = re.compile(r"(?<=<!-- scorecard -->\n).*?(?=\n<!-- scorecard end -->)", re.DOTALL)
-"""What README.md says of the scorecard."""
+"""The sentence of README.md on the scorecard."""
 
 TITLE, SCORECARD, VALUES = (
     "# What holds of the paper",

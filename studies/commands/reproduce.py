@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from bladewhirl.studies.paper.judge import Told
 
 FOLDER = Path("reproduction")
-"""Where results go if no folder is named."""
+"""Folder of the results if none is named."""
 
 
 def reproduce(
@@ -91,10 +91,12 @@ def reproduce(
         repeats=repeats or (1 if quick else REPEATS),
         speed_step=speed_step,
     )
-    with _progress(Console(stderr=True)) as told, _interruptible(output):
-        card, lab = reproduce_claims(plan, output, workers=workers, scheduler=scheduler, told=told)
-    with lab:
-        written = write_scorecard(card, lab, output)
+    with _progress(Console(stderr=True)) as told, interruptible(output):
+        card, evidence = reproduce_claims(
+            plan, output, workers=workers, scheduler=scheduler, told=told
+        )
+    with evidence:
+        written = write_scorecard(card, evidence, output)
     if json:
         typer.echo(card.to_json(), nl=False)
     else:
@@ -103,7 +105,7 @@ def reproduce(
 
 
 @contextmanager
-def _interruptible(output: Path) -> Iterator[None]:
+def interruptible(output: Path) -> Iterator[None]:
     """Say after Ctrl-C how to go on."""
     try:
         yield

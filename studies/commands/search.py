@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bladewhirl.studies.commands.run import EXIT_INTERRUPTED
+from bladewhirl.studies.commands.reproduce import interruptible
 
 if TYPE_CHECKING:
     from bladewhirl.studies.paper.search.search import Judged
 
 FOLDER = Path("parameter-search")
-"""Where results go if no folder is named."""
+"""Folder of the results if none is named."""
 
 
 def search(
@@ -73,7 +73,7 @@ def search(
     if scheduler is not None and workers is not None:
         raise UserError("--scheduler, --workers: expected one of them; a scheduler has its workers")
     if not report:
-        with _interruptible(output), _scheduler(scheduler, workers or CPU_COUNT) as address:
+        with interruptible(output), _scheduler(scheduler, workers or CPU_COUNT) as address:
             found = open_search(output, scheduler=address, faithful=faithful, told=_tell)
             kept = [name for name, start in STARTS.items() if not (faithful and start.departures)]
             search_parameters(found, starts or kept, rounds, every_claim=every_claim)
@@ -96,13 +96,3 @@ def _scheduler(address: str | None, workers: int) -> Iterator[str | None]:
 def _tell(judged: Judged) -> None:
     holds, partly = judged.rank
     typer.echo(f"{holds} hold, {partly} partly, {judged.level}: {judged.values.words()}")
-
-
-@contextmanager
-def _interruptible(output: Path) -> Iterator[None]:
-    """Say after Ctrl-C how to go on."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        typer.echo(f"interrupted; the same command goes on with what is in {output}", err=True)
-        raise typer.Exit(EXIT_INTERRUPTED) from None

@@ -41,7 +41,7 @@ FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
 
 @dataclass(frozen=True, kw_only=True)
 class Convergence:
-    """What a case does as it is refined."""
+    """Behaviour of a case as it is refined."""
 
     time_steps: xr.Dataset  #: from `time_step_convergence`
     modes: xr.Dataset  #: from `mode_convergence`

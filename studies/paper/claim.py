@@ -1,4 +1,4 @@
-"""What a claim of the source paper is, how it is judged, and the list of all of them.
+"""Claims of the source paper, how each is judged, and the list of all of them.
 
 A claim is judged by code: its evaluator looks at numbers computed by bladewhirl and returns checks,
 each a comparison with a stated threshold. All met: it holds; some: partly; none, or an essential
@@ -9,17 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, get_args
+from functools import partial
+from typing import Literal, get_args
 
 from bladewhirl.postprocess.fields.fields import ViewError
-
-if TYPE_CHECKING:
-    from bladewhirl.studies.paper.trials import Laboratory
+from bladewhirl.studies.paper.trials import Evidence, NotTestableError
 
 Verdict = Literal["holds", "partly", "does not hold", "not testable"]
-
-Load = Literal["distortion", "imbalance"]
-"""What begins the contact: the paper's scenarios A and B."""
 
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 
@@ -35,7 +31,7 @@ class Check:
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """What came out of judging a claim once."""
+    """The outcome of judging a claim once."""
 
     ours: str  #: our value, in the words of the claim
     checks: tuple[Check, ...] = ()
@@ -64,30 +60,29 @@ class Finding:
         return f"not met: {'; '.join(failed)}{kept}."
 
 
-class NotTestableError(Exception):
-    """A claim cannot be judged; the message says why."""
+Evaluator = Callable[..., Finding]
+"""Called with the marches of a claim, then its sweeps; with the `Evidence` where it has neither."""
 
 
-Evaluator = Callable[["Laboratory"], Finding]
-
-
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Claim:
-    """A statement of the paper that can be computed."""
+    """A statement of the paper that can be computed, and the function that judges it."""
 
     number: int
     section: str  #: of the paper
     figures: tuple[str, ...]  #: of the paper
     text: str  #: the claim in our words
     paper: str  #: the paper's value
-    trials: tuple[str, ...]  #: marches it is judged by, see `laboratory.TRIALS`
-    sweeps: tuple[str, ...]  #: sweeps it is judged by, see `laboratory.SURVEYS`
+    trials: tuple[str, ...]  #: marches it is judged by, see `trials.TRIALS`
+    sweeps: tuple[str, ...]  #: sweeps it is judged by, see `trials.SURVEYS`
     evaluate: Evaluator
 
-    def judge(self, laboratory: Laboratory) -> Finding:
+    def judge(self, evidence: Evidence) -> Finding:
         """Judge it once; what stands in the way becomes part of the finding."""
         try:
-            return self.evaluate(laboratory)
+            motions = [evidence.motion(name) for name in self.trials]
+            sweeps = [evidence.sweep(name) for name in self.sweeps]
+            return self.evaluate(*([*motions, *sweeps] or [evidence]))
         except (NotTestableError, ViewError) as error:
             return Finding(ours="–", obstacle=str(error).rstrip("."))
 
@@ -111,19 +106,16 @@ def claim(
     def register(evaluate: Evaluator) -> Evaluator:
         if number in CLAIMS:
             raise ValueError(f"claim {number} is there already")
-        CLAIMS[number] = Claim(
-            number=number,
-            section=section,
-            figures=tuple(figures),
-            text=text,
-            paper=paper,
-            trials=tuple(trials),
-            sweeps=tuple(sweeps),
-            evaluate=evaluate,
-        )
+        needs = tuple(trials), tuple(sweeps)
+        CLAIMS[number] = Claim(number, section, tuple(figures), text, paper, *needs, evaluate)
         return evaluate
 
     return register
+
+
+def section_claims(section: str) -> Callable[..., Callable[[Evaluator], Evaluator]]:
+    """The decorator `claim` for one section of the paper."""
+    return partial(claim, section=section)
 
 
 def near(name: str, value: float, target: float, tolerance: float, unit: str = "") -> Check:
@@ -148,7 +140,7 @@ def at_most(name: str, value: float, high: float, unit: str = "") -> Check:
     return Check(text=f"{name} {value:.3g}{unit}, wanted {high:g}{unit} or less", met=value <= high)
 
 
-def is_so(name: str, found: object, wanted: object, *, essential: bool = False) -> Check:
+def equal(name: str, found: object, wanted: object, *, essential: bool = False) -> Check:
     """A kind of motion, a direction, and the like."""
     text = f"{name} {found}" if found == wanted else f"{name} {found}, wanted {wanted}"
     return Check(text=text, met=found == wanted, essential=essential)

@@ -5,20 +5,22 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from bladewhirl.models.case.file import loads
 from bladewhirl.postprocess.fields.fields import Array
 from bladewhirl.postprocess.run.measures import Motion
 from bladewhirl.studies.paper.claim import (
     Check,
     Finding,
-    NotTestableError,
     at_least,
     at_most,
     between,
-    claim,
-    is_so,
+    equal,
+    section_claims,
 )
 from bladewhirl.studies.paper.claims_imbalance import MILLI, done_points, in_contact
-from bladewhirl.studies.paper.trials import Laboratory
+from bladewhirl.studies.paper.trials import NotTestableError
+
+claim = section_claims("4.3.1")
 
 AROUND = (0.95, 1.15)
 """Speeds that count as around the first coincidence, 1.05."""
@@ -32,7 +34,9 @@ def _growing(motion: Motion) -> Check:
 
 
 def _regimes(sweep: xr.Dataset) -> tuple[Array, Array]:
-    return sweep["march_speed"].values, sweep["regime"].values
+    """Speeds at which every point has a result, and what moved there."""
+    done = done_points(sweep)
+    return done["march_speed"].values, done["regime"].values
 
 
 def _runs_of(speeds: Array, chosen: Array) -> list[tuple[float, float]]:
@@ -53,12 +57,11 @@ def _listed(groups: list[tuple[float, float]]) -> str:
     18,
     "Casing distortion moves the shaft most around the first coincidence, 1.05.",
     paper="around 1.05",
-    section="4.3.1",
     figures=["15"],
     sweeps=["distortion"],
 )
-def highest_around_the_coincidence(lab: Laboratory) -> Finding:
-    sweep = done_points(lab.sweep("distortion"))
+def highest_around_the_coincidence(sweep: xr.Dataset) -> Finding:
+    sweep = done_points(sweep)
     speed, radius = sweep["march_speed"].values, sweep["shaft_radius_max"].values
     at = float(speed[radius.argmax()])
     near = (speed >= AROUND[0]) & (speed <= AROUND[1])
@@ -76,21 +79,19 @@ def highest_around_the_coincidence(lab: Laboratory) -> Finding:
     19,
     "There are other critical speeds that the coincidence does not predict, 1.39 among them.",
     paper="several, 1.39",
-    section="4.3.1",
     figures=["15"],
     trials=["distortion at 1.39"],
     sweeps=["distortion"],
 )
-def other_critical_speeds(lab: Laboratory) -> Finding:
-    speed, regime = _regimes(done_points(lab.sweep("distortion")))
+def other_critical_speeds(motion: Motion, sweep: xr.Dataset) -> Finding:
+    speed, regime = _regimes(sweep)
     groups = _runs_of(speed, regime == "divergent")
     apart = [group for group in groups if group[0] > AROUND[1]]
-    motion = lab.motion("distortion at 1.39")
     return Finding(
         ours=f"divergent at {_listed(groups)}; at 1.39 {motion.regime.name}",
         checks=(
             at_least("groups of divergent speeds apart from 1.05", len(apart), 1),
-            is_so("at 1.39", motion.regime.name, "divergent"),
+            equal("at 1.39", motion.regime.name, "divergent"),
         ),
     )
 
@@ -99,14 +100,12 @@ def other_critical_speeds(lab: Laboratory) -> Finding:
     20,
     "At 1.05 the motion diverges; the shaft is at 3.6 mm after 3 s.",
     paper="3.6 mm at 3 s",
-    section="4.3.1",
     figures=["16"],
     trials=["distortion at 1.05"],
 )
-def divergence_at_the_coincidence(lab: Laboratory) -> Finding:
-    motion = lab.motion("distortion at 1.05")
+def divergence_at_the_coincidence(motion: Motion) -> Finding:
     radius = MILLI * float(motion.radius[-1])
-    planned = lab.case("distortion at 1.05").march.duration
+    planned = loads(motion.result.attrs["case"]).march.duration
     return Finding(
         ours=f"{motion.regime.name}, {radius:.3g} mm at {motion.end:.3g} s",
         checks=(
@@ -121,16 +120,14 @@ def divergence_at_the_coincidence(lab: Laboratory) -> Finding:
     21,
     "While diverging the shaft whirls backward in rotating axes.",
     paper="backward",
-    section="4.3.1",
     figures=["16"],
     trials=["distortion at 1.05"],
 )
-def backward_in_rotating_axes(lab: Laboratory) -> Finding:
-    motion = lab.motion("distortion at 1.05")
+def backward_in_rotating_axes(motion: Motion) -> Finding:
     whirl = motion.late_whirl("rotating")
     return Finding(
         ours=f"{motion.regime.name}, {whirl.direction} at {abs(whirl.rate) / 2 / np.pi:.3g} Hz",
-        checks=(_growing(motion), is_so("whirl", whirl.direction, "backward")),
+        checks=(_growing(motion), equal("whirl", whirl.direction, "backward")),
     )
 
 
@@ -138,12 +135,10 @@ def backward_in_rotating_axes(lab: Laboratory) -> Finding:
     22,
     "1F with k = 1 leads the divergence; k = 0 and the suspension are present, other k negligible.",
     paper="k = 1 leads",
-    section="4.3.1",
     figures=["17"],
     trials=["distortion at 1.05"],
 )
-def one_nodal_diameter_leads(lab: Laboratory) -> Finding:
-    motion = lab.motion("distortion at 1.05")
+def one_nodal_diameter_leads(motion: Motion) -> Finding:
     share = {name: 100 * value for name, value in motion.share(*motion.late).items()}
     leader = max(share, key=lambda name: share[name])
     return Finding(
@@ -151,7 +146,7 @@ def one_nodal_diameter_leads(lab: Laboratory) -> Finding:
         + ", ".join(f"{name} {value:.2g} %" for name, value in share.items()),
         checks=(
             _growing(motion),
-            is_so("leader", leader, "k = 1"),
+            equal("leader", leader, "k = 1"),
             at_least("k = 0", share["k = 0"], 0.1, " %"),
             at_least("suspension", share["suspension"], 0.1, " %"),
             at_most("other k", share["other k"], 5.0, " %"),
@@ -163,12 +158,10 @@ def one_nodal_diameter_leads(lab: Laboratory) -> Finding:
     23,
     "Growth is fast after about 1.8 s.",
     paper="1.8 s",
-    section="4.3.1",
     figures=["17"],
     trials=["distortion at 1.05"],
 )
-def fast_growth(lab: Laboratory) -> Finding:
-    motion = lab.motion("distortion at 1.05")
+def fast_growth(motion: Motion) -> Finding:
     onset = motion.onset(0.1)
     return Finding(
         ours=f"{motion.regime.name}, above a tenth of the last energy from {onset:.3g} s",
@@ -183,12 +176,10 @@ def fast_growth(lab: Laboratory) -> Finding:
     24,
     "The suspension matters in the first half second, 1F after it.",
     paper="first 0.5 s",
-    section="4.3.1",
     figures=["17"],
     trials=["distortion at 1.05"],
 )
-def suspension_matters_early(lab: Laboratory) -> Finding:
-    motion = lab.motion("distortion at 1.05")
+def suspension_matters_early(motion: Motion) -> Finding:
     if motion.end <= 1.5 * EARLY:
         raise NotTestableError(f"the march ended after {motion.end:.3g} s, in the transient")
     early = motion.share(0.0, EARLY)["suspension"]
@@ -207,12 +198,10 @@ def suspension_matters_early(lab: Laboratory) -> Finding:
     "At 1.39 the shaft whirls forward in static axes, contact being on its side with a phase"
     " shift.",
     paper="forward, standard, shifted",
-    section="4.3.1",
     figures=["18"],
     trials=["distortion at 1.39"],
 )
-def forward_in_static_axes(lab: Laboratory) -> Finding:
-    motion = lab.motion("distortion at 1.39")
+def forward_in_static_axes(motion: Motion) -> Finding:
     whirl = motion.late_whirl("static")
     return Finding(
         ours=f"{motion.regime.name}, {whirl.direction}, {motion.scenario}, shaft leads by"
@@ -220,8 +209,8 @@ def forward_in_static_axes(lab: Laboratory) -> Finding:
         checks=(
             _growing(motion),
             in_contact(motion),
-            is_so("whirl", whirl.direction, "forward"),
-            is_so("contact", motion.scenario, "standard"),
+            equal("whirl", whirl.direction, "forward"),
+            equal("contact", motion.scenario, "standard"),
             between("phase shift", abs(motion.lead), 5.0, 90.0, "°"),
         ),
     )
@@ -231,12 +220,10 @@ def forward_in_static_axes(lab: Laboratory) -> Finding:
     26,
     "While diverging the whirl slows down in static axes.",
     paper="3 turns in 0.2 s, then 2",
-    section="4.3.1",
     figures=["18"],
     trials=["distortion at 1.39"],
 )
-def whirl_slows_down(lab: Laboratory) -> Finding:
-    motion = lab.motion("distortion at 1.39")
+def whirl_slows_down(motion: Motion) -> Finding:
     rates = np.abs(motion.late_whirl_rates)
     if not motion.diverges or len(rates) < 4:
         raise NotTestableError(f"{motion.regime.name} after {motion.end:.3g} s: too little growth")
@@ -255,12 +242,11 @@ def whirl_slows_down(lab: Laboratory) -> Finding:
     27,
     "Motion is sustained near critical speeds and damped elsewhere.",
     paper="sustained near, damped elsewhere",
-    section="4.3.1",
     figures=["15"],
     sweeps=["distortion"],
 )
-def sustained_near_critical_speeds(lab: Laboratory) -> Finding:
-    speed, regime = _regimes(done_points(lab.sweep("distortion")))
+def sustained_near_critical_speeds(sweep: xr.Dataset) -> Finding:
+    speed, regime = _regimes(sweep)
     critical = speed[regime == "divergent"]
     sustained = speed[regime == "sustained"]
     damped = int(np.count_nonzero(regime == "damped"))
@@ -281,14 +267,14 @@ def sustained_near_critical_speeds(lab: Laboratory) -> Finding:
     28,
     "With the centre clamped motion is damped.",
     paper="damped only",
-    section="4.3.1",
     trials=["clamped at 1.05", "clamped at 1.39"],
 )
-def clamped_centre(lab: Laboratory) -> Finding:
-    regimes = {speed: lab.motion(f"clamped at {speed}").regime.name for speed in ("1.05", "1.39")}
+def clamped_centre(*motions: Motion) -> Finding:
+    names = [motion.regime.name for motion in motions]
+    regimes = dict(zip(("1.05", "1.39"), names, strict=True))
     return Finding(
         ours=", ".join(f"{name} at {speed}" for speed, name in regimes.items()),
-        checks=tuple(is_so(f"at {speed}", name, "damped") for speed, name in regimes.items()),
+        checks=tuple(equal(f"at {speed}", name, "damped") for speed, name in regimes.items()),
     )
 
 
@@ -296,11 +282,9 @@ def clamped_centre(lab: Laboratory) -> Finding:
     39,
     "A distortion with two nodal diameters leaves the centre at rest.",
     paper="at rest",
-    section="4.3.1",
     trials=["ovalisation"],
 )
-def ovalisation_leaves_the_centre(lab: Laboratory) -> Finding:
-    motion = lab.motion("ovalisation")
+def ovalisation_leaves_the_centre(motion: Motion) -> Finding:
     largest = MILLI * float(motion.radius.max())
     contact = "contact" if motion.touched else "no contact"
     return Finding(
@@ -316,17 +300,16 @@ def ovalisation_leaves_the_centre(lab: Laboratory) -> Finding:
     40,
     "Sustained orbits have a radius of about the clearance.",
     paper="about 1 mm",
-    section="4.3.1",
     figures=["15"],
     sweeps=["distortion"],
 )
-def sustained_radius(lab: Laboratory) -> Finding:
-    sweep = done_points(lab.sweep("distortion"))
+def sustained_radius(sweep: xr.Dataset) -> Finding:
+    clearance = loads(sweep.attrs["case"]).casing.clearance
+    sweep = done_points(sweep)
     chosen = sweep["regime"].values == "sustained"
     if not chosen.any():
         raise NotTestableError("no sustained motion in the sweep of the casing distortion")
     history = sweep["radius_history"].isel(march_speed=chosen).values
-    clearance = lab.case("distortion at 1.05").casing.clearance
     late = np.nanmean(history[:, -history.shape[1] // 3 :], axis=1) / clearance
     share = float(np.mean((late >= 0.5) & (late <= 2.0)))
     return Finding(
@@ -339,13 +322,11 @@ def sustained_radius(lab: Laboratory) -> Finding:
     41,
     "At every speed 1F responds most, the suspension little.",
     paper="1F at every speed",
-    section="4.3.1",
     figures=["15"],
     sweeps=["distortion"],
 )
-def first_family_at_every_speed(lab: Laboratory) -> Finding:
-    sweep = done_points(lab.sweep("distortion"))
-    energy = sweep["energy_mean"]
+def first_family_at_every_speed(sweep: xr.Dataset) -> Finding:
+    energy = done_points(sweep)["energy_mean"]
     names = energy["energy_group"].values.astype(str)
     family = energy.values[:, np.char.startswith(names, "1F")].sum(axis=1)
     suspension = energy.values[:, names == "suspension"].sum(axis=1)
@@ -362,12 +343,10 @@ def first_family_at_every_speed(lab: Laboratory) -> Finding:
     42,
     "At 1.05 the precession is almost nil in static axes.",
     paper="almost nil",
-    section="4.3.1",
     figures=["16"],
     trials=["distortion at 1.05"],
 )
-def hardly_any_precession(lab: Laboratory) -> Finding:
-    motion = lab.motion("distortion at 1.05")
+def hardly_any_precession(motion: Motion) -> Finding:
     rate = abs(motion.late_whirl("static").rate) / motion.reference
     return Finding(
         ours=f"{motion.regime.name}, {rate:.3g} of the reference frequency",
@@ -379,12 +358,10 @@ def hardly_any_precession(lab: Laboratory) -> Finding:
     43,
     "Modes above 1F and suspension carry part of the energy in the early transient.",
     paper="part of it",
-    section="4.3.1",
     figures=["17"],
     trials=["distortion at 1.05"],
 )
-def higher_modes_early(lab: Laboratory) -> Finding:
-    motion = lab.motion("distortion at 1.05")
+def higher_modes_early(motion: Motion) -> Finding:
     rest = 100 * motion.share(0.0, min(EARLY, motion.end))["rest"]
     return Finding(
         ours=f"{rest:.2g} % of the energy",

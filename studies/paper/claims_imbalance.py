@@ -9,15 +9,16 @@ from bladewhirl.postprocess.run.measures import Motion
 from bladewhirl.studies.paper.claim import (
     Check,
     Finding,
-    NotTestableError,
     at_least,
     at_most,
     between,
-    claim,
-    is_so,
+    equal,
     near,
+    section_claims,
 )
-from bladewhirl.studies.paper.trials import Laboratory
+from bladewhirl.studies.paper.trials import NotTestableError
+
+claim = section_claims("4.3.2")
 
 MILLI, MICRO = 1e3, 1e6
 
@@ -45,12 +46,11 @@ def in_contact(motion: Motion) -> Check:
     29,
     "Imbalance moves the shaft less than casing distortion where that interacts.",
     paper="smaller in general",
-    section="4.3.2",
     figures=["15", "19"],
     sweeps=["distortion", "imbalance"],
 )
-def smaller_than_distortion(lab: Laboratory) -> Finding:
-    first, second = done_points(lab.sweep("distortion")), done_points(lab.sweep("imbalance"))
+def smaller_than_distortion(distortion: xr.Dataset, imbalance: xr.Dataset) -> Finding:
+    first, second = done_points(distortion), done_points(imbalance)
     critical = first["march_speed"].values[first["regime"].values == "divergent"]
     speeds = np.intersect1d(critical, second["march_speed"].values)
     if not len(speeds):
@@ -69,15 +69,13 @@ def smaller_than_distortion(lab: Laboratory) -> Finding:
     "At 1.05 the imbalance gives a limit cycle: an orbit of 1.1 mm with a ripple of 0.1 mm, steady"
     " after 1.1 s, tight on the Poincaré map.",
     paper="1.1 mm, 0.1 mm",
-    section="4.3.2",
     figures=["20"],
     trials=["imbalance at 1.05"],
 )
-def limit_cycle(lab: Laboratory) -> Finding:
-    motion = lab.motion("imbalance at 1.05")
+def limit_cycle(motion: Motion) -> Finding:
     mean, ripple = motion.radius_between(*motion.late)
     checks = [
-        is_so("regime", motion.regime.name, "sustained", essential=True),
+        equal("regime", motion.regime.name, "sustained", essential=True),
         near("mean radius", MILLI * mean, 1.1, 0.15, " mm"),
         between("ripple", MILLI * ripple, 0.05, 0.2, " mm"),
     ]
@@ -101,12 +99,10 @@ def limit_cycle(lab: Laboratory) -> Finding:
     "Under imbalance at 1.05 the suspension holds most energy, then 1F with k = 1; ten times less"
     " than under casing distortion.",
     paper="suspension first, a tenth",
-    section="4.3.2",
     figures=["17", "20"],
     trials=["imbalance at 1.05", "distortion at 1.05"],
 )
-def suspension_leads(lab: Laboratory) -> Finding:
-    motion, other = lab.motion("imbalance at 1.05"), lab.motion("distortion at 1.05")
+def suspension_leads(motion: Motion, other: Motion) -> Finding:
     energy = motion.energy(*motion.late)
     total = energy.pop("total")
     order = sorted(energy, key=lambda name: -energy[name])
@@ -115,8 +111,8 @@ def suspension_leads(lab: Laboratory) -> Finding:
         ours=f"{order[0]} {energy[order[0]]:.3g} J, {order[1]} {energy[order[1]]:.3g} J; distortion"
         f" {ratio:.3g} times that",
         checks=(
-            is_so("most energy in", order[0], "suspension"),
-            is_so("then in", order[1], "k = 1"),
+            equal("most energy in", order[0], "suspension"),
+            equal("then in", order[1], "k = 1"),
             between("energy under distortion over that", ratio, 3.0, 30.0),
         ),
     )
@@ -126,12 +122,10 @@ def suspension_leads(lab: Laboratory) -> Finding:
     32,
     "Under imbalance at 1.05 some blades stay in contact, two come and go, the rest are free.",
     paper="several, 2, the rest",
-    section="4.3.2",
     figures=["21"],
     trials=["imbalance at 1.05"],
 )
-def three_kinds_of_blades(lab: Laboratory) -> Finding:
-    motion = lab.motion("imbalance at 1.05")
+def three_kinds_of_blades(motion: Motion) -> Finding:
     blades = motion.blades
     return Finding(
         ours=", ".join(f"{count} {name}" for name, count in blades.items()),
@@ -148,15 +142,13 @@ def three_kinds_of_blades(lab: Laboratory) -> Finding:
     33,
     "Under imbalance contact is on the side of the shaft's displacement.",
     paper="standard",
-    section="4.3.2",
     figures=["21"],
     trials=["imbalance at 1.05"],
 )
-def contact_with_the_shaft(lab: Laboratory) -> Finding:
-    motion = lab.motion("imbalance at 1.05")
+def contact_with_the_shaft(motion: Motion) -> Finding:
     return Finding(
         ours=f"{motion.scenario}, shaft leads by {motion.lead:.0f}°",
-        checks=(in_contact(motion), is_so("contact", motion.scenario, "standard")),
+        checks=(in_contact(motion), equal("contact", motion.scenario, "standard")),
     )
 
 
@@ -165,13 +157,12 @@ def contact_with_the_shaft(lab: Laboratory) -> Finding:
     "Imbalance gives high amplitudes from 1.42 to 1.75 without divergence; at 1.6 energy grows"
     " after 0.5 s to a peak of 800 J at 1.8 to 2.2 s.",
     paper="800 J at 1.8–2.2 s",
-    section="4.3.2",
     figures=["19", "22"],
     trials=["imbalance at 1.6"],
     sweeps=["imbalance"],
 )
-def high_amplitudes_without_divergence(lab: Laboratory) -> Finding:
-    sweep, motion = done_points(lab.sweep("imbalance")), lab.motion("imbalance at 1.6")
+def high_amplitudes_without_divergence(motion: Motion, sweep: xr.Dataset) -> Finding:
+    sweep = done_points(sweep)
     speed, radius = sweep["march_speed"].values, sweep["shaft_radius_max"].values
     inside = (speed >= HIGH[0]) & (speed <= HIGH[1])
     divergent = int(np.count_nonzero(sweep["regime"].values == "divergent"))
@@ -196,11 +187,10 @@ def high_amplitudes_without_divergence(lab: Laboratory) -> Finding:
     44,
     "Under imbalance at 1.05 the casing vibrates by some 10 micrometres.",
     paper="order of 10 µm",
-    section="4.3.2",
     trials=["imbalance at 1.05"],
 )
-def casing_hardly_moves(lab: Laboratory) -> Finding:
-    size = MICRO * lab.motion("imbalance at 1.05").casing_motion
+def casing_hardly_moves(motion: Motion) -> Finding:
+    size = MICRO * motion.casing_motion
     return Finding(
         ours=f"{size:.3g} µm", checks=(between("largest casing motion", size, 3.0, 30.0, " µm"),)
     )
@@ -211,13 +201,10 @@ def casing_hardly_moves(lab: Laboratory) -> Finding:
     "Under imbalance at 1.6 the suspension leads for 0.2 s, all other k take part, and longer runs"
     " settle at the level of 1.05.",
     paper="suspension first; settles",
-    section="4.3.2",
     figures=["22"],
     trials=["imbalance at 1.6", "imbalance at 1.6, twice as long", "imbalance at 1.05"],
 )
-def course_at_high_speed(lab: Laboratory) -> Finding:
-    motion, long = lab.motion("imbalance at 1.6"), lab.motion("imbalance at 1.6, twice as long")
-    usual = lab.motion("imbalance at 1.05")
+def course_at_high_speed(motion: Motion, long: Motion, usual: Motion) -> Finding:
     early = motion.share(0.0, 0.2)
     leader = max(early, key=lambda name: early[name])
     other = motion.share(0.0, motion.end)["other k"]
@@ -226,9 +213,9 @@ def course_at_high_speed(lab: Laboratory) -> Finding:
         ours=f"{leader} first; other k {100 * other:.2g} %; at the end of {long.end:.3g} s"
         f" {long.regime.name}, {ratio:.3g} times the energy at 1.05",
         checks=(
-            is_so("leader of the first 0.2 s", leader, "suspension"),
+            equal("leader of the first 0.2 s", leader, "suspension"),
             at_least("share of other k", 100 * other, 5.0, " %"),
-            is_so("long run", long.regime.name, "sustained"),
+            equal("long run", long.regime.name, "sustained"),
             between("its late energy over that at 1.05", ratio, 0.1, 10.0),
         ),
     )

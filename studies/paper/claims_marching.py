@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from bladewhirl.postprocess.run.measures import orbit_distance
+from bladewhirl.postprocess.run.measures import Motion, orbit_distance
 from bladewhirl.studies.paper.claim import (
     Finding,
-    NotTestableError,
     at_least,
     at_most,
-    claim,
-    is_so,
+    equal,
+    section_claims,
 )
-from bladewhirl.studies.paper.trials import MODES, TIME_STEPS, Laboratory
+from bladewhirl.studies.paper.trials import MODES, TIME_STEPS, NotTestableError
+
+claim = section_claims("4.2")
 
 CONVERGED = 0.01
 """Relative distance of two orbits below which they count as the same."""
@@ -21,11 +22,9 @@ CONVERGED = 0.01
     16,
     "Displacements and impulses have converged at a time step of 1 µs.",
     paper="converged",
-    section="4.2",
     trials=[f"time step {step:g} s" for step in TIME_STEPS],
 )
-def time_step_converged(lab: Laboratory) -> Finding:
-    coarse, chosen, fine = (lab.motion(f"time step {step:g} s") for step in TIME_STEPS)
+def time_step_converged(coarse: Motion, chosen: Motion, fine: Motion) -> Finding:
     impulses = [float(m.result["contact_impulse"].sum()) for m in (chosen, fine)]
     apart, before = orbit_distance(chosen, fine), orbit_distance(coarse, fine)
     if not impulses[1]:
@@ -45,19 +44,17 @@ def time_step_converged(lab: Laboratory) -> Finding:
     17,
     "The kind of motion has converged in the number of modes, the displacement not asymptotically.",
     paper="regime converged, displacement not",
-    section="4.2",
     trials=[f"{count} modes" for count in MODES],
 )
-def modes_converged(lab: Laboratory) -> Finding:
-    motions = {count: lab.motion(f"{count} modes") for count in MODES}
-    regimes = {motion.regime.name for motion in motions.values()}
-    *others, last = motions.values()
+def modes_converged(*motions: Motion) -> Finding:
+    regimes = {motion.regime.name for motion in motions}
+    *others, last = motions
     apart = [orbit_distance(motion, last) for motion in others]
     return Finding(
         ours=f"{', '.join(sorted(regimes))}; orbits with {', '.join(map(str, MODES[:-1]))} modes"
         f" {', '.join(f'{100 * d:.2g}' for d in apart)} % from that with {MODES[-1]}",
         checks=(
-            is_so("kinds of motion", len(regimes), 1, essential=True),
+            equal("kinds of motion", len(regimes), 1, essential=True),
             at_least("distance of the orbits with the most modes", apart[-1], CONVERGED),
         ),
     )

@@ -22,10 +22,10 @@ from bladewhirl.studies.paper.claim import (
     at_most,
     between,
     claim,
-    is_so,
+    equal,
     near,
 )
-from bladewhirl.studies.paper.trials import Laboratory
+from bladewhirl.studies.paper.trials import Evidence
 
 EXAMPLE = {"kappa": 500.0, "speed": 1.17}
 """The paper's example point: spring stiffness [N/m] and normalised speed."""
@@ -47,8 +47,8 @@ NOTHING = 1e-6
     section="3.1",
     figures=["6"],
 )
-def centre_moves_with_one_nodal_diameter(lab: Laboratory) -> Finding:
-    motion = lab.modal.centre_motion
+def centre_moves_with_one_nodal_diameter(evidence: Evidence) -> Finding:
+    motion = evidence.modal.centre_motion
     others = max(value for k, value in motion.items() if k != 1)
     return Finding(
         ours=f"k = 1: {motion[1]:.3g} of the mode's largest motion; others: {others:.1g}",
@@ -66,8 +66,8 @@ def centre_moves_with_one_nodal_diameter(lab: Laboratory) -> Finding:
     section="3.2.1",
     figures=["7"],
 )
-def clamping_shifts_one_nodal_diameter(lab: Laboratory) -> Finding:
-    shift = lab.modal.clamping_shift
+def clamping_shifts_one_nodal_diameter(evidence: Evidence) -> Finding:
+    shift = evidence.modal.clamping_shift
     others = max(value for k, value in shift.items() if k != 1)
     return Finding(
         ours=f"k = 1: up to {100 * shift[1]:.3g} %; others: {100 * others:.1g} %",
@@ -85,8 +85,8 @@ def clamping_shifts_one_nodal_diameter(lab: Laboratory) -> Finding:
     section="3.2.1",
     figures=["7"],
 )
-def suspension_between_families(lab: Laboratory) -> Finding:
-    pair, second = lab.modal.suspension, lab.modal.second_family
+def suspension_between_families(evidence: Evidence) -> Finding:
+    pair, second = evidence.modal.suspension, evidence.modal.second_family
     return Finding(
         ours=f"{pair:.3f}, 2F from {second:.3g}",
         checks=(
@@ -102,8 +102,8 @@ def suspension_between_families(lab: Laboratory) -> Finding:
     paper="about 500",
     section="2.1",
 )
-def shaft_over_blade(lab: Laboratory) -> Finding:
-    ratio = lab.modal.shaft_over_blade
+def shaft_over_blade(evidence: Evidence) -> Finding:
+    ratio = evidence.modal.shaft_over_blade
     return Finding(ours=f"{ratio:.4g}", checks=(near("ratio", ratio, 500.0, 125.0),))
 
 
@@ -114,14 +114,14 @@ def shaft_over_blade(lab: Laboratory) -> Finding:
     paper="156; below 0.75 %",
     section="4.2",
 )
-def reduction_error(lab: Laboratory) -> Finding:
-    error = {family: 100 * value for family, value in lab.modal.reduction_error.items()}
+def reduction_error(evidence: Evidence) -> Finding:
+    error = {family: 100 * value for family, value in evidence.modal.reduction_error.items()}
     families = [f"{rank}F" for rank in range(1, 6)]
     worst = max(families, key=lambda family: error[family])
     return Finding(
-        ours=f"{lab.modal.reduced_size} unknowns, at most {error[worst]:.3g} % ({worst})",
+        ours=f"{evidence.modal.reduced_size} unknowns, at most {error[worst]:.3g} % ({worst})",
         checks=(
-            near("unknowns", lab.modal.reduced_size, 156, 0),
+            near("unknowns", evidence.modal.reduced_size, 156, 0),
             *(at_most(f"error in {family}", error[family], 0.75, " %") for family in families),
         ),
     )
@@ -134,8 +134,8 @@ def reduction_error(lab: Laboratory) -> Finding:
     section="3.2.2",
     figures=["8"],
 )
-def first_coincidence(lab: Laboratory) -> Finding:
-    speed = lab.modal.first_coincidence
+def first_coincidence(evidence: Evidence) -> Finding:
+    speed = evidence.modal.first_coincidence
     return Finding(ours=f"{speed:.4g}", checks=(near("coincidence", speed, 1.05, 0.02),))
 
 
@@ -146,8 +146,8 @@ def first_coincidence(lab: Laboratory) -> Finding:
     section="3.2.2",
     figures=["8"],
 )
-def suspension_coincidence(lab: Laboratory) -> Finding:
-    speed = lab.modal.suspension_coincidence
+def suspension_coincidence(evidence: Evidence) -> Finding:
+    speed = evidence.modal.suspension_coincidence
     return Finding(ours=f"{speed:.4g}", checks=(near("coincidence", speed, 2.6, 0.05),))
 
 
@@ -158,8 +158,8 @@ def suspension_coincidence(lab: Laboratory) -> Finding:
     section="3.2.2",
     figures=["8"],
 )
-def first_family_crossings(lab: Laboratory) -> Finding:
-    found = lab.modal.first_family_crossings
+def first_family_crossings(evidence: Evidence) -> Finding:
+    found = evidence.modal.first_family_crossings
     listed = ", ".join(f"k = {k} at {speed:.3g}" for k, speed in found.items())
     return Finding(ours=listed or "none", checks=(at_least("crossings", len(found), 3),))
 
@@ -172,8 +172,8 @@ def first_family_crossings(lab: Laboratory) -> Finding:
     section="3.2.2",
     figures=["9", "10"],
 )
-def two_contact_scenarios(lab: Laboratory) -> Finding:
-    found = lab.modal.scenarios
+def two_contact_scenarios(evidence: Evidence) -> Finding:
+    found = evidence.modal.scenarios
     lead = {name: abs(float(np.degrees(scenario.lead))) for name, scenario in found.items()}
     return Finding(
         ours=", ".join(f"{found[name].kind}: {lead[name]:.3g}°" for name in found)
@@ -185,9 +185,9 @@ def two_contact_scenarios(lab: Laboratory) -> Finding:
     )
 
 
-def _zones(lab: Laboratory) -> dict[str, UnstableZones]:
+def _zones(evidence: Evidence) -> dict[str, UnstableZones]:
     """Zones A and B by the rotor mode that takes part: "1F" and "suspension"."""
-    system = lab.system
+    system = evidence.system
     found = unstable_zones(
         system.modes,
         kappas=KAPPAS,
@@ -211,10 +211,13 @@ def _zones(lab: Laboratory) -> dict[str, UnstableZones]:
     section="3.3.1",
     figures=["11"],
 )
-def zones_widen(lab: Laboratory) -> Finding:
-    starts = {"1F": lab.modal.first_coincidence, "suspension": lab.modal.suspension_coincidence}
-    reference, checks, ours = lab.system.reference, [], []
-    for (name, zone), letter in zip(_zones(lab).items(), "AB", strict=True):
+def zones_widen(evidence: Evidence) -> Finding:
+    starts = {
+        "1F": evidence.modal.first_coincidence,
+        "suspension": evidence.modal.suspension_coincidence,
+    }
+    reference, checks, ours = evidence.system.reference, [], []
+    for (name, zone), letter in zip(_zones(evidence).items(), "AB", strict=True):
         if len(zone.kappa) < 2:
             checks.append(Check(text=f"zone {letter} is missing", met=False))
             continue
@@ -238,12 +241,12 @@ def zones_widen(lab: Laboratory) -> Finding:
     section="3.3.1",
     figures=["11"],
 )
-def example_point_is_unstable(lab: Laboratory) -> Finding:
-    growth = _example_growth(lab)
-    unstable = bool(is_unstable(growth, EXAMPLE["speed"] * lab.system.reference))
+def example_point_is_unstable(evidence: Evidence) -> Finding:
+    growth = _example_growth(evidence)
+    unstable = bool(is_unstable(growth, EXAMPLE["speed"] * evidence.system.reference))
     return Finding(
         ours=f"growth rate {growth:.4g} 1/s",
-        checks=(is_so("point", "unstable" if unstable else "stable", "unstable"),),
+        checks=(equal("point", "unstable" if unstable else "stable", "unstable"),),
     )
 
 
@@ -254,8 +257,8 @@ def example_point_is_unstable(lab: Laboratory) -> Finding:
     section="3.3.1",
     figures=["12"],
 )
-def three_kinds_of_modes(lab: Laboratory) -> Finding:
-    real, limit = _example_spectrum(lab).real, UNSTABLE_GROWTH * _example_speed(lab)
+def three_kinds_of_modes(evidence: Evidence) -> Finding:
+    real, limit = _example_spectrum(evidence).real, UNSTABLE_GROWTH * _example_speed(evidence)
     counts = {
         "divergent": int(np.count_nonzero(real > limit)),
         "damped": int(np.count_nonzero(real < -limit)),
@@ -274,8 +277,8 @@ def three_kinds_of_modes(lab: Laboratory) -> Finding:
     section="3.3.1",
     figures=["11"],
 )
-def coupling_shifts_upward(lab: Laboratory) -> Finding:
-    zone, reference = _zones(lab)["1F"], lab.system.reference
+def coupling_shifts_upward(evidence: Evidence) -> Finding:
+    zone, reference = _zones(evidence)["1F"], evidence.system.reference
     if len(zone.kappa) < 2:
         return Finding(ours="no zone", checks=(Check(text="zone A is missing", met=False),))
     lower = zone.lower / reference
@@ -298,13 +301,13 @@ def coupling_shifts_upward(lab: Laboratory) -> Finding:
     section="3.3.1",
     figures=["11"],
 )
-def no_instability_beside_the_zones(lab: Laboratory) -> Finding:
+def no_instability_beside_the_zones(evidence: Evidence) -> Finding:
     """Zones are of waves that travel against each other; nothing else may be unstable.
 
     Where backward waves on both bodies coincide in static axes, Ω = (ω_r - ω_c) / k, that is
     looked at closely.
     """
-    system, zones = lab.system, _zones(lab)
+    system, zones = evidence.system, _zones(evidence)
     speeds = np.linspace(*RANGE, 600) * system.reference
     chart = stability_chart(system.modes, speeds=speeds, kappas=KAPPAS, with_pi=system.with_pi)
     inside = np.zeros(chart.unstable.shape, dtype=bool)
@@ -339,13 +342,13 @@ def no_instability_beside_the_zones(lab: Laboratory) -> Finding:
     section="3.3.2",
     figures=["13", "14"],
 )
-def divergent_mode(lab: Laboratory) -> Finding:
-    system = lab.system
-    if not is_unstable(_example_growth(lab), _example_speed(lab)):
+def divergent_mode(evidence: Evidence) -> Finding:
+    system = evidence.system
+    if not is_unstable(_example_growth(evidence), _example_speed(evidence)):
         return Finding(ours="–", obstacle="the paper's example point is stable")
     mode = coupled_modes(
         system.modes,
-        speed=_example_speed(lab),
+        speed=_example_speed(evidence),
         kappa=EXAMPLE["kappa"],
         with_pi=system.with_pi,
     )[0]
@@ -353,7 +356,7 @@ def divergent_mode(lab: Laboratory) -> Finding:
         mode,
         time=whirl_records(mode),
         shapes=radial_shapes(system.stage),
-        clearance=lab.modal_case.casing.clearance,
+        clearance=evidence.modal_case.casing.clearance,
     )
     lead = abs(float(np.degrees(motion.shaft_lead[-1])))
     found = {
@@ -366,27 +369,30 @@ def divergent_mode(lab: Laboratory) -> Finding:
     return Finding(
         ours=", ".join(f"{name} {way}" for name, way in ways.items()) + f", {lead:.2g}° apart",
         checks=(
-            *(is_so(name, ways[name], wanted) for name, (_, wanted) in found.items()),
+            *(equal(name, ways[name], wanted) for name, (_, wanted) in found.items()),
             between("shaft and smallest clearance apart by", lead, 0.0, 20.0, "°"),
         ),
     )
 
 
-def _example_speed(lab: Laboratory) -> float:
-    return EXAMPLE["speed"] * lab.system.reference
+def _example_speed(evidence: Evidence) -> float:
+    return EXAMPLE["speed"] * evidence.system.reference
 
 
-def _example_spectrum(lab: Laboratory) -> np.ndarray:
-    system = lab.system
+def _example_spectrum(evidence: Evidence) -> np.ndarray:
+    system = evidence.system
     return eigenvalues(
-        system.modes, speed=_example_speed(lab), kappa=EXAMPLE["kappa"], with_pi=system.with_pi
+        system.modes, speed=_example_speed(evidence), kappa=EXAMPLE["kappa"], with_pi=system.with_pi
     )
 
 
-def _example_growth(lab: Laboratory) -> float:
-    system = lab.system
+def _example_growth(evidence: Evidence) -> float:
+    system = evidence.system
     return float(
         growth_rate(
-            system.modes, speed=_example_speed(lab), kappa=EXAMPLE["kappa"], with_pi=system.with_pi
+            system.modes,
+            speed=_example_speed(evidence),
+            kappa=EXAMPLE["kappa"],
+            with_pi=system.with_pi,
         )
     )

@@ -5,19 +5,21 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.run.measures import Motion
 from bladewhirl.studies.paper.claim import (
     Check,
     Finding,
-    NotTestableError,
     at_least,
     at_most,
     between,
-    claim,
-    is_so,
+    equal,
     near,
+    section_claims,
 )
 from bladewhirl.studies.paper.claims_imbalance import MILLI, done_points
-from bladewhirl.studies.paper.trials import KAPPAS, Laboratory
+from bladewhirl.studies.paper.trials import KAPPAS, NotTestableError
+
+claim = section_claims("4.3.3")
 
 LIMIT = 1.52
 """Normalised speed above which the paper's truncated space diverges under imbalance."""
@@ -37,12 +39,10 @@ UNBALANCED = [f"six modes, imbalance at 1.05, kappa {kappa:g}" for kappa in KAPP
     "With six modes and no coupling the distortion at 1.05 diverges, led by 1F with k = 1, then"
     " the suspension, far more strongly than in the full space.",
     paper="k = 1, then suspension; far stronger",
-    section="4.3.3",
     figures=["23"],
     trials=[DISTORTED[0], "distortion at 1.05"],
 )
-def truncated_space_diverges(lab: Laboratory) -> Finding:
-    six, full = lab.motion(DISTORTED[0]), lab.motion("distortion at 1.05")
+def truncated_space_diverges(six: Motion, full: Motion) -> Finding:
     energy = six.energy(*six.late)
     energy.pop("total")
     order = sorted(energy, key=lambda name: -energy[name])
@@ -54,8 +54,8 @@ def truncated_space_diverges(lab: Laboratory) -> Finding:
         f" {MILLI * peak[0]:.3g} mm, in the full space {MILLI * peak[1]:.3g} mm",
         checks=(
             Check(text=f"regime {six.regime.name}", met=six.diverges, essential=True),
-            is_so("most energy in", order[0], "k = 1"),
-            is_so("then in", order[1], "suspension"),
+            equal("most energy in", order[0], "k = 1"),
+            equal("then in", order[1], "suspension"),
             at_least("shaft displacement over that in the full space", ratio, 2.0),
         ),
     )
@@ -65,16 +65,14 @@ def truncated_space_diverges(lab: Laboratory) -> Finding:
     36,
     "Coupling of 0, 500 and 1000 N/m shifts the critical speed near 1.05 upward.",
     paper="shifted",
-    section="4.3.3",
     figures=["24"],
     sweeps=["six modes, distortion"],
 )
-def coupling_shifts_the_critical_speed(lab: Laboratory) -> Finding:
+def coupling_shifts_the_critical_speed(sweep: xr.Dataset) -> Finding:
     """Critical is the middle of the speeds that diverge: their peaks end at the same limit.
 
     It is known no better than to the step between the speeds, so a shift has to be larger.
     """
-    sweep = lab.sweep("six modes, distortion")
     critical = {kappa: middle_of_divergence(sweep, kappa) for kappa in KAPPAS}
     missing = [kappa for kappa, speed in critical.items() if np.isnan(speed)]
     if missing:
@@ -112,12 +110,10 @@ def middle_of_divergence(sweep: xr.Dataset, kappa: float) -> float:
     37,
     "With six modes the imbalance at 1.05 gives an orbit of 1.2 mm, whatever the coupling.",
     paper="1.2 mm, ripple 0.1 mm",
-    section="4.3.3",
     figures=["25"],
     trials=UNBALANCED,
 )
-def coupling_does_not_matter_to_imbalance(lab: Laboratory) -> Finding:
-    motions = [lab.motion(name) for name in UNBALANCED]
+def coupling_does_not_matter_to_imbalance(*motions: Motion) -> Finding:
     radii, ripples = np.transpose([motion.radius_between(*motion.late) for motion in motions])
     spread = float(np.ptp(radii) / radii.mean())
     regimes = sorted({motion.regime.name for motion in motions})
@@ -125,7 +121,7 @@ def coupling_does_not_matter_to_imbalance(lab: Laboratory) -> Finding:
         ours=f"{', '.join(regimes)}, {MILLI * radii[0]:.3g} mm, {100 * spread:.2g} % apart, ripple"
         f" {MILLI * ripples[0]:.2g} mm",
         checks=(
-            is_so("regime", ", ".join(regimes), "sustained", essential=True),
+            equal("regime", ", ".join(regimes), "sustained", essential=True),
             at_most("difference of the radii", 100 * spread, 2.0, " %"),
             near("mean radius", MILLI * radii[0], 1.2, 0.15, " mm"),
             between("ripple", MILLI * ripples[0], 0.05, 0.2, " mm"),
@@ -138,17 +134,15 @@ def coupling_does_not_matter_to_imbalance(lab: Laboratory) -> Finding:
     "With six modes the imbalance diverges above 1.52, whatever the coupling, and 1F with k = 1"
     " leads.",
     paper="above 1.52, k = 1",
-    section="4.3.3",
     figures=["26"],
     trials=[DIVERGING],
     sweeps=["six modes, imbalance"],
 )
-def truncated_space_diverges_under_imbalance(lab: Laboratory) -> Finding:
-    sweep = done_points(lab.sweep("six modes, imbalance"))
+def truncated_space_diverges_under_imbalance(motion: Motion, sweep: xr.Dataset) -> Finding:
+    sweep = done_points(sweep)
     divergent = (sweep["regime"] == "divergent").transpose("march_speed", ...).values
     above = sweep["march_speed"].values > LIMIT
     shares = [float(100 * divergent[chosen].mean()) for chosen in (above, ~above)]
-    motion = lab.motion(DIVERGING)
     held = motion.share(*motion.late)
     leader = max(held, key=lambda name: held[name])
     return Finding(
@@ -157,7 +151,7 @@ def truncated_space_diverges_under_imbalance(lab: Laboratory) -> Finding:
         checks=(
             at_least("share of divergent points above", shares[0], 90.0, " %"),
             at_most("share of divergent points below", shares[1], 10.0, " %"),
-            is_so("leader at 1.65", leader, "k = 1"),
+            equal("leader at 1.65", leader, "k = 1"),
         ),
     )
 
@@ -166,11 +160,9 @@ def truncated_space_diverges_under_imbalance(lab: Laboratory) -> Finding:
     46,
     "Under distortion the coupling changes neither frequencies, energy shares nor contact side.",
     paper="unchanged",
-    section="4.3.3",
     trials=DISTORTED,
 )
-def coupling_does_not_change_the_motion(lab: Laboratory) -> Finding:
-    motions = [lab.motion(name) for name in DISTORTED]
+def coupling_does_not_change_the_motion(*motions: Motion) -> Finding:
     quiet = [m for m in motions if not m.touched]
     if quiet:
         raise NotTestableError("without contact there is no side of it")
@@ -184,6 +176,6 @@ def coupling_does_not_change_the_motion(lab: Laboratory) -> Finding:
         checks=(
             at_most("difference of the whirl in rotating axes over ω₁", float(np.ptp(rates)), 0.05),
             at_most("difference of energy shares", 100 * moved, 10.0, " points"),
-            is_so("contact sides", len(set(sides)), 1),
+            equal("contact sides", len(set(sides)), 1),
         ),
     )

@@ -20,15 +20,14 @@ from bladewhirl.studies.modal.campbell import draw_campbell, find_coincidences
 from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
 from bladewhirl.studies.modal.stability_chart import draw_spectrum, zones_of
 from bladewhirl.studies.modal.veering import draw_veering, spring_stiffnesses, veering_report
-from bladewhirl.studies.paper.claim import NotTestableError
 from bladewhirl.studies.paper.claims_modal import EXAMPLE, RANGE
 from bladewhirl.studies.paper.claims_truncated import DISTORTED, DIVERGING, UNBALANCED
-from bladewhirl.studies.paper.trials import Laboratory
+from bladewhirl.studies.paper.trials import Evidence, NotTestableError
 
 CHART_SPEEDS, CHART_KAPPAS = np.linspace(*RANGE, 241), np.linspace(0.0, 1000.0, 101)
 """Normalised speeds and stiffnesses [N/m] of the chart."""
 
-Draw = Callable[[Laboratory, Path], None]
+Draw = Callable[[Evidence, Path], None]
 """Leaves pictures with their data in a folder that is there."""
 
 
@@ -60,12 +59,12 @@ class DrawnPanel:
 
 
 def draw_figures(
-    lab: Laboratory, numbers: Iterable[str], directory: Path
+    evidence: Evidence, numbers: Iterable[str], directory: Path
 ) -> dict[str, list[DrawnPanel]]:
     """Draw figures of the paper into folders below a directory.
 
     Args:
-        lab: whose runs are drawn; those that are missing are made.
+        evidence: whose runs are drawn; those that are missing are made.
         numbers: of the figures, as in `PAPER_FIGURES`.
         directory: where to.
 
@@ -79,7 +78,7 @@ def draw_figures(
         for panel in PAPER_FIGURES[number].panels:
             folder, key = directory / panel.folder, (panel.folder, panel.draw)
             if key not in obstacles:
-                obstacles[key] = _draw(lab, panel, folder)
+                obstacles[key] = _draw(evidence, panel, folder)
             picture = None if obstacles[key] else folder / f"{panel.name}.png"
             drawn[number].append(
                 DrawnPanel(caption=panel.caption, picture=picture, obstacle=obstacles[key])
@@ -87,11 +86,11 @@ def draw_figures(
     return drawn
 
 
-def _draw(lab: Laboratory, panel: Panel, folder: Path) -> str:
+def _draw(evidence: Evidence, panel: Panel, folder: Path) -> str:
     """Draw a panel, and all others that are drawn with it; returns what stood in the way."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        panel.draw(lab, folder)
+        panel.draw(evidence, folder)
     except OSError as error:
         raise UserError(f"{folder}: cannot be written ({error.strerror})") from None
     except (NotTestableError, UserError) as error:
@@ -99,23 +98,26 @@ def _draw(lab: Laboratory, panel: Panel, folder: Path) -> str:
     return ""
 
 
-def _draw_modes(lab: Laboratory, folder: Path) -> None:
-    draw_modes(lab.stage, plan_pictures(lab.stage, shapes=None, animate="", wave=None), folder)
-
-
-def _draw_veering(lab: Laboratory, folder: Path) -> None:
-    springs = spring_stiffnesses(lab.modal_case, None)
-    draw_veering(veering_report(lab.stage, families=5, springs=springs), folder)
-
-
-def _draw_campbell(lab: Laboratory, folder: Path) -> None:
-    draw_campbell(
-        find_coincidences(lab.stage, families=2, speeds=(0.0, 3.0), operating=(0.6, 2.0)), folder
+def _draw_modes(evidence: Evidence, folder: Path) -> None:
+    draw_modes(
+        evidence.stage, plan_pictures(evidence.stage, shapes=None, animate="", wave=None), folder
     )
 
 
-def _draw_chart(lab: Laboratory, folder: Path) -> None:
-    system = lab.system
+def _draw_veering(evidence: Evidence, folder: Path) -> None:
+    springs = spring_stiffnesses(evidence.modal_case, None)
+    draw_veering(veering_report(evidence.stage, families=5, springs=springs), folder)
+
+
+def _draw_campbell(evidence: Evidence, folder: Path) -> None:
+    draw_campbell(
+        find_coincidences(evidence.stage, families=2, speeds=(0.0, 3.0), operating=(0.6, 2.0)),
+        folder,
+    )
+
+
+def _draw_chart(evidence: Evidence, folder: Path) -> None:
+    system = evidence.system
     omegas = CHART_SPEEDS * system.reference
     grid = stability_chart(system.modes, speeds=omegas, kappas=CHART_KAPPAS, with_pi=system.with_pi)
     chart = chart_dataset(grid, zones_of(system, system.modes, omegas, CHART_KAPPAS))
@@ -124,10 +126,10 @@ def _draw_chart(lab: Laboratory, folder: Path) -> None:
     draw_spectrum(system, omegas, EXAMPLE["kappa"], folder)
 
 
-def _draw_coupled_mode(lab: Laboratory, folder: Path) -> None:
+def _draw_coupled_mode(evidence: Evidence, folder: Path) -> None:
     from bladewhirl.studies.modal.coupled_mode import draw_coupled_mode  # takes long to load
 
-    system = lab.system
+    system = evidence.system
     mode = coupled_modes(
         system.modes,
         speed=EXAMPLE["speed"] * system.reference,
@@ -146,13 +148,13 @@ def _draw_coupled_mode(lab: Laboratory, folder: Path) -> None:
     )
 
 
-def _draw_run(trial: str, name: str, lab: Laboratory, folder: Path) -> None:
-    figure, data = RunFigures(lab.motion(trial).result).draw(name)
+def _draw_run(trial: str, name: str, evidence: Evidence, folder: Path) -> None:
+    figure, data = RunFigures(evidence.motion(trial).result).draw(name)
     save_figure(figure, folder / name, data)
 
 
-def _draw_sweep(survey: str, name: str, lab: Laboratory, folder: Path) -> None:
-    figure, data = SweepFigures(lab.sweep(survey)).draw(name)
+def _draw_sweep(survey: str, name: str, evidence: Evidence, folder: Path) -> None:
+    figure, data = SweepFigures(evidence.sweep(survey)).draw(name)
     save_figure(figure, folder / name, data)
 
 
@@ -175,6 +177,10 @@ def _sweep(survey: str, name: str, caption: str) -> Panel:
     )
 
 
+def _figure(caption: str, *panels: Panel) -> PaperFigure:
+    return PaperFigure(caption=caption, panels=panels)
+
+
 def _modal(name: str, caption: str) -> Panel:
     folder = next(folder for folder, (_, names) in _MODAL.items() if name in names)
     return Panel(caption=caption, folder=folder, name=name, draw=_MODAL[folder][0])
@@ -187,126 +193,88 @@ _MODAL: Mapping[str, tuple[Draw, tuple[str, ...]]] = {
     "stability": (_draw_chart, ("stability", "spectrum")),
     "coupled-mode": (_draw_coupled_mode, ("shapes", "orbit", "phases")),
 }
-"""What draws the pictures of each folder, and which they are."""
+"""Function that draws the pictures of each folder, and their names."""
 
 _A, _A_OTHER, _B = "distortion at 1.05", "distortion at 1.39", "imbalance at 1.05"
 _B_HIGH = "imbalance at 1.6"
 
 PAPER_FIGURES: Mapping[str, PaperFigure] = {
-    "6": PaperFigure(
-        caption="Modes of the bladed disk",
-        panels=(_modal("bladed-disk-shapes", "1F by nodal diameter, and the suspension"),),
+    "6": _figure(
+        "Modes of the bladed disk",
+        _modal("bladed-disk-shapes", "1F by nodal diameter, and the suspension"),
     ),
-    "7": PaperFigure(
-        caption="Families over nodal diameter, centre free and clamped",
-        panels=(
-            _modal("families", "five families"),
-            _modal("first-families", "the suspension pair between 1F and 2F"),
-        ),
+    "7": _figure(
+        "Families over nodal diameter, centre free and clamped",
+        _modal("families", "five families"),
+        _modal("first-families", "the suspension pair between 1F and 2F"),
     ),
-    "8": PaperFigure(
-        caption="Coincidence speeds",
-        panels=(
-            _modal("campbell-rotating", "rotating frame"),
-            _modal("campbell-static", "static frame"),
-        ),
+    "8": _figure(
+        "Coincidence speeds",
+        _modal("campbell-rotating", "rotating frame"),
+        _modal("campbell-static", "static frame"),
     ),
-    "9": PaperFigure(
-        caption="Standard contact", panels=(_modal("standard-scenario", "casing moves less"),)
+    "9": _figure("Standard contact", _modal("standard-scenario", "casing moves less")),
+    "10": _figure("Inverted contact", _modal("inverted-scenario", "casing moves more")),
+    "11": _figure("Stability over speed and coupling", _modal("stability", "growth rate")),
+    "12": _figure("Eigenvalues at 500 N/m", _modal("spectrum", "real and imaginary parts")),
+    "13": _figure("Divergent mode in time", _modal("shapes", "bladed disk and casing")),
+    "14": _figure(
+        "Divergent mode at the centre",
+        _modal("orbit", "orbits in both frames"),
+        _modal("phases", "shaft and smallest clearance"),
     ),
-    "10": PaperFigure(
-        caption="Inverted contact", panels=(_modal("inverted-scenario", "casing moves more"),)
+    "15": _figure(
+        "Response to casing distortion over speed",
+        _sweep("distortion", "frequency-map", "spectrum of the shaft"),
+        _sweep("distortion", "shaft-radius", "largest displacement"),
     ),
-    "11": PaperFigure(
-        caption="Stability over speed and coupling", panels=(_modal("stability", "growth rate"),)
+    "16": _figure("Casing distortion at 1.05: the shaft", _run(_A, "orbit", "orbits")),
+    "17": _figure(
+        "Casing distortion at 1.05: frequencies and energies",
+        _run(_A, "spectrogram", "(a) spectrogram"),
+        _run(_A, "energy", "(b) strain energy"),
     ),
-    "12": PaperFigure(
-        caption="Eigenvalues at 500 N/m", panels=(_modal("spectrum", "real and imaginary parts"),)
+    "18": _figure(
+        "Casing distortion at 1.39",
+        _run(_A_OTHER, "orbit", "(a), (b) orbits"),
+        _run(_A_OTHER, "contact-phase", "(c) shaft and smallest clearance"),
     ),
-    "13": PaperFigure(
-        caption="Divergent mode in time", panels=(_modal("shapes", "bladed disk and casing"),)
+    "19": _figure(
+        "Response to imbalance over speed",
+        _sweep("imbalance", "frequency-map", "spectrum of the shaft"),
+        _sweep("imbalance", "shaft-radius", "largest displacement"),
     ),
-    "14": PaperFigure(
-        caption="Divergent mode at the centre",
-        panels=(
-            _modal("orbit", "orbits in both frames"),
-            _modal("phases", "shaft and smallest clearance"),
-        ),
+    "20": _figure(
+        "Imbalance at 1.05: the shaft",
+        _run(_B, "orbit", "(a), (b) orbits"),
+        _run(_B, "state-space", "(c), (d) state space and Poincaré map"),
+        _run(_B, "energy", "(e) strain energy"),
     ),
-    "15": PaperFigure(
-        caption="Response to casing distortion over speed",
-        panels=(
-            _sweep("distortion", "frequency-map", "spectrum of the shaft"),
-            _sweep("distortion", "shaft-radius", "largest displacement"),
-        ),
+    "21": _figure(
+        "Imbalance at 1.05: contact",
+        _run(_B, "gaps", "(a), (b) gaps"),
+        _run(_B, "forces", "contact forces"),
+        _run(_B, "contact-phase", "(c) shaft and smallest clearance"),
     ),
-    "16": PaperFigure(
-        caption="Casing distortion at 1.05: the shaft", panels=(_run(_A, "orbit", "orbits"),)
+    "22": _figure("Imbalance at 1.6", _run(_B_HIGH, "energy", "strain energy")),
+    "23": _figure(
+        "Six modes, casing distortion at 1.05",
+        _run(DISTORTED[0], "orbit", "(a), (b) orbits"),
+        _run(DISTORTED[0], "energy", "(c) strain energy"),
     ),
-    "17": PaperFigure(
-        caption="Casing distortion at 1.05: frequencies and energies",
-        panels=(
-            _run(_A, "spectrogram", "(a) spectrogram"),
-            _run(_A, "energy", "(b) strain energy"),
-        ),
+    "24": _figure(
+        "Six modes: largest displacement over speed and coupling",
+        _sweep("six modes, distortion", "shaft-radius", "a line for each coupling"),
     ),
-    "18": PaperFigure(
-        caption="Casing distortion at 1.39",
-        panels=(
-            _run(_A_OTHER, "orbit", "(a), (b) orbits"),
-            _run(_A_OTHER, "contact-phase", "(c) shaft and smallest clearance"),
-        ),
+    "25": _figure(
+        "Six modes, imbalance at 1.05",
+        *(_run(name, "orbit", name.rsplit(", ", 1)[1] + " N/m") for name in UNBALANCED),
+        _run(UNBALANCED[0], "energy", "(c) strain energy, kappa 0"),
     ),
-    "19": PaperFigure(
-        caption="Response to imbalance over speed",
-        panels=(
-            _sweep("imbalance", "frequency-map", "spectrum of the shaft"),
-            _sweep("imbalance", "shaft-radius", "largest displacement"),
-        ),
-    ),
-    "20": PaperFigure(
-        caption="Imbalance at 1.05: the shaft",
-        panels=(
-            _run(_B, "orbit", "(a), (b) orbits"),
-            _run(_B, "state-space", "(c), (d) state space and Poincaré map"),
-            _run(_B, "energy", "(e) strain energy"),
-        ),
-    ),
-    "21": PaperFigure(
-        caption="Imbalance at 1.05: contact",
-        panels=(
-            _run(_B, "gaps", "(a), (b) gaps"),
-            _run(_B, "forces", "contact forces"),
-            _run(_B, "contact-phase", "(c) shaft and smallest clearance"),
-        ),
-    ),
-    "22": PaperFigure(
-        caption="Imbalance at 1.6", panels=(_run(_B_HIGH, "energy", "strain energy"),)
-    ),
-    "23": PaperFigure(
-        caption="Six modes, casing distortion at 1.05",
-        panels=(
-            _run(DISTORTED[0], "orbit", "(a), (b) orbits"),
-            _run(DISTORTED[0], "energy", "(c) strain energy"),
-        ),
-    ),
-    "24": PaperFigure(
-        caption="Six modes: largest displacement over speed and coupling",
-        panels=(_sweep("six modes, distortion", "shaft-radius", "a line for each coupling"),),
-    ),
-    "25": PaperFigure(
-        caption="Six modes, imbalance at 1.05",
-        panels=(
-            *(_run(name, "orbit", name.rsplit(", ", 1)[1] + " N/m") for name in UNBALANCED),
-            _run(UNBALANCED[0], "energy", "(c) strain energy, kappa 0"),
-        ),
-    ),
-    "26": PaperFigure(
-        caption="Six modes, imbalance",
-        panels=(
-            _run(DIVERGING, "energy", "strain energy at 1.65, kappa 0"),
-            _sweep("six modes, imbalance", "shaft-radius", "a line for each coupling"),
-        ),
+    "26": _figure(
+        "Six modes, imbalance",
+        _run(DIVERGING, "energy", "strain energy at 1.65, kappa 0"),
+        _sweep("six modes, imbalance", "shaft-radius", "a line for each coupling"),
     ),
 }
 """By number in the paper."""

@@ -16,11 +16,17 @@ from bladewhirl.studies.paper import (  # noqa: F401 -- each registers its claim
     claims_modal,
     claims_truncated,
 )
-from bladewhirl.studies.paper.claim import CLAIMS, Claim, Finding, NotTestableError
+from bladewhirl.studies.paper.claim import CLAIMS, Claim, Finding
 from bladewhirl.studies.paper.figures import draw_figures
 from bladewhirl.studies.paper.page import scorecard_page
 from bladewhirl.studies.paper.scorecard import Scorecard, joined
-from bladewhirl.studies.paper.trials import PERTURBATION, SURVEYS, TRIALS, Laboratory
+from bladewhirl.studies.paper.trials import (
+    PERTURBATION,
+    SURVEYS,
+    TRIALS,
+    Evidence,
+    NotTestableError,
+)
 from bladewhirl.studies.runs import folder as run_directory
 from bladewhirl.studies.sweeps.cache import RunStore
 from bladewhirl.studies.sweeps.sweep import Watch
@@ -40,7 +46,7 @@ REPEATS = 3
 
 @dataclass(frozen=True, kw_only=True)
 class Told:
-    """Who is told how a reproduction goes."""
+    """Callbacks on the progress of a reproduction."""
 
     marches: Callable[[int, int], None] = lambda done, all_of_them: None
     sweep: Watch = field(default_factory=Watch)
@@ -48,7 +54,7 @@ class Told:
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """What is judged, under which conditions."""
+    """Claims to judge, under which conditions."""
 
     claims: tuple[Claim, ...]
     changes: Mapping[str, Any]  #: of the contact cases, by dotted key
@@ -101,7 +107,7 @@ def reproduce_claims(
     workers: int | None = None,
     scheduler: str | None = None,
     told: Told | None = None,
-) -> tuple[Scorecard, Laboratory]:
+) -> tuple[Scorecard, Evidence]:
     """Judge claims; marches and sweeps that lie in the folder already are used again.
 
     Args:
@@ -112,15 +118,15 @@ def reproduce_claims(
         told: how it goes.
 
     Returns:
-        the scorecard, and the laboratory of the first repeat, still open, for figures.
+        the scorecard, and the evidence of the first repeat, still open, for figures.
 
     Raises:
         UserError: the folder can't be written, or the scheduler does not answer.
     """
     told = told or Told()
     store = RunStore(directory=directory / RUNS_NAME, workers=workers, scheduler=scheduler)
-    labs = [
-        Laboratory(
+    repeats = [
+        Evidence(
             directory=directory,
             store=store,
             changes=plan.changes,
@@ -131,16 +137,16 @@ def reproduce_claims(
         )
         for repeat in range(plan.repeats)
     ]
-    first, *others = labs
+    first, *others = repeats
     names = needed_trials(plan.claims)
-    store.make([case for lab in labs for case in lab.cases(names)], told.marches)
+    store.make([case for evidence in repeats for case in evidence.cases(names)], told.marches)
     for name in needed_sweeps(plan.claims):
         with suppress(NotTestableError):  # told of by the claims that need it
             first.sweep(name, told.sweep)
     findings = [{claim.number: claim.judge(first) for claim in plan.claims}]
-    for lab in others:
-        with lab:
-            findings.append(_judged(lab, _repeated(plan.claims)))
+    for evidence in others:
+        with evidence:
+            findings.append(_judged(evidence, _repeated(plan.claims)))
     card = Scorecard(
         scores=tuple(joined(findings, CLAIMS)),
         conditions={
@@ -172,11 +178,11 @@ def _repeated(claims: Iterable[Claim]) -> list[Claim]:
     return [claim for claim in claims if any(TRIALS[name].repeated for name in claim.trials)]
 
 
-def _judged(lab: Laboratory, claims: Iterable[Claim]) -> dict[int, Finding]:
-    return {claim.number: claim.judge(lab) for claim in claims}
+def _judged(evidence: Evidence, claims: Iterable[Claim]) -> dict[int, Finding]:
+    return {claim.number: claim.judge(evidence) for claim in claims}
 
 
-def write_scorecard(card: Scorecard, lab: Laboratory, directory: Path) -> list[Path]:
+def write_scorecard(card: Scorecard, evidence: Evidence, directory: Path) -> list[Path]:
     """Write scorecard.json and scorecard.html, with the figures of the claims in figures/.
 
     Raises:
@@ -185,7 +191,7 @@ def write_scorecard(card: Scorecard, lab: Laboratory, directory: Path) -> list[P
     cited = {number for score in card.scores for number in score.claim.figures}
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        drawn = draw_figures(lab, sorted(cited, key=int), directory / FIGURES_NAME)
+        drawn = draw_figures(evidence, sorted(cited, key=int), directory / FIGURES_NAME)
         document, page = directory / "scorecard.json", directory / "scorecard.html"
         document.write_text(card.to_json(), encoding="utf-8")
         page.write_text(scorecard_page(card, drawn), encoding="utf-8")

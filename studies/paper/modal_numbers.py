@@ -30,7 +30,7 @@ CROSSINGS = (0.7, 1.3)
 
 @dataclass(frozen=True, kw_only=True)
 class ModalClaims:
-    """What a case gives where the paper claims something; numbers, no verdicts."""
+    """Numbers of a case where the paper claims something; no verdicts."""
 
     centre_motion: dict[int, float]
     """Largest motion of the centre over that of the mode, by nodal diameter (claim 1)."""

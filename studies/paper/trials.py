@@ -1,4 +1,4 @@
-"""Where claims are judged: the numbers, marches and sweeps that they share, each made once."""
+"""The numbers, marches and sweeps that claims are judged by, each made once."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import xarray as xr
 
@@ -20,11 +20,13 @@ from bladewhirl.postprocess.run.measures import Motion
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
 from bladewhirl.studies.modal.coupled_system import System, couple
 from bladewhirl.studies.paper.cases import changed
-from bladewhirl.studies.paper.claim import Load, NotTestableError
 from bladewhirl.studies.paper.modal_numbers import ModalClaims, modal_claims
 from bladewhirl.studies.sweeps.cache import RunStore, run_key
 from bladewhirl.studies.sweeps.plan import PLAN_NAME
 from bladewhirl.studies.sweeps.sweep import Watch, resume_sweep, run_sweep
+
+Load = Literal["distortion", "imbalance"]
+"""Beginning of the contact: the paper's scenarios A and B."""
 
 PERTURBATION = 1e-7
 """Relative change of the force between repeats: motions near a threshold are chaotic."""
@@ -37,6 +39,10 @@ SIX = {"reduction.modes": "six"}
 
 KAPPAS = (0.0, 500.0, 1000.0)
 """Coupling stiffnesses of the truncated space [N/m] (paper, Section 4.3.3)."""
+
+
+class NotTestableError(Exception):
+    """A claim cannot be judged; the message says why."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,7 +170,7 @@ TRIALS: Mapping[str, Trial] = {
 
 
 @dataclass(kw_only=True)
-class Laboratory:
+class Evidence:
     """Numbers, marches and sweeps of one set of parameters; close it, or use ``with``."""
 
     directory: Path

@@ -76,13 +76,13 @@ class ParameterSet:
 
     @property
     def given_changed(self) -> tuple[str, ...]:
-        """What of `GIVEN` it changes, in words; empty if nothing."""
+        """Parts of `GIVEN` it changes, in words; empty if nothing."""
         own = asdict(self)
         return tuple(PARAMETERS[name] for name, value in GIVEN.items() if own[name] != value)
 
     @property
     def departures(self) -> tuple[str, ...]:
-        """What of the paper's Tables 1 and 2 it changes, in words; empty if nothing."""
+        """Parts of the paper's Tables 1 and 2 it changes, in words; empty if nothing."""
         changed = list(self.given_changed)
         if self.changes()["excitation.modal_force"] > MODAL_FORCE:
             changed.append("modal force")
@@ -138,7 +138,7 @@ UNKNOWNS: Mapping[str, tuple[Any, ...]] = {
     "friction": (0.05, 0.1, 0.15, 0.2),
     "tip_mass": (0.0, 0.1, 0.3),
 }
-"""What is tried of each; what the paper gives comes last."""
+"""Values tried of each; what the paper gives comes last."""
 
 PARAMETERS: Mapping[str, str] = {
     "swing": "push [clearances]",
@@ -167,7 +167,7 @@ STARTS: Mapping[str, ParameterSet] = {
     # shaft does, however soft its support.
     "heavy": ParameterSet(wall=0.04, mass=400.0, damping=0.02, swing=1.5),
 }
-"""Where a search begins: the modal case, the supported casing pushed for long, the same with light
+"""Beginnings of a search: the modal case, the supported casing pushed for long, the same with light
 damping and a short push, and a casing of large inertia."""
 
 assert set(UNKNOWNS) == set(PARAMETERS) == {field.name for field in fields(ParameterSet)}

@@ -1,4 +1,4 @@
-"""What a search found: the best sets, what bridges the paper's claims, what flips each claim."""
+"""The report of a search: the best sets, those that bridge claims, those that flip each."""
 
 from __future__ import annotations
 
@@ -163,7 +163,7 @@ def _shared(sets: list[ParameterSet]) -> set[str]:
 
 @dataclass(frozen=True, kw_only=True)
 class Found:
-    """What a claim says of the base that is changed one value at a time."""
+    """The verdict on the base that is changed one value at a time."""
 
     verdict: Verdict
     ours: str  #: our value
@@ -171,7 +171,7 @@ class Found:
 
 
 def found_by_claim(search: Search) -> dict[int, Found]:
-    """What all claims say of the bases."""
+    """Verdicts of all claims on the bases."""
     found = {
         claim: Found(verdict=verdict, ours=judged.ours[claim], level=level)
         for level, start in BASES.items()
@@ -182,7 +182,7 @@ def found_by_claim(search: Search) -> dict[int, Found]:
 
 
 HOW: Mapping[Level, str] = {"slow": ", by coarse sweeps and steps of 2 µs"}
-"""What is to be said of a level beside our value; nothing of the others."""
+"""Words on a level beside our value; nothing of the others."""
 
 
 def _flips(search: Search) -> Iterator[str]:
@@ -237,7 +237,7 @@ def _rows(
 
 
 def _verdict(search: Search, base: ParameterSet, name: str, value: object, claim: int) -> str:
-    """What a claim says where one value of a set is another; empty if not tried."""
+    """The verdict where one value of a set is another; empty if not tried."""
     values = replace(base, **{name: value})  # type: ignore[arg-type]
     for level in BASES:
         judged = search.judged.get((values, level))

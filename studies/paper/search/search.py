@@ -23,7 +23,7 @@ from bladewhirl.studies.paper.claim import CLAIMS, Finding, Verdict
 from bladewhirl.studies.paper.judge import needed_trials
 from bladewhirl.studies.paper.scorecard import Score
 from bladewhirl.studies.paper.search.parameters import STARTS, ParameterSet
-from bladewhirl.studies.paper.trials import Laboratory
+from bladewhirl.studies.paper.trials import Evidence
 from bladewhirl.studies.runs import folder as run_directory
 from bladewhirl.studies.runs.folder import write_whole
 from bladewhirl.studies.sweeps.cache import RunStore
@@ -58,7 +58,7 @@ class Scrutiny:
     claims: tuple[int, ...]  #: that are judged
     modal: bool = True  #: whether `MODAL_CLAIMS` are judged, too
     changes: Mapping[str, float] = field(default_factory=dict)  #: of the cases
-    coarse: bool = False  #: as in `Laboratory`
+    coarse: bool = False  #: as in `Evidence`
     repeats: int = 1
 
 
@@ -233,9 +233,9 @@ class Search:
         """Make the marches of all sets, then judge one after the other."""
         marches = self.directory / MARCHES
         store = RunStore(directory=marches, workers=1, scheduler=self.scheduler)
-        labs = {
+        repeated = {
             values: [
-                Laboratory(
+                Evidence(
                     directory=marches,
                     store=store,
                     changes=values.changes() | dict(scrutiny.changes),
@@ -249,20 +249,24 @@ class Search:
         claims = [CLAIMS[number] for number in scrutiny.claims]
         names = needed_trials(claims)
         store.make(
-            [case for lab in chain.from_iterable(labs.values()) for case in lab.cases(names)]
+            [
+                case
+                for evidence in chain.from_iterable(repeated.values())
+                for case in evidence.cases(names)
+            ]
         )
-        return [self._verdicts(values, own, level, scrutiny) for values, own in labs.items()]
+        return [self._verdicts(values, own, level, scrutiny) for values, own in repeated.items()]
 
     @staticmethod
     def _verdicts(
-        values: ParameterSet, labs: Sequence[Laboratory], level: Level, scrutiny: Scrutiny
+        values: ParameterSet, repeated: Sequence[Evidence], level: Level, scrutiny: Scrutiny
     ) -> Judged:
         modal = modal_findings(_without_motion(values)) if scrutiny.modal else {}
         findings = {number: [finding] for number, finding in modal.items()}
-        for lab in labs:
-            with lab:
+        for evidence in repeated:
+            with evidence:
                 for number in scrutiny.claims:
-                    findings.setdefault(number, []).append(CLAIMS[number].judge(lab))
+                    findings.setdefault(number, []).append(CLAIMS[number].judge(evidence))
         scores = {
             number: Score(claim=CLAIMS[number], findings=tuple(found))
             for number, found in sorted(findings.items())
@@ -385,12 +389,12 @@ def search_parameters(
 
 @lru_cache(maxsize=64)
 def modal_findings(values: ParameterSet) -> dict[int, Finding]:
-    """What the modal claims say of a set."""
+    """Findings of the modal claims on a set."""
     nowhere = Path()
-    with Laboratory(
+    with Evidence(
         directory=nowhere, store=RunStore(directory=nowhere), changes=values.changes()
-    ) as lab:
-        return {number: CLAIMS[number].judge(lab) for number in MODAL_CLAIMS}
+    ) as evidence:
+        return {number: CLAIMS[number].judge(evidence) for number in MODAL_CLAIMS}
 
 
 def _without_motion(values: ParameterSet) -> ParameterSet:

@@ -165,16 +165,18 @@ def test_neighbours_differ_in_one_value() -> None:
     assert len(set(near)) == len(near)
 
 
-def hill(values: ParameterSet, level: Level = "screened") -> Judged:
-    """More claims hold the nearer a set is to damping 0.02 and a mass of 400."""
-    near = [values.damping == 0.02, values.mass == 400.0]
-    verdicts: dict[int, Verdict] = {
-        claim: "does not hold" for claim in (*MODAL_CLAIMS, *CONTACT_CLAIMS)
-    }
-    for claim, met in zip(BRIDGE, [True, *near], strict=True):
-        verdicts[claim] = "holds" if met else "partly"
+def said(values: ParameterSet, level: Level, verdicts: dict[int, Verdict]) -> Judged:
     ours = {claim: f"ours of {claim}" for claim in verdicts}
     return Judged(values=values, level=level, verdicts=verdicts, ours=ours)
+
+
+def hill(values: ParameterSet, level: Level = "screened") -> Judged:
+    """More claims hold the nearer a set is to damping 0.02 and a mass of 400."""
+    near = [True, values.damping == 0.02, values.mass == 400.0]
+    verdicts: dict[int, Verdict] = dict.fromkeys((*MODAL_CLAIMS, *CONTACT_CLAIMS), "does not hold")
+    for claim, met in zip(BRIDGE, near, strict=True):
+        verdicts[claim] = "holds" if met else "partly"
+    return said(values, level, verdicts)
 
 
 def judge_by_hill(
@@ -215,11 +217,7 @@ def test_a_search_goes_on_where_it_was(climbed: Search, monkeypatch: pytest.Monk
 
 def judged_so(values: ParameterSet, held: tuple[int, ...], level: Level = "screened") -> Judged:
     claims = {"slow": (29,), "still": (5,)}.get(level, (*BRIDGE, 22))
-    verdicts: dict[int, Verdict] = {
-        claim: "holds" if claim in held else "does not hold" for claim in claims
-    }
-    ours = {claim: f"ours of {claim}" for claim in verdicts}
-    return Judged(values=values, level=level, verdicts=verdicts, ours=ours)
+    return said(values, level, {c: "holds" if c in held else "does not hold" for c in claims})
 
 
 def small_search(directory: Path) -> Search:
@@ -355,10 +353,7 @@ def test_neighbours_are_judged_by_what_the_default_misses(
         verdicts: dict[int, Verdict] = {
             claim: "partly" if claim in (5, 29) else "holds" for claim in scrutiny.claims
         }
-        return [
-            Judged(values=each, level=level, verdicts=verdicts, ours=dict.fromkeys(verdicts, ""))
-            for each in sets
-        ]
+        return [said(each, level, verdicts) for each in sets]
 
     monkeypatch.setattr(Search, "_judge", judge)
     Search(directory=tmp_path).examine()
