@@ -16,10 +16,10 @@ from bladewhirl.models.case.disk_parts import (
     ShroudRows,
     TaperRows,
 )
-from bladewhirl.models.case.materials import BeamSection
 from bladewhirl.models.case.mesh_file import MeshTable
 from bladewhirl.models.inputs.fields import MOST, Length, Stiffness, count, quantity
 from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.sections.materials import BeamSection
 
 
 class DiskSection(BeamSection):

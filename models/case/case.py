@@ -14,7 +14,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, StrictBool, StrictStr
 
 from bladewhirl.models.case.bladed_disk import BladedDisk, DiskSection
-from bladewhirl.models.case.case_casing import Casing, Lobe
+from bladewhirl.models.case.casing import Casing, Lobe
 from bladewhirl.models.case.excitation import (
     CasingDistortion,
     ExcitationTable,
@@ -22,10 +22,8 @@ from bladewhirl.models.case.excitation import (
     Imbalance,
     NoExcitation,
 )
-from bladewhirl.models.case.materials import BeamSection, Material
 from bladewhirl.models.case.shaft import Shaft
 from bladewhirl.models.case.sketch import SketchTable
-from bladewhirl.models.geometry.from_mesh import mesh_tips
 from bladewhirl.models.inputs.fields import (
     DisplacementPair,
     DisplacementRows,
@@ -43,6 +41,7 @@ from bladewhirl.models.inputs.mode_names import mode_choice
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.inputs.units import Speed
+from bladewhirl.models.sections.materials import BeamSection, Material
 
 __all__ = [
     "BeamSection",
@@ -268,7 +267,8 @@ class Case(Table):
             rows = getattr(self.initial, key)
             if rows is not None and len(rows) != self.blades:
                 expected = f"{self.blades} rows, one a blade, not {len(rows)}"
-                yield Inconsistency(f"initial.{key}", expected, ("bladed_disk.blades",))
+                others = ("bladed_disk.blades", "bladed_disk.mesh.tips", "sketch")
+                yield Inconsistency(f"initial.{key}", expected, others)
 
     def _unknown_materials(self) -> Iterator[Inconsistency]:
         disk = self.bladed_disk
@@ -297,7 +297,7 @@ class Case(Table):
         if self.sketch is not None:
             return self.sketch.tips
         mesh = self.bladed_disk.mesh
-        return self.bladed_disk.blades if mesh is None else len(mesh_tips(mesh))
+        return self.bladed_disk.blades if mesh is None else len(mesh.tip_points)
 
     @property
     def tip_radius(self) -> float:
@@ -307,4 +307,4 @@ class Case(Table):
         mesh = self.bladed_disk.mesh
         if mesh is None:
             return self.bladed_disk.tip_radius
-        return mesh.tip_radius or max(hypot(*tip) for tip in mesh_tips(mesh).tolist())
+        return mesh.tip_radius or max(hypot(*tip) for tip in mesh.tip_points)

@@ -72,8 +72,12 @@ def _check(tables: Mapping[str, Any]) -> ValidationError | None:
 def _fault(details: ErrorDetails, tables: Mapping[str, Any]) -> Fault:
     path = _path(details)
     default = None if details["type"] in (*TAG_ERRORS, "missing") else details["input"]
-    value = _value(tables, path, default)
-    return Fault(key=_dotted(path), value=value, expected=_expected(details, path))
+    context = details.get("ctx", {})
+    expected = _expected(details, path)
+    if context.get("place"):
+        return Fault(key=f"{_dotted(path)}: {context['place']}", expected=expected)
+    value = context.get("value") or _value(tables, path, default)
+    return Fault(key=_dotted(path), value=value, expected=expected)
 
 
 def _expected(details: ErrorDetails, path: Path) -> str:

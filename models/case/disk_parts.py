@@ -9,7 +9,6 @@ import numpy as np
 from pydantic import Field, StrictStr
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.materials import BeamSection
 from bladewhirl.models.inputs.fields import (
     Angle,
     Length,
@@ -21,6 +20,7 @@ from bladewhirl.models.inputs.fields import (
     rows,
 )
 from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.sections.materials import BeamSection
 
 MOST_SPREAD = 0.2
 """Largest standard deviation of a random factor; more would soon make one that is not positive."""

@@ -1,24 +1,37 @@
-"""The `[bladed_disk.mesh]` of a case: a mesh file, and what its groups mean."""
+"""The `[bladed_disk.mesh]` of a case: a mesh file, read, and the meaning of its groups."""
 
 from __future__ import annotations
 
 import os
 import re
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import lru_cache
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import (
     BeforeValidator,
     Field,
     PlainSerializer,
     PlainValidator,
+    PrivateAttr,
     StrictStr,
     TypeAdapter,
     ValidationError,
 )
 
-from bladewhirl.models.case.materials import BeamSection
+from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError
+from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.models.inputs.errors import LONGEST_VALUE, CaseError, Fault, shown
 from bladewhirl.models.inputs.fields import EXPECTED, Length, expectation
-from bladewhirl.models.inputs.table import Table
+from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.sections.materials import BeamSection
+
+KEY = "bladed_disk.mesh"
+
+SAME_PLACE = 1e-6
+"""Nodes nearer to each other than this, over the size of the mesh, are one node twice."""
 
 
 def _path(value: object) -> str:
@@ -40,7 +53,7 @@ class LengthUnit(float):
         return unit
 
     def __getnewargs__(self) -> Any:
-        """What a copy is made of."""
+        """Arguments that make a copy."""
         return float(self), self.given
 
 
@@ -59,16 +72,17 @@ def _unit(value: object) -> LengthUnit:
 
 
 class MeshSection(BeamSection):
-    """What the lines of a group are made of; its sizes have no defaults."""
+    """Section of the lines of a group; its sizes have no defaults."""
 
     width: Length = Field(description="Size out of the plane of motion [m].")
     thickness: Length = Field(description="Size in the plane of motion [m].")
 
 
 class MeshTable(Table):
-    """A mesh file of lines in the plane z = const, and what its groups mean.
+    """A mesh file of lines in the plane z = const, and the meaning of its groups.
 
-    Its groups of nodes and of lines are the stage's sets, by their names.
+    Its groups of nodes and of lines are the stage's sets, by their names. The file is read when
+    the table is made, so that the number of blades and their tips are known from then on.
     """
 
     file: Annotated[str, BeforeValidator(_path)] = Field(
@@ -97,5 +111,138 @@ class MeshTable(Table):
     )
 
     def __hash__(self) -> int:
-        """Of what it holds: a table with a mapping has no hash by itself."""
+        """Hash of the contents: a table with a mapping has none by itself."""
         return hash(self.model_dump_json())
+
+    _tip_points: tuple[tuple[float, float], ...] = PrivateAttr(default=())
+
+    @property
+    def tip_points(self) -> tuple[tuple[float, float], ...]:
+        """Points of the blade tips in blade order [m]."""
+        return self._tip_points
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """A file that can't be read, or that lacks what the table says of it."""
+        try:
+            lines = self.lines()
+            tips = self.tip_nodes(lines)
+        except CaseError as error:
+            for fault in error.faults:
+                key = fault.key.removeprefix(f"{KEY}.")
+                yield Inconsistency(key, fault.expected, ("file",), fault.value)
+        else:
+            self._tip_points = tuple((x, y) for x, y in (lines.points[tips] * self.unit).tolist())
+
+    def lines(self) -> GroupedLines:
+        """The lines of the file, with the groups that sections and tips ask for.
+
+        Raises:
+            CaseError: the file can't be read, has no lines for a section, or none at a tip.
+        """
+        mesh = self._read()
+        faults = [
+            Fault(
+                key=f"{KEY}.sections.{name}",
+                value=section.model_dump(exclude_none=True),
+                expected=self._one_of("lines", mesh.line_groups),
+            )
+            for name, section in self.sections.items()
+            if name not in mesh.line_groups
+        ] or [*self._bare_tips(mesh)]
+        if faults:
+            raise CaseError(faults)
+        return _lines_only(mesh)
+
+    def tip_nodes(self, mesh: GroupedLines) -> IntArray:
+        """Nodes of the tips, counter-clockwise from the one nearest to +x, (blades,).
+
+        Raises:
+            CaseError: there are none.
+        """
+        nodes = self.group_nodes(mesh, "tips")
+        angles = np.arctan2(*(mesh.points[nodes] * self.unit).T[::-1])
+        order = np.argsort(angles)
+        # Of two tips as near as each other the one ahead: the small turn decides.
+        first = int(np.argmin(np.abs(angles[order] - SAME_PLACE)))
+        return np.asarray(nodes[np.roll(order, -first)])
+
+    def group_nodes(self, mesh: GroupedLines, key: str) -> IntArray:
+        """Nodes of the group that a key names, ascending.
+
+        Raises:
+            CaseError: there are none.
+        """
+        name = getattr(self, key)
+        if name not in mesh.node_groups:
+            raise CaseError([self.fault(key, self._one_of("nodes", mesh.node_groups))])
+        if not len(mesh.node_groups[name]):
+            expected = f"a group with nodes that lines lead to; that of {self.file_name} has none"
+            raise CaseError([self.fault(key, expected)])
+        return np.unique(mesh.node_groups[name])
+
+    def fault(self, key: str, expected: str) -> Fault:
+        """A fault at a key of the table."""
+        values = {"file": _short(self.file), "sections": None}
+        value = values.get(key, getattr(self, key))
+        value = value.given if isinstance(value, LengthUnit) else value
+        return Fault(key=f"{KEY}.{key}", value=value, expected=expected)
+
+    @property
+    def file_name(self) -> str:
+        """Name of the file without folders."""
+        return os.path.basename(self.file)
+
+    def _read(self) -> GroupedLines:
+        try:
+            stamp = os.stat(self.file)
+            return _cached(self.file, (stamp.st_mtime_ns, stamp.st_size))
+        except OSError as error:
+            expected = f"a readable file ({error.strerror})"
+        except MeshFileError as error:
+            expected = str(error)
+        raise CaseError([self.fault("file", expected)]) from None
+
+    def _bare_tips(self, mesh: GroupedLines) -> Iterator[Fault]:
+        """Tips that no line leads to, where it leads to others: their blades are missing."""
+        tips = np.unique(mesh.node_groups.get(self.tips, np.zeros(0, np.int64)))
+        bare = np.setdiff1d(tips, mesh.lines)
+        if 0 < len(bare) < len(tips):
+            x, y = (mesh.points[bare[0]] * self.unit).tolist()
+            yield self.fault(
+                "tips",
+                f"a line to every node of the group; {len(bare)} of {len(tips)} in {self.file_name}"
+                f" {'have' if len(bare) > 1 else 'has'} none, first that at ({x:.4g}, {y:.4g}) m",
+            )
+
+    def _one_of(self, kind: str, groups: Mapping[str, IntArray]) -> str:
+        found = ", ".join(shown(name) for name in groups) or "none"
+        return f"a group of {kind} of {self.file_name}: {found}"
+
+
+@lru_cache(maxsize=8)
+def _cached(file: str, stamp: tuple[int, int]) -> GroupedLines:
+    """A mesh, read once for all stages of a sweep; the stamp tells a changed file."""
+    from bladewhirl.meshes.files.registry import read_line_mesh  # here: slow to load
+
+    return read_line_mesh(file)
+
+
+def _lines_only(mesh: GroupedLines) -> GroupedLines:
+    """The mesh without nodes that no line leads to, such as centres of arcs."""
+    used = np.unique(mesh.lines)
+    number = np.full(len(mesh.points), -1)
+    number[used] = np.arange(len(used))
+    groups = {name: number[nodes] for name, nodes in mesh.node_groups.items()}
+    return replace(
+        mesh,
+        points=mesh.points[used],
+        lines=number[mesh.lines],
+        node_groups={name: nodes[nodes >= 0] for name, nodes in groups.items()},
+        node_data={name: values[used] for name, values in mesh.node_data.items()},
+    )
+
+
+def _short(path: str) -> str:
+    """A path from here if that is shorter; what a message has no room for is left out in front."""
+    path = min(path, os.path.relpath(path), key=len)
+    return path if len(path) <= LONGEST_VALUE - 2 else f"...{path[5 - LONGEST_VALUE :]}"

@@ -1,129 +1,37 @@
-"""The parts that a sketch is made of: what Python's `Sketch` gathers and a case file holds.
-
-Nodes are named within a sector: "root" is the node of the sector that a part belongs to, "root+1"
-and "root-1" those of its neighbours. Shared nodes, such as the centre, are one for all sectors.
-"""
+"""A bladed disk drawn node by node, as a case holds it, and the checks of its parts together."""
 
 from __future__ import annotations
 
-import re
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from itertools import chain, pairwise
 from math import hypot
 from typing import Annotated
 
-from pydantic import BeforeValidator, StrictBool, StrictStr
+import numpy as np
 
-from bladewhirl.models.inputs.fields import (
-    Position,
-    StiffnessOrZero,
-    count,
-    expectation,
-    number,
-    quantity,
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.sketch_parts import (
+    SketchEdit,
+    SketchLink,
+    SketchMass,
+    SketchMember,
+    SketchNode,
+    SketchSet,
+    SketchSpring,
+    split_reference,
 )
-from bladewhirl.models.inputs.table import Table
-from bladewhirl.models.sections.rectangular import Section
+from bladewhirl.models.inputs.fields import count, quantity
+from bladewhirl.models.inputs.table import Inconsistency, Table
 
-_REFERENCE = re.compile(r"(?P<name>[A-Za-z_][\w ]*)(?P<shift>[+-]\d{1,6})?", re.ASCII)
+NEEDED_SETS = ("centre", "tips")
 
+SHORTEST = 1e-12
+"""Length over the size of a member below which two points of it are alike."""
 
-def _name(value: object) -> str:
-    if not isinstance(value, str) or not re.fullmatch(r"[A-Za-z_][\w ]*", value, re.ASCII):
-        raise expectation('a name of letters, digits, spaces and underscores such as "blade root"')
-    return value
-
-
-def _reference(value: object) -> str:
-    if not isinstance(value, str) or not _REFERENCE.fullmatch(value):
-        raise expectation('the name of a node, such as "root", or "root+1" in the next sector')
-    return value
-
-
-def split_reference(reference: str) -> tuple[str, int]:
-    """Name of the node and how many sectors on it is."""
-    match = _REFERENCE.fullmatch(reference)
-    assert match is not None  # checked when made
-    return match["name"], int(match["shift"] or 0)
-
-
-Name = Annotated[str, BeforeValidator(_name)]
-Reference = Annotated[str, BeforeValidator(_reference)]
-Factor = Annotated[float, number("positive")]
-
-
-class SketchNode(Table):
-    """A node."""
-
-    name: Name
-    at: Position  #: x and y in sector 0 [m]
-    shared: StrictBool = False  #: one node for all sectors
-
-
-class SketchMember(Table):
-    """Beams along a straight or curved centre line between two nodes."""
-
-    name: Name
-    first: Reference
-    second: Reference
-    section: Section | None = None  #: along the whole member
-    stations: tuple[Section, ...] = ()  #: instead: sections at equal distances, linear between
-    elements: Annotated[int, count(1)] = 1
-    path: tuple[Position, ...] = ()  #: points in between, in sector 0 [m]
-    part: Name | None = None  #: line set it belongs to; that of its name when None
-    sectors: tuple[int, ...] | None = None  #: that have it; all when None
-
-    @property
-    def line_set(self) -> str:
-        """Name of the line set that its elements belong to."""
-        return self.part or self.name
-
-
-class SketchMass(Table):
-    """A point mass."""
-
-    node: Reference
-    mass: Annotated[float, quantity("kg", "not negative")]  #: [kg]
-    inertia: Annotated[float, quantity("kg m2", "not negative")] = 0.0  #: rotary [kg m2]
-    sectors: tuple[int, ...] | None = None
-
-
-class SketchSpring(Table):
-    """A spring between two nodes, or between a node and the rotating frame."""
-
-    node: Reference
-    other: Reference | None = None  #: None: the rotating frame
-    radial: StiffnessOrZero = 0.0  #: along the first node's radius, x at the origin [N/m]
-    tangential: StiffnessOrZero = 0.0  #: across it, y at the origin [N/m]
-    rotation: Annotated[float, quantity("N m", "not negative")] = 0.0  #: [N m/rad]
-    sectors: tuple[int, ...] | None = None
-
-
-class SketchLink(Table):
-    """A rigid link: one node leads another as if on a rigid arm."""
-
-    leader: Reference
-    led: Reference
-    sectors: tuple[int, ...] | None = None
-
-
-class SketchEdit(Table):
-    """What is different in one sector: where a node is, or how a member is made."""
-
-    sector: Annotated[int, count(0)]
-    node: Name | None = None  #: to move
-    at: Position | None = None  #: where to, as in sector 0 [m]
-    member: Name | None = None  #: to change
-    stiffness: Factor = 1.0  #: on its Young's modulus
-    mass: Factor = 1.0  #: on its density
-    section: Section | None = None
-    stations: tuple[Section, ...] = ()
-    path: tuple[Position, ...] | None = None
-
-
-class SketchSet(Table):
-    """Named nodes, of every sector."""
-
-    name: StrictStr
-    nodes: tuple[Reference, ...]
+Part = SketchMember | SketchMass | SketchSpring | SketchLink
+"""A part between nodes that a choice of sectors may have."""
 
 
 class SketchTable(Table):
@@ -159,3 +67,168 @@ class SketchTable(Table):
         ends = [node.at for node in self.nodes if node.name in tips]
         ends += [edit.at for edit in self.edits if edit.node in tips and edit.at is not None]
         return max((hypot(*at) for at in ends), default=1.0)
+
+    @cached_property
+    def _shared(self) -> frozenset[str]:
+        return frozenset(node.name for node in self.nodes if node.shared)
+
+    def is_shared(self, *references: str) -> bool:
+        """Whether all these nodes are shared by the sectors."""
+        return all(split_reference(reference)[0] in self._shared for reference in references)
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Names, sectors, sections, edits and lengths that do not fit together, part by part."""
+        for place, expected in chain(
+            _name_faults(self),
+            _reference_faults(self),
+            _sector_faults(self),
+            _section_faults(self),
+            _edit_faults(self),
+            _length_faults(self),
+        ):
+            yield Inconsistency("", expected, place=place)
+
+
+Faults = Iterator[tuple[str, str]]
+"""Parts of a sketch, and what was expected of them."""
+
+
+def _parts(sketch: SketchTable) -> Iterator[tuple[str, Part]]:
+    """Parts between nodes, each with its name."""
+    for member in sketch.members:
+        yield f"member {member.name!r}", member
+    for mass in sketch.masses:
+        yield f"mass at {mass.node!r}", mass
+    for spring in sketch.springs:
+        yield f"spring at {spring.node!r}", spring
+    for link in sketch.links:
+        yield f"link of {link.led!r}", link
+
+
+def _name_faults(sketch: SketchTable) -> Faults:
+    """Names given twice, and sets left out."""
+    for kind, named in (("node", sketch.nodes), ("member", sketch.members), ("set", sketch.sets)):
+        for name, times in Counter(one.name for one in named).items():
+            if times > 1:
+                yield f"{kind} {name!r}", f"one of that name, not {times}"
+    if not sketch.members:
+        yield "members", "one or more"
+    for name in NEEDED_SETS:
+        if not sketch.node_sets.get(name):
+            yield "sets", f'the set "{name}"'
+
+
+def _reference_faults(sketch: SketchTable) -> Faults:
+    """References to nodes that there are not, and nodes that nothing holds."""
+    known = {node.name for node in sketch.nodes}
+    held: set[str] = set()
+    parts = [(place, part.references) for place, part in _parts(sketch)]
+    parts += [(f"set {name!r}", references) for name, references in sketch.node_sets.items()]
+    for place, references in parts:
+        for reference in references:
+            name, _ = split_reference(reference)
+            if name not in known:
+                found = ", ".join(sorted(known)) or "none"
+                yield place, f"a node of the sketch ({found}), not {reference!r}"
+            if place.partition(" ")[0] in ("member", "spring", "link"):
+                held.add(name)
+    for node in sketch.nodes:
+        if node.name not in held:
+            yield f"node {node.name!r}", "a member, a link or a spring at it"
+
+
+def _sector_faults(sketch: SketchTable) -> Faults:
+    """Sectors that there are not, or given for a part between shared nodes, which is there once."""
+    for place, part in _parts(sketch):
+        chosen = part.sectors
+        if chosen is None:
+            continue
+        if len(set(chosen)) < len(chosen) or not all(0 <= s < sketch.sectors for s in chosen):
+            yield place, f"sectors from 0 to {sketch.sectors - 1}, each once"
+        if sketch.is_shared(*part.references):
+            yield place, "no sectors: its nodes are shared, so that it is there once"
+    for edit in sketch.edits:
+        if edit.sector >= sketch.sectors:
+            yield f"edit of sector {edit.sector}", f"a sector from 0 to {sketch.sectors - 1}"
+
+
+def _section_faults(sketch: SketchTable) -> Faults:
+    for member in sketch.members:
+        if member.section is None and not member.stations:
+            yield f"member {member.name!r}", "a section"
+        if member.section is not None and member.stations:
+            yield f"member {member.name!r}", "either a section or stations"
+
+
+def _edit_faults(sketch: SketchTable) -> Faults:
+    """Edits of nothing, that would have no effect, or that undo one another."""
+    nodes = {node.name for node in sketch.nodes}
+    members = {member.name: member for member in sketch.members}
+    seen: Counter[tuple[int, str]] = Counter()
+    for edit in sketch.edits:
+        place = f"edit of sector {edit.sector}"
+        if (edit.node is None) == (edit.member is None):
+            yield place, "either a node to move or a member to change"
+        elif edit.node is not None and edit.node not in nodes:
+            yield place, f"a node of the sketch, not {edit.node!r}"
+        elif edit.member is not None and edit.member not in members:
+            yield place, f"a member of the sketch, not {edit.member!r}"
+        elif edit.node is not None and edit.at is None:
+            yield place, f"where node {edit.node!r} is to be"
+        part = f"node {edit.node!r}" if edit.node is not None else f"member {edit.member!r}"
+        place = f"edit of {part} in sector {edit.sector}"
+        seen[edit.sector, part] += 1
+        if seen[edit.sector, part] == 2:
+            yield place, "one edit of a part in a sector, with all that differs"
+        member = members.get(edit.member or "")
+        references = member.references if member else [edit.node] if edit.node else []
+        if references and sketch.is_shared(*references) and edit.sector != 0:
+            yield place, "sector 0, which shared parts belong to"
+        if member is not None and member.sectors is not None and edit.sector not in member.sectors:
+            found = ", ".join(map(str, member.sectors)) or "none"
+            yield place, f"a sector that has it ({found})"
+
+
+def _length_faults(sketch: SketchTable) -> Faults:
+    """Members of no length, in sector 0 or where an edit makes them so."""
+    nodes = {node.name: node for node in sketch.nodes}
+    moved = {(e.sector, e.node): e.at for e in sketch.edits if e.node and e.at is not None}
+    changed = {(e.sector, e.member): e.path for e in sketch.edits if e.member}
+    touched = sorted({0, *(e.sector + shift for e in sketch.edits for shift in (-1, 0, 1))})
+    for member in sketch.members:
+        references = [split_reference(reference) for reference in member.references]
+        if any(name not in nodes for name, _ in references):
+            continue
+        for sector in {sector % sketch.sectors for sector in touched}:
+            if member.sectors is not None and sector not in member.sectors:
+                continue
+            path = changed.get((sector, member.name))
+            points = [_position(sketch, nodes[n], moved, sector, shift) for n, shift in references]
+            points[1:1] = [np.array(point) for point in (member.path if path is None else path)]
+            steps = [float(np.linalg.norm(b - a)) for a, b in pairwise(points)]
+            if not min(steps) > SHORTEST * float(np.abs(points).max()):
+                place = f"member {member.name!r} in sector {sector}"
+                yield place, "a member with length: two points in a row of it are alike"
+                break
+
+
+def _position(
+    sketch: SketchTable,
+    node: SketchNode,
+    moved: Mapping[tuple[int, str], tuple[float, float]],
+    sector: int,
+    shift: int,
+) -> FloatArray:
+    """Point of a node of the sector that is ``shift`` further on, in the axes of a sector [m]."""
+    if node.shared:
+        at, turns = node.at, -sector
+    else:
+        at, turns = moved.get(((sector + shift) % sketch.sectors, node.name), node.at), shift
+    return turned(at, 2.0 * np.pi * turns / sketch.sectors)
+
+
+def turned(point: tuple[float, float], angle: float) -> FloatArray:
+    """A point turned about the origin, (2,)."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    x, y = point
+    return np.array([cos * x - sin * y, sin * x + cos * y])

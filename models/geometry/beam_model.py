@@ -38,7 +38,7 @@ class PointMasses:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Springs:
+class NodeSprings:
     """Springs between nodes, or between a node and the rotating frame.
 
     They act on the difference of the displacements of both ends along the displacement axes of
@@ -69,7 +69,7 @@ class BeamModel:
     mesh: LineMesh
     properties: LineProperties
     masses: PointMasses = field(default_factory=PointMasses)
-    springs: Springs = field(default_factory=Springs)
+    springs: NodeSprings = field(default_factory=NodeSprings)
     links: RigidLinks = field(default_factory=RigidLinks)
     tip_radius: float  #: that the clearance counts from; a tip may be shorter or longer [m]
 

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from scipy.spatial import KDTree
 
-from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError
-from bladewhirl.meshes.files.registry import read_line_mesh
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray, LineMesh
+from bladewhirl.meshes.files.groups import GroupedLines
+from bladewhirl.meshes.line_mesh import IntArray, LineMesh
 from bladewhirl.meshes.symmetry import rotational_sectors, symmetric_points
-from bladewhirl.models.case.materials import Material
-from bladewhirl.models.case.mesh_file import LengthUnit, MeshTable
+from bladewhirl.models.case.mesh_file import KEY, SAME_PLACE, MeshTable
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.checks import AT_ORIGIN, check_model
 from bladewhirl.models.geometry.mesh_data import point_masses, rigid_links, springs
-from bladewhirl.models.inputs.errors import LONGEST_VALUE, CaseError, Fault, shown
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.sections.materials import Material
 from bladewhirl.models.sections.rectangular import (
     CHANGES,
     QUANTITIES,
@@ -29,24 +26,8 @@ from bladewhirl.models.sections.rectangular import (
     along,
 )
 
-KEY = "bladed_disk.mesh"
-
-SAME_PLACE = 1e-6
-"""Nodes nearer to each other than this, over the size of the mesh, are one node twice."""
-
 TIP_RADII = (1e-3, 10.0)
 """Smallest and largest tip radius [m]; beyond them a unit of length was mistaken."""
-
-
-def mesh_tips(table: MeshTable) -> FloatArray:
-    """Points of the blade tips in blade order [m], (blades, 2).
-
-    Raises:
-        CaseError: the file can't be read, or the mapping does not fit it.
-    """
-    mesh = _checked(table)
-    points = mesh.points * table.unit
-    return points[_tips(table, mesh, points)]
 
 
 def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
@@ -63,20 +44,20 @@ def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
         CaseError: the file can't be read, the mapping does not fit it, or what it gives can be no
             bladed disk.
     """
-    mesh = _checked(table)
+    mesh = table.lines()
     points = mesh.points * table.unit
     faults = [*_double_parts(mesh)]
     if faults:
-        raise CaseError(_fault(table, "file", expected) for expected in faults)
-    tips = _tips(table, mesh, points)
-    centre = _group(table, mesh, "centre")
+        raise CaseError(table.fault("file", expected) for expected in faults)
+    tips = table.tip_nodes(mesh)
+    centre = table.group_nodes(mesh, "centre")
     hung = _hung(table, mesh)
     beams = mesh.beams()
     tip_radius = float(np.linalg.norm(points[tips], axis=1).max())
     if not TIP_RADII[0] <= tip_radius <= TIP_RADII[1]:
         low, high = TIP_RADII
         expected = f"a unit that puts the tips at {low:g} m to {high:g} m, not at {tip_radius:g} m"
-        raise CaseError([_fault(table, "unit", expected)])
+        raise CaseError([table.fault("unit", expected)])
     sectors = None
     if len(centre) == 1 and np.linalg.norm(points[centre[0]]) <= AT_ORIGIN * tip_radius:
         points[centre[0]] = 0.0
@@ -106,74 +87,6 @@ def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
     return model
 
 
-def _checked(table: MeshTable) -> GroupedLines:
-    """The lines of a case's mesh, with the groups that its sections and tips ask for.
-
-    Raises:
-        CaseError: the file can't be read, has no lines for a section, or none at a tip.
-    """
-    mesh = _read(table)
-    faults = [
-        Fault(
-            key=f"{KEY}.sections.{name}",
-            value=section.model_dump(exclude_none=True),
-            expected=_one_of(table, "lines", mesh.line_groups),
-        )
-        for name, section in table.sections.items()
-        if name not in mesh.line_groups
-    ] or [*_bare_tips(table, mesh)]
-    if faults:
-        raise CaseError(faults)
-    return _lines_only(mesh)
-
-
-def _bare_tips(table: MeshTable, mesh: GroupedLines) -> Iterator[Fault]:
-    """Tips that no line leads to, where it leads to others: their blades are missing."""
-    tips = np.unique(mesh.node_groups.get(table.tips, np.zeros(0, np.int64)))
-    bare = np.setdiff1d(tips, mesh.lines)
-    if 0 < len(bare) < len(tips):
-        x, y = (mesh.points[bare[0]] * table.unit).tolist()
-        yield _fault(
-            table,
-            "tips",
-            f"a line to every node of the group; {len(bare)} of {len(tips)} in {_name(table)}"
-            f" {'have' if len(bare) > 1 else 'has'} none, first that at ({x:.4g}, {y:.4g}) m",
-        )
-
-
-def _read(table: MeshTable) -> GroupedLines:
-    try:
-        stamp = os.stat(table.file)
-        return _cached(table.file, (stamp.st_mtime_ns, stamp.st_size))
-    except OSError as error:
-        expected = f"a readable file ({error.strerror})"
-    except MeshFileError as error:
-        expected = str(error)
-    raise CaseError([_fault(table, "file", expected)]) from None
-
-
-@lru_cache(maxsize=8)
-def _cached(file: str, stamp: tuple[int, int]) -> GroupedLines:
-    """A mesh, read once for all stages of a sweep; the stamp tells a changed file."""
-    return read_line_mesh(file)
-
-
-def _lines_only(mesh: GroupedLines) -> GroupedLines:
-    """The mesh without nodes that no line leads to, such as centres of arcs."""
-    used = np.unique(mesh.lines)
-    number = np.full(len(mesh.points), -1)
-    number[used] = np.arange(len(used))
-    groups = {name: number[nodes] for name, nodes in mesh.node_groups.items()}
-    return GroupedLines(
-        points=mesh.points[used],
-        lines=number[mesh.lines],
-        node_groups={name: nodes[nodes >= 0] for name, nodes in groups.items()},
-        line_groups=mesh.line_groups,
-        node_data={name: values[used] for name, values in mesh.node_data.items()},
-        line_data=mesh.line_data,
-    )
-
-
 def _double_parts(mesh: GroupedLines) -> Iterator[str]:
     """What is in a mesh twice; completes "expected ..."."""
     size = float(np.ptp(mesh.points, axis=0).max())
@@ -193,26 +106,6 @@ def _double_parts(mesh: GroupedLines) -> Iterator[str]:
         if len(found):
             x, y = mesh.points[found[0, 0]].tolist()
             yield f"{what}; {len(found)} are not so, first at ({x:g}, {y:g})"
-
-
-def _tips(table: MeshTable, mesh: GroupedLines, points: FloatArray) -> IntArray:
-    """Nodes of the tips, counter-clockwise from the one nearest to +x."""
-    nodes = _group(table, mesh, "tips")
-    angles = np.arctan2(points[nodes, 1], points[nodes, 0])
-    order = np.argsort(angles)
-    # Of two tips as near as each other the one ahead: the small turn decides.
-    first = int(np.argmin(np.abs(angles[order] - SAME_PLACE)))
-    return np.asarray(nodes[np.roll(order, -first)])
-
-
-def _group(table: MeshTable, mesh: GroupedLines, key: str) -> IntArray:
-    name = getattr(table, key)
-    if name not in mesh.node_groups:
-        raise CaseError([_fault(table, key, _one_of(table, "nodes", mesh.node_groups))])
-    if not len(mesh.node_groups[name]):
-        expected = f"a group with nodes that lines lead to; that of {_name(table)} has none"
-        raise CaseError([_fault(table, key, expected)])
-    return np.unique(mesh.node_groups[name])
 
 
 def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> LineProperties:
@@ -246,16 +139,16 @@ def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> Lin
         groups = [k for k in table.sections if twice[0] in mesh.line_groups[k]]
         both = " and ".join(map(repr, groups))
         expected = f"one section a line; {both} share {len(twice)} of the lines"
-        raise CaseError([_fault(table, "sections", expected)])
+        raise CaseError([table.fault("sections", expected)])
     thin = np.flatnonzero((np.abs(changes) >= 2.0 * values).any(axis=0) & (values > 0).all(axis=0))
     if len(thin):
         quantity = int(np.argmax(np.abs(changes[:, thin[0]]) / values[:, thin[0]]))
         name, found = CHANGES[quantity], changes[quantity, thin[0]]
         expected = f"sections above zero all along lines; line {thin[0]} has {name} {found:g}"
-        raise CaseError([_fault(table, "file", expected)])
+        raise CaseError([table.fault("file", expected)])
     bare = np.flatnonzero(~(np.isfinite(values) & (values > 0.0)).all(axis=0))
     if len(bare):
-        raise CaseError([_fault(table, "sections", _wanted(mesh, bare))])
+        raise CaseError([table.fault("sections", _wanted(mesh, bare))])
     names = (*QUANTITIES, *CHANGES)
     return LineProperties(**dict(zip(names, np.vstack([values, changes]), strict=True)))
 
@@ -275,35 +168,13 @@ def _hung(table: MeshTable, mesh: GroupedLines) -> dict[str, Any]:
     try:
         masses, joints = point_masses(mesh), springs(mesh)
     except ValueError as error:
-        raise CaseError([_fault(table, "file", str(error))]) from None
+        raise CaseError([table.fault("file", str(error))]) from None
     for name, count in (("point masses", len(masses.node)), ("springs", len(joints.node))):
         if count and table.unit != 1.0:
-            expected = f'"m" for a file with {name}, which count in SI; {_name(table)} has some'
-            raise CaseError([_fault(table, "unit", expected)])
+            expected = f'"m" for a file with {name}, which count in SI; {table.file_name} has some'
+            raise CaseError([table.fault("unit", expected)])
     return {"masses": masses, "springs": joints, "links": rigid_links(mesh)}
 
 
 def _without(groups: Mapping[str, IntArray], *names: str) -> dict[str, IntArray]:
     return {name: members for name, members in groups.items() if name not in names}
-
-
-def _one_of(table: MeshTable, kind: str, groups: Mapping[str, IntArray]) -> str:
-    found = ", ".join(shown(name) for name in groups) or "none"
-    return f"a group of {kind} of {_name(table)}: {found}"
-
-
-def _name(table: MeshTable) -> str:
-    return os.path.basename(table.file)
-
-
-def _fault(table: MeshTable, key: str, expected: str) -> Fault:
-    values = {"file": _short(table.file), "sections": None}
-    value = values.get(key, getattr(table, key))
-    value = value.given if isinstance(value, LengthUnit) else value
-    return Fault(key=f"{KEY}.{key}", value=value, expected=expected)
-
-
-def _short(path: str) -> str:
-    """A path from here if that is shorter; what a message has no room for is left out in front."""
-    path = min(path, os.path.relpath(path), key=len)
-    return path if len(path) <= LONGEST_VALUE - 2 else f"...{path[5 - LONGEST_VALUE :]}"

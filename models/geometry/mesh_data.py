@@ -19,9 +19,9 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.geometry.beam_model import (
     GROUND,
     BeamModel,
+    NodeSprings,
     PointMasses,
     RigidLinks,
-    Springs,
 )
 from bladewhirl.models.sections.rectangular import CHANGES, QUANTITIES
 
@@ -79,7 +79,7 @@ def point_masses(mesh: GroupedLines) -> PointMasses:
     return PointMasses(node=node, mass=mass, inertia=inertia)
 
 
-def springs(mesh: GroupedLines) -> Springs:
+def springs(mesh: GroupedLines) -> NodeSprings:
     """Springs among the lines and the data of a mesh.
 
     Raises:
@@ -87,7 +87,7 @@ def springs(mesh: GroupedLines) -> Springs:
     """
     line, between = _table(mesh.line_data, SPRING, len(mesh.lines))
     node, grounded = _table(mesh.node_data, GROUNDED, len(mesh.points))
-    return Springs(
+    return NodeSprings(
         node=np.append(mesh.lines[line, 0], node),
         other=np.append(mesh.lines[line, 1], np.full(len(node), GROUND)),
         stiffness=np.hstack([between, grounded]).T,

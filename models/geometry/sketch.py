@@ -1,4 +1,4 @@
-"""A bladed disk drawn in Python: nodes, members with sections between them, sector by sector.
+"""A bladed disk drawn in Python: nodes and members between them, sector by sector.
 
     sketch = Sketch(sectors=22)
     sketch.node("centre", 0.0, 0.0, shared=True)
@@ -17,6 +17,7 @@ first tip belongs on +x: an imbalance pulls that way.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -24,7 +25,8 @@ from pydantic import ValidationError
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.check import case_from
-from bladewhirl.models.case.sketch import (
+from bladewhirl.models.case.sketch import SketchTable
+from bladewhirl.models.case.sketch_parts import (
     SketchEdit,
     SketchLink,
     SketchMass,
@@ -32,7 +34,6 @@ from bladewhirl.models.case.sketch import (
     SketchNode,
     SketchSet,
     SketchSpring,
-    SketchTable,
 )
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.sketch_build import build_sketch
@@ -43,33 +44,29 @@ Point = tuple[float, float]
 
 
 class Sketch:
-    """Gathers the parts of one sector and what is different in some sectors.
+    """Gathers the parts of one sector and the differences of some sectors.
 
     Lengths are numbers in metres or text with a unit, and so with all that has one. Sectors are
     numbered from 0 counter-clockwise; ``sectors`` of a part are those that have it, None for all.
 
     Raises:
-        CaseError: a value that is none, as each part is drawn; what does not fit together shows
-            when the sketch is built.
+        CaseError: a value that is none, as each part is drawn; parts that do not fit together show
+            when the sketch is put into a case or built.
     """
 
     def __init__(self, sectors: int = 1, *, tip_radius: float | str | None = None) -> None:
         self._head: dict[str, Any] = {"sectors": sectors}
         if tip_radius is not None:
             self._head["tip_radius"] = tip_radius
-        self._parts: dict[str, list[Any]] = {
-            "nodes": [],
-            "members": [],
-            "masses": [],
-            "springs": [],
-            "links": [],
-            "edits": [],
-            "sets": [],
-        }
+        self._parts: defaultdict[str, list[Any]] = defaultdict(list)
 
     @property
     def table(self) -> SketchTable:
-        """The sketch as a case holds it."""
+        """The sketch as a case holds it.
+
+        Raises:
+            CaseError: parts that do not fit together, each named.
+        """
         try:
             parts = {name: tuple(found) for name, found in self._parts.items()}
             return SketchTable(**self._head, **parts)
@@ -147,10 +144,8 @@ class Sketch:
         sectors: Iterable[int] | None = None,
     ) -> None:
         """Hang a point mass [kg], with a rotary inertia [kg m2], on a node."""
-        self._add(
-            *("masses", SketchMass, node),
-            **{"node": node, "mass": mass, "inertia": inertia, "sectors": _chosen(sectors)},
-        )
+        chosen = _chosen(sectors)
+        self._add("masses", SketchMass, node, node=node, mass=mass, inertia=inertia, sectors=chosen)
 
     def spring(
         self,
@@ -167,9 +162,15 @@ class Sketch:
         Its directions are the radius of ``node`` and across it, x and y at the origin.
         """
         self._add(
-            *("springs", SketchSpring, node),
-            **{"node": node, "other": other, "radial": radial, "tangential": tangential},
-            **{"rotation": rotation, "sectors": _chosen(sectors)},
+            "springs",
+            SketchSpring,
+            node,
+            node=node,
+            other=other,
+            radial=radial,
+            tangential=tangential,
+            rotation=rotation,
+            sectors=_chosen(sectors),
         )
 
     def link(self, leader: str, led: str, *, sectors: Iterable[int] | None = None) -> None:
@@ -205,8 +206,13 @@ class Sketch:
             path: instead of the member's own.
         """
         self._add(
-            *("edits", SketchEdit, member),
-            **{"sector": sector, "member": member, "stiffness": stiffness, "mass": mass},
+            "edits",
+            SketchEdit,
+            member,
+            sector=sector,
+            member=member,
+            stiffness=stiffness,
+            mass=mass,
             **_sections(section),
             path=None if path is None else tuple(map(tuple, path)),
         )
@@ -229,11 +235,13 @@ def _chosen(sectors: Iterable[int] | None) -> tuple[int, ...] | None:
 
 
 def _case_error(key: str, error: ValidationError) -> CaseError:
-    return CaseError(
-        Fault(
-            key=".".join([key, *map(str, details["loc"])]),
-            value=details["input"],
-            expected=str(details.get("ctx", {}).get("expected", details["msg"])),
-        )
-        for details in error.errors(include_url=False)
-    )
+    faults = []
+    for details in error.errors(include_url=False):
+        context = details.get("ctx", {})
+        expected = str(context.get("expected", details["msg"]))
+        if context.get("place"):
+            faults.append(Fault(key=f"{key}: {context['place']}", expected=expected))
+        else:
+            path = ".".join([key, *map(str, details["loc"])])
+            faults.append(Fault(key=path, value=details["input"], expected=expected))
+    return CaseError(faults)

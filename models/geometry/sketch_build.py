@@ -8,25 +8,18 @@ from itertools import pairwise
 
 import numpy as np
 
-from bladewhirl.meshes.curve import points_along
-from bladewhirl.meshes.line_mesh import FloatArray, LineMesh
+from bladewhirl.meshes.line_mesh import FloatArray, LineMesh, points_along
 from bladewhirl.meshes.symmetry import rotational_sectors
-from bladewhirl.models.case.sketch import (
-    SketchEdit,
-    SketchMember,
-    SketchTable,
-    split_reference,
-)
+from bladewhirl.models.case.sketch import Part, SketchTable, turned
+from bladewhirl.models.case.sketch_parts import SketchEdit, SketchMember, split_reference
 from bladewhirl.models.geometry.beam_model import (
     GROUND,
     BeamModel,
+    NodeSprings,
     PointMasses,
     RigidLinks,
-    Springs,
 )
 from bladewhirl.models.geometry.checks import check_model
-from bladewhirl.models.geometry.sketch_checks import sketch_faults
-from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.sections.rectangular import (
     CHANGES,
     QUANTITIES,
@@ -49,9 +42,6 @@ def build_sketch(sketch: SketchTable) -> BeamModel:
     Raises:
         CaseError: parts that do not fit together, each named.
     """
-    faults = list(sketch_faults(sketch))
-    if faults:
-        raise CaseError(faults)
     drawing = _Drawing(sketch)
     mesh, properties = drawing.mesh(), drawing.properties()
     model = BeamModel(
@@ -126,28 +116,28 @@ class _Drawing:
         found = [
             (self._at_node(mass.node, sector), mass.mass, mass.inertia)
             for mass in self._sketch.masses
-            for sector in self._those([mass.node], mass.sectors)
+            for sector in self._sectors_of(mass)
         ]
         node, mass, inertia = np.array(found).reshape(-1, 3).T
         return PointMasses(node=node.astype(np.int64), mass=mass, inertia=inertia)
 
-    def springs(self) -> Springs:
+    def springs(self) -> NodeSprings:
         """Springs of all sectors."""
         ends, stiffness = [], []
         for spring in self._sketch.springs:
-            names = [spring.node, *([] if spring.other is None else [spring.other])]
-            for sector in self._those(names, spring.sectors):
-                ends.append(([*(self._at_node(name, sector) for name in names), GROUND])[:2])
+            for sector in self._sectors_of(spring):
+                nodes = [self._at_node(name, sector) for name in spring.references]
+                ends.append([*nodes, GROUND][:2])
                 stiffness.append((spring.radial, spring.tangential, spring.rotation))
         node, other = np.array(ends, dtype=np.int64).reshape(-1, 2).T
-        return Springs(node=node, other=other, stiffness=np.array(stiffness).reshape(-1, 3))
+        return NodeSprings(node=node, other=other, stiffness=np.array(stiffness).reshape(-1, 3))
 
     def links(self) -> RigidLinks:
         """Rigid links of all sectors."""
         found = [
             (self._at_node(link.led, sector), self._at_node(link.leader, sector))
             for link in self._sketch.links
-            for sector in self._those([link.led, link.leader], link.sectors)
+            for sector in self._sectors_of(link)
         ]
         led, leader = np.array(found, dtype=np.int64).reshape(-1, 2).T
         return RigidLinks(led=led, leader=leader)
@@ -158,7 +148,7 @@ class _Drawing:
             if sector not in self._sectors_of(member):
                 continue
             points = self._line_of(member, sector)
-            own = not self._is_shared(member.first, member.second)
+            own = not self._sketch.is_shared(*member.references)
             ends = (self._place(member.first, sector), self._place(member.second, sector))
             self._meet(ends[0], sector)
             for i, point in enumerate(points[1:-1]):
@@ -209,7 +199,7 @@ class _Drawing:
         path = member.path if edit is None or edit.path is None else edit.path
         given = [
             self._at(*self._place(member.first, sector)),
-            *(_turned(point, sector * self._alpha) for point in path),
+            *(turned(point, sector * self._alpha) for point in path),
             self._at(*self._place(member.second, sector)),
         ]
         return points_along(np.array(given), member.elements)
@@ -218,7 +208,7 @@ class _Drawing:
         """Where a named node is."""
         edit = self._moved.get((sector, key[0]))
         at = self._nodes[key[0]].at if edit is None or edit.at is None else edit.at
-        return _turned(at, sector * self._alpha)
+        return turned(at, sector * self._alpha)
 
     def _place(self, reference: str, sector: int) -> tuple[int, Key]:
         name, shift = split_reference(reference)
@@ -228,17 +218,11 @@ class _Drawing:
     def _at_node(self, reference: str, sector: int) -> int:
         return self._number[self._place(reference, sector)]
 
-    def _is_shared(self, *references: str) -> bool:
-        return all(self._nodes[split_reference(name)[0]].shared for name in references)
-
-    def _sectors_of(self, member: SketchMember) -> Iterable[int]:
-        return self._those([member.first, member.second], member.sectors)
-
-    def _those(self, names: list[str], sectors: tuple[int, ...] | None) -> Iterable[int]:
+    def _sectors_of(self, part: Part) -> Iterable[int]:
         """Sectors that have a part; one between shared nodes is there once."""
-        if self._is_shared(*names):
+        if self._sketch.is_shared(*part.references):
             return range(1)
-        return range(self._sketch.sectors) if sectors is None else sectors
+        return range(self._sketch.sectors) if part.sectors is None else part.sectors
 
     def _set(self, name: str) -> list[int]:
         found = [
@@ -269,9 +253,3 @@ def _sections(part: SketchMember | SketchEdit) -> tuple:  # type: ignore[type-ar
 def _table(part: SketchMember | SketchEdit, elements: int) -> FloatArray:
     """Sections of equal elements, quantities above their changes, (8, elements)."""
     return np.vstack(along_elements(_sections(part), elements))
-
-
-def _turned(point: tuple[float, float], angle: float) -> FloatArray:
-    cos, sin = np.cos(angle), np.sin(angle)
-    x, y = point
-    return np.array([cos * x - sin * y, sin * x + cos * y])

@@ -8,12 +8,11 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from bladewhirl.meshes.curve import points_along
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import FloatArray, points_along
 from bladewhirl.models.case.bladed_disk import BladedDisk
-from bladewhirl.models.case.materials import BeamSection
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.sections.materials import BeamSection
 from bladewhirl.models.sections.rectangular import QUANTITIES, Section, along
 
 FINE = 400

@@ -18,7 +18,9 @@ class Inconsistency(NamedTuple):
 
     key: str  #: the one to blame
     expected: str  #: completes "expected ..."
-    others: tuple[str, ...]  #: the keys it does not agree with
+    others: tuple[str, ...] = ()  #: the keys it does not agree with
+    value: object = None  #: to be shown instead of the key's own
+    place: str = ""  #: part of the table that no key names, shown instead of a key
 
 
 class Table(BaseModel):
@@ -27,7 +29,7 @@ class Table(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """What does not fit together in this table."""
+        """Values of this table that do not fit together."""
         yield from ()
 
     @model_validator(mode="after")
@@ -35,8 +37,8 @@ class Table(BaseModel):
         errors = [
             InitErrorDetails(
                 type=PydanticCustomError(INCONSISTENT, "expected {expected}", found._asdict()),
-                loc=tuple(found.key.split(".")),
-                input=attrgetter(found.key)(self),
+                loc=tuple(found.key.split(".")) if found.key else (),
+                input=self if found.value or found.place else attrgetter(found.key)(self),
             )
             for found in self.inconsistencies()
         ]

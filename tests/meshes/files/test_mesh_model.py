@@ -25,7 +25,14 @@ from bladewhirl.meshes.files.registry import WRITERS, left_out, read_line_mesh, 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import BladedDisk as BladedDiskTable
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import dumps_case, loads, read_case, template, with_values
+from bladewhirl.models.case.file import (
+    case_from,
+    dumps_case,
+    loads,
+    read_case,
+    template,
+    with_values,
+)
 from bladewhirl.models.case.mesh_file import MeshSection, MeshTable
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.build import case_beam_model
@@ -69,8 +76,7 @@ def assembled(model: BeamModel) -> BladedDiskModel:
 
 def from_file(path: Path, **more: Any) -> BeamModel:
     """The beam model of a mesh file, with the material of a case by default."""
-    table = MeshTable(file=str(path), **more)
-    return case_beam_model(Case(bladed_disk=BladedDiskTable(mesh=table)))
+    return case_beam_model(case_from({"bladed_disk": {"mesh": {"file": str(path), **more}}}))
 
 
 def renumbered(disk: BladedDiskModel, points: FloatArray) -> list[sp.csr_array]:
@@ -393,6 +399,7 @@ def test_a_tip_radius_of_its_own_sets_tips_back(tmp_path: Path) -> None:
 
 
 def test_other_keys_beside_a_mesh_are_refused(tmp_path: Path) -> None:
+    write_line_mesh(tmp_path / "a.vtu", grouped_lines(papers()))
     path = tmp_path / "case.toml"
     path.write_text(TOML.format("") + "\nbladed_disk.blades = 12")
     with pytest.raises(CaseError) as error:
@@ -436,9 +443,11 @@ def test_the_example_is_what_its_geometry_says() -> None:
     assert "gmsh -1 examples/shrouded_fan.geo -o examples/shrouded_fan.msh" in geometry
 
 
-def test_the_template_shows_a_mapping_on_one_line() -> None:
+def test_the_template_shows_a_mapping_on_one_line(tmp_path: Path) -> None:
     [line] = re.findall(r"^# (mesh = .*)$", template(), flags=re.MULTILINE)
-    mesh = loads(f"[bladed_disk]\n{line}").bladed_disk.mesh
+    lines = grouped_lines(papers())
+    write_line_mesh(tmp_path / "a.msh", replace(lines, line_data={}))
+    mesh = loads(f"[bladed_disk]\n{line}", file=f"{tmp_path}/case.toml").bladed_disk.mesh
     assert mesh is not None
     assert (mesh.unit, [*mesh.sections]) == (1e-3, ["blades"])
 

@@ -11,8 +11,7 @@ import pytest
 import scipy.linalg as la
 from stages import bladed_disk, steel
 
-from bladewhirl.meshes.curve import points_along
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import FloatArray, points_along
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import dumps_case, loads
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
@@ -278,7 +277,7 @@ BAD: list[tuple[Callable[[Sketch], object], str]] = [
         r"member 'rim': expected a node of the sketch \(centre, root, tip\), not 'rood'",
     ),
     (lambda s: s.node("root", 0.1), "node 'root': expected one of that name, not 2"),
-    (lambda s: s.mass("hub", 1.0), "mass: expected a node of the sketch"),
+    (lambda s: s.mass("hub", 1.0), "mass at 'hub': expected a node of the sketch"),
     (lambda s: s.mass("tip", -1.0), r"masses 'tip'.mass = -1\.0: expected a number of zero or"),
     (lambda s: s.move(7, "tip", 0.4), "edit of sector 7: expected a sector from 0 to 4"),
     (lambda s: s.change(1, "blade"), "expected a member of the sketch, not 'blade'"),
@@ -286,7 +285,7 @@ BAD: list[tuple[Callable[[Sketch], object], str]] = [
     (lambda s: s.link("root", "tip"), 'of the set "tips", to be led by none'),
     (
         lambda s: s.member("rim", "root", "root+1", steel(0.01), sectors=[0, 0]),
-        "members 'rim': expected sectors from 0 to 4, each once",
+        "member 'rim': expected sectors from 0 to 4, each once",
     ),
     (_twice_changed, "edit of member 'blades' in sector 0: expected one edit of a part in"),
     (_twice_moved, "edit of node 'tip' in sector 1: expected one edit of a part in a sector"),

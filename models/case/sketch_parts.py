@@ -1,0 +1,148 @@
+"""The parts of a sketch, gathered by Python's `Sketch` and held by a case file.
+
+Nodes are named within a sector: "root" is the node of the sector that a part belongs to, "root+1"
+and "root-1" those of its neighbours. Shared nodes, such as the centre, are one for all sectors.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated
+
+from pydantic import BeforeValidator, StrictBool, StrictStr
+
+from bladewhirl.models.inputs.fields import (
+    Position,
+    StiffnessOrZero,
+    count,
+    expectation,
+    number,
+    quantity,
+)
+from bladewhirl.models.inputs.table import Table
+from bladewhirl.models.sections.rectangular import Section
+
+_REFERENCE = re.compile(r"(?P<name>[A-Za-z_][\w ]*)(?P<shift>[+-]\d{1,6})?", re.ASCII)
+
+
+def _name(value: object) -> str:
+    if not isinstance(value, str) or not re.fullmatch(r"[A-Za-z_][\w ]*", value, re.ASCII):
+        raise expectation('a name of letters, digits, spaces and underscores such as "blade root"')
+    return value
+
+
+def _reference(value: object) -> str:
+    if not isinstance(value, str) or not _REFERENCE.fullmatch(value):
+        raise expectation('the name of a node, such as "root", or "root+1" in the next sector')
+    return value
+
+
+def split_reference(reference: str) -> tuple[str, int]:
+    """Name of the node and how many sectors on it is."""
+    match = _REFERENCE.fullmatch(reference)
+    assert match is not None  # checked when made
+    return match["name"], int(match["shift"] or 0)
+
+
+Chosen = tuple[int, ...] | None
+"""Sectors that have a part; None for all."""
+
+Name = Annotated[str, BeforeValidator(_name)]
+Reference = Annotated[str, BeforeValidator(_reference)]
+Factor = Annotated[float, number("positive")]
+
+
+class SketchNode(Table):
+    """A node."""
+
+    name: Name
+    at: Position  #: x and y in sector 0 [m]
+    shared: StrictBool = False  #: one node for all sectors
+
+
+class SketchMember(Table):
+    """Beams along a straight or curved centre line between two nodes."""
+
+    name: Name
+    first: Reference
+    second: Reference
+    section: Section | None = None  #: along the whole member
+    stations: tuple[Section, ...] = ()  #: instead: sections at equal distances, linear between
+    elements: Annotated[int, count(1)] = 1
+    path: tuple[Position, ...] = ()  #: points in between, in sector 0 [m]
+    part: Name | None = None  #: line set it belongs to; that of its name when None
+    sectors: Chosen = None
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """Nodes at its ends."""
+        return self.first, self.second
+
+    @property
+    def line_set(self) -> str:
+        """Name of the line set that its elements belong to."""
+        return self.part or self.name
+
+
+class SketchMass(Table):
+    """A point mass."""
+
+    node: Reference
+    mass: Annotated[float, quantity("kg", "not negative")]  #: [kg]
+    inertia: Annotated[float, quantity("kg m2", "not negative")] = 0.0  #: rotary [kg m2]
+    sectors: Chosen = None
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """The node that it hangs on."""
+        return (self.node,)
+
+
+class SketchSpring(Table):
+    """A spring between two nodes, or between a node and the rotating frame."""
+
+    node: Reference
+    other: Reference | None = None  #: None: the rotating frame
+    radial: StiffnessOrZero = 0.0  #: along the first node's radius, x at the origin [N/m]
+    tangential: StiffnessOrZero = 0.0  #: across it, y at the origin [N/m]
+    rotation: Annotated[float, quantity("N m", "not negative")] = 0.0  #: [N m/rad]
+    sectors: Chosen = None
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """Nodes at its ends, one where it leads to the rotating frame."""
+        return (self.node,) if self.other is None else (self.node, self.other)
+
+
+class SketchLink(Table):
+    """A rigid link: one node leads another as if on a rigid arm."""
+
+    leader: Reference
+    led: Reference
+    sectors: Chosen = None
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """Nodes at its ends."""
+        return self.leader, self.led
+
+
+class SketchEdit(Table):
+    """A difference of one sector: where a node is, or how a member is made."""
+
+    sector: Annotated[int, count(0)]
+    node: Name | None = None  #: to move
+    at: Position | None = None  #: where to, as in sector 0 [m]
+    member: Name | None = None  #: to change
+    stiffness: Factor = 1.0  #: on its Young's modulus
+    mass: Factor = 1.0  #: on its density
+    section: Section | None = None
+    stations: tuple[Section, ...] = ()
+    path: tuple[Position, ...] | None = None
+
+
+class SketchSet(Table):
+    """Named nodes, of every sector."""
+
+    name: StrictStr
+    nodes: tuple[Reference, ...]
