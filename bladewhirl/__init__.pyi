@@ -14,5 +14,8 @@ from .postprocess.plotting.style import save_figure as save_figure
 from .postprocess.run.orbits import plot_orbit as plot_orbit
 from .postprocess.run.orbits import shaft_orbit as shaft_orbit
 from .postprocess.sweep.dataset import open_sweep as open_sweep
+from .studies.modal.campbell import campbell as campbell
+from .studies.modal.modes import modes as modes
+from .studies.modal.veering import veering as veering
 from .studies.runs.report import report as report
 from .studies.runs.run import run as run

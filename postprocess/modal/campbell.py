@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -12,16 +11,26 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
-from bladewhirl.models.modal.labels import LabelledModes
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
-from bladewhirl.solvers.stability.coincidence import Coincidences, frequency_in_other_frame
+from bladewhirl.solvers.stability.coincidence import frequency_in_other_frame
 
 Frame = Literal["rotating", "static"]
+
+DRAWN_FAMILIES = ("1F", "suspension")
+"""Families of the bladed disk that are drawn even where nothing coincides."""
 
 SPEED_AXIS = "rotational speed Ω / ω$_1$ [–]"
 SHADE = "#F0F0F0"
 """Of the operating range."""
+
+RING: dict[str, Any] = {
+    "linestyle": "none",
+    "marker": "o",
+    "markersize": 3.6,
+    "markerfacecolor": "white",
+}
+"""Mark of a coincidence."""
 
 MOST_NUMBERED = 12
 """Highest nodal diameter whose coincidences get their number."""
@@ -34,49 +43,32 @@ HEADROOM = 1.15
 """Highest frequency shown over the highest coincidence or mode of interest."""
 
 
-def campbell_dataset(
-    rotor: LabelledModes,
-    casing: LabelledModes,
-    found: Coincidences,
-    *,
-    reference: float,
-    speeds: tuple[float, float],
-    operating: tuple[float, float],
-) -> xr.Dataset:
-    """Everything behind a Campbell diagram; normalised values are multiples of the reference.
+def drawn_part(data: xr.Dataset) -> xr.Dataset:
+    """Modes and coincidences of a diagram: families of the bladed disk that coincide with the
+    casing inside it, `DRAWN_FAMILIES` whether they do or not, and the casing's lowest mode of each
+    nodal diameter from 1 to the highest of those families.
 
     Args:
-        rotor: modes of the bladed disk, a pair given once.
-        casing: modes of the casing, a pair given once.
-        found: their coincidences.
-        reference: frequency that speeds and frequencies are multiples of [rad/s].
-        speeds: first and last speed of the diagram, normalised.
-        operating: first and last speed of the operating range, normalised.
+        data: from `campbell`.
     """
-    one = {"units": "1"}
-    return xr.Dataset(
-        {
-            "rotor_frequency": ("rotor_mode", rotor.frequency / reference, one),
-            "rotor_nodal_diameter": ("rotor_mode", rotor.nodal_diameter),
-            "rotor_family": ("rotor_mode", np.array(rotor.family, dtype=object)),
-            "casing_frequency": ("casing_mode", casing.frequency / reference, one),
-            "casing_nodal_diameter": ("casing_mode", casing.nodal_diameter),
-            "casing_family": ("casing_mode", np.array(casing.family, dtype=object)),
-            "coincidence_speed": (
-                "coincidence",
-                found.speed / reference,
-                {"units": "1", "long_name": "coincidence speed, Eq. (14)"},
-            ),
-            "coincidence_rotor": ("coincidence", found.rotor),
-            "coincidence_casing": ("coincidence", found.casing),
-            "coincidence_nodal_diameter": ("coincidence", found.nodal_diameter),
-        },
-        attrs={
-            "title": "Campbell diagram",
-            "reference_frequency": reference,
-            "speeds": speeds,
-            "operating_range": operating,
-        },
+    first, last = data.attrs["speeds"]
+    speed = data["normalised_speed"].values
+    seen = (first <= speed) & (speed <= last)
+    families = [*DRAWN_FAMILIES, *data["family"].values[seen]]
+    on_rotor = data["mode_body"].values == "bladed-disk"
+    k, frequency = data["mode_nodal_diameter"].values, data["mode_frequency"].values
+    rotor = on_rotor & np.isin(data["mode_family"].values, families)
+    lowest = {
+        int(number): frequency[~on_rotor & (k == number)].min()
+        for number in np.unique(k[~on_rotor])
+        if 1 <= number <= k[rotor].max()
+    }
+    casing = ~on_rotor & [frequency[i] == lowest.get(int(k[i])) for i in range(len(k))]
+    met = [lowest.get(int(number)) for number in data["nodal_diameter"].values]
+    return data.isel(
+        mode=rotor | casing,
+        coincidence=np.isin(data["family"].values, families)
+        & (data["casing_frequency"].values == met),
     )
 
 
@@ -92,56 +84,50 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     the first family and the suspension with their k.
 
     Args:
-        data: from `campbell_dataset`.
+        data: from `campbell`, of which `drawn_part` is drawn.
         frame: whose view.
     """
+    data = drawn_part(data)
     figure = new_figure(height=0.088)
     axes = figure.subplots()
     first, last = data.attrs["speeds"]
     axes.axvspan(*data.attrs["operating_range"], color=SHADE, zorder=0)
-    level, ray = ("rotor", "casing") if frame == "rotating" else ("casing", "rotor")
-    meeting = _coincidence_frequency(data, level)
-    seen = (data["coincidence_speed"].values >= first) & (data["coincidence_speed"].values <= last)
-    top = HEADROOM * _highest(data, level, meeting[seen])
+    level = "bladed-disk" if frame == "rotating" else "casing"
+    meets = data["rotor_frequency" if frame == "rotating" else "casing_frequency"].values
+    meets = meets / data.attrs["reference_frequency_hz"]
+    met_at = data["normalised_speed"].values
+    seen = (met_at >= first) & (met_at <= last)
+    modes = data["normalised_mode_frequency"].values
+    body, k = data["mode_body"].values, data["mode_nodal_diameter"].values
+    highest = modes[body == level].max() if frame == "rotating" else meets[seen].max(initial=1.0)
+    top = HEADROOM * float(highest)
     axes.set(xlim=(first, last), ylim=(0.0, top))
     speed = np.linspace(first, last, 2001)
-    for body in (ray, level):
-        for mode in _drawn_last_first(data, body):
-            if body == level:
-                y = np.full_like(speed, data[f"{body}_frequency"].values[mode])
-            else:
-                y = frequency_in_other_frame(
-                    data[f"{body}_frequency"].values[mode],
-                    data[f"{body}_nodal_diameter"].values[mode],
-                    speed,
-                )
-            _draw_mode(axes, speed, y, data, body, int(mode), turned=frame == "static")
-    _mark_coincidences(axes, data, meeting, seen & (meeting <= top))
+    # Rays first, and of each body those with one nodal diameter last, so that they lie on top.
+    for mode in np.lexsort((k == 1, body == level)):
+        y = np.full_like(speed, modes[mode])
+        if body[mode] != level:
+            y = frequency_in_other_frame(modes[mode], k[mode], speed)
+        _draw_mode(axes, speed, y, data.isel(mode=mode), turned=frame == "static")
+    _mark_coincidences(axes, data, meets, seen & (meets <= top))
     axes.set(xlabel=SPEED_AXIS, ylabel=f"frequency / ω$_1$, {frame} frame [–]")
     figure.legend(handles=_legend(data), loc="outside upper center", ncols=3, columnspacing=1.0)
     return figure
 
 
-def _mark_coincidences(axes: Axes, data: xr.Dataset, meeting: FloatArray, shown: BoolArray) -> None:
-    speeds, k = data["coincidence_speed"].values, data["coincidence_nodal_diameter"].values
-    family = data["rotor_family"].values[data["coincidence_rotor"].values]
-    ring: Mapping[str, Any] = {
-        "markersize": 3.6,
-        "markerfacecolor": "white",
-        "linestyle": "none",
-        "zorder": 5,
-    }
+def _mark_coincidences(axes: Axes, data: xr.Dataset, meets: FloatArray, shown: BoolArray) -> None:
+    speeds, k = data["normalised_speed"].values, data["nodal_diameter"].values
     for here, colour in ((shown & (k != 1), "other k"), (shown & (k == 1), "k = 1")):
-        axes.plot(speeds[here], meeting[here], "o", color=COLOURS[colour], clip_on=False, **ring)
-    numbered = shown & (k <= MOST_NUMBERED) & np.isin(family, ("1F", "suspension"))
+        axes.plot(speeds[here], meets[here], color=COLOURS[colour], clip_on=False, zorder=5, **RING)
+    numbered = shown & (k <= MOST_NUMBERED) & np.isin(data["family"].values, DRAWN_FAMILIES)
     size = np.array([np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())])
     placed: dict[bool, FloatArray] = {}  # the last number above a level, and below one
     for i in np.flatnonzero(numbered):
-        here = np.array([speeds[i], meeting[i]])
+        here = np.array([speeds[i], meets[i]])
         width, height = NUMBER_ROOM
         room = size * np.array([width + DIGIT_ROOM * len(str(k[i])), height])
         # Number 1 stands below, where its neighbours have none, if there is room.
-        below = bool(k[i] == 1 and meeting[i] > room[1])
+        below = bool(k[i] == 1 and meets[i] > room[1])
         if below in placed and (np.abs(here - placed[below]) < room).all():
             continue
         placed[below] = here
@@ -150,76 +136,48 @@ def _mark_coincidences(axes: Axes, data: xr.Dataset, meeting: FloatArray, shown:
 
 
 def _draw_mode(
-    axes: Axes,
-    speed: FloatArray,
-    y: FloatArray,
-    data: xr.Dataset,
-    body: str,
-    mode: int,
-    *,
-    turned: bool,
+    axes: Axes, speed: FloatArray, y: FloatArray, mode: xr.Dataset, *, turned: bool
 ) -> None:
-    colour = _colour(data, body, mode)
-    first = int(data[f"{body}_nodal_diameter"].values[mode]) == 1
-    look: Mapping[str, Any] = {
-        "color": colour,
-        "linestyle": "-" if body == "rotor" else "--",
-        "linewidth": 1.2 if first else 0.7,
-        "zorder": 3 if first else 2,
-    }
-    axes.plot(speed, np.where(y >= 0.0, y, np.nan), **look)
+    """A level or a ray; where `turned`, faint where it would fall below zero."""
+    first, on_rotor = int(mode["mode_nodal_diameter"]) == 1, mode["mode_body"] == "bladed-disk"
+    if mode["mode_family"] == "suspension":
+        name = "suspension"
+    elif on_rotor:
+        name = "k = 1" if first else "other k"
+    else:
+        name = "k = 0" if first else "casing"
+    parts: list[tuple[FloatArray, float, float | None]] = [
+        (np.where(y >= 0.0, y, np.nan), 1.2 if first else 0.7, None)
+    ]
     if turned:
-        axes.plot(speed, np.where(y < 0.0, -y, np.nan), **{**look, "linewidth": 0.4}, alpha=0.35)
-
-
-def _colour(data: xr.Dataset, body: str, mode: int) -> str:
-    if str(data[f"{body}_family"].values[mode]) == "suspension":
-        return COLOURS["suspension"]
-    first = int(data[f"{body}_nodal_diameter"].values[mode]) == 1
-    if body == "rotor":
-        return COLOURS["k = 1"] if first else COLOURS["other k"]
-    return COLOURS["k = 0"] if first else COLOURS["casing"]
+        parts.append((np.where(y < 0.0, -y, np.nan), 0.4, 0.35))
+    for shown, width, alpha in parts:
+        axes.plot(
+            speed,
+            shown,
+            color=COLOURS[name],
+            linestyle="-" if on_rotor else "--",
+            linewidth=width,
+            alpha=alpha,
+            zorder=3 if first else 2,
+        )
 
 
 def _legend(data: xr.Dataset) -> list[Line2D | Patch]:
-    disk: Mapping[str, Any] = {"linestyle": "-"}
-    wall: Mapping[str, Any] = {"linestyle": "--"}
-    handles: list[Line2D | Patch] = [
-        Line2D([], [], color=COLOURS["k = 1"], linewidth=1.2, label="disk, k = 1", **disk),
-        Line2D([], [], color=COLOURS["other k"], linewidth=0.7, label="disk, other k", **disk),
-        Line2D([], [], color=COLOURS["k = 0"], linewidth=1.2, label="casing, k = 1", **wall),
-        Line2D([], [], color=COLOURS["casing"], linewidth=0.7, label="casing, other k", **wall),
+    lines: list[tuple[str, Literal["-", "--"], float, str]] = [
+        ("k = 1", "-", 1.2, "disk, k = 1"),
+        ("other k", "-", 0.7, "disk, other k"),
+        ("suspension", "-", 1.2, "suspension"),
+        ("k = 0", "--", 1.2, "casing, k = 1"),
+        ("casing", "--", 0.7, "casing, other k"),
     ]
-    if "suspension" in data["rotor_family"].values:
-        handles.insert(
-            2,
-            Line2D([], [], color=COLOURS["suspension"], linewidth=1.2, label="suspension", **disk),
-        )
-    ring: Mapping[str, Any] = {
-        "linestyle": "none",
-        "marker": "o",
-        "markersize": 3.6,
-        "markerfacecolor": "white",
-    }
-    handles.append(Line2D([], [], color=COLOURS["total"], label="coincidence of k", **ring))
-    handles.append(Patch(color=SHADE, label="operating range"))
-    return handles
-
-
-def _coincidence_frequency(data: xr.Dataset, level: str) -> FloatArray:
-    """Frequency of each coincidence in the frame where a body's modes are levels."""
-    return np.asarray(
-        data[f"{level}_frequency"].values[data[f"coincidence_{level}"].values.astype(np.int64)]
-    )
-
-
-def _highest(data: xr.Dataset, level: str, meeting: FloatArray) -> float:
-    """Highest frequency worth showing: of the rotor's modes, or of the coincidences seen."""
-    if level == "rotor":
-        return float(data["rotor_frequency"].values.max())
-    return float(meeting.max(initial=1.0))
-
-
-def _drawn_last_first(data: xr.Dataset, body: str) -> IntArray:
-    """Numbers of a body's modes, those with one nodal diameter last, so that they lie on top."""
-    return np.argsort(data[f"{body}_nodal_diameter"].values == 1, kind="stable")
+    if "suspension" not in data["mode_family"].values:
+        del lines[2]
+    return [
+        *(
+            Line2D([], [], color=COLOURS[name], linestyle=style, linewidth=width, label=label)
+            for name, style, width, label in lines
+        ),
+        Line2D([], [], color=COLOURS["total"], label="coincidence of k", **RING),
+        Patch(color=SHADE, label="operating range"),
+    ]

@@ -15,9 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL, new_figure, styled
-from bladewhirl.solvers.stability.veering import ShaftVeering
 
 DIAMETER_AXIS = "nodal diameter k [–]"
 FREQUENCY_AXIS = "frequency / ω$_1$ [–]"
@@ -26,74 +24,12 @@ FEW = 3
 """Up to so many families are drawn with room for a line between them."""
 
 
-def families_dataset(
-    free: LabelledModes, clamped: LabelledModes, *, families: int, reference: float
-) -> xr.Dataset:
-    """First families of a bladed disk with a free and with a clamped centre, a pair given once.
-
-    Args:
-        free: all modes with a free centre.
-        clamped: all modes with a clamped one.
-        families: how many, the suspension pair apart.
-        reference: frequency that others are divided by [rad/s].
-    """
-    wanted = {"suspension", *(f"{rank}F" for rank in range(1, families + 1))}
-    columns: dict[str, list[object]] = {name: [] for name in ("centre", "family", "k", "frequency")}
-    for centre, modes in (("free", free), ("clamped", clamped)):
-        for mode in modes.one_a_pair():
-            if modes.family[mode] in wanted:
-                columns["centre"].append(centre)
-                columns["family"].append(modes.family[mode])
-                columns["k"].append(int(modes.nodal_diameter[mode]))
-                columns["frequency"].append(float(modes.frequency[mode]))
-    frequency = np.array(columns["frequency"], dtype=np.float64)
-    return xr.Dataset(
-        {
-            "centre": ("mode", np.array(columns["centre"], dtype=object)),
-            "family": ("mode", np.array(columns["family"], dtype=object)),
-            "nodal_diameter": ("mode", np.array(columns["k"], dtype=np.int64)),
-            "frequency": ("mode", frequency, {"units": "rad/s"}),
-            "normalised": ("mode", frequency / reference, {"units": "1"}),
-        },
-        attrs={"title": "veering diagram", "families": families, "reference_frequency": reference},
-    )
-
-
-def shaft_dataset(veering: ShaftVeering, *, reference: float, given: float) -> xr.Dataset:
-    """Modes with one nodal diameter over the stiffness of the shaft.
-
-    Args:
-        veering: the modes followed.
-        reference: frequency that others are divided by [rad/s].
-        given: stiffness of the shaft in the case [N/m].
-    """
-    plane = ("stiffness", "branch")
-    return xr.Dataset(
-        {
-            "frequency": (plane, veering.frequency, {"units": "rad/s"}),
-            "normalised": (plane, veering.frequency / reference, {"units": "1"}),
-            "spring_share": (
-                plane,
-                veering.spring_share,
-                {"units": "1", "long_name": "share of the strain energy in the shaft springs"},
-            ),
-            "clamped": ("branch", veering.clamped, {"units": "rad/s"}),
-        },
-        coords={"stiffness": ("stiffness", veering.stiffness, {"units": "N/m"})},
-        attrs={
-            "title": "modes with one nodal diameter over shaft stiffness",
-            "reference_frequency": reference,
-            "case_stiffness": given,
-        },
-    )
-
-
 @styled
 def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
     """Draw frequencies over nodal diameter with a free and a clamped centre, Fig. 7.
 
     Args:
-        data: from `families_dataset`.
+        data: from `veering`.
         families: how many of those it has; the suspension pair is drawn where it lies below the
             highest of them. All when None.
     """
@@ -131,27 +67,24 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
     centre, which each branch approaches.
 
     Args:
-        data: from `shaft_dataset`.
+        data: from `veering`.
     """
     figure = new_figure(height=0.07)
     axes = figure.subplots()
-    stiffness, reference = data["stiffness"].values, float(data.attrs["reference_frequency"])
-    for level in data["clamped"].values / reference:
+    stiffness = data["stiffness"].values
+    frequency, share = (
+        data[name].values for name in ("normalised_branch_frequency", "branch_spring_share")
+    )
+    for level in data["normalised_clamped_frequency"].values:
         axes.axhline(level, color=COLOURS["rest"], linestyle="--", linewidth=0.6, zorder=1)
     for branch in range(data.sizes["branch"]):
-        lines = _coloured_line(
-            axes,
-            stiffness,
-            data["normalised"].values[:, branch],
-            data["spring_share"].values[:, branch],
-        )
+        lines = _coloured_line(axes, stiffness, frequency[:, branch], share[:, branch])
     axes.axvline(data.attrs["case_stiffness"], color=COLOURS["k = 1"], linewidth=0.8, zorder=1)
-    lowest, highest = data["normalised"].values[0, 0], data["normalised"].values[-1, -1]
     axes.set(
         xscale="log",
         xlim=(stiffness[0], stiffness[-1]),
         yscale="log",
-        ylim=(0.8 * lowest, 1.3 * highest),
+        ylim=(0.8 * frequency[0, 0], 1.3 * frequency[-1, -1]),
         xlabel="stiffness of each shaft spring [N/m]",
         ylabel=FREQUENCY_AXIS,
     )
@@ -181,7 +114,7 @@ def _coloured_line(axes: Axes, x: FloatArray, y: FloatArray, value: FloatArray) 
 def _chosen(data: xr.Dataset, centre: str, family: str) -> tuple[FloatArray, FloatArray]:
     """Nodal diameters and normalised frequencies of a family, in ascending nodal diameter."""
     here = (data["centre"].values == centre) & (data["family"].values == family)
-    k, frequency = data["nodal_diameter"].values[here], data["normalised"].values[here]
+    k, frequency = data["nodal_diameter"].values[here], data["normalised_frequency"].values[here]
     order = np.argsort(k, kind="stable")
     return k[order].astype(np.float64), frequency[order]
 

@@ -41,13 +41,8 @@ def campbell(
     """
     from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.commands.ranges import parse_interval
-    from bladewhirl.studies.modal.campbell import (
-        coincidence_list,
-        draw_campbell,
-        find_coincidences,
-        print_coincidences,
-    )
-    from bladewhirl.studies.modal.case_modes import modes_of_case
+    from bladewhirl.studies.modal import campbell as study
+    from bladewhirl.studies.modal.modes import stage_of_file
     from bladewhirl.studies.runs.figures_folder import check_figure_folder
 
     shown = parse_interval("--speeds", speeds)
@@ -56,14 +51,14 @@ def campbell(
         raise UserError(f"--families {families}: expected a whole number of one or more")
     folder = output if output is not None or json else Path(f"{case.stem}-campbell")
     check_figure_folder(folder, overwrite=overwrite)
-    stage = modes_of_case(case, overrides)
-    found = find_coincidences(stage, families=families, speeds=shown, operating=operated)
+    stage = stage_of_file(case, overrides)
+    found = study.campbell(stage, families=families, speeds=shown, operating=operated)
     if folder is not None:
-        draw_campbell(found, folder)
+        study.draw_campbell(found, folder)
     if json:
         import json as json_text
 
-        typer.echo(json_text.dumps(coincidence_list(found), indent=2, allow_nan=False))
+        typer.echo(json_text.dumps(study.coincidence_list(found), indent=2, allow_nan=False))
         return
-    print_coincidences(found)
+    study.print_coincidences(found)
     typer.echo(f"Wrote {folder}.")

@@ -52,9 +52,8 @@ def modes(
     contact scenarios of the first k = 1 mode, and films. With --json and no -o nothing is written.
     """
     from bladewhirl.models.inputs.errors import UserError
-    from bladewhirl.studies.modal.case_modes import modes_of_case
+    from bladewhirl.studies.modal import modes as study
     from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
-    from bladewhirl.studies.modal.mode_tables import mode_lists, print_modes
     from bladewhirl.studies.runs.figures_folder import check_figure_folder
 
     if count < 1:
@@ -64,15 +63,16 @@ def modes(
     if output is None and unused:
         raise UserError(f"{unused[0]}: for pictures; expected a folder for them, -o DIR")
     check_figure_folder(output, overwrite=overwrite)
-    stage = modes_of_case(case, overrides)
+    stage = study.stage_of_file(case, overrides)
     if output is not None:
         plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
+    found = study.modes(stage)
     if json:
         import json as json_text
 
-        typer.echo(json_text.dumps(mode_lists(stage, count), indent=2, allow_nan=False))
+        typer.echo(json_text.dumps(study.mode_lists(found, count), indent=2, allow_nan=False))
     else:
-        print_modes(stage, count)
+        study.print_modes(found, count)
     if output is not None:
         draw_modes(stage, plan, output)
         typer.echo(f"Wrote {output}.", err=json)

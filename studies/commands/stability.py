@@ -71,8 +71,8 @@ def stability(
     """
     from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.commands.ranges import not_negative, parse_range
-    from bladewhirl.studies.modal.case_modes import modes_of_case
     from bladewhirl.studies.modal.coupled_system import couple_modes
+    from bladewhirl.studies.modal.modes import stage_of_file
     from bladewhirl.studies.modal.stability_dense import (
         couple_densely,
         has_symmetry,
@@ -97,7 +97,7 @@ def stability(
     if output is None and speed is None and not json:
         folder = Path(f"{case.stem}-stability")
     check_figure_folder(folder, overwrite=overwrite)
-    modal = modes_of_case(case, overrides)
+    modal = stage_of_file(case, overrides)
     choice: dict[str, Any] = {"chosen": modes, "damped": damped, "physical": physical}
     choice["with_pi"] = not no_pi
     if speed is None or kappa is None:

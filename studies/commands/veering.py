@@ -43,8 +43,8 @@ def veering(
     """
     from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.commands.ranges import parse_interval
-    from bladewhirl.studies.modal.case_modes import modes_of_case
-    from bladewhirl.studies.modal.veering import draw_veering, spring_stiffnesses, veering_report
+    from bladewhirl.studies.modal import veering as study
+    from bladewhirl.studies.modal.modes import stage_of_file
     from bladewhirl.studies.runs.figures_folder import check_figure_folder
 
     if families < 1:
@@ -54,16 +54,16 @@ def veering(
         raise UserError(f"--stiffnesses {stiffnesses}: expected a START above zero")
     folder = output if output is not None or json else Path(f"{case.stem}-veering")
     check_figure_folder(folder, overwrite=overwrite)
-    stage = modes_of_case(case, overrides)
-    springs = spring_stiffnesses(stage.case, interval)
-    diagrams = veering_report(stage, families=families, springs=springs)
+    stage = stage_of_file(case, overrides)
+    springs = study.spring_stiffnesses(stage.case, interval)
+    found = study.veering(stage, families=families, stiffnesses=springs)
     if folder is not None:
-        draw_veering(diagrams, folder)
+        study.draw_veering(found, folder)
     if json:
         import json as json_text
 
-        typer.echo(json_text.dumps(diagrams.as_json(), indent=2, allow_nan=False))
+        typer.echo(json_text.dumps(study.veering_document(found), indent=2, allow_nan=False))
         return
-    for line in diagrams.lines():
+    for line in study.report_lines(found):
         typer.echo(line)
     typer.echo(f"Wrote {folder}.")

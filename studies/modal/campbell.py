@@ -1,22 +1,24 @@
-"""What `bladewhirl campbell` finds, draws and reports."""
+"""Coincidence speeds of bladed disk and casing: as a Dataset, as a list, as a table, as figures."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes
-from bladewhirl.postprocess.modal.campbell import campbell_dataset, plot_campbell
+from bladewhirl.models.stage.stage import Stage
+from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
 from bladewhirl.postprocess.plotting.style import save_figure
-from bladewhirl.solvers.stability.coincidence import Coincidences, coincidences
+from bladewhirl.solvers.stability.coincidence import coincidences
+from bladewhirl.studies.modal.modes import full_stage
 from bladewhirl.studies.runs.figures_folder import written_to
 
 Interval = tuple[float, float]
@@ -24,78 +26,118 @@ Interval = tuple[float, float]
 CASING_FAMILIES = ("rigid", "1F", "2F")
 """Families of the casing: as a whole, in bending, in extension."""
 
-DRAWN_FAMILIES = ("1F", "suspension")
-"""Families of the bladed disk that are drawn even where nothing coincides."""
 
+def campbell(
+    case_or_stage: Case | Stage | ModalStage,
+    *,
+    families: int = 5,
+    speeds: Interval = (0.0, 3.0),
+    operating: Interval = (0.6, 2.0),
+) -> xr.Dataset:
+    """Speeds at which waves on bladed disk and casing coincide, Eq. (14), and the modes behind.
 
-@dataclass(frozen=True, kw_only=True)
-class Campbell:
-    """Modes of both bodies, a pair given once, and where they coincide."""
+    Over `coincidence`, ascending: normalised_speed (over the reference frequency), speed [rpm],
+    the frequency of both modes [Hz] and whether the speed lies in the operating range. A
+    coincidence is selected by family (of the bladed disk), casing_family and nodal_diameter::
 
-    rotor: LabelledModes
-    casing: LabelledModes
-    found: Coincidences
-    reference: float  #: frequency that speeds are multiples of [rad/s]
-    speeds: Interval  #: of the diagrams, normalised
-    operating: Interval  #: operating range, normalised
+        found = bladewhirl.campbell(case)
+        found.normalised_speed.sel(family="1F", nodal_diameter=1)
 
-    @property
-    def shown(self) -> Coincidences:
-        """Coincidences inside the diagrams."""
-        first, last = self.speeds
-        return self.found.between(first * self.reference, last * self.reference)
-
-
-def find_coincidences(
-    stage: ModalStage, *, families: int, speeds: Interval, operating: Interval
-) -> Campbell:
-    """Find the coincidence speeds of the bladed disk as the case has it and its casing.
+    Over `mode`, a pair given once: mode_frequency [Hz] and normalised_mode_frequency, with
+    mode_body, mode_family and mode_nodal_diameter. `found.reset_index("coincidence")` goes into a
+    file; `plot_campbell` draws it.
 
     Args:
-        stage: full finite element models with their modes.
+        case_or_stage: a case, or a stage of it; the centre is held as the case says.
         families: how many of the bladed disk, the suspension pair apart.
         speeds: of the diagrams, normalised.
         operating: operating range, normalised.
+
+    Raises:
+        CaseError: numbers that finite elements can't be made of.
     """
-    wanted = {"suspension", *(f"{rank}F" for rank in range(1, families + 1))}
-    rotor = _of_families(stage.disk_modes, wanted)
-    casing = _of_families(stage.casing_modes, set(CASING_FAMILIES))
-    return Campbell(
-        rotor=rotor,
-        casing=casing,
-        found=_meet(rotor, casing),
-        reference=stage.reference_frequency,
-        speeds=speeds,
-        operating=operating,
+    stage = full_stage(case_or_stage)
+    rotor = _of_families(
+        stage.disk_modes, {"suspension", *(f"{rank}F" for rank in range(1, families + 1))}
     )
+    casing = _of_families(stage.casing_modes, set(CASING_FAMILIES))
+    found = coincidences(
+        rotor_frequency=rotor.frequency,
+        rotor_nodal_diameter=rotor.nodal_diameter,
+        casing_frequency=casing.frequency,
+        casing_nodal_diameter=casing.nodal_diameter,
+    )
+    reference = stage.reference_frequency
+    normalised = found.speed / reference
+    frequency = np.concatenate([rotor.frequency, casing.frequency])
+    body = np.repeat(np.array(["bladed-disk", "casing"], dtype=object), [rotor.count, casing.count])
+    hertz, one = {"units": "Hz"}, {"units": "1"}
+    speed = {"long_name": "coincidence speed, Eq. (14)"}
+    met = "coincidence"
+    return xr.Dataset(
+        {
+            "normalised_speed": (met, normalised, one | speed),
+            "speed": (met, found.speed * 30.0 / np.pi, {"units": "rpm"} | speed),
+            "rotor_frequency": (met, rotor.frequency[found.rotor] / (2.0 * np.pi), hertz),
+            "casing_frequency": (met, casing.frequency[found.casing] / (2.0 * np.pi), hertz),
+            "in_operating_range": (
+                met,
+                (operating[0] <= normalised) & (normalised <= operating[1]),
+            ),
+            "mode_frequency": ("mode", frequency / (2.0 * np.pi), hertz),
+            "normalised_mode_frequency": ("mode", frequency / reference, one),
+        },
+        coords={
+            "family": (met, _names(rotor)[found.rotor]),
+            "casing_family": (met, _names(casing)[found.casing]),
+            "nodal_diameter": (met, found.nodal_diameter),
+            "mode_body": ("mode", body),
+            "mode_family": ("mode", np.concatenate([_names(rotor), _names(casing)])),
+            "mode_nodal_diameter": (
+                "mode",
+                np.concatenate([rotor.nodal_diameter, casing.nodal_diameter]),
+            ),
+        },
+        attrs={
+            "title": "Campbell diagram",
+            "reference_frequency_hz": reference / (2.0 * np.pi),
+            "speeds": speeds,
+            "operating_range": operating,
+        },
+    ).set_index(coincidence=["family", "casing_family", "nodal_diameter"])
 
 
-def coincidence_list(campbell: Campbell) -> dict[str, Any]:
-    """All coincidences, ascending in speed, and what they are measured in."""
-    reference = campbell.reference
-    first, last = campbell.operating
+def coincidence_list(found: xr.Dataset) -> dict[str, Any]:
+    """All coincidences, ascending in speed, and what they are measured in.
+
+    Args:
+        found: from `campbell`.
+    """
+    keys = {
+        "nodal_diameter": "nodal_diameter",
+        "rotor_family": "family",
+        "casing_family": "casing_family",
+        "rotor_frequency_hz": "rotor_frequency",
+        "casing_frequency_hz": "casing_frequency",
+        "speed": "normalised_speed",
+        "speed_rpm": "speed",
+        "in_operating_range": "in_operating_range",
+    }
+    columns = [found[name].values.tolist() for name in keys.values()]
     return {
-        "reference_frequency_hz": reference / (2.0 * np.pi),
-        "operating_range": [first, last],
-        "coincidences": [
-            {
-                "nodal_diameter": int(k),
-                "rotor_family": campbell.rotor.family[rotor],
-                "casing_family": campbell.casing.family[casing],
-                "rotor_frequency_hz": float(campbell.rotor.frequency[rotor] / (2.0 * np.pi)),
-                "casing_frequency_hz": float(campbell.casing.frequency[casing] / (2.0 * np.pi)),
-                "speed": float(speed / reference),
-                "speed_rpm": float(speed * 30.0 / np.pi),
-                "in_operating_range": bool(first <= speed / reference <= last),
-            }
-            for rotor, casing, k, speed in _rows(campbell.found)
-        ],
+        "reference_frequency_hz": found.attrs["reference_frequency_hz"],
+        "operating_range": list(found.attrs["operating_range"]),
+        "coincidences": [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)],
     }
 
 
-def print_coincidences(campbell: Campbell) -> None:
-    """Print the coincidences inside the diagrams; those in the operating range are bold."""
-    first, last = campbell.speeds
+def print_coincidences(found: xr.Dataset) -> None:
+    """Print the coincidences inside the diagrams; those in the operating range are bold.
+
+    Args:
+        found: from `campbell`.
+    """
+    first, last = found.attrs["speeds"]
     table = Table(
         title=f"Coincidence speeds from {first:g} to {last:g} ω₁",
         box=box.SIMPLE_HEAD,
@@ -107,61 +149,31 @@ def print_coincidences(campbell: Campbell) -> None:
     table.add_column("casing")
     for name in ("Ω / ω₁ [–]", r"\[rpm]", "operating range"):
         table.add_column(name, justify="right", no_wrap=True)
-    low, high = campbell.operating
-    for rotor, casing, k, speed in _rows(campbell.shown):
-        ratio = speed / campbell.reference
-        inside = low <= ratio <= high
-        table.add_row(
-            str(k),
-            campbell.rotor.family[rotor],
-            campbell.casing.family[casing],
-            f"{ratio:.4f}",
-            f"{speed * 30.0 / np.pi:.1f}",
-            "inside" if inside else "",
-            style="bold" if inside else None,
-        )
+    for row in coincidence_list(found)["coincidences"]:
+        if first <= row["speed"] <= last:
+            table.add_row(
+                str(row["nodal_diameter"]),
+                row["rotor_family"],
+                row["casing_family"],
+                f"{row['speed']:.4f}",
+                f"{row['speed_rpm']:.1f}",
+                "inside" if row["in_operating_range"] else "",
+                style="bold" if row["in_operating_range"] else None,
+            )
     console = Console()
-    console.print(table if campbell.shown.count else f"No coincidence from {first:g} to {last:g}.")
+    console.print(table if table.row_count else f"No coincidence from {first:g} to {last:g}.")
 
 
-def draw_campbell(campbell: Campbell, folder: Path) -> None:
-    """Draw both diagrams into a folder: families that coincide inside them, with the casing's
-    lowest mode of each nodal diameter.
+def draw_campbell(found: xr.Dataset, folder: Path) -> None:
+    """Draw both diagrams into a folder, with the part of the data that they show.
 
     Raises:
         UserError: the folder or a file cannot be written.
     """
-    rotor = _of_families(campbell.rotor, _drawn_families(campbell))
-    casing = _lowest_of_each(campbell.casing, int(rotor.nodal_diameter.max()))
-    data = campbell_dataset(
-        rotor,
-        casing,
-        _meet(rotor, casing),
-        reference=campbell.reference,
-        speeds=campbell.speeds,
-        operating=campbell.operating,
-    )
+    shown = drawn_part(found).reset_index("coincidence")
     with written_to(folder):
-        save_figure(plot_campbell(data, "rotating"), folder / "campbell-rotating", data)
-        save_figure(plot_campbell(data, "static"), folder / "campbell-static", data)
-
-
-def _rows(found: Coincidences) -> list[tuple[int, int, int, float]]:
-    return [
-        (int(rotor), int(casing), int(k), float(speed))
-        for rotor, casing, k, speed in zip(
-            found.rotor, found.casing, found.nodal_diameter, found.speed, strict=True
-        )
-    ]
-
-
-def _meet(rotor: LabelledModes, casing: LabelledModes) -> Coincidences:
-    return coincidences(
-        rotor_frequency=rotor.frequency,
-        rotor_nodal_diameter=rotor.nodal_diameter,
-        casing_frequency=casing.frequency,
-        casing_nodal_diameter=casing.nodal_diameter,
-    )
+        save_figure(plot_campbell(found, "rotating"), folder / "campbell-rotating", shown)
+        save_figure(plot_campbell(found, "static"), folder / "campbell-static", shown)
 
 
 def _of_families(modes: LabelledModes, wanted: set[str]) -> LabelledModes:
@@ -170,13 +182,5 @@ def _of_families(modes: LabelledModes, wanted: set[str]) -> LabelledModes:
     return modes.take(one[[modes.family[mode] in wanted for mode in one]])
 
 
-def _drawn_families(campbell: Campbell) -> set[str]:
-    meeting = {campbell.rotor.family[rotor] for rotor in campbell.shown.rotor}
-    return meeting | set(DRAWN_FAMILIES)
-
-
-def _lowest_of_each(modes: LabelledModes, highest: int) -> LabelledModes:
-    """The lowest mode of each nodal diameter from 1 to the highest that the rotor has."""
-    first: IntArray = np.unique(modes.nodal_diameter, return_index=True)[1]
-    travels = (modes.nodal_diameter[first] >= 1) & (modes.nodal_diameter[first] <= highest)
-    return modes.take(np.sort(first[travels]))
+def _names(modes: LabelledModes) -> np.ndarray[Any, np.dtype[np.object_]]:
+    return np.array(modes.family, dtype=object)

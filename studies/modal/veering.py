@@ -1,9 +1,8 @@
-"""What `bladewhirl veering` finds, draws and reports."""
+"""Frequencies over nodal diameter and over shaft stiffness: as a Dataset, in words, as figures."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +13,11 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.postprocess.modal.veering import (
-    families_dataset,
-    plot_families,
-    plot_shaft_veering,
-    shaft_dataset,
-)
+from bladewhirl.models.stage.stage import Stage
+from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.solvers.stability.veering import ShaftVeering, shaft_veering
+from bladewhirl.studies.modal.modes import full_stage, modes
 from bladewhirl.studies.runs.figures_folder import written_to
 
 STIFFNESSES, DECADES = 241, 3
@@ -33,73 +29,124 @@ BRANCHES = 5
 CLOSE_UP = 2
 """Families of the second diagram, which shows the suspension pair between them."""
 
+MODE_LEVELS = ("centre", "family", "nodal_diameter")
+"""Index of the modes."""
 
-@dataclass(frozen=True, kw_only=True)
-class Veering:
-    """Veering diagrams of a stage."""
 
-    families: xr.Dataset  #: from `families_dataset`
-    shaft: xr.Dataset  #: from `shaft_dataset`
+def veering(
+    case_or_stage: Case | Stage | ModalStage,
+    *,
+    families: int = 12,
+    stiffnesses: FloatArray | None = None,
+) -> xr.Dataset:
+    """Frequencies over nodal diameter with a free and a clamped centre, and over shaft stiffness.
 
-    def lines(self) -> Iterator[str]:
-        """The findings in words."""
-        shifts = clamping_shifts(self.families)
-        others = max((shift for k, shift in shifts.items() if k != 1), default=0.0)
-        yield (
-            f"Clamping the centre changes families with k = 1 by up to {100 * shifts[1]:.3g} %,"
-            f" with other k by up to {100 * others:.1g} %."
+    Over `mode`, of the bladed disk and a pair given once: frequency [Hz], normalised_frequency
+    (over the reference frequency), purity and spring_share. A mode is selected by centre, family
+    and nodal_diameter::
+
+        found = bladewhirl.veering(case)
+        found.frequency.sel(centre="clamped", family="1F", nodal_diameter=1)
+
+    Over `stiffness` of each shaft spring [N/m] and `branch`, the modes with one nodal diameter:
+    branch_frequency [Hz], normalised_branch_frequency and branch_spring_share, the share of the
+    strain energy in the shaft springs; over `branch` clamped_frequency [Hz], which each branch
+    approaches, and normalised_clamped_frequency. `found.reset_index("mode")` goes into a file;
+    `plot_families` and `plot_shaft_veering` draw it.
+
+    Args:
+        case_or_stage: a case, or a stage of it.
+        families: how many of the bladed disk, the suspension pair apart.
+        stiffnesses: of each shaft spring [N/m], ascending, (stiffness,); by default those of
+            `spring_stiffnesses`.
+
+    Raises:
+        UserError: a stage without cyclic symmetry, whose modes with one nodal diameter don't
+            stand apart.
+    """
+    stage = full_stage(case_or_stage)
+    springs = spring_stiffnesses(stage.case, None) if stiffnesses is None else stiffnesses
+    branches = _over_shaft(stage, springs)
+    reference = stage.reference_frequency
+    hertz, one = {"units": "Hz"}, {"units": "1"}
+    share = {"units": "1", "long_name": "share of the strain energy in the shaft springs"}
+    plane = ("stiffness", "branch")
+    return (
+        _families(modes(stage), families)
+        .assign(
+            branch_frequency=(plane, branches.frequency / (2.0 * np.pi), hertz),
+            normalised_branch_frequency=(plane, branches.frequency / reference, one),
+            branch_spring_share=(plane, branches.spring_share, share),
+            clamped_frequency=("branch", branches.clamped / (2.0 * np.pi), hertz),
+            normalised_clamped_frequency=("branch", branches.clamped / reference, one),
         )
-        suspension = suspension_frequency(self.families)
-        if suspension is not None:
-            yield f"Suspension pair at {suspension:.4g} ω₁."
-
-    def as_json(self) -> dict[str, Any]:
-        """Everything drawn."""
-        names = ("centre", "family", "nodal_diameter", "frequency_hz", "normalised")
-        data = self.families
-        columns = [
-            data["centre"].values.tolist(),
-            data["family"].values.tolist(),
-            data["nodal_diameter"].values.tolist(),
-            (data["frequency"].values / (2.0 * np.pi)).tolist(),
-            data["normalised"].values.tolist(),
-        ]
-        return {
-            "reference_frequency_hz": data.attrs["reference_frequency"] / (2.0 * np.pi),
-            "modes": [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)],
-            "shaft": {
-                "stiffness": self.shaft["stiffness"].values.tolist(),
-                "normalised": self.shaft["normalised"].values.tolist(),
-                "spring_share": self.shaft["spring_share"].values.tolist(),
-            },
-        }
+        .assign_coords(stiffness=("stiffness", branches.stiffness, {"units": "N/m"}))
+        .assign_attrs(
+            title="veering diagrams", families=families, case_stiffness=stage.case.shaft.stiffness
+        )
+    )
 
 
-def clamping_shifts(families: xr.Dataset) -> dict[int, float]:
+def report_lines(found: xr.Dataset) -> Iterator[str]:
+    """The findings in words.
+
+    Args:
+        found: from `veering`.
+    """
+    shifts = clamping_shifts(found)
+    others = max((shift for k, shift in shifts.items() if k != 1), default=0.0)
+    yield (
+        f"Clamping the centre changes families with k = 1 by up to {100 * shifts[1]:.3g} %,"
+        f" with other k by up to {100 * others:.1g} %."
+    )
+    suspension = suspension_frequency(found)
+    if suspension is not None:
+        yield f"Suspension pair at {suspension:.4g} ω₁."
+
+
+def veering_document(found: xr.Dataset) -> dict[str, Any]:
+    """Everything drawn, for programs.
+
+    Args:
+        found: from `veering`.
+    """
+    keys = {
+        **{name: name for name in MODE_LEVELS},
+        "frequency_hz": "frequency",
+        "normalised": "normalised_frequency",
+    }
+    columns = [found[name].values.tolist() for name in keys.values()]
+    return {
+        "reference_frequency_hz": found.attrs["reference_frequency_hz"],
+        "modes": [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)],
+        "shaft": {
+            "stiffness": found["stiffness"].values.tolist(),
+            "normalised": found["normalised_branch_frequency"].values.tolist(),
+            "spring_share": found["branch_spring_share"].values.tolist(),
+        },
+    }
+
+
+def clamping_shifts(found: xr.Dataset) -> dict[int, float]:
     """Largest relative change of a family's frequency by clamping the centre, by nodal diameter.
 
     Args:
-        families: from `families_dataset`.
+        found: from `veering`.
     """
-    names = ("centre", "nodal_diameter", "family", "frequency")
-    rows = list(zip(*(families[name].values for name in names), strict=True))
-    free = {(k, family): value for centre, k, family, value in rows if centre == "free"}
-    found: dict[int, float] = {}
-    for centre, k, family, value in rows:
-        if centre == "clamped":
-            change = abs(float(value / free[k, family]) - 1.0)
-            found[int(k)] = max(found.get(int(k), 0.0), change)
-    return found
+    frequency = found["frequency"].unstack("mode")
+    changes = abs(frequency.sel(centre="clamped") / frequency.sel(centre="free") - 1.0)
+    largest = changes.max(dim="family")
+    return {int(k): float(largest.sel(nodal_diameter=k)) for k in largest["nodal_diameter"].values}
 
 
-def suspension_frequency(families: xr.Dataset) -> float | None:
+def suspension_frequency(found: xr.Dataset) -> float | None:
     """Normalised frequency of the suspension pair; None where there is none.
 
     Args:
-        families: from `families_dataset`.
+        found: from `veering`.
     """
-    here = families["family"].values == "suspension"
-    return float(families["normalised"].values[here][0]) if here.any() else None
+    here = found["family"].values == "suspension"
+    return float(found["normalised_frequency"].values[here][0]) if here.any() else None
 
 
 def spring_stiffnesses(case: Case, interval: tuple[float, float] | None) -> FloatArray:
@@ -109,40 +156,33 @@ def spring_stiffnesses(case: Case, interval: tuple[float, float] | None) -> Floa
     return np.geomspace(first, last, STIFFNESSES)
 
 
-def veering_report(stage: ModalStage, *, families: int, springs: FloatArray) -> Veering:
-    """Find what the diagrams show.
+def draw_veering(found: xr.Dataset, folder: Path) -> None:
+    """Draw the diagrams into a folder.
 
     Args:
-        stage: full finite element models with their modes.
-        families: how many of the bladed disk, the suspension pair apart.
-        springs: stiffnesses of each shaft spring [N/m], ascending, (stiffnesses,).
-
-    Raises:
-        UserError: a stage without cyclic symmetry, whose modes with one nodal diameter don't
-            stand apart.
-    """
-    reference = stage.reference_frequency
-    return Veering(
-        families=families_dataset(
-            stage.free_modes, stage.clamped_modes, families=families, reference=reference
-        ),
-        shaft=shaft_dataset(
-            _over_shaft(stage, springs), reference=reference, given=stage.case.shaft.stiffness
-        ),
-    )
-
-
-def draw_veering(found: Veering, folder: Path) -> None:
-    """Draw the diagrams into a folder.
+        found: from `veering`.
+        folder: where to.
 
     Raises:
         UserError: the folder or a file cannot be written.
     """
+    families = found.drop_dims(("stiffness", "branch")).reset_index("mode")
     with written_to(folder):
-        families = found.families
-        save_figure(plot_families(families), folder / "families", families)
-        save_figure(plot_families(families, CLOSE_UP), folder / "first-families", families)
-        save_figure(plot_shaft_veering(found.shaft), folder / "shaft", found.shaft)
+        save_figure(plot_families(found), folder / "families", families)
+        save_figure(plot_families(found, CLOSE_UP), folder / "first-families", families)
+        save_figure(plot_shaft_veering(found), folder / "shaft", found.drop_dims("mode"))
+
+
+def _families(found: xr.Dataset, families: int) -> xr.Dataset:
+    """First families of the bladed disk and the suspension, a pair given once, from `modes`."""
+    wanted = ["suspension", *(f"{rank}F" for rank in range(1, families + 1))]
+    chosen = (
+        (found["body"].values == "bladed-disk")
+        & np.isin(found["family"].values, wanted)
+        & (found["pattern"].values != "sine")
+    )
+    kept = found.isel(mode=chosen).reset_index("mode").drop_vars(("body", "number", "pattern"))
+    return kept.set_index(mode=list(MODE_LEVELS))
 
 
 def _over_shaft(stage: ModalStage, springs: FloatArray) -> ShaftVeering:

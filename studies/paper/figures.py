@@ -16,10 +16,10 @@ from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.solvers.stability.coupled_modes import coupled_modes
 from bladewhirl.solvers.stability.growth import is_unstable, stability_chart
-from bladewhirl.studies.modal.campbell import draw_campbell, find_coincidences
+from bladewhirl.studies.modal.campbell import campbell, draw_campbell
 from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
 from bladewhirl.studies.modal.stability_chart import draw_spectrum, zones_of
-from bladewhirl.studies.modal.veering import draw_veering, spring_stiffnesses, veering_report
+from bladewhirl.studies.modal.veering import draw_veering, veering
 from bladewhirl.studies.paper.claims_modal import EXAMPLE, RANGE
 from bladewhirl.studies.paper.claims_truncated import DISTORTED, DIVERGING, UNBALANCED
 from bladewhirl.studies.paper.trials import Evidence, NotTestableError
@@ -105,15 +105,11 @@ def _draw_modes(evidence: Evidence, folder: Path) -> None:
 
 
 def _draw_veering(evidence: Evidence, folder: Path) -> None:
-    springs = spring_stiffnesses(evidence.modal_case, None)
-    draw_veering(veering_report(evidence.stage, families=5, springs=springs), folder)
+    draw_veering(veering(evidence.stage, families=5), folder)
 
 
 def _draw_campbell(evidence: Evidence, folder: Path) -> None:
-    draw_campbell(
-        find_coincidences(evidence.stage, families=2, speeds=(0.0, 3.0), operating=(0.6, 2.0)),
-        folder,
-    )
+    draw_campbell(campbell(evidence.stage, families=2), folder)
 
 
 def _draw_chart(evidence: Evidence, folder: Path) -> None:

@@ -11,11 +11,10 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.cyclic import wave_shares
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.postprocess.modal.veering import families_dataset
 from bladewhirl.solvers.stability.scenario import Scenario
-from bladewhirl.studies.modal.campbell import find_coincidences
+from bladewhirl.studies.modal.campbell import campbell
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
-from bladewhirl.studies.modal.veering import clamping_shifts, suspension_frequency
+from bladewhirl.studies.modal.veering import clamping_shifts, suspension_frequency, veering
 
 LOOKED_AT = 12
 """Families that the paper's Fig. 7(a) shows."""
@@ -56,33 +55,20 @@ def modal_claims(case: Case) -> ModalClaims:
         UserError: the stage has no such modes.
     """
     stage = modal_stage(case)
-    families = families_dataset(
-        stage.free_modes,
-        stage.clamped_modes,
-        families=LOOKED_AT,
-        reference=stage.reference_frequency,
-    )
+    diagrams = veering(stage, families=LOOKED_AT)
     reduced = build_stage(case)
-    campbell = find_coincidences(stage, families=2, speeds=(0.0, 3.0), operating=OPERATING)
-    met = {
-        (campbell.rotor.family[rotor], int(k)): float(speed / campbell.reference)
-        # Descending, so that the lowest casing mode of a nodal diameter has the last word.
-        for rotor, k, speed in reversed(
-            list(
-                zip(
-                    campbell.found.rotor,
-                    campbell.found.nodal_diameter,
-                    campbell.found.speed,
-                    strict=True,
-                )
-            )
-        )
-    }
+    coincidences = campbell(stage, families=2, operating=OPERATING)["normalised_speed"]
+    met: dict[tuple[str, int], float] = {}
+    for (family, _, k), speed in zip(
+        coincidences["coincidence"].values, coincidences.values, strict=True
+    ):
+        # Ascending: the first is that with the lowest casing mode of the nodal diameter.
+        met.setdefault((family, int(k)), float(speed))
     second = [name == "2F" for name in stage.free_modes.family]
     return ModalClaims(
         centre_motion=centre_motion(stage),
-        clamping_shift=clamping_shifts(families),
-        suspension=suspension_frequency(families) or 0.0,
+        clamping_shift=clamping_shifts(diagrams),
+        suspension=suspension_frequency(diagrams) or 0.0,
         second_family=float(stage.free_modes.frequency[second].min() / stage.reference_frequency),
         shaft_over_blade=case.shaft.stiffness / blade_stiffness(stage),
         reduced_size=reduced.reduction.modes.count,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
+from typing import Literal
 
 import meshio
 import numpy as np
@@ -23,19 +24,15 @@ from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.fields import casing_field, rotor_field
 from bladewhirl.postprocess.fields.mode_result import PICTURES, Wave, mode_motion, stage_dataset
 from bladewhirl.postprocess.fields.result import check_result
-from bladewhirl.postprocess.modal.campbell import campbell_dataset, plot_campbell
+from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
 from bladewhirl.postprocess.modal.mode_shapes import Outline, animate_mode, plot_mode_shapes
 from bladewhirl.postprocess.modal.scenarios import plot_scenario, scenario_dataset
-from bladewhirl.postprocess.modal.veering import (
-    families_dataset,
-    plot_families,
-    plot_shaft_veering,
-)
+from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
 from bladewhirl.postprocess.paraview.series import export_vtk
-from bladewhirl.solvers.stability.coincidence import coincidences
 from bladewhirl.solvers.stability.coupled_modes import phase_rate, wave_coefficient
+from bladewhirl.studies.modal.campbell import campbell
 from bladewhirl.studies.modal.scenarios import whirling_modes
-from bladewhirl.studies.modal.veering import veering_report
+from bladewhirl.studies.modal.veering import veering
 
 RECORDS = np.arange(PICTURES)
 
@@ -162,29 +159,20 @@ def test_beams_are_drawn_along_their_hermite_curve() -> None:
     assert np.abs(np.diff(across, n=2, axis=1)).max() > 1e-10
 
 
-def campbell() -> xr.Dataset:
-    own = stage()
-    rotor = own.disk_modes.take(own.disk_modes.one_a_pair()[:6])
-    casing = own.casing_modes.take(own.casing_modes.one_a_pair()[:5])
-    found = coincidences(
-        rotor_frequency=rotor.frequency,
-        rotor_nodal_diameter=rotor.nodal_diameter,
-        casing_frequency=casing.frequency,
-        casing_nodal_diameter=casing.nodal_diameter,
-    )
-    reference = own.reference_frequency
-    return campbell_dataset(
-        rotor, casing, found, reference=reference, speeds=(0.0, 3.0), operating=(0.6, 2.0)
-    )
+@cache
+def diagrams() -> xr.Dataset:
+    return veering(stage(), families=4, stiffnesses=np.geomspace(1e5, 1e9, 20))
 
 
 @pytest.mark.parametrize("frame", ["rotating", "static"])
-def test_coincidences_are_marked_where_a_level_meets_a_ray(frame: str) -> None:
-    data = campbell()
-    (axes,) = plot_campbell(data, "rotating" if frame == "rotating" else "static").axes
+def test_coincidences_are_marked_where_a_level_meets_a_ray(
+    frame: Literal["rotating", "static"],
+) -> None:
+    data = campbell(stage(), families=2, speeds=(0.0, 5.0))
+    (axes,) = plot_campbell(data, frame).axes
     rings = [line for line in axes.lines if line.get_marker() == "o"]
     marked = np.vstack([line.get_xydata() for line in rings])
-    assert len(marked) == np.count_nonzero(data["coincidence_speed"] <= 3.0)
+    assert len(marked) == np.count_nonzero(drawn_part(data)["normalised_speed"] <= 5.0) > 2
     lines = [line for line in axes.lines if line.get_marker() != "o" and line.get_alpha() is None]
     for speed, frequency in marked:
         through = []
@@ -198,18 +186,17 @@ def test_coincidences_are_marked_where_a_level_meets_a_ray(frame: str) -> None:
 @cache
 def figures() -> dict[str, Figure]:
     own = stage()
-    veering = veering_report(own, families=4, springs=np.geomspace(1e5, 1e9, 20))
     whirl = scenario_dataset(
         whirling_modes(own, casing_share=2.0), reference=own.reference_frequency
     )
     return {
         "shapes": plot_mode_shapes(shapes("bladed-disk"), "bladed-disk"),
         "casing": plot_mode_shapes(shapes("casing"), "casing"),
-        "families": plot_families(veering.families),
-        "close-up": plot_families(veering.families, 2),
-        "shaft": plot_shaft_veering(veering.shaft),
-        "rotating": plot_campbell(campbell(), "rotating"),
-        "static": plot_campbell(campbell(), "static"),
+        "families": plot_families(diagrams()),
+        "close-up": plot_families(diagrams(), 2),
+        "shaft": plot_shaft_veering(diagrams()),
+        "rotating": plot_campbell(campbell(own), "rotating"),
+        "static": plot_campbell(campbell(own), "static"),
         "scenario": plot_scenario(whirl),
     }
 
@@ -239,11 +226,7 @@ def test_figures_are_one_column_wide_with_legible_text_inside(name: str) -> None
 
 
 def test_families_are_drawn_with_both_centres_and_differ_for_one_nodal_diameter() -> None:
-    own = stage()
-    data = families_dataset(
-        own.free_modes, own.clamped_modes, families=2, reference=own.reference_frequency
-    )
-    (axes,) = plot_families(data).axes
+    (axes,) = plot_families(diagrams(), 2).axes
     points = {
         str(line.get_label()): np.asarray(line.get_xydata())
         for line in axes.lines
@@ -256,10 +239,9 @@ def test_families_are_drawn_with_both_centres_and_differ_for_one_nodal_diameter(
 
 
 def test_branches_take_the_colour_of_the_energy_in_the_springs() -> None:
-    veering = veering_report(stage(), families=2, springs=np.geomspace(1e5, 1e9, 20))
-    axes = plot_shaft_veering(veering.shaft).axes[0]
+    axes = plot_shaft_veering(diagrams()).axes[0]
     branches = [item for item in axes.collections if isinstance(item, LineCollection)]
-    shares = veering.shaft["spring_share"].values
+    shares = diagrams()["branch_spring_share"].values
     assert len(branches) == shares.shape[1]
     for number, branch in enumerate(branches):
         middle = 0.5 * (shares[1:, number] + shares[:-1, number])

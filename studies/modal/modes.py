@@ -1,0 +1,212 @@
+"""Natural modes of a case: as a Dataset, as lists for programs, as tables for people."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import faults_from, read_case
+from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.models.modal.labels import LabelledModes
+from bladewhirl.models.modal.modes import is_first_of_pair
+from bladewhirl.models.stage.stage import Stage
+
+LEVELS = {
+    "body": "whose mode: bladed-disk or casing",
+    "centre": "free or clamped centre of the bladed disk; empty for the casing",
+    "family": "family of the mode",
+    "nodal_diameter": "nodal diameter that holds most of the mode; -1 without sectors",
+    "number": "place among the modes of this body and centre, ascending in frequency",
+}
+"""Coordinates of a mode, with what they mean; together they are the index of `mode`."""
+
+VARIABLES = {
+    "frequency": ("Hz", "natural frequency"),
+    "normalised_frequency": ("1", "natural frequency over the reference frequency"),
+    "purity": ("1", "share of the nodal diameter in the mode"),
+    "spring_share": ("1", "share of the strain energy in springs"),
+}
+"""Unit and long name of what is known of a mode."""
+
+
+def full_stage(case_or_stage: Case | Stage | ModalStage) -> ModalStage:
+    """The full finite element models with all their modes: found, unless they are given."""
+    if isinstance(case_or_stage, ModalStage):
+        return case_or_stage
+    return modal_stage(case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case)
+
+
+def stage_of_file(file: Path, overrides: list[str] | None) -> ModalStage:
+    """Models and modes of a case file, checked.
+
+    Args:
+        file: the case.
+        overrides: "KEY=VALUE" as given to --set.
+
+    Raises:
+        CaseError: all faults of the case, naming the file or --set.
+    """
+    values = overrides or []
+    case = read_case(file, values)
+    with faults_from(file, values):
+        return modal_stage(case)
+
+
+def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
+    """Natural modes of the full bladed disk, with a free and a clamped centre, and of the casing.
+
+    Over `mode`: frequency [Hz], normalised_frequency (over the lowest of the bladed disk with a
+    free centre), purity (share of its nodal diameter in the mode) and spring_share (of the strain
+    energy). A mode is selected by any of its coordinates body, centre, family, nodal_diameter and
+    number::
+
+        found = bladewhirl.modes(case)
+        found.frequency.sel(body="bladed-disk", centre="free", family="1F", nodal_diameter=1)
+
+    gives two frequencies where blades are alike: both of a pair are there, the cosine first, as
+    `pattern` says (cosine, sine or single). `found.reset_index("mode")` goes into a file.
+
+    Args:
+        case_or_stage: a case, or a stage of it.
+
+    Returns:
+        The modes of each body, ascending; the attribute `centre` says how the case holds it,
+        `reference_frequency_hz` what frequencies are multiples of.
+
+    Raises:
+        CaseError: numbers that finite elements can't be made of.
+    """
+    stage = full_stage(case_or_stage)
+    lists = (
+        ("bladed-disk", "free", stage.free_modes),
+        ("bladed-disk", "clamped", stage.clamped_modes),
+        ("casing", "", stage.casing_modes),
+    )
+    return xr.concat(
+        [_list_of(found, body, centre, stage) for body, centre, found in lists], "mode"
+    ).assign_attrs(
+        title="natural modes",
+        centre="clamped" if stage.case.shaft.clamped else "free",
+        reference_frequency_hz=stage.reference_frequency / (2.0 * np.pi),
+    )
+
+
+def _list_of(found: LabelledModes, body: str, centre: str, stage: ModalStage) -> xr.Dataset:
+    """All modes of one body."""
+    names = {
+        "body": np.full(found.count, body, dtype=object),
+        "centre": np.full(found.count, centre, dtype=object),
+        "family": np.array(found.family, dtype=object),
+        "nodal_diameter": found.nodal_diameter,
+        "number": np.arange(1, found.count + 1),
+    }
+    values = {
+        "frequency": found.frequency / (2.0 * np.pi),
+        "normalised_frequency": found.frequency / stage.reference_frequency,
+        "purity": found.purity,
+        "spring_share": found.spring_share,
+    }
+    pattern = [_pattern(found, number) for number in range(found.count)]
+    data = xr.Dataset(
+        {name: ("mode", value, described(name)) for name, value in values.items()},
+        coords={name: ("mode", value) for name, value in names.items()}
+        | {"pattern": ("mode", np.array(pattern, dtype=object))},
+    ).set_index(mode=list(LEVELS))
+    for name, meaning in LEVELS.items():
+        data[name].attrs["long_name"] = meaning
+    return data
+
+
+def described(name: str) -> dict[str, str]:
+    """Attributes of a variable of modes."""
+    unit, meaning = VARIABLES[name]
+    return {"units": unit, "long_name": meaning}
+
+
+def _pattern(found: LabelledModes, number: int) -> str:
+    if is_first_of_pair(found.column, number):
+        return "cosine"
+    return "sine" if number and is_first_of_pair(found.column, number - 1) else "single"
+
+
+def mode_lists(found: xr.Dataset, count: int) -> dict[str, list[dict[str, Any]]]:
+    """The lowest modes of each body, ascending; both of a degenerate pair are listed.
+
+    Args:
+        found: from `modes`.
+        count: of each list.
+    """
+    lists = {
+        "bladed_disk": {"body": "bladed-disk", "centre": found.attrs["centre"]},
+        "bladed_disk_free": {"body": "bladed-disk", "centre": "free"},
+        "bladed_disk_clamped": {"body": "bladed-disk", "centre": "clamped"},
+        "casing": {"body": "casing"},
+    }
+    keys = {
+        "frequency_hz": "frequency",
+        "normalised": "normalised_frequency",
+        "nodal_diameter": "nodal_diameter",
+        "family": "family",
+        "purity": "purity",
+    }
+    listed = {}
+    for name, which in lists.items():
+        lowest = found.sel(which).isel(mode=slice(count))
+        columns = [lowest[variable].values.tolist() for variable in keys.values()]
+        listed[name] = [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)]
+    return listed
+
+
+def print_modes(found: xr.Dataset, count: int) -> None:
+    """Print the lowest modes of the bladed disk as the case has it, and of the casing.
+
+    Args:
+        found: from `modes`.
+        count: of each body.
+    """
+    centre, hertz = found.attrs["centre"], found.attrs["reference_frequency_hz"]
+    own = found.sel(body="bladed-disk", centre=centre)
+    console = Console()
+    console.print(
+        _table(own.isel(mode=slice(count)), f"Bladed disk, {centre} centre"),
+        _table(found.sel(body="casing").isel(mode=slice(count)), "Casing"),
+        f"ω₁ = {2.0 * np.pi * hertz:.6g} rad/s = {hertz:.6g} Hz, the lowest of the bladed"
+        " disk with a free centre. Pairs share a row.",
+        sep="\n",
+    )
+
+
+def _table(lowest: xr.Dataset, title: str) -> Table:
+    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", title_style="bold")
+    table.add_column("mode", style="dim", justify="right")
+    table.add_column("family")
+    for name in ("k", "frequency [Hz]", "/ ω₁ [–]", "purity", "in springs"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for place in range(lowest.sizes["mode"]):
+        mode = lowest.isel(mode=place)
+        if mode["pattern"] == "sine":
+            continue  # beside its cosine
+        pair = mode["pattern"] == "cosine" and place + 1 < lowest.sizes["mode"]
+        family, k = str(mode["family"].values), int(mode["nodal_diameter"])
+        table.add_row(
+            f"{place + 1}–{place + 2}" if pair else f"{place + 1}",
+            family,
+            str(k) if k >= 0 else "–",
+            f"{float(mode['frequency']):.4f}",
+            f"{float(mode['normalised_frequency']):.5f}",
+            f"{float(mode['purity']):.3f}",
+            _percent(float(mode["spring_share"])),
+            style="green" if family == "suspension" else None,
+        )
+    return table
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.1f} %" if share >= 5e-4 else ""
