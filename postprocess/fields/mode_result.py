@@ -21,7 +21,7 @@ from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.postprocess.fields.fields import casing_rows, line_rows
-from bladewhirl.solvers.march.recorder import HISTORY, STATIC, Variable
+from bladewhirl.solvers.march.schema import HISTORY, STATIC, Variable
 
 Wave = Literal["standing", "forward", "backward"]
 

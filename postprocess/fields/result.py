@@ -15,41 +15,17 @@ import xarray as xr
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.fields import Array
 from bladewhirl.solvers.march.recorder import RESULT_NAME as RESULT_NAME
+from bladewhirl.solvers.march.schema import (
+    HISTORY,
+    INDICES,
+    OPTIONAL_DIMENSIONS,
+    RESULT_FORMAT,
+    STATIC,
+    index_values,
+)
 
 PORTION = 4096
 """Records read at a time: 5 MB for 156 modes."""
-
-HISTORY = {
-    "rotor_displacement": ("time", "rotor_mode"),
-    "rotor_velocity": ("time", "rotor_mode"),
-    "casing_displacement": ("time", "casing_mode"),
-    "casing_velocity": ("time", "casing_mode"),
-    "gap": ("time", "blade"),
-    "contact_impulse": ("time", "blade"),
-    "friction_impulse": ("time", "blade"),
-    "contact_steps": ("time", "blade"),
-    "contacts": ("time",),
-    "energy": ("time",),
-    "external_work": ("time",),
-    "normal_work": ("time",),
-    "friction_work": ("time",),
-    "damping_work": ("time",),
-    "coupling_work": ("time",),
-}
-"""What a result records over time, with its dimensions."""
-
-STAGE = {
-    "rotor_frequency": ("rotor_mode",),
-    "rotor_nodal_diameter": ("rotor_mode",),
-    "rotor_family": ("rotor_mode",),
-    "rotor_shape": ("rotor_node", "rotor_component", "rotor_mode"),
-    "casing_frequency": ("casing_mode",),
-    "casing_shape": ("casing_node", "casing_component", "casing_mode"),
-    "tip_angle": ("blade",),
-    "centre_node": (),
-    "clearance": ("casing_node",),
-}
-"""What every analysis needs to know of the stage, with its dimensions."""
 
 ATTRIBUTES = ("speed", "reference_frequency", "casing_radius", "time_step", "record_step")
 """Numbers every analysis needs, as attributes of the result."""
@@ -63,7 +39,9 @@ def open_result(path: str | Path) -> xr.Dataset:
     """Open `result.nc`, or the folder of the run that holds it; histories are read when used.
 
     A killed run opens too, up to what it had flushed. Close it (or use `with`) before writing
-    the file anew.
+    the file anew. Blades, casing nodes, axes and components are coordinates, and so are family,
+    nodal diameter and frequency of the modes and the angles of tips and casing nodes:
+    ``open_result("run")["gap"].sel(blade=3)``.
 
     Raises:
         ResultError: nothing there, not netCDF-4, not a result, or no record in it yet.
@@ -84,7 +62,28 @@ def open_result(path: str | Path) -> xr.Dataset:
     except ResultError:
         dataset.close()
         raise
-    return dataset
+    opened = with_coordinates(dataset)
+    opened.set_close(dataset.close)
+    return opened
+
+
+def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
+    """A result with everything that the schema calls a coordinate as one, whatever its format.
+
+    Format 1 says nothing of how beams change along their lines: they don't.
+    """
+    indices = {
+        name: (name, index_values(name, dataset.sizes[name]), variable.attributes)
+        for name, variable in INDICES.items()
+        if name in dataset.dims and name not in dataset.coords
+    }
+    constant = {
+        name: xr.zeros_like(dataset["rotor_thickness"]).assign_attrs(variable.attributes)
+        for name, variable in STATIC.items()
+        if name.endswith("_change") and name not in dataset
+    }
+    described = [name for name, variable in STATIC.items() if variable.is_coordinate]
+    return dataset.assign(constant).assign_coords(indices).set_coords(described)
 
 
 def check_result(dataset: xr.Dataset, name: str) -> None:
@@ -93,13 +92,21 @@ def check_result(dataset: xr.Dataset, name: str) -> None:
     Raises:
         ResultError: it is not.
     """
-    for variable, dimensions in {"time": ("time",), **HISTORY, **STAGE}.items():
-        if variable not in dataset:
-            raise ResultError(f"{name}: expected a bladewhirl result, it has no {variable!r}")
-        found = dataset[variable].dims
-        if found != dimensions:
+    made_by = dataset.attrs.get("format", 1)
+    if made_by > RESULT_FORMAT:
+        raise ResultError(
+            f"{name}: expected a result of format {RESULT_FORMAT} or older, this one is of "
+            f"{made_by}: it takes a newer bladewhirl"
+        )
+    for key, variable in {**HISTORY, **STATIC}.items():
+        if variable.since > 1 or OPTIONAL_DIMENSIONS.intersection(variable.dimensions):
+            continue
+        if key not in dataset:
+            raise ResultError(f"{name}: expected a bladewhirl result, it has no {key!r}")
+        found = dataset[key].dims
+        if found != variable.dimensions:
             raise ResultError(
-                f"{name}: expected {variable!r} over ({', '.join(dimensions)}), "
+                f"{name}: expected {key!r} over ({', '.join(variable.dimensions)}), "
                 f"found it over ({', '.join(map(str, found))})"
             )
     for attribute in ATTRIBUTES:

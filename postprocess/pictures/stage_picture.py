@@ -25,7 +25,7 @@ from bladewhirl.postprocess.pictures.stage_words import (
     thickness_words,
 )
 from bladewhirl.postprocess.plotting.files import checked_target, replacing
-from bladewhirl.solvers.march.recorder import HISTORY
+from bladewhirl.solvers.march.schema import HISTORY
 
 if TYPE_CHECKING:
     from bladewhirl.postprocess.pictures.scene import StageScene

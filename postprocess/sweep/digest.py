@@ -15,20 +15,19 @@ from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.postprocess.run.regimes import classify
 from bladewhirl.postprocess.run.summary import energy_residual
 from bladewhirl.postprocess.sweep.dataset import (
-    FLAGS,
     MODE_LINES,
     SECTIONS,
-    VARIABLES,
     WINDOW_SHARE,
     Layout,
     flag,
 )
+from bladewhirl.solvers.march.schema import SWEEP
 
 FEWEST_RECORDS = 16
 """Records in a window, below which there is no spectrum."""
 
 Digest = dict[str, np.ndarray]
-"""Arrays of the shapes and dtypes that `Layout` and `VARIABLES` give."""
+"""Arrays of the shapes and dtypes that `Layout` and `SWEEP` give."""
 
 
 def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> Digest:
@@ -84,9 +83,10 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
         **_thinned(time, motion, groups, layout.samples),
     }
     numbers = {
-        name: flag(name, str(value)) if name in FLAGS else value for name, value in values.items()
+        name: flag(name, str(value)) if SWEEP[name].labels else value
+        for name, value in values.items()
     }
-    return {name: np.asarray(numbers[name], dtype=VARIABLES[name].kind) for name in VARIABLES}
+    return {name: np.asarray(value, dtype=SWEEP[name].kind) for name, value in numbers.items()}
 
 
 def complex_spectrum(motion: Array, step: float, frequency: Array) -> Array:

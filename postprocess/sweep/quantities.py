@@ -12,7 +12,8 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.fields.fields import Array, ViewError
-from bladewhirl.postprocess.sweep.dataset import FORMAT, swept
+from bladewhirl.postprocess.sweep.dataset import swept
+from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 
 LINE = "line"
 """Dimension of the combinations of the other keys."""
@@ -75,11 +76,11 @@ def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
     if missing:
         raise ViewError(
             f"{', '.join(missing)}: not in this sweep, which is of format"
-            f" {dataset.attrs.get('format', 1)} (this one writes {FORMAT}); sweep anew to have them"
+            f" {dataset.attrs.get('format', 1)} (now it is {SWEEP_FORMAT}); sweep anew to have them"
         )
     if not (dataset["state"] == "done").any():
         raise ViewError("no point of the sweep is done: there is nothing to draw")
-    chosen = dataset[[*names, "state"]].compute().sortby(swept(dataset))
+    chosen = dataset[[*names, "state"]].reset_coords(drop=True).compute().sortby(swept(dataset))
     done = chosen["state"] == "done"
     for name in names:
         if chosen[name].dtype.kind == "f":

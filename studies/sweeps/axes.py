@@ -52,6 +52,17 @@ class Axis:
         """Of the dimension in the sweep's dataset."""
         return self.key.replace(".", "_")
 
+    @property
+    def unit(self) -> str:
+        """Unit that the values were given in; empty where they are bare numbers."""
+        first = self.values[0]
+        return first.partition(" ")[2] if isinstance(first, str) else ""
+
+    @property
+    def numbers(self) -> FloatArray:
+        """The values without their unit."""
+        return np.array([float(str(value).partition(" ")[0]) for value in self.values])
+
 
 @dataclass(frozen=True, kw_only=True)
 class Grid:

@@ -15,7 +15,8 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.build import march_faults
-from bladewhirl.postprocess.sweep.dataset import DONE, FORMAT, Layout
+from bladewhirl.postprocess.sweep.dataset import DONE, Layout
+from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import (
     OVER,
@@ -143,7 +144,7 @@ def write_plan(plan: Plan, directory: Path) -> None:
     files = folder.case_files(plan.case)
     document = {
         folder.PACKAGE: folder.version(),
-        "format": FORMAT,
+        "format": SWEEP_FORMAT,
         "case": files.pop(folder.CASE_NAME).decode(),
         "over": {axis.key: axis.values for axis in plan.grid.axes},
         "histories": plan.histories,
@@ -175,9 +176,9 @@ def read_plan(directory: Path) -> Plan:
             f"{path}: expected a sweep of bladewhirl {folder.version()}, this one is of {made_by};"
             " its points would not agree to the last bit"
         )
-    if document.get("format") != FORMAT:
+    if document.get("format") != SWEEP_FORMAT:
         raise UserError(
-            f"{path}: expected a sweep of format {FORMAT}, this one is of"
+            f"{path}: expected a sweep of format {SWEEP_FORMAT}, this one is of"
             f" {document.get('format', 1)} and keeps other quantities; sweep anew into a new folder"
         )
     case = loads(text, file=str(path))

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
@@ -26,16 +27,14 @@ from bladewhirl.postprocess.run.regimes import CRITERION
 from bladewhirl.postprocess.sweep.dataset import (
     DONE,
     FAILED,
-    FLAGS,
-    FORMAT,
     GROUP,
     LINE,
     MODE_LINES,
     SWEEP_NAME,
-    VARIABLES,
     WINDOW_SHARE,
     Layout,
 )
+from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT
 from bladewhirl.studies.runs.folder import FAILURES_NAME, write_whole
 from bladewhirl.studies.sweeps.axes import Grid
 from bladewhirl.studies.sweeps.points import Failure, Outcome
@@ -61,10 +60,17 @@ def create(
         names = tuple(axis.name for axis in grid.axes)
         sizes = dict(zip(names, grid.shape, strict=True))
         file.dimensions = {**sizes, **layout.sizes}
+        as_given = []
         for axis in grid.axes:
             values, unit = coordinates[axis.key]
             made = file.create_variable(axis.name, (axis.name,), np.float64, data=values)
             made.attrs.update({"units": unit, "long_name": axis.key})
+            if axis.unit:
+                as_given.append(re.sub(r"\W+", "_", f"{axis.name} {axis.unit}"))
+                made = file.create_variable(
+                    as_given[-1], (axis.name,), np.float64, data=axis.numbers
+                )
+                made.attrs.update({"units": axis.unit, "long_name": f"{axis.key}, as given"})
         made = file.create_variable("frequency", ("frequency",), np.float64, data=layout.frequency)
         made.attrs.update(
             {"units": "Hz", "long_name": "frequency in the rotating frame, forward positive"}
@@ -72,17 +78,16 @@ def create(
         for name, labels in ((GROUP, layout.groups), (LINE, tuple(MODE_LINES))):
             text = np.array(labels, dtype=object)
             file.create_variable(name, (name,), h5py.string_dtype(), data=text)
-        made = _reserve(h5, file, "state", np.dtype("i1"), sizes)
-        made.attrs["long_name"] = "whether the point is done"
-        for name, variable in VARIABLES.items():
+        for name, variable in SWEEP.items():
             own = {dimension: layout.sizes[dimension] for dimension in variable.dimensions}
             made = _reserve(h5, file, name, np.dtype(variable.kind), {**sizes, **own})
-            made.attrs.update({"units": variable.units, "long_name": variable.long_name})
-        for name, meanings in FLAGS.items():
-            file[name].attrs["flag_values"] = np.arange(len(meanings), dtype="i1")
-            file[name].attrs["flag_meanings"] = " ".join(meanings)
+            made.attrs.update(variable.attributes)
+            if variable.labels:
+                made.attrs["flag_values"] = np.arange(len(variable.labels), dtype="i1")
+                made.attrs["flag_meanings"] = " ".join(variable.labels)
+        file.attrs["coordinates"] = " ".join(as_given)
         file.attrs["over"] = json.dumps({axis.key: axis.values for axis in grid.axes})
-        file.attrs["format"] = FORMAT
+        file.attrs["format"] = SWEEP_FORMAT
         file.attrs["criterion"] = CRITERION
         file.attrs["window"] = (
             f"spectra and mean energies are over the last {layout.window:.6g} s of each march,"

@@ -15,7 +15,9 @@ from bladewhirl.postprocess.fields.result import (
     open_result,
     portions,
     reduce_modes,
+    with_coordinates,
 )
+from bladewhirl.solvers.march.schema import RESULT_FORMAT
 
 
 @pytest.fixture
@@ -31,7 +33,7 @@ class TestOpenResult:
     def test_by_folder_and_by_file_alike(self, run: Path) -> None:
         with open_result(run) as by_folder, open_result(str(run / "result.nc")) as by_file:
             xr.testing.assert_identical(by_folder, by_file)
-            xr.testing.assert_allclose(by_folder, synthetic_result(records=21))
+            xr.testing.assert_allclose(by_folder, with_coordinates(synthetic_result(records=21)))
 
     def test_histories_stay_on_disk(self, run: Path) -> None:
         with open_result(run) as result:
@@ -97,6 +99,35 @@ class TestOpenResult:
         with pytest.raises(ResultError):
             open_result(file)
         synthetic_result(records=3).to_netcdf(file, engine="h5netcdf")  # fails on a held file
+
+
+class TestCoordinates:
+    def test_blades_nodes_axes_and_components_are_found_by_name(self, run: Path) -> None:
+        with open_result(run) as found:
+            plain = synthetic_result(records=21)
+            np.testing.assert_array_equal(found["gap"].sel(blade=3), plain["gap"][:, 3])
+            assert found["casing_shape"].sel(casing_component="u").sizes == {
+                "casing_node": 40,
+                "casing_mode": 4,
+            }
+            angle = found["clearance"].coords["casing_angle"]
+            np.testing.assert_array_equal(angle, plain["casing_angle"])
+            family = found["rotor_displacement"].coords["rotor_family"]
+            assert found["rotor_displacement"][:, family == "1F"].sizes["rotor_mode"] == 2
+
+    def test_format_1_has_straight_beams(self, run: Path) -> None:
+        file = run / "result.nc"
+        changes = [f"rotor_{name}_change" for name in ("thickness", "width", "young_modulus")]
+        synthetic_result(records=3).drop_vars(changes).to_netcdf(file, engine="h5netcdf")
+        with open_result(run) as found:
+            assert not any(found[name].any() for name in changes)
+            assert found["rotor_width_change"].attrs["units"] == "m"
+
+    def test_a_newer_format_is_refused(self, run: Path) -> None:
+        newer = synthetic_result(records=3).assign_attrs(format=RESULT_FORMAT + 1)
+        newer.to_netcdf(run / "result.nc", engine="h5netcdf")
+        with pytest.raises(ResultError, match=r"result\.nc: expected a result of format .* newer"):
+            open_result(run)
 
 
 class TestPortions:

@@ -158,6 +158,7 @@ class TestSummarise:
             rotor_velocity=(("time", "rotor_mode"), motion),
             rotor_frequency=("rotor_mode", np.linspace(1.0, 9.0, modes)),
             rotor_nodal_diameter=("rotor_mode", np.arange(modes) // 2 % 12),
+            rotor_spring_share=("rotor_mode", np.zeros(modes)),
             rotor_family=("rotor_mode", np.array(["1F"] * 22 + ["2F"] * 134, dtype=object)),
             rotor_shape=(("rotor_node", "rotor_component", "rotor_mode"), np.ones((111, 3, modes))),
         )

@@ -93,6 +93,9 @@ def test_the_dataset_names_its_dimensions(swept: Path) -> None:
         assert dataset["march_speed"].attrs["units"] == "1"
         assert (dataset["state"] == "done").all()
         assert (np.diff(dataset["shaft_radius_max"].values, axis=0) > 0).all()
+        np.testing.assert_allclose(
+            dataset["speed_ratio"], dataset["march_speed"] + 0 * dataset["steps"]
+        )
     with xr.open_dataset(swept / "sweep.nc", engine="h5netcdf") as plain:
         assert plain["steps"].dtype == np.int64
 
@@ -310,7 +313,7 @@ def test_a_sweep_of_another_format_is_not_mixed(swept: Path, tmp_path: Path) -> 
     plan = json.loads((swept / PLAN_NAME).read_text())
     del plan["format"]
     (tmp_path / PLAN_NAME).write_text(json.dumps(plan))
-    with pytest.raises(UserError, match="format 2, this one is of 1"):
+    with pytest.raises(UserError, match="format 3, this one is of 1"):
         resume_sweep(tmp_path)
 
 

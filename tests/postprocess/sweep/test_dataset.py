@@ -1,0 +1,50 @@
+"""Opening sweeps: values as they were given, coordinates of the points, formats."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from synthetic_result import synthetic_result
+from synthetic_sweep import LAYOUT, REPORT
+
+from bladewhirl.postprocess.sweep.dataset import SweepError, open_sweep
+from bladewhirl.postprocess.sweep.digest import digest
+from bladewhirl.postprocess.sweep.quantities import along
+from bladewhirl.solvers.march.schema import SWEEP_FORMAT
+from bladewhirl.studies.sweeps.axes import Axis, Grid
+from bladewhirl.studies.sweeps.store import Store, create
+
+RPM = np.array([2500.0, 2600.0])
+RAD_PER_S = RPM * np.pi / 30
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A sweep over two speeds in rpm, the second of which is missing."""
+    grid = Grid(axes=(Axis(key="march.speed", values=("2500 rpm", "2600 rpm")),))
+    create(tmp_path, grid, {"march.speed": (RAD_PER_S, "rad/s")}, LAYOUT, {"title": "rpm"})
+    with Store(tmp_path, grid) as store:
+        store.write({0: digest(synthetic_result(speed=RAD_PER_S[0]), REPORT, LAYOUT)})
+    return tmp_path
+
+
+def test_speeds_in_rpm_stay_beside_si_and_the_ratio(folder: Path) -> None:
+    with open_sweep(folder) as sweep:
+        np.testing.assert_array_equal(sweep["march_speed"], RAD_PER_S)
+        point = sweep.swap_dims(march_speed="march_speed_rpm").sel(march_speed_rpm=2500.0)
+        assert point["state"].item() == "done"
+        assert point["speed_ratio"].item() == pytest.approx(RAD_PER_S[0] / 75.0)
+        assert np.isnan(sweep["speed_ratio"][1])
+        assert sweep["contact_share"].sel(blade=3, march_speed=RAD_PER_S[0]).item() > 0
+        lines = along(sweep, "march_speed", ["regime"])
+        assert {*lines.coords} == {"march_speed"}
+
+
+def test_a_newer_format_is_refused(folder: Path) -> None:
+    with h5py.File(folder / "sweep.nc", "r+") as file:
+        file.attrs["format"] = SWEEP_FORMAT + 1
+    with pytest.raises(SweepError, match=r"sweep\.nc: expected .* format .* newer version"):
+        open_sweep(folder)
