@@ -1,11 +1,14 @@
-"""Files of pictures: their names, and that they are whole or not there."""
+"""Files of pictures and pages: their names, their templates, and that they are whole or not there."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import resources
 from pathlib import Path
+
+from jinja2 import Environment, StrictUndefined
 
 from bladewhirl.postprocess.fields.fields import ViewError
 
@@ -28,3 +31,16 @@ def checked_target(path: str | Path, *suffixes: str) -> Path:
     if target.suffix.lower() not in suffixes:
         raise ViewError(f"{target} must end in {' or '.join(suffixes)}")
     return target
+
+
+def filled_template(room: str, name: str, **values: object) -> str:
+    """A page from its template: a file in a package, in the language of jinja2; text is escaped.
+
+    Raises:
+        jinja2.UndefinedError: the template asks for a value that is not given.
+    """
+    source = resources.files(room).joinpath(name).read_text("utf-8")
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.from_string(source).render(**values)

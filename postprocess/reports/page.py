@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
-from jinja2 import Environment, StrictUndefined
+import xarray as xr
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.plotting.files import checked_target, replacing
+from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.plotting.files import checked_target, filled_template, replacing
+from bladewhirl.postprocess.plotting.registry import FigureKind
 from bladewhirl.postprocess.plotting.style import styled
 
 if TYPE_CHECKING:
@@ -26,91 +27,65 @@ if TYPE_CHECKING:
 DPI = 200
 """Of the pictures: sharp where a column of 8 cm is shown as wide as half a laptop's screen."""
 
-TEMPLATE = "page.html"
-
 
 @dataclass(frozen=True, kw_only=True)
-class ReportFigure:
-    """A figure, or why there is none."""
+class Block:
+    """A piece of a section; `kind` is the part of the template that shows it."""
+
+    kind: ClassVar[str]
 
     name: str
     title: str
-    caption: str  #: what it shows, in which units, and what to look for
-    picture: bytes | None  #: PNG
-    obstacle: str = ""  #: why there is no picture
-    wide: bool = False  #: across the page, not half of it
-
-    @property
-    def data(self) -> str:
-        """The picture as text."""
-        return base64.b64encode(self.picture or b"").decode("ascii")
-
-    @property
-    def kind(self) -> str:
-        """Which part of the template shows it."""
-        return "drawing"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Table:
-    """Rows of words."""
-
-    name: str
-    title: str
-    rows: Sequence[Sequence[str]]
-    head: Sequence[str] = ()
     caption: str = ""
     folded: bool = False  #: opened by a click
-    wide: bool = True
+    wide: bool = True  #: across the page, not half of it
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportFigure(Block):
+    """A figure, or why there is none."""
+
+    kind = "drawing"
+
+    picture: str = ""  #: PNG, as text
+    obstacle: str = ""  #: why there is no picture
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table(Block):
+    """Rows of words."""
+
+    kind = "table"
+
+    rows: Sequence[Sequence[str]]
+    head: Sequence[str] = ()
     numbers: bool = False  #: all but the first column are numbers
     marked: int | None = None  #: row that stands out
 
-    @property
-    def kind(self) -> str:
-        """Which part of the template shows it."""
-        return "table"
-
 
 @dataclass(frozen=True, kw_only=True)
-class Text:
+class Text(Block):
     """Words as they are, in type of one width."""
 
-    name: str
-    title: str
-    text: str
-    caption: str = ""
-    folded: bool = True
-    wide: bool = True
+    kind = "text"
 
-    @property
-    def kind(self) -> str:
-        """Which part of the template shows it."""
-        return "text"
+    text: str
 
 
 @dataclass(frozen=True, kw_only=True)
-class Explorer:
+class Explorer(Block):
     """Plots to point at, side by side; pointing at the first moves the marker of the second."""
 
-    name: str
-    title: str
-    caption: str
+    kind = "explorer"
+
     plots: Sequence[go.Figure]
     marked: Sequence[Sequence[Sequence[float]]] = ()
     """Places of each marker of the second plot, the last traces of it: (marker, column, x y)."""
 
     @property
-    def kind(self) -> str:
-        """Which part of the template shows it."""
-        return "explorer"
-
-    @property
     def documents(self) -> list[str]:
         """The plots as JSON that may stand in a page."""
         return [plot.to_json().replace("</", "<\\/") for plot in self.plots]
-
-
-Block = ReportFigure | Table | Text | Explorer
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,8 +94,8 @@ class Section:
 
     name: str
     title: str
-    words: str
     blocks: Sequence[Block]
+    words: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,12 +112,41 @@ class Page:
     sections: Sequence[Section]
 
 
+def report_figures(
+    draw: Callable[[str], tuple[Figure, xr.Dataset]], kinds: Iterable[FigureKind]
+) -> list[ReportFigure]:
+    """Figures of a result with their words, and why there is none where one can't be had.
+
+    Args:
+        draw: draws the figure of a name, or raises ViewError.
+        kinds: of figures.
+    """
+    return [_report_figure(draw, kind) for kind in kinds]
+
+
+def _report_figure(
+    draw: Callable[[str], tuple[Figure, xr.Dataset]], kind: FigureKind
+) -> ReportFigure:
+    picture, obstacle = "", ""
+    try:
+        picture = _as_png(draw(kind.name)[0])
+    except ViewError as error:
+        obstacle = str(error)
+    return ReportFigure(
+        name=kind.name,
+        title=kind.title,
+        caption=kind.caption,
+        picture=picture,
+        obstacle=obstacle,
+        wide=kind.wide,
+    )
+
+
 @styled
-def as_png(figure: Figure) -> bytes:
-    """A figure as the content of a PNG file."""
+def _as_png(figure: Figure) -> str:
     file = io.BytesIO()
     figure.savefig(file, format="png", dpi=DPI)
-    return file.getvalue()
+    return base64.b64encode(file.getvalue()).decode("ascii")
 
 
 def page_html(page: Page) -> str:
@@ -150,13 +154,12 @@ def page_html(page: Page) -> str:
     # Loaded when used: its maps' program has five megabytes.
     from plotly.offline import get_plotlyjs
 
-    source = resources.files("bladewhirl.postprocess.reports").joinpath(TEMPLATE).read_text("utf-8")
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    draws = any(block.kind == "explorer" for part in page.sections for block in part.blocks)
-    return environment.from_string(source).render(
-        page=page, program=get_plotlyjs() if draws else ""
+    draws = any(isinstance(block, Explorer) for part in page.sections for block in part.blocks)
+    return filled_template(
+        "bladewhirl.postprocess.reports",
+        "page.html",
+        page=page,
+        program=get_plotlyjs() if draws else "",
     )
 
 

@@ -1,44 +1,34 @@
-"""All figures of a run by name, each with the data behind it."""
+"""The figures of a run by name, see `plotting.registry`, and the data behind each."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from functools import cached_property
 
 import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.fields import ViewError
 from bladewhirl.postprocess.fields.windows import late_part, select_window
-from bladewhirl.postprocess.run.blade_contact import (
-    contact_classes,
-    contact_maps,
-    plot_contact_classes,
-    plot_forces,
-    plot_gaps,
-)
-from bladewhirl.postprocess.run.contact_side import contact_phase, plot_contact_phase
-from bladewhirl.postprocess.run.energies import plot_energy, strain_energies
+from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
+from bladewhirl.postprocess.run.blade_contact import contact_classes, contact_maps
+from bladewhirl.postprocess.run.contact_side import contact_phase
+from bladewhirl.postprocess.run.energies import strain_energies
 from bladewhirl.postprocess.run.family_energies import (
     cyclic_energies,
     family_energies,
     mean_energies,
-    plot_family_energies,
 )
-from bladewhirl.postprocess.run.growth import amplitude_growth, plot_growth
-from bladewhirl.postprocess.run.orbits import Frame, plot_orbit, shaft_orbit
-from bladewhirl.postprocess.run.poincare import plot_state_space, poincare_map, state_space
+from bladewhirl.postprocess.run.growth import amplitude_growth
+from bladewhirl.postprocess.run.orbits import Frame, shaft_orbit
+from bladewhirl.postprocess.run.poincare import state_space
 from bladewhirl.postprocess.run.spectra import (
-    around_lines,
     modal_lines,
-    plot_spectrogram,
-    plot_spectrum,
     shaft_spectrogram,
     shaft_spectrum,
+    with_lines,
 )
-from bladewhirl.postprocess.run.stresses import plot_stress, stress_history
-from bladewhirl.postprocess.run.whirl import plot_whirl_history, whirl_history
-
-Drawn = tuple[Figure, xr.Dataset]
+from bladewhirl.postprocess.run.stresses import stress_history
+from bladewhirl.postprocess.run.whirl import whirl_history
 
 
 class RunFigures:
@@ -56,97 +46,97 @@ class RunFigures:
         Raises:
             ViewError: the window is not in order, or holds fewer than two records.
         """
-        self._result = select_window(dataset, start, end)
-        self._orbit = shaft_orbit(self._result)
+        self.result = select_window(dataset, start, end)
         self._is_whole = start is None and end is None
 
-    def draw(self, name: str) -> Drawn:
-        """One of `FIGURES`, with its data.
+    @cached_property
+    def orbit(self) -> xr.Dataset:
+        """Motion of the shaft."""
+        return shaft_orbit(self.result)
+
+    @cached_property
+    def contact(self) -> xr.Dataset:
+        """Gaps and contact forces over blade and time."""
+        return contact_maps(self.result)
+
+    def after_onset(self, dataset: xr.Dataset) -> xr.Dataset:
+        """The last third of a whole run, all of a window."""
+        return late_part(dataset) if self._is_whole else dataset
+
+    def draw(self, name: str) -> tuple[Figure, xr.Dataset]:
+        """One of `RUN_FIGURES`, with its data.
 
         Raises:
             ViewError: there is no such figure, or it can't be had, such as a Poincaré map of a
                 rotor at rest.
         """
-        if name not in FIGURES:
-            raise ViewError(f"figure {name!r}: expected one of {', '.join(FIGURES)}")
-        return FIGURES[name](self)
-
-    def _after_onset(self, dataset: xr.Dataset) -> xr.Dataset:
-        return late_part(dataset) if self._is_whole else dataset
-
-    def _draw_orbit(self) -> Drawn:
-        return plot_orbit(self._orbit), self._orbit
-
-    def _draw_whirl(self) -> Drawn:
-        whirls = whirl_history(self._orbit)
-        return plot_whirl_history(whirls), whirls
-
-    def _draw_spectrum(self, frame: Frame) -> Drawn:
-        lines = modal_lines(self._result, frame)
-        spectrum = around_lines(shaft_spectrum(self._after_onset(self._orbit), frame), lines)
-        return plot_spectrum(spectrum, lines), spectrum.assign(modal_line=lines)
-
-    def _draw_spectrogram(self, frame: Frame) -> Drawn:
-        lines = modal_lines(self._result, frame)
-        spectrogram = around_lines(shaft_spectrogram(self._orbit, frame), lines)
-        return plot_spectrogram(spectrogram, lines), spectrogram.assign(modal_line=lines)
-
-    def _draw_energy(self) -> Drawn:
-        energies = strain_energies(self._result)
-        return plot_energy(energies), energies
-
-    def _draw_families(self, analyse: Callable[[xr.Dataset], xr.Dataset]) -> Drawn:
-        energies = mean_energies(analyse(self._result))
-        return plot_family_energies(energies), energies
-
-    def _draw_state_space(self) -> Drawn:
-        states, sections = state_space(self._orbit), poincare_map(self._orbit)
-        renamed = {"time": "revolution", "place": "section_place", "velocity": "section_velocity"}
-        figure = plot_state_space(states, sections)
-        return figure, states.merge(sections.rename(renamed))
-
-    def _draw_gaps(self) -> Drawn:
-        maps = contact_maps(self._result)
-        return plot_gaps(maps), maps
-
-    def _draw_forces(self) -> Drawn:
-        maps = contact_maps(self._result)
-        return plot_forces(maps), maps
-
-    def _draw_contact_classes(self) -> Drawn:
-        classes = contact_classes(self._after_onset(self._result))
-        return plot_contact_classes(classes), classes
-
-    def _draw_contact_phase(self) -> Drawn:
-        since = float(self._after_onset(self._result)["time"][0])
-        phases = contact_phase(self._result, self._orbit, since=since)
-        return plot_contact_phase(phases), phases
-
-    def _draw_regime(self) -> Drawn:
-        growth = amplitude_growth(self._result)
-        return plot_growth(growth), growth
-
-    def _draw_stress(self) -> Drawn:
-        history = stress_history(self._result)
-        return plot_stress(history), history
+        if name not in RUN_FIGURES:
+            raise ViewError(f"figure {name!r}: expected one of {', '.join(RUN_FIGURES)}")
+        return RUN_FIGURES[name].draw(self)
 
 
-FIGURES: Mapping[str, Callable[[RunFigures], Drawn]] = {
-    "orbit": RunFigures._draw_orbit,
-    "whirl": RunFigures._draw_whirl,
-    "spectrum": lambda run: run._draw_spectrum("rotating"),
-    "spectrum-static": lambda run: run._draw_spectrum("static"),
-    "spectrogram": lambda run: run._draw_spectrogram("rotating"),
-    "spectrogram-static": lambda run: run._draw_spectrogram("static"),
-    "state-space": RunFigures._draw_state_space,
-    "energy": RunFigures._draw_energy,
-    "energy-families": lambda run: run._draw_families(family_energies),
-    "energy-cyclic": lambda run: run._draw_families(cyclic_energies),
-    "gaps": RunFigures._draw_gaps,
-    "forces": RunFigures._draw_forces,
-    "contact-classes": RunFigures._draw_contact_classes,
-    "contact-phase": RunFigures._draw_contact_phase,
-    "stress": RunFigures._draw_stress,
-    "regime": RunFigures._draw_regime,
-}
-"""The figures of a run."""
+def orbit(run: RunFigures) -> xr.Dataset:
+    """From `orbits.shaft_orbit`."""
+    return run.orbit
+
+
+def whirl(run: RunFigures) -> xr.Dataset:
+    """From `whirl.whirl_history`."""
+    return whirl_history(run.orbit)
+
+
+def spectrum(run: RunFigures, frame: Frame) -> xr.Dataset:
+    """From `spectra.shaft_spectrum`, after the onset, with lines of modes."""
+    late = shaft_spectrum(run.after_onset(run.orbit), frame)
+    return with_lines(late, modal_lines(run.result, frame))
+
+
+def spectrogram(run: RunFigures, frame: Frame) -> xr.Dataset:
+    """From `spectra.shaft_spectrogram`, with lines of modes."""
+    return with_lines(shaft_spectrogram(run.orbit, frame), modal_lines(run.result, frame))
+
+
+def states(run: RunFigures) -> xr.Dataset:
+    """From `poincare.state_space`."""
+    return state_space(run.orbit)
+
+
+def energy(run: RunFigures) -> xr.Dataset:
+    """From `energies.strain_energies`."""
+    return strain_energies(run.result)
+
+
+def energy_of_families(run: RunFigures) -> xr.Dataset:
+    """From `family_energies.family_energies`, means over spans of time."""
+    return mean_energies(family_energies(run.result))
+
+
+def energy_of_sectors(run: RunFigures) -> xr.Dataset:
+    """From `family_energies.cyclic_energies`, means over spans of time."""
+    return mean_energies(cyclic_energies(run.result))
+
+
+def contact(run: RunFigures) -> xr.Dataset:
+    """From `blade_contact.contact_maps`."""
+    return run.contact
+
+
+def classes(run: RunFigures) -> xr.Dataset:
+    """From `blade_contact.contact_classes`, after the onset."""
+    return contact_classes(run.after_onset(run.result))
+
+
+def phases(run: RunFigures) -> xr.Dataset:
+    """From `contact_side.contact_phase`; the scenario is that after the onset."""
+    since = float(run.after_onset(run.result)["time"][0])
+    return contact_phase(run.result, run.orbit, since=since)
+
+
+def stress(run: RunFigures) -> xr.Dataset:
+    """From `stresses.stress_history`."""
+    return stress_history(run.result)
+
+
+def growth(run: RunFigures) -> xr.Dataset:
+    """From `growth.amplitude_growth`."""
+    return amplitude_growth(run.result)

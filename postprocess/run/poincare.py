@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -59,51 +57,59 @@ def poincare_map(orbit: xr.Dataset, frame: Frame = "static") -> xr.Dataset:
 
 
 def state_space(orbit: xr.Dataset, frame: Frame = "static") -> xr.Dataset:
-    """Place and velocity of the shaft over (time, axis) in one frame, [m] and [m/s].
+    """Place and velocity of the shaft in one frame, at all times and once a revolution.
 
     Args:
         orbit: from `orbits.shaft_orbit`.
         frame: of the observer.
+
+    Returns:
+        `place` [m] and `velocity` [m/s] over (time, axis); `section_place` and `section_velocity`
+        over (revolution, axis): from `poincare_map`, the coordinate being its time [s].
+
+    Raises:
+        ViewError: as of `poincare_map`.
     """
-    renamed = orbit[[frame, f"{frame}_velocity"]].rename(
+    motion = orbit[[frame, f"{frame}_velocity"]].rename(
         {frame: "place", f"{frame}_velocity": "velocity"}
     )
-    return renamed.assign_attrs(title="state space of the shaft", frame=frame)
+    sections = poincare_map(orbit, frame).rename(
+        time="revolution", place="section_place", velocity="section_velocity"
+    )
+    return motion.merge(sections).assign_attrs(title="state space of the shaft", frame=frame)
 
 
 @styled
-def plot_state_space(states: xr.Dataset, sections: xr.Dataset) -> Figure:
+def plot_state_space(states: xr.Dataset) -> Figure:
     """Draw velocity over place along x: the motion (left) and once a revolution (right).
 
     The last third of the time is strong, what came before it pale; both panels have the same axes.
 
     Args:
         states: from `state_space`.
-        sections: from `poincare_map`, of the same frame.
     """
     figure = new_figure(height=0.058)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     late_from = late_part(states)["time"].values[0]
     length, to_length = length_unit(float(abs(states["place"]).max()))
     rate, to_rate = velocity_unit(float(abs(states["velocity"]).max()))
-    for axes, data, mark, title in (
-        (panels[0], states, {"linestyle": "-"}, "motion"),
-        (
-            panels[1],
-            sections,
-            {"linestyle": "", "marker": ".", "markersize": 3},
-            "every revolution",
-        ),
+    for axes, prefix, instant, mark, title in (
+        (panels[0], "", "time", "-", "motion"),
+        (panels[1], "section_", "revolution", ".", "every revolution"),
     ):
-        late = data["time"].values >= late_from
+        late = states[instant].values >= late_from
+        x = to_length * states[f"{prefix}place"].sel(axis="x").values
+        velocity = to_rate * states[f"{prefix}velocity"].sel(axis="x").values
         for chosen, colour, width in ((~late, PALE, 0.4), (late, COLOURS["rotor"], 0.8)):
-            look: dict[str, Any] = {**mark, "color": colour, "linewidth": width}
             axes.plot(
-                to_length * data["place"].values[chosen, 0],
-                to_rate * data["velocity"].values[chosen, 0],
+                x[chosen],
+                velocity[chosen],
+                mark,
+                markersize=3,
+                color=colour,
+                linewidth=width,
                 rasterized=np.count_nonzero(chosen) > LONG_LINE,
-                label=window_label(data.isel(time=chosen)) if chosen.any() else None,
-                **look,
+                label=_words(states[instant].values[chosen]),
             )
         axes.set(title=title, xlabel=f"x [{length}]")
     panels[0].set_ylabel(f"velocity along x [{rate}]")

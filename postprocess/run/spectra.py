@@ -181,33 +181,31 @@ def shaft_spectrogram(
     )
 
 
-def around_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
-    """The frequencies that are drawn: so far that all lines are seen.
+def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
+    """The frequencies that are drawn, so far that all lines are seen, and `modal_line` (line,).
 
     Args:
         spectrum: from `shaft_spectrum` or `shaft_spectrogram`.
         lines: from `modal_lines`, of the same frame.
     """
     edge = MARGIN * float(np.abs(lines).max())
-    return spectrum.sel(frequency=slice(-edge, edge))
+    return spectrum.sel(frequency=slice(-edge, edge)).assign(modal_line=lines)
 
 
 @styled
-def plot_spectrum(spectrum: xr.Dataset, lines: xr.DataArray) -> Figure:
+def plot_spectrum(spectrum: xr.Dataset) -> Figure:
     """Draw the shaft's amplitude over frequency in Hz with the lines of modes.
 
     Args:
-        spectrum: from `shaft_spectrum`.
-        lines: from `modal_lines`, of the same frame.
+        spectrum: from `shaft_spectrum`, `with_lines`.
     """
     figure = new_figure(height=0.055)
     axes = figure.add_subplot()
-    shown = around_lines(spectrum, lines)
-    amplitude = MILLI * shown["amplitude"].values
+    amplitude = MILLI * spectrum["amplitude"].values
     top = amplitude.max() or 1.0  # all at rest: 1 mm
     floor = top * 10**-DECADES
     axes.plot(
-        _hertz(shown["frequency"].values),
+        _hertz(spectrum["frequency"].values),
         np.maximum(amplitude, floor),
         color=COLOURS["rotor"],
         linewidth=0.8,
@@ -215,8 +213,8 @@ def plot_spectrum(spectrum: xr.Dataset, lines: xr.DataArray) -> Figure:
     axes.set_yscale("log")
     axes.set_ylim(floor, 2 * top)
     axes.set(xlabel="frequency [Hz]   ← backward  forward →", ylabel="amplitude [mm]")
-    axes.set_xlim(*_hertz(shown["frequency"].values[[0, -1]]))
-    _draw_lines(axes, lines, axes.axvline)
+    axes.set_xlim(*_hertz(spectrum["frequency"].values[[0, -1]]))
+    _draw_lines(axes, spectrum["modal_line"], axes.axvline)
     axes.set_title(
         f"{spectrum.attrs['frame']} frame, {spectrum.attrs['window']}\n{speed_label(spectrum)}"
     )
@@ -225,21 +223,19 @@ def plot_spectrum(spectrum: xr.Dataset, lines: xr.DataArray) -> Figure:
 
 
 @styled
-def plot_spectrogram(spectrogram: xr.Dataset, lines: xr.DataArray) -> Figure:
+def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
     """Draw the shaft's amplitude over frequency in Hz and time with the lines of modes.
 
     Args:
-        spectrogram: from `shaft_spectrogram`.
-        lines: from `modal_lines`, of the same frame.
+        spectrogram: from `shaft_spectrogram`, `with_lines`.
     """
     figure = new_figure(height=0.07)
     axes = figure.add_subplot()
-    shown = around_lines(spectrogram, lines)
-    amplitude = MILLI * shown["amplitude"].values
+    amplitude = MILLI * spectrogram["amplitude"].values
     top = amplitude.max() or 1.0
     picture = axes.pcolormesh(
-        shown["time"],
-        _hertz(shown["frequency"].values),
+        spectrogram["time"],
+        _hertz(spectrogram["frequency"].values),
         np.maximum(amplitude, top * 10**-DECADES),
         norm=LogNorm(top * 10**-DECADES, top),
         cmap=SEQUENTIAL,
@@ -248,7 +244,7 @@ def plot_spectrogram(spectrogram: xr.Dataset, lines: xr.DataArray) -> Figure:
     )
     axes.grid(False)
     few_time_ticks(axes)
-    _draw_lines(axes, lines, axes.axhline)
+    _draw_lines(axes, spectrogram["modal_line"], axes.axhline)
     axes.set(xlabel="time [s]", ylabel="frequency [Hz]\n← backward  forward →")
     frame, slice_length = spectrogram.attrs["frame"], 1e3 * spectrogram.attrs["slice"]
     axes.set_title(f"{frame} frame, slices of {slice_length:.3g} ms\n{speed_label(spectrogram)}")

@@ -7,38 +7,7 @@ from typing import Annotated
 
 import typer
 
-NAMES = {
-    "orbit": "the shaft in rotating and static frame",
-    "whirl": "rate and direction of the whirl over time, in both frames",
-    "spectrum": "of the shaft, forward and backward, with lines of modes, rotating frame",
-    "spectrum-static": "the same in the static frame",
-    "spectrogram": "of the shaft over time, rotating frame",
-    "spectrogram-static": "the same in the static frame",
-    "state-space": "velocity over place, and the Poincaré map once a revolution",
-    "energy": "strain energy of suspension and first family",
-    "energy-families": "strain energy by family and nodal diameter",
-    "energy-cyclic": "the same from a transform of the field over the sectors",
-    "gaps": "between blades and casing over time",
-    "forces": "on the blades over time",
-    "contact-classes": "blades in permanent or intermittent contact, and free ones",
-    "contact-phase": "of shaft and smallest clearance, and the contact scenario",
-    "stress": "of blades, disk and casing over time, and the extremes of every blade",
-    "regime": "the amplitude over time, and its growth rate with its uncertainty",
-}
-"""The figures of a run, and what they show."""
-
-SWEEP_NAMES = {
-    "frequency-map": "spectrum of the shaft over the swept key, engine orders, lines of modes",
-    "shaft-radius": "largest and final displacement of the shaft",
-    "regimes": "regime of each point, and growth rate with its uncertainty",
-    "whirl": "direction and frequency of the whirl with its scatter, in both frames",
-    "contact-phase": "of the shaft against the contact: standard or inverted scenario",
-    "contact-classes": "time in contact of each blade; permanent, intermittent and free blades",
-    "energy-families": "strain energy by family and nodal diameter",
-    "bifurcation": "Poincaré sections and local maxima of the late motion",
-    "maps": "regime, displacement and growth over two swept keys",
-}
-"""The figures of a sweep, and what they show."""
+from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES, captions
 
 ALL = "all"
 PLOTS = "plots"
@@ -57,9 +26,9 @@ def plot(
         typer.Argument(
             metavar="NAME",
             help="Figures, or all. Of a run:\n\n"
-            + "\n\n".join(f"{name}: {about}." for name, about in NAMES.items())
+            + "\n\n".join(captions(RUN_FIGURES))
             + "\n\nOf a sweep:\n\n"
-            + "\n\n".join(f"{name}: {about}." for name, about in SWEEP_NAMES.items()),
+            + "\n\n".join(captions(SWEEP_FIGURES)),
             show_default=False,
         ),
     ] = None,
@@ -90,10 +59,9 @@ def plot(
     from bladewhirl.studies.commands.times import options_of_window, parse_time
 
     of_sweep = _is_sweep(directory)
-    known = SWEEP_NAMES if of_sweep else NAMES
+    known = SWEEP_FIGURES if of_sweep else RUN_FIGURES
     if not names:
-        for name, about in known.items():
-            typer.echo(f"{name}: {about}")
+        typer.echo("\n".join(captions(known)))
         return
     unknown = [name for name in names if name not in (*known, ALL)]
     if unknown:
