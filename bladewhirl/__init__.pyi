@@ -1,3 +1,4 @@
+from . import plot as plot
 from .models.case.case import Case as Case
 from .models.case.check import case_from as case_from
 from .models.case.file import dumps_case as dumps_case
@@ -11,7 +12,6 @@ from .postprocess.fields.result import open_result as open_result
 from .postprocess.fields.tip_motion import tip_displacement as tip_displacement
 from .postprocess.paraview.series import export_vtk as export_vtk
 from .postprocess.plotting.style import save_figure as save_figure
-from .postprocess.run.orbits import plot_orbit as plot_orbit
 from .postprocess.run.orbits import shaft_orbit as shaft_orbit
 from .postprocess.sweep.dataset import open_sweep as open_sweep
 from .studies.modal.campbell import campbell as campbell

@@ -7,11 +7,8 @@ draws them (`web_page.html`). Everything that can be worked out here is: the pag
 from __future__ import annotations
 
 import base64
-import html
-import json
 import zlib
 from collections.abc import Mapping
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +42,7 @@ from bladewhirl.postprocess.pictures.look import (
 from bladewhirl.postprocess.pictures.render import Progress
 from bladewhirl.postprocess.pictures.shaft_trail import shaft_trail
 from bladewhirl.postprocess.pictures.symbols import MASS
-from bladewhirl.postprocess.plotting.files import checked_target, replacing
+from bladewhirl.postprocess.plotting.files import checked_target, filled_template, replacing
 
 FULL = 32767  #: of a signed number of 16 bits
 SHADES = 128
@@ -72,11 +69,6 @@ def render_page(
     stage, contact = drawing.reach()
     size = max(stage, contact / (1 - LONGEST_ARROW)) * MARGIN
     places, shades, layout = _pack(drawing, size, progress)
-    text = (
-        resources.files("bladewhirl.postprocess.pictures")
-        .joinpath("web_page.html")
-        .read_text("utf-8")
-    )
     about = {
         **_words(dataset, drawing),
         **_looks(drawing.colouring),
@@ -89,16 +81,17 @@ def render_page(
         "casingShades": drawing.colouring.rotor[0].size,
         "members": _members(dataset),
     }
-    for name, value in {
-        "TITLE": html.escape(str(dataset.attrs["title"])),
-        "INK": INK,
-        "FAINT": FAINT,
-        "FORCE": FORCE_COLOUR,
-        "ABOUT": json.dumps(about, allow_nan=False).replace("</", "<\\/"),
-        "PLACES": base64.b64encode(zlib.compress(places.tobytes())).decode(),
-        "SHADES": base64.b64encode(zlib.compress(shades.tobytes())).decode(),
-    }.items():
-        text = text.replace(f"@{name}@", value)
+    text = filled_template(
+        "bladewhirl.postprocess.pictures",
+        "web_page.html",
+        title=str(dataset.attrs["title"]),
+        ink=INK,
+        faint=FAINT,
+        force=FORCE_COLOUR,
+        about=about,
+        places=base64.b64encode(zlib.compress(places.tobytes())).decode(),
+        shades=base64.b64encode(zlib.compress(shades.tobytes())).decode(),
+    )
     with replacing(target) as draft:
         draft.write_text(text, encoding="utf-8")
     return target

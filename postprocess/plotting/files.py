@@ -1,4 +1,4 @@
-"""Files of pictures and pages: their names, their templates, and that they are whole or not there."""
+"""Files of pictures and pages: their names and templates, written whole or not at all."""
 
 from __future__ import annotations
 
@@ -43,4 +43,5 @@ def filled_template(room: str, name: str, **values: object) -> str:
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    environment.policies["json.dumps_kwargs"] = {"allow_nan": False}
     return environment.from_string(source).render(**values)

@@ -5,8 +5,7 @@ nothing is below 6.5 points in a column of 8 cm. No display and no pyplot state 
 matplotlib picks Agg for PNG and its own writer for PDF from the file's name.
 """
 
-import csv
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
@@ -15,7 +14,6 @@ import matplotlib.style
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -95,47 +93,25 @@ def speed_label(dataset: xr.Dataset) -> str:
 
 
 @styled
-def save_figure(
-    figure: Figure, path: str | Path, data: xr.Dataset | Mapping[str, ArrayLike]
-) -> list[Path]:
+def save_figure(figure: Figure, path: str | Path, data: xr.Dataset | None = None) -> list[Path]:
     """Save as PNG and PDF, with the data behind the figure beside them; returns the paths.
 
     Args:
         figure: drawn in the common style.
         path: where to, in a folder that is made if there is none; a suffix .png or .pdf gives way
-            to .png, .pdf and .nc or .csv.
-        data: a Dataset (goes to netCDF) or columns of equal length by name, with the unit in the
-            name as in "time [s]" (go to CSV, floats in full precision).
-
-    Raises:
-        ValueError: columns of different length.
+            to .png, .pdf and .nc.
+        data: goes to netCDF; None for pictures alone.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     name = path.stem if path.suffix in (".png", ".pdf") else path.name
-    png, pdf = path.with_name(f"{name}.png"), path.with_name(f"{name}.pdf")
-    if isinstance(data, xr.Dataset):
-        beside = path.with_name(f"{name}.nc")
-        data.to_netcdf(beside, engine="h5netcdf")
-    else:
-        beside = path.with_name(f"{name}.csv")
-        _write_columns(beside, data)
+    png, pdf, beside = (path.with_name(f"{name}{suffix}") for suffix in (".png", ".pdf", ".nc"))
     figure.savefig(png)
     arrangement = figure.get_layout_engine()
     figure.set_layout_engine("none")  # the PNG's stays, and need not be found again
     figure.savefig(pdf)
     figure.set_layout_engine(arrangement)
+    if data is None:
+        return [png, pdf]
+    data.to_netcdf(beside, engine="h5netcdf")
     return [png, pdf, beside]
-
-
-def _write_columns(path: Path, columns: Mapping[str, ArrayLike]) -> None:
-    values = {name: np.asarray(column).tolist() for name, column in columns.items()}
-    lengths = {name: len(column) for name, column in values.items()}
-    if len(set(lengths.values())) > 1:
-        found = ", ".join(f"{name!r} {length}" for name, length in lengths.items())
-        raise ValueError(f"{path.name}: expected columns of one length, found {found}")
-    rows: Iterable[tuple[object, ...]] = zip(*values.values(), strict=True)
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(values)
-        writer.writerows(rows)

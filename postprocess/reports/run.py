@@ -3,70 +3,41 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.fields import ViewError
 from bladewhirl.postprocess.fields.windows import late_part, window_label
+from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.plotting.style import speed_label
 from bladewhirl.postprocess.reports.contact_explorer import contact_explorer
-from bladewhirl.postprocess.reports.page import (
-    Page,
-    ReportFigure,
-    Section,
-    Table,
-    Text,
-    as_png,
-)
-from bladewhirl.postprocess.reports.words import (
-    CONTACT,
-    ENERGIES,
-    FREQUENCIES,
-    REGIME,
-    SHAFT,
-    FigureWords,
-)
-from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes, contact_maps
+from bladewhirl.postprocess.reports.page import Page, ReportFigure, Section, Table, report_figures
+from bladewhirl.postprocess.reports.provenance import Provenance, case_section, subject
+from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table
+from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
 from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.run.energies import strain_energies
-from bladewhirl.postprocess.run.figures import Drawn, RunFigures
-from bladewhirl.postprocess.run.orbits import MILLI, shaft_orbit, whirl
-from bladewhirl.postprocess.run.regimes import CRITERION, Regime, RegimeName, classify
+from bladewhirl.postprocess.run.figures import RunFigures
+from bladewhirl.postprocess.run.orbits import MILLI, whirl
+from bladewhirl.postprocess.run.regimes import classify
 from bladewhirl.postprocess.run.summary import MARCH_REPORT, summarise, summary_rows
 
-TONES: Mapping[RegimeName, str] = {
-    "divergent": "bad",
-    "sustained": "fair",
-    "damped": "good",
-    "no-contact": "good",
-}
-
-MEANINGS: Mapping[RegimeName, str] = {
-    "divergent": "the motion grows until a linear model has nothing left to say",
-    "sustained": "blades and casing go on touching, without growth beyond its uncertainty",
-    "damped": "blades and casing touched, and the motion came free of the casing again",
-    "no-contact": "no blade ever touched the casing",
-}
-
 LATE = "over the last third"
-"""When a whirl and a contact scenario are those of."""
+"""The time of a whirl and a contact scenario."""
 
 UNKNOWN = ("complementarity residual", "time step / critical", "wall time")
 """Rows of the summary that a march tells when it ends in order."""
 
 
-def run_report(
-    dataset: xr.Dataset, provenance: Mapping[str, object] | None = None, *, name: str = ""
-) -> Page:
-    """The report of a run, to be written by `report_page.write_page`.
+def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -> Page:
+    """The report of a run, to be written by `page.write_page`.
 
     A march that was interrupted or killed is reported up to its last record, and said to be so.
 
     Args:
         dataset: a result.
-        provenance: what made the run, as in provenance.json.
+        provenance: of the run.
         name: of the run, such as its folder.
 
     Raises:
@@ -74,144 +45,55 @@ def run_report(
     """
     figures = RunFigures(dataset)
     regime = classify(dataset, strain_energies(dataset)["total"].values)
-    orbit, maps = shaft_orbit(dataset), contact_maps(dataset)
+    meaning = _sentence(REGIMES[regime.name].meaning)
     classes = contact_classes(_late(dataset))
     reason = str(dataset.attrs.get("end_reason", "completed"))
     ended = reason in ("completed", "divergent")
+
     sections = [
         Section(
             name="verdict",
             title="Regime, and why",
-            words=f"{_sentence(MEANINGS[regime.name])} The rule below is applied from above; the "
-            "first line that fits is the regime.",
-            blocks=[*report_figures(figures.draw, REGIME), _criterion(regime)],
+            words=f"{meaning} The rule below is applied from above; the first line that fits is "
+            "the regime.",
+            blocks=[*_drawn(figures, "verdict"), criterion_table(regime.name)],
         ),
-        Section(
-            name="shaft",
-            title="Motion of the shaft",
-            words="",
-            blocks=list(report_figures(figures.draw, SHAFT)),
-        ),
+        Section(name="shaft", title="Motion of the shaft", blocks=_drawn(figures, "shaft")),
         Section(
             name="contact",
             title="Contact of blades and casing",
-            words="",
             blocks=[
-                contact_explorer(maps, orbit),
-                *report_figures(figures.draw, CONTACT),
+                contact_explorer(figures.contact, figures.orbit),
+                *_drawn(figures, "contact"),
                 _blades(dataset, classes),
             ],
         ),
-        Section(
-            name="frequencies",
-            title="Frequencies",
-            words="",
-            blocks=list(report_figures(figures.draw, FREQUENCIES)),
-        ),
-        Section(
-            name="energy",
-            title="Strain energy and stress",
-            words="",
-            blocks=list(report_figures(figures.draw, ENERGIES)),
-        ),
-        Section(
-            name="numbers",
-            title="Numbers",
-            words="",
-            blocks=[_summary(dataset)],
-        ),
-        Section(
-            name="case",
-            title="Case and provenance",
-            words="",
-            blocks=[_case_text(dataset), *provenance_tables(dataset, provenance)],
+        Section(name="frequencies", title="Frequencies", blocks=_drawn(figures, "frequencies")),
+        Section(name="energy", title="Strain energy and stress", blocks=_drawn(figures, "energy")),
+        Section(name="numbers", title="Numbers", blocks=[_summary(dataset)]),
+        case_section(
+            dataset,
+            provenance,
+            text=str(dataset.attrs.get("case", "")).strip(),
+            caption="All keys with the values used, SI units; bladewhirl run on these lines "
+            "repeats the run.",
         ),
     ]
     return Page(
         title=str(dataset.attrs.get("title", "")) or "Run",
-        subject=", ".join(filter(None, [name, made_by(dataset, provenance)])),
+        subject=subject(dataset, provenance, name),
         verdict=_sentence(regime.name).rstrip(".") + ("" if ended else " so far"),
-        tone=TONES[regime.name] if ended else "open",
-        reason=f"{_sentence(MEANINGS[regime.name])} {_sentence(regime.reason)}",
+        tone=REGIMES[regime.name].tone if ended else "open",
+        reason=f"{meaning} {_sentence(regime.reason)}",
         warnings=_warnings(dataset, reason),
-        figures=_glance(dataset, orbit, classes),
+        figures=_glance(dataset, figures.orbit, classes),
         sections=sections,
     )
 
 
-def _case_text(dataset: xr.Dataset) -> Text:
-    """The resolved case of a result."""
-    return Text(
-        name="resolved-case",
-        title="Resolved case",
-        text=str(dataset.attrs.get("case", "")).strip(),
-        caption="All keys with the values used, SI units; bladewhirl run on these lines repeats "
-        "the run.",
-    )
-
-
-def provenance_tables(
-    dataset: xr.Dataset, provenance: Mapping[str, object] | None
-) -> Iterator[Table]:
-    """What made a result: program, machine, and versions of what it uses."""
-    made = {
-        name: str(value) for name, value in (provenance or {}).items() if isinstance(value, str)
-    }
-    made.setdefault("bladewhirl", str(dataset.attrs.get("version", "")))
-    if dataset.attrs.get("symmetry"):
-        made["symmetry"] = str(dataset.attrs["symmetry"])
-    yield Table(name="provenance", title="Provenance", rows=list(made.items()))
-    used = (provenance or {}).get("dependencies")
-    if isinstance(used, Mapping):
-        yield Table(
-            name="dependencies",
-            title="Versions of the libraries",
-            rows=[(str(name), str(version)) for name, version in used.items()],
-            folded=True,
-        )
-
-
-def report_figures(
-    draw: Callable[[str], Drawn], plans: Mapping[str, FigureWords]
-) -> Iterator[ReportFigure]:
-    """Figures of a result with their words, and why there is none where one can't be had.
-
-    Args:
-        draw: draws the figure of a name, or raises ViewError.
-        plans: the words, by name.
-    """
-    for name, plan in plans.items():
-        picture, obstacle = None, ""
-        try:
-            picture = as_png(draw(name)[0])
-        except ViewError as error:
-            obstacle = str(error)
-        yield ReportFigure(
-            name=name,
-            title=plan.title,
-            caption=plan.caption,
-            picture=picture,
-            obstacle=obstacle,
-            wide=plan.wide,
-        )
-
-
-def criterion_rows(criterion: str) -> list[tuple[str, str]]:
-    """The rule by which regimes are told apart, by name of the regime."""
-    rules = [rule.partition(": ") for rule in criterion.split("; ")]
-    return [(name, words) for name, colon, words in rules if colon]
-
-
-def _criterion(regime: Regime) -> Table:
-    """The rule by which regimes are told apart, its line that applied marked."""
-    named = criterion_rows(CRITERION)
-    return Table(
-        name="criterion",
-        title="Criterion",
-        rows=named,
-        wide=False,
-        marked=[name for name, _ in named].index(regime.name),
-    )
+def _drawn(figures: RunFigures, section: str) -> list[ReportFigure]:
+    own = [kind for kind in RUN_FIGURES.values() if kind.section == section]
+    return report_figures(figures.draw, own)
 
 
 def _blades(dataset: xr.Dataset, classes: xr.Dataset) -> Table:
@@ -284,7 +166,7 @@ def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
 def _glance(
     dataset: xr.Dataset, orbit: xr.Dataset, classes: xr.Dataset
 ) -> list[tuple[str, str, str]]:
-    """What one wants to know first: name, value, remark."""
+    """The numbers at the top of the page: name, value, remark."""
     late = _late(orbit)
     radius = MILLI * float(orbit["radius"].max())
     share = MILLI * float(orbit.attrs["smallest_clearance"])
@@ -328,13 +210,6 @@ def _split(label: str) -> tuple[str, str]:
     """A value and what is in brackets after it."""
     value, _, rest = label.partition(" (")
     return value, rest.rstrip(")")
-
-
-def made_by(dataset: xr.Dataset, provenance: Mapping[str, object] | None) -> str:
-    """Program and date of a result, in words."""
-    date = str((provenance or {}).get("date", ""))[:16].replace("T", " ")
-    version = dataset.attrs.get("version", "")
-    return f"bladewhirl {version}" + (f", {date} UTC" if date else "")
 
 
 def _sentence(words: str) -> str:

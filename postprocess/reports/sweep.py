@@ -9,32 +9,26 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.reports.headline import headline, key_name
+from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.reports.page import (
     Explorer,
     Page,
     ReportFigure,
     Section,
     Table,
-    Text,
-)
-from bladewhirl.postprocess.reports.run import (
-    criterion_rows,
-    made_by,
-    provenance_tables,
     report_figures,
 )
+from bladewhirl.postprocess.reports.provenance import Provenance, case_section, subject
 from bladewhirl.postprocess.reports.sweep_explorer import (
     frequency_explorer,
     points_explorer,
     regime_explorer,
 )
-from bladewhirl.postprocess.reports.words import MAPS, SWEEP
+from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table, headline
 from bladewhirl.postprocess.run.orbits import MILLI
-from bladewhirl.postprocess.run.regimes import CERTAINTY, CRITERION, rate_text
+from bladewhirl.postprocess.run.regimes import CERTAINTY, rate_text
 from bladewhirl.postprocess.sweep.axes import in_handy_units
 from bladewhirl.postprocess.sweep.dataset import swept
-from bladewhirl.postprocess.sweep.drawing import REGIME_COLOURS
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map
 from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key, other_keys
@@ -45,32 +39,21 @@ WINDOWED = ("frequency-map", "energy-families")
 MOST_POINTS = 2000
 """Points in the table of a page: more make it slow, and are in the dataset."""
 
-WORST_FIRST = tuple(reversed(list(REGIME_COLOURS)))
-
-TONES = {"divergent": "bad", "sustained": "fair", "damped": "good", "no-contact": "good"}
-
-NAMES = {
-    "divergent": "Divergent",
-    "sustained": "Sustained contact",
-    "damped": "Damped",
-    "no-contact": "No contact",
-}
-
 
 def sweep_report(
     dataset: xr.Dataset,
-    provenance: Mapping[str, object] | None = None,
+    provenance: Provenance,
     failures: Sequence[tuple[str, str]] = (),
     *,
     name: str = "",
 ) -> Page:
-    """The report of a sweep, to be written by `report_page.write_page`.
+    """The report of a sweep, to be written by `page.write_page`.
 
     A sweep that is not finished, or has failed points, is reported with what there is.
 
     Args:
         dataset: from `open_sweep`.
-        provenance: what made the sweep, as in provenance.json.
+        provenance: of the sweep.
         failures: points that failed: their values in words, and why.
         name: of the sweep, such as its folder.
     """
@@ -84,37 +67,26 @@ def sweep_report(
         Section(
             name="regimes",
             title="Regimes",
-            words="",
-            blocks=[*_regime_maps(dataset, points), *_drawn(dataset, ("regimes",)), _criterion()],
+            blocks=[
+                *_regime_maps(dataset, points),
+                *_drawn(dataset, "regimes"),
+                criterion_table(),
+            ],
         ),
         Section(
             name="frequencies",
             title="Frequencies",
-            words="",
-            blocks=[*_frequency_maps(dataset, done), *_drawn(dataset, ("frequency-map",))],
+            blocks=[*_frequency_maps(dataset, done), *_drawn(dataset, "frequencies")],
         ),
+        Section(name="motion", title="Motion and contact", blocks=_drawn(dataset, "motion")),
         Section(
-            name="motion",
-            title="Motion and contact",
-            words="",
-            blocks=list(_drawn(dataset, _others(dataset))),
+            name="points", title="Points", blocks=[*_failures(failures), *_point_table(points)]
         ),
-        Section(
-            name="points",
-            title="Points",
-            words="",
-            blocks=[*_failures(failures), *_point_table(points)],
-        ),
-        Section(
-            name="case",
-            title="Case and provenance",
-            words="",
-            blocks=[_case_text(dataset), *provenance_tables(dataset, provenance)],
-        ),
+        _case_section(dataset, provenance),
     ]
     return Page(
         title=(str(dataset.attrs.get("title", "")) or "Sweep") + ", sweep",
-        subject=", ".join(filter(None, [name, made_by(dataset, provenance)])),
+        subject=subject(dataset, provenance, name),
         verdict=verdict,
         tone=tone,
         reason=headline(points, counts, ", ".join(keys)),
@@ -124,14 +96,8 @@ def sweep_report(
     )
 
 
-def _others(dataset: xr.Dataset) -> list[str]:
-    """Figures that have no section of their own; maps need two keys."""
-    placed = {"regimes", "frequency-map"} | (set() if len(swept(dataset)) > 1 else {MAPS})
-    return [name for name in SWEEP if name not in placed]
-
-
 def _points(dataset: xr.Dataset) -> xr.Dataset:
-    """What the maps and tables tell of every point, over (line, key), keys in handy units."""
+    """Quantities of every point in maps and tables, over (line, key), keys in handy units."""
     names = ["regime", "shaft_radius_max", "growth_rate", "growth_error", "end_time"]
     found = in_handy_units(along(dataset, main_key(dataset), [*names, "contact_share"]))
     touched = (found["contact_share"] > 0).sum("blade")
@@ -142,7 +108,7 @@ def _points(dataset: xr.Dataset) -> xr.Dataset:
 def _counts(points: xr.Dataset | None) -> dict[str, int]:
     if points is None:
         return {}
-    found = {name: int((points["regime"].values == name).sum()) for name in WORST_FIRST}
+    found = {name: int((points["regime"].values == name).sum()) for name in REGIMES}
     return {name: count for name, count in found.items() if count}
 
 
@@ -153,7 +119,7 @@ def _verdict(counts: Mapping[str, int], points: int, done: int, failed: int) -> 
     worst = next(iter(counts))
     where = f"{counts[worst]} of {done} points" if counts[worst] < done else f"all {done} points"
     so_far = " so far" if done + failed < points else ""
-    return f"{NAMES[worst]} at {where}{so_far}", TONES[worst]
+    return f"{REGIMES[worst].name} at {where}{so_far}", REGIMES[worst].tone
 
 
 def _warnings(points: int, done: int, failed: int) -> list[str]:
@@ -184,11 +150,17 @@ def _glance(
     return found
 
 
-def _drawn(dataset: xr.Dataset, names: Sequence[str]) -> Iterator[ReportFigure]:
-    plans = {name: SWEEP[name] for name in names}
-    for name in plans.keys() & set(WINDOWED):
-        plans[name] = replace(plans[name], caption=_windowed(dataset, plans[name].caption))
-    return report_figures(SweepFigures(dataset).draw, plans)
+def _drawn(dataset: xr.Dataset, section: str) -> list[ReportFigure]:
+    """Figures of a section; maps need two swept keys."""
+    own = [kind for kind in SWEEP_FIGURES.values() if kind.section == section]
+    if len(swept(dataset)) == 1:
+        own = [kind for kind in own if kind.name != "maps"]
+    return [
+        replace(figure, caption=_windowed(dataset, figure.caption))
+        if figure.name in WINDOWED
+        else figure
+        for figure in report_figures(SweepFigures(dataset).draw, own)
+    ]
 
 
 def _windowed(dataset: xr.Dataset, caption: str) -> str:
@@ -210,16 +182,6 @@ def _frequency_maps(dataset: xr.Dataset, done: int) -> Iterator[Explorer]:
     if done:
         found = frequency_explorer(frequency_map(dataset, main_key(dataset)))
         yield replace(found, caption=_windowed(dataset, found.caption))
-
-
-def _criterion() -> Table:
-    return Table(
-        name="criterion",
-        title="Criterion of the regimes",
-        caption="Applied from above: the first line that fits is the regime.",
-        rows=criterion_rows(CRITERION),
-        folded=True,
-    )
 
 
 def _failures(failures: Sequence[tuple[str, str]]) -> Iterator[Table]:
@@ -266,14 +228,14 @@ def _point_table(points: xr.Dataset | None) -> Iterator[Table]:
 
 
 def _headed(key: xr.DataArray) -> str:
-    units = str(key.attrs["units"])
-    return key_name(key) if units == "1" else f"{key_name(key)} [{units}]"
+    name, units = str(key.attrs["long_name"]), str(key.attrs["units"])
+    return name if units == "1" else f"{name} [{units}]"
 
 
-def _case_text(dataset: xr.Dataset) -> Text:
+def _case_section(dataset: xr.Dataset, provenance: Provenance) -> Section:
     """The resolved case, with a remark where a key is swept."""
     lines, table, marked = [], "", []
-    values = {key_name(dataset[key]): dataset[key].values for key in swept(dataset)}
+    values = {dataset[key].attrs["long_name"]: dataset[key].values for key in swept(dataset)}
     for line in str(dataset.attrs.get("case", "")).strip().splitlines():
         if heading := re.fullmatch(r"\[([^\[\]]+)\]", line):
             table = f"{heading[1]}."
@@ -284,9 +246,9 @@ def _case_text(dataset: xr.Dataset) -> Text:
         marked += here
     unmarked = [key for key in values if key not in marked]
     settings = " ".join(f"--set {key}=VALUE" for key in values)
-    return Text(
-        name="resolved-case",
-        title="Resolved case",
+    return case_section(
+        dataset,
+        provenance,
         text="\n".join(lines),
         caption="All keys with the values used, SI units. Lines marked as swept "
         f"({', '.join(marked)}) have another value at every point"

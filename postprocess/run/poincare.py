@@ -97,7 +97,7 @@ def plot_state_space(states: xr.Dataset) -> Figure:
         (panels[0], "", "time", "-", "motion"),
         (panels[1], "section_", "revolution", ".", "every revolution"),
     ):
-        late = states[instant].values >= late_from
+        late, named = states[instant].values >= late_from, instant == "time"
         x = to_length * states[f"{prefix}place"].sel(axis="x").values
         velocity = to_rate * states[f"{prefix}velocity"].sel(axis="x").values
         for chosen, colour, width in ((~late, PALE, 0.4), (late, COLOURS["rotor"], 0.8)):
@@ -109,7 +109,7 @@ def plot_state_space(states: xr.Dataset) -> Figure:
                 color=colour,
                 linewidth=width,
                 rasterized=np.count_nonzero(chosen) > LONG_LINE,
-                label=_words(states[instant].values[chosen]),
+                label=window_label(states.isel(time=chosen)) if named and chosen.any() else None,
             )
         axes.set(title=title, xlabel=f"x [{length}]")
     panels[0].set_ylabel(f"velocity along x [{rate}]")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.result import RESULT_NAME, open_result
 from bladewhirl.postprocess.plotting.files import checked_target
 from bladewhirl.postprocess.reports.page import Page, write_page
+from bladewhirl.postprocess.reports.provenance import Provenance
 from bladewhirl.postprocess.reports.run import run_report
 from bladewhirl.postprocess.reports.sweep import sweep_report
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
@@ -80,10 +81,10 @@ def _failures(directory: Path) -> list[tuple[str, str]]:
     return rows
 
 
-def _provenance(directory: Path) -> Mapping[str, object] | None:
-    """What made it; None where that is not told."""
+def _provenance(directory: Path) -> Provenance:
+    """How it was made; empty where that is not told."""
     try:
         found = json.loads((directory / PROVENANCE_NAME).read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        return None
-    return found if isinstance(found, dict) else None
+        return {}
+    return found if isinstance(found, dict) else {}

@@ -65,7 +65,7 @@ def test_state_space_has_both_axes_of_one_frame() -> None:
 
 def test_the_figure_shows_place_in_mm_and_velocity() -> None:
     orbit = synchronous()
-    left, right = plot_state_space(state_space(orbit), poincare_map(orbit)).axes
+    left, right = plot_state_space(state_space(orbit)).axes
     circle = np.concatenate([np.asarray(line.get_xydata()) for line in left.lines])
     np.testing.assert_allclose(
         np.hypot(circle[:, 0], circle[:, 1] / synthetic.SPEED), 0.8, rtol=1e-9

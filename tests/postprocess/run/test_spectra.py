@@ -16,6 +16,7 @@ from bladewhirl.postprocess.run.spectra import (
     plot_spectrum,
     shaft_spectrogram,
     shaft_spectrum,
+    with_lines,
 )
 
 RADIUS = 0.8e-3
@@ -115,13 +116,13 @@ class TestFigures:
         result = synthetic.synthetic_result(records=2001)
         orbit, lines = shaft_orbit(result), modal_lines(result, "rotating")
         for figure in (
-            plot_spectrum(shaft_spectrum(orbit), lines),
-            plot_spectrogram(shaft_spectrogram(orbit), lines),
+            plot_spectrum(with_lines(shaft_spectrum(orbit), lines)),
+            plot_spectrogram(with_lines(shaft_spectrogram(orbit), lines)),
         ):
             (legend,) = figure.legends
             texts = [text.get_text() for text in legend.get_texts()]
             assert texts == ["Ω", "1F", "suspension", "casing"]
-        axes = plot_spectrum(shaft_spectrum(orbit), lines).axes[0]
+        axes = plot_spectrum(with_lines(shaft_spectrum(orbit), lines)).axes[0]
         low, high = axes.get_xlim()
         assert low < -190 / (2 * np.pi)
         assert high > 190 / (2 * np.pi)
@@ -135,7 +136,7 @@ class TestFigures:
         result = synthetic.synthetic_result(records=401, shaft_radius=0.0)
         orbit, lines = shaft_orbit(result), modal_lines(result, "static")
         for figure in (
-            plot_spectrum(shaft_spectrum(orbit, "static"), lines),
-            plot_spectrogram(shaft_spectrogram(orbit, "static"), lines),
+            plot_spectrum(with_lines(shaft_spectrum(orbit, "static"), lines)),
+            plot_spectrogram(with_lines(shaft_spectrogram(orbit, "static"), lines)),
         ):
             assert np.isfinite([*figure.axes[0].get_xlim(), *figure.axes[0].get_ylim()]).all()

@@ -15,7 +15,7 @@ from bladewhirl.postprocess.fields.windows import (
     span_starts,
 )
 from bladewhirl.postprocess.run.orbits import shaft_orbit
-from bladewhirl.postprocess.run.poincare import plot_state_space, poincare_map, state_space
+from bladewhirl.postprocess.run.poincare import plot_state_space, state_space
 from bladewhirl.postprocess.run.whirl import plot_whirl_history, whirl_history
 
 RATE = -70.0  # rad/s, of the synthetic shaft in rotating axes
@@ -116,7 +116,7 @@ class TestWhirlHistory:
 def test_small_amounts_have_small_units() -> None:
     orbit = shaft_orbit(synthetic.synthetic_result(records=801, shaft_radius=1e-6))
     assert plot_whirl_history(whirl_history(orbit)).axes[1].get_ylabel() == "radius [µm]"
-    axes = plot_state_space(state_space(orbit), poincare_map(orbit)).axes[0]
+    axes = plot_state_space(state_space(orbit)).axes[0]
     assert axes.get_xlabel() == "x [µm]"
     assert axes.get_ylabel() == "velocity along x [mm/s]"
     assert np.max(np.asarray(axes.get_lines()[1].get_xdata())) == pytest.approx(1.0, rel=0.01)

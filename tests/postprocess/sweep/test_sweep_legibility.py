@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 from synthetic_sweep import synthetic_sweep
 
+from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.plotting.style import new_figure
 from bladewhirl.postprocess.plotting.units import handy_unit
 from bladewhirl.postprocess.sweep.axes import (
@@ -26,7 +27,7 @@ from bladewhirl.postprocess.sweep.axes import (
 from bladewhirl.postprocess.sweep.bifurcation import bifurcation, plot_bifurcation
 from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.drawing import REGIME_MARKS, lines_of
-from bladewhirl.postprocess.sweep.figures import SWEEP_FIGURES, SweepFigures
+from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map, plot_frequency_map
 from bladewhirl.postprocess.sweep.maps import DOUBTFUL, plot_sweep_maps, sweep_maps
 from bladewhirl.postprocess.sweep.quantities import contact_sides, regimes, whirls

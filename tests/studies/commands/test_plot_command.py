@@ -12,10 +12,9 @@ from typer.testing import CliRunner, Result
 
 from bladewhirl.postprocess.fields.fields import ViewError
 from bladewhirl.postprocess.fields.result import open_result
-from bladewhirl.postprocess.run.figures import FIGURES, RunFigures
-from bladewhirl.postprocess.sweep.figures import SWEEP_FIGURES
+from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES
+from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.commands.plot import NAMES, SWEEP_NAMES
 
 
 def plot(*arguments: str | Path) -> Result:
@@ -37,17 +36,15 @@ def made(folder: Path, speed: float) -> Path:
 
 
 def test_the_help_names_every_figure() -> None:
-    assert list(NAMES) == list(FIGURES)
-    assert list(SWEEP_NAMES) == list(SWEEP_FIGURES)
     shown = plot("--help").stdout
-    assert all(f"{name}:" in shown for name in (*NAMES, *SWEEP_NAMES))
+    assert all(f"{name}:" in shown for name in (*RUN_FIGURES, *SWEEP_FIGURES))
 
 
 def test_all_figures_come_with_their_data(directory: Path) -> None:
     result = plot(directory, "all")
     assert result.exit_code == 0, result.stderr
     assert result.stderr.startswith("regime left out: too short a history to judge growth")
-    drawn = [name for name in NAMES if name != "regime"]
+    drawn = [name for name in RUN_FIGURES if name != "regime"]
     expected = {f"{name}.{kind}" for name in drawn for kind in ("png", "pdf", "nc")}
     assert {path.name for path in (directory / "plots").iterdir()} == expected
     with xr.open_dataset(directory / "plots" / "state-space.nc", engine="h5netcdf") as data:
@@ -100,14 +97,14 @@ def test_figures_that_a_run_does_not_have_are_left_out_of_all(tmp_path: Path) ->
     result = plot(still, "all")
     assert result.exit_code == 0, result.stderr
     assert result.stderr.startswith("state-space left out: a Poincaré map needs a revolution")
-    assert len(list((still / "plots").iterdir())) == 3 * (len(NAMES) - 2)
+    assert len(list((still / "plots").iterdir())) == 3 * (len(RUN_FIGURES) - 2)
     assert plot(still, "state-space").exit_code == 2
 
 
 def test_without_a_name_the_names_are_listed(directory: Path) -> None:
     result = plot(directory)
     assert result.exit_code == 0
-    assert [line.partition(":")[0] for line in result.stdout.splitlines()] == [*NAMES]
+    assert [line.partition(":")[0] for line in result.stdout.splitlines()] == [*RUN_FIGURES]
 
 
 def test_a_figure_that_there_is_not_names_those_that_there_are(directory: Path) -> None:

@@ -16,18 +16,11 @@ from report_pages import Parsed
 from typer.testing import CliRunner, Result
 
 import bladewhirl as bw
-from bladewhirl.postprocess.reports.words import (
-    CONTACT,
-    ENERGIES,
-    FREQUENCIES,
-    REGIME,
-    SHAFT,
-)
+from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.run.blade_contact import contact_maps
 from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.studies.commands.cli import app
 
-FIGURES = [*REGIME, *SHAFT, *CONTACT, *FREQUENCIES, *ENERGIES]
 MARCHED = {
     "complementarity_residual": 3.25e-12,
     "unsolved_steps": 0,
@@ -77,7 +70,10 @@ def test_it_stands_alone(folder: Path, page: Parsed) -> None:
 
 
 def test_all_figures_are_inside(page: Parsed) -> None:
-    drawn = set(FIGURES) - {"regime"}  # so short a run has no growth rate
+    drawn = {name for name, kind in RUN_FIGURES.items() if kind.section} - {
+        "regime"
+    }  # so short a run has no growth rate
+    assert len(drawn) == 14
     assert set(page.pictures) == drawn
     for picture in page.pictures.values():
         content = base64.b64decode(picture.partition(",")[2])

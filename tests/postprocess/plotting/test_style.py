@@ -1,6 +1,5 @@
 """The common style: sizes, colours, and what is saved with a figure."""
 
-import csv
 import re
 from pathlib import Path
 
@@ -17,11 +16,6 @@ from synthetic_result import synthetic_result
 from bladewhirl.postprocess.plotting import style
 from bladewhirl.postprocess.run.energies import plot_energy, strain_energies
 from bladewhirl.postprocess.run.orbits import plot_orbit, shaft_orbit
-
-COLUMNS: dict[str, list[float] | list[str]] = {
-    "time [s]": [0.0, 0.1, 0.3],
-    "regime": ["damped", "damped", "sustained"],
-}
 
 
 @pytest.fixture(params=["orbit", "orbit, growing", "energy", "energy, growing"])
@@ -86,24 +80,14 @@ class TestSaveFigure:
         figure.add_subplot().plot([0, 1], [0, 1])
         return figure
 
-    def test_png_and_pdf_with_columns_as_csv(self, tmp_path: Path) -> None:
-        paths = style.save_figure(self.figure(), tmp_path / "map.png", COLUMNS)
-        assert [path.name for path in paths] == ["map.png", "map.pdf", "map.csv"]
+    def test_a_png_and_a_pdf_of_the_printed_size(self, tmp_path: Path) -> None:
+        paths = style.save_figure(self.figure(), tmp_path / "map.png")
+        assert [path.name for path in paths] == ["map.png", "map.pdf"]
         height, width, _ = imread(paths[0]).shape
         assert (width, height) == (944, 590)  # 80 x 50 mm at 300 dots an inch
         media = re.search(rb"/MediaBox \[\s*0 0 ([\d.]+) ([\d.]+)", paths[1].read_bytes())
         assert media is not None
         assert float(media[1]) == pytest.approx(72 * 0.08 / 0.0254)
-        with paths[2].open() as file:
-            rows = list(csv.reader(file))
-        assert rows[0] == ["time [s]", "regime"]
-        assert [float(row[0]) for row in rows[1:]] == COLUMNS["time [s]"]
-        assert [row[1] for row in rows[1:]] == COLUMNS["regime"]
-
-    def test_floats_keep_every_digit(self, tmp_path: Path) -> None:
-        value = 0.1 + 1e-16
-        paths = style.save_figure(self.figure(), tmp_path / "a", {"x": [value, np.pi]})
-        assert [float(x) for x in paths[2].read_text().split()[1:]] == [value, np.pi]
 
     def test_a_folder_that_is_missing_is_made(self, tmp_path: Path) -> None:
         orbit = shaft_orbit(synthetic_result())
@@ -116,18 +100,9 @@ class TestSaveFigure:
         with xr.open_dataset(beside, engine="h5netcdf") as saved:
             xr.testing.assert_identical(saved.load(), data)
 
-    def test_columns_of_different_length_are_refused(self, tmp_path: Path) -> None:
-        with pytest.raises(ValueError, match="columns of one length, found 'a' 2, 'b' 1"):
-            style.save_figure(self.figure(), tmp_path / "a.png", {"a": [1, 2], "b": [1]})
-        assert not list(tmp_path.iterdir())
-
     def test_a_name_with_dots_is_kept(self, tmp_path: Path) -> None:
-        paths = style.save_figure(self.figure(), tmp_path / "speed_1.05", {"x": [1.0]})
-        assert [path.name for path in paths] == [
-            "speed_1.05.png",
-            "speed_1.05.pdf",
-            "speed_1.05.csv",
-        ]
+        paths = style.save_figure(self.figure(), tmp_path / "speed_1.05")
+        assert [path.name for path in paths] == ["speed_1.05.png", "speed_1.05.pdf"]
 
 
 def test_speed_in_words() -> None:

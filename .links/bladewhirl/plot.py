@@ -1,0 +1,1 @@
+../../bladewhirl/plot.py

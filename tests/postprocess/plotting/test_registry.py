@@ -1,0 +1,57 @@
+"""The registry of figures, and the functions of `bladewhirl.plot` that draw them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+from synthetic_result import synthetic_result
+from synthetic_sweep import synthetic_sweep
+
+import bladewhirl as bw
+from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES, FigureKind
+
+
+def test_it_loads_nothing_that_draws() -> None:
+    code = (
+        "import sys, bladewhirl.plot\n"
+        "assert not {'numpy', 'matplotlib', 'xarray'} & sys.modules.keys()"
+    )
+    subprocess.run([sys.executable, "-P", "-c", code], check=True)
+
+
+@pytest.mark.parametrize("kind", [*RUN_FIGURES.values(), *SWEEP_FIGURES.values()])
+def test_the_words_of_a_figure_read_well(kind: FigureKind) -> None:
+    assert kind.about[0].isupper()
+    assert not kind.about.endswith(".")
+    assert "\n" not in kind.about
+    assert kind.caption.endswith(".")
+
+
+def test_every_figure_has_a_function_with_its_words() -> None:
+    names = {name.replace("-", "_") for name in (*RUN_FIGURES, *SWEEP_FIGURES)}
+    assert set(bw.plot.__all__) == names
+    for name in names:
+        function = getattr(bw.plot, name)
+        assert function.__name__ == name
+        assert function.__doc__
+
+
+def test_a_run_and_a_sweep_are_told_apart(tmp_path: Path) -> None:
+    run = synthetic_result(shaft_radius=1.2e-3)
+    figure = bw.plot.whirl(run, start=0.1)
+    assert isinstance(figure, Figure)
+    assert figure.axes[1].get_ylabel() == "radius [mm]"
+    with pytest.raises(ViewError, match="figure 'maps': expected one of orbit, whirl"):
+        bw.plot.maps(run)
+    folder = synthetic_sweep(tmp_path / "sweep", {"march.speed": (1.0,)}, [run])
+    with bw.open_sweep(folder) as sweep:
+        assert "rotating frame" in bw.plot.whirl(sweep).axes[0].get_ylabel()
+        with pytest.raises(ViewError, match="figure 'orbit': expected one of frequency-map"):
+            bw.plot.orbit(sweep)
+        with pytest.raises(ViewError, match="no start and end with a sweep"):
+            bw.plot.whirl(sweep, start=0.1)
