@@ -7,6 +7,7 @@ from .models.case.file import with_values as with_values
 from .models.geometry.sketch import Sketch as Sketch
 from .models.inputs.errors import CaseError as CaseError
 from .models.inputs.errors import UserError as UserError
+from .models.sections.materials import Material as Material
 from .models.sections.rectangular import Section as Section
 from .postprocess.fields.result import open_result as open_result
 from .postprocess.fields.tip_motion import tip_displacement as tip_displacement

@@ -17,8 +17,9 @@ from bladewhirl.models.case.disk_parts import (
     TaperRows,
 )
 from bladewhirl.models.case.mesh_file import MeshTable
-from bladewhirl.models.inputs.fields import MOST, Length, Stiffness, count, quantity
+from bladewhirl.models.inputs.fields import MOST, Length, Mass, Stiffness, count
 from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.units import handy
 from bladewhirl.models.sections.materials import BeamSection
 
 
@@ -87,9 +88,7 @@ class BladedDisk(Table):
     web_tangential: Stiffness = Field(
         default=1e9, description="The same spring across the radius [N/m]."
     )
-    tip_mass: Annotated[float, quantity("kg", "not negative")] = Field(
-        default=0.0, description="Point mass at each tip [kg]."
-    )
+    tip_mass: Mass = Field(default=0.0, description="Point mass at each tip [kg].")
     point_masses: MassRows = Field(
         default=(),
         description='More point masses, rows of { radius = "0.4 m", mass = "50 g" }, on all blades'
@@ -111,6 +110,24 @@ class BladedDisk(Table):
             '{ file = "a.msh", unit = "mm", sections.blades = { width = 0.1, thickness = 0.01 } }'
         ],
     )
+
+    @property
+    def summary(self) -> str:
+        """Its blades and disk, or the mesh instead."""
+        if self.mesh is not None:
+            return self.mesh.summary
+        mistuning = self.mistuning != Mistuning()
+        told = [
+            f"{self.blades} {'curved ' if self.centre_line else ''}blades",
+            f"{handy(self.disk_radius, 'm')} to {handy(self.tip_radius, 'm')}",
+            f"{'tapered' if self.taper else self.blade.summary}",
+            f"{self.elements_per_blade} elements each",
+            f"disk of {self.disk_kind.replace('-', ' ')}",
+            *([f"{len(self.shrouds)} shrouds"] if self.shrouds else []),
+            *(["point masses"] if self.point_masses or self.tip_mass else []),
+            *(["mistuned"] if mistuning else []),
+        ]
+        return ", ".join(told)
 
     @property
     def cut_radii(self) -> list[float]:

@@ -1,18 +1,19 @@
-"""The case: what a case file holds, in SI units, frozen.
+"""The case: the contents of a case file, in SI units, frozen.
 
-Make one by keyword, ``Case(march=March(speed=1.2))``, or read one (see `case_file`). Defaults are
-the source paper's values or, where it gives none, a choice; each description says which. Numbers
-are SI; text carries its own unit, "1 mm". Other geometries join as further optional tables.
+Make one by keyword, ``Case(march=March(speed=1.2))``, or read one, `read_case`. Defaults are the
+source paper's values or, where it gives none, a choice; each description says which. Numbers are
+SI; text carries its own unit, "1 mm". Other geometries join as further optional tables.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import hypot
-from typing import Annotated, Literal
+from typing import Any
 
-from pydantic import BeforeValidator, Field, StrictBool, StrictStr
+import numpy as np
+from pydantic import Field, SerializerFunctionWrapHandler, StrictStr, model_serializer
 
+from bladewhirl.models.case.analysis import Contact, Coupling, Damping, Initial, March, Reduction
 from bladewhirl.models.case.bladed_disk import BladedDisk, DiskSection
 from bladewhirl.models.case.casing import Casing, Lobe
 from bladewhirl.models.case.excitation import (
@@ -24,23 +25,8 @@ from bladewhirl.models.case.excitation import (
 )
 from bladewhirl.models.case.shaft import Shaft
 from bladewhirl.models.case.sketch import SketchTable
-from bladewhirl.models.inputs.fields import (
-    DisplacementPair,
-    DisplacementRows,
-    Length,
-    NumberOrZero,
-    RotationSpeed,
-    StiffnessOrZero,
-    Time,
-    TimeOrZero,
-    VelocityPair,
-    VelocityRows,
-    count,
-)
-from bladewhirl.models.inputs.mode_names import mode_choice
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.inputs.timing import Timing
-from bladewhirl.models.inputs.units import Speed
+from bladewhirl.models.inputs.units import handy
 from bladewhirl.models.sections.materials import BeamSection, Material
 
 __all__ = [
@@ -59,154 +45,6 @@ __all__ = [
     "Reduction",
     "Shaft",
 ]
-
-MOST_STEPS = 1e12
-"""Longest march: days of computing, and far from where step numbers would overflow."""
-
-WHOLE = 1e-6
-"""Largest relative distance of record_step / time_step from a whole number."""
-
-
-class Reduction(Table):
-    """Craig-Bampton reduction of the bladed disk on its tips and centre, and modes of both."""
-
-    fixed_interface_modes: Annotated[int, count(1)] = Field(
-        default=110, description="Number of fixed-interface modes (eta in the paper, Section 2.2)."
-    )
-    modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = Field(
-        default="all",
-        description='Modes that a march keeps: "all"; "six", the paper\'s truncated space of Eqs'
-        ' (4)-(10), "1F:1,suspension:1,casing:1"; or any others by name, FAMILY:k on the bladed'
-        ' disk and casing:FAMILY:k on the casing, without ":k" in all nodal diameters, "*" for'
-        ' every family; "casing:k" is the lowest radial mode. Loads and start are projected.',
-    )
-
-
-class Damping(Table):
-    """Modal damping of both structures."""
-
-    ratio: NumberOrZero = Field(
-        default=0.005,
-        description="Damping ratio xi of every mode (not in the paper; lets suspension transients"
-        " fade within about 1.1 s).",
-    )
-
-
-class Contact(Table):
-    """Contact between tips and casing."""
-
-    friction: NumberOrZero = Field(
-        default=0.1, description="Coulomb friction coefficient (paper, Table 2)."
-    )
-    sliding: Literal["permanent", "signed"] = Field(
-        default="permanent",
-        description='"permanent": friction drags every tip against the rotation ("sliding is'
-        ' assumed" in the paper); "signed": it follows the sign of the relative velocity.',
-    )
-    tip_rotation: StrictBool = Field(
-        default=False, description="Let the angle of a tip on the casing follow u_t / R."
-    )
-
-
-class Initial(Table):
-    """Motion at t = 0, in the rotating frame at angle 0; the casing is at rest."""
-
-    centre_velocity: VelocityPair = Field(
-        default=(0.0, 0.0), description="Velocity of the centre, x and y [m/s]."
-    )
-    centre_displacement: DisplacementPair = Field(
-        default=(0.0, 0.0), description="Displacement of the centre, x and y [m]."
-    )
-    tip_velocity: VelocityRows | None = Field(
-        default=None,
-        description="Velocity of each tip, radial and tangential [m/s], blades x 2; left out: 0.",
-        examples=["[[0.0, 0.0], [0.0, 0.0], ...]"],
-    )
-    tip_displacement: DisplacementRows | None = Field(
-        default=None,
-        description="Displacement of each tip, radial and tangential [m], blades x 2; left out: 0.",
-        examples=["[[0.0, 0.0], [0.0, 0.0], ...]"],
-    )
-
-
-class Coupling(Table):
-    """Coupling of bladed disk and casing through frame and bearings (Eqs 4-10)."""
-
-    stiffness: StiffnessOrZero = Field(
-        default=0.0, description="kappa [N/m] (0 in the paper's Table 2)."
-    )
-    modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = Field(
-        default="six",
-        description="Modes that the springs couple, of those that a march keeps, named as in"
-        " reduction.modes: on the bladed disk 1F to 5F and suspension, on the casing the lowest"
-        " radial mode of each nodal diameter.",
-    )
-    amplitude: Literal["paper", "physical"] = Field(
-        default="paper",
-        description='Amplitudes at the springs: "paper" one for each mode, "physical" those of the'
-        " mass-normalised modes.",
-    )
-    pi: StrictBool = Field(
-        default=True, description="Keep the factor pi of the integral in Eq. (8); Eq. (9) drops it."
-    )
-
-
-class March(Table):
-    """The march in time."""
-
-    speed: RotationSpeed = Field(
-        default=Speed(1.05),
-        description="Speed of rotation: a number counts multiples of the reference frequency, the"
-        " lowest free-centre frequency of the full bladed disk (also when clamped); text is"
-        ' absolute, "2500 rpm", "42 Hz" (revolutions per second) or "262 rad/s". 0 and negative'
-        " are allowed (1.05 in the paper, Section 4.3).",
-    )
-    time_step: Time = Field(default=1e-6, description="Time step [s] (paper, Section 4.2).")
-    duration: TimeOrZero = Field(default=3.0, description="Simulated time [s] (paper, Table 2).")
-    record_step: Time = Field(
-        default=1e-4, description="Time between records [s], a whole number of time steps."
-    )
-    displacement_limit: Length = Field(
-        default=0.5,
-        description="Radial or tangential displacement of a blade tip at which a divergent march"
-        " ends [m]: more than a blade's length, where a linear model has nothing left to say. It"
-        " is off by a tenth from a third of that length on, but transients pass that and decay (a"
-        " choice).",
-    )
-    scheme: Literal["central-difference"] = Field(
-        default="central-difference",
-        description="Time integration: central differences with Lagrange multipliers.",
-    )
-
-    @property
-    def steps(self) -> int:
-        """Number of time steps in ``duration``."""
-        return self.timing.steps
-
-    @property
-    def timing(self) -> Timing:
-        """When the march steps and records."""
-        return Timing(
-            time_step=self.time_step, duration=self.duration, record_step=self.record_step
-        )
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Records that do not fall on steps, steps without number."""
-        ratio = self.record_step / self.time_step
-        if ratio < 1.0 - WHOLE:
-            expected = f"at least march.time_step = {self.time_step!r}"
-            yield Inconsistency("record_step", expected, ("time_step",))
-        elif ratio < MOST_STEPS and abs(ratio - round(ratio)) > WHOLE * ratio:
-            below, above = (int(ratio) * self.time_step, (int(ratio) + 1) * self.time_step)
-            expected = (
-                f"a whole number of time steps of {self.time_step!r} s:"
-                f" {below:.9g} or {above:.9g}, not {ratio:.9g} of them"
-            )
-            yield Inconsistency("record_step", expected, ("time_step",))
-        for key in ("duration", "record_step"):
-            if getattr(self, key) / self.time_step > MOST_STEPS:
-                expected = f"at most {MOST_STEPS:g} steps of march.time_step = {self.time_step!r}"
-                yield Inconsistency(key, expected, ("time_step",))
 
 
 class Case(Table):
@@ -236,8 +74,41 @@ class Case(Table):
     coupling: Coupling = Coupling()
     march: March = March()
 
+    def __repr__(self) -> str:
+        """The stage and its march on one screen, a line a table, in handy units."""
+        disk = self.bladed_disk if self.sketch is None else self.sketch
+        modes, damping = self.reduction.modes, self.damping.ratio
+        lines = {
+            "bladed disk": disk.summary,
+            "material": self.material.summary,
+            "shaft": self.shaft.summary,
+            "casing": self.casing.summary,
+            "coupling": handy(self.coupling.stiffness, "N/m") if self.coupling.stiffness else "",
+            "contact": f"friction {self.contact.friction:g}, {self.contact.sliding} sliding",
+            "excitation": self.excitation.summary,
+            "initial": ", ".join(key for key, value in self.initial if np.any(value)),
+            "speed": str(self.march.speed),
+            "march": f"{self.march.summary}, modes {modes}, damping {100 * damping:g} %",
+        }
+        told = [f"{name:<13}{text}" for name, text in lines.items() if text]
+        return "\n  ".join([f'Case "{self.title}"', *told])
+
+    def __str__(self) -> str:
+        """The same."""
+        return repr(self)
+
+    @model_serializer(mode="wrap")
+    def _without_blades_beside_a_sketch(
+        self, serialize: SerializerFunctionWrapHandler
+    ) -> dict[str, Any]:
+        """Beside a sketch the keys of [bladed_disk] say nothing, and are not written."""
+        tables: dict[str, Any] = serialize(self)
+        if self.sketch is not None:
+            tables.pop("bladed_disk", None)
+        return tables
+
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """What does not fit together from table to table."""
+        """Values that do not fit together from table to table."""
         yield from self._loads_out_of_reach()
         yield from self._tips_without_blade()
         yield from self._unknown_materials()
@@ -307,4 +178,4 @@ class Case(Table):
         mesh = self.bladed_disk.mesh
         if mesh is None:
             return self.bladed_disk.tip_radius
-        return mesh.tip_radius or max(hypot(*tip) for tip in mesh.tip_points)
+        return mesh.largest_radius

@@ -1,4 +1,4 @@
-"""The `[casing]` table of a case: what the bladed disk turns in."""
+"""The `[casing]` table of a case: the ring around the bladed disk, and its supports."""
 
 from __future__ import annotations
 
@@ -11,14 +11,17 @@ from pydantic import Field
 from bladewhirl.models.inputs.fields import (
     Angle,
     DampingOrZero,
+    Density,
     Length,
     LengthOrZero,
+    Modulus,
     StiffnessOrZero,
     count,
     quantity,
     rows,
 )
 from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.units import handy
 from bladewhirl.models.sections.around_ring import Lobes, RingProfile
 from bladewhirl.models.sections.materials import BeamSection
 from bladewhirl.models.sections.wall import TURN, Arc
@@ -56,12 +59,8 @@ class StiffenedArc(Table):
     end: Angle = Field(description="Angle at which it ends, at most a turn further on [rad].")
     thickness: Length | None = Field(default=None, description="Size in the plane [m].")
     width: Length | None = Field(default=None, description="Size out of the plane [m].")
-    young_modulus: Annotated[float, quantity("Pa")] | None = Field(
-        default=None, description="Young's modulus [Pa]."
-    )
-    density: Annotated[float, quantity("kg/m3")] | None = Field(
-        default=None, description="Density [kg/m3]."
-    )
+    young_modulus: Modulus | None = Field(default=None, description="Young's modulus [Pa].")
+    density: Density | None = Field(default=None, description="Density [kg/m3].")
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """An arc without length or of more than a turn."""
@@ -190,6 +189,22 @@ class Casing(Table):
         description='Rigid rotation of the ring, "free" or "fixed" (not in the paper; free,'
         " friction would spin the ring up).",
     )
+
+    @property
+    def summary(self) -> str:
+        """Its clearance, wall and supports."""
+        lobes = " with lobes" if self.clearance_lobes else ""
+        varied = self.thickness_lobes or self.thickness_stations or self.stiffened_arcs
+        told = [
+            f"clearance {handy(self.clearance, 'm')}{lobes}",
+            f"wall {self.wall.summary}{' that varies' if varied else ''}",
+            f"{self.elements} elements",
+            *([f"support {handy(self.support, 'N/m2')}"] if self.support else []),
+            *([f"{len(self.springs)} springs"] if self.springs else []),
+            *([f"{len(self.struts)} struts"] if self.struts else []),
+            f"rotation {self.rotation}",
+        ]
+        return ", ".join(told)
 
     @property
     def clearance_profile(self) -> RingProfile:

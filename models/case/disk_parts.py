@@ -11,12 +11,13 @@ from pydantic import Field, StrictStr
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.fields import (
     Angle,
+    Inertia,
     Length,
     LengthOrZero,
+    Mass,
     NumberOrZero,
     count,
     number,
-    quantity,
     rows,
 )
 from bladewhirl.models.inputs.table import Inconsistency, Table
@@ -69,10 +70,8 @@ class PointMass(Table):
     """A mass at a radius, on all blades or on some."""
 
     radius: LengthOrZero = Field(description="0 for the centre, else from root to tip [m].")
-    mass: Annotated[float, quantity("kg", "not negative")] = Field(description="Each [kg].")
-    inertia: Annotated[float, quantity("kg m2", "not negative")] = Field(
-        default=0.0, description="Rotary inertia, each [kg m2]."
-    )
+    mass: Mass = Field(description="Each [kg].")
+    inertia: Inertia = Field(default=0.0, description="Rotary inertia, each [kg m2].")
     blades: Blades | None = Field(default=None, description="That have it; all when left out.")
 
 

@@ -1,4 +1,4 @@
-"""What sets a stage in motion: the `[excitation]` table, one model a type."""
+"""The `[excitation]` table of a case: the load on a stage, one model a type."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from bladewhirl.models.inputs.fields import (
     quantity,
 )
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.inputs.units import Speed
+from bladewhirl.models.inputs.units import Speed, handy
 
 LOWEST_SPEED = Speed(0.95)
 """Lowest speed of the paper's Table 2."""
@@ -27,6 +27,11 @@ class NoExcitation(Table):
         default="none",
         description='"none", or "casing-distortion", "imbalance", "harmonic" with their own keys.',
     )
+
+    @property
+    def summary(self) -> str:
+        """No load."""
+        return "none"
 
 
 class CasingDistortion(Table):
@@ -49,6 +54,14 @@ class CasingDistortion(Table):
     shape: Literal["rectangular", "half-sine"] = Field(
         default="rectangular", description='Course in time, "rectangular" or "half-sine".'
     )
+
+    @property
+    def summary(self) -> str:
+        """Its mode, force and duration."""
+        return (
+            f"casing distortion with k = {self.nodal_diameter}, {self.modal_force:g} N/kg^0.5 for"
+            f" {handy(self.duration, 's')}, {self.shape}"
+        )
 
 
 class Imbalance(Table):
@@ -78,6 +91,14 @@ class Imbalance(Table):
         description="Half-cosine ramp of the force [s], 0 for a step (not in the paper; a step"
         " overshoots to twice the static answer).",
     )
+
+    @property
+    def summary(self) -> str:
+        """Its size and ramp."""
+        size = f"closing the clearance at {self.clearance_speed}"
+        if self.unbalance is not None:
+            size = handy(self.unbalance, "kg m")
+        return f"imbalance, {size}, ramp {handy(self.ramp, 's')}"
 
     @model_validator(mode="before")
     @classmethod
@@ -111,6 +132,12 @@ class Harmonic(Table):
     frame: Literal["rotating", "static"] = Field(
         default="static", description='Frame that the force is fixed in, "rotating" or "static".'
     )
+
+    @property
+    def summary(self) -> str:
+        """Its amplitude, frequency and frame."""
+        force, frequency = handy(self.force, "N"), handy(self.frequency, "Hz")
+        return f"harmonic, {force} at {frequency} in the {self.frame} frame"
 
 
 def _empty_is_none(value: object) -> object:

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
+from math import hypot
 from typing import Annotated, Any
 
 import numpy as np
@@ -17,15 +18,14 @@ from pydantic import (
     PlainValidator,
     PrivateAttr,
     StrictStr,
-    TypeAdapter,
-    ValidationError,
 )
 
 from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import LONGEST_VALUE, CaseError, Fault, shown
-from bladewhirl.models.inputs.fields import EXPECTED, Length, expectation
+from bladewhirl.models.inputs.fields import Length, expectation, positive
 from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.units import handy
 from bladewhirl.models.sections.materials import BeamSection
 
 KEY = "bladed_disk.mesh"
@@ -57,18 +57,15 @@ class LengthUnit(float):
         return float(self), self.given
 
 
-_LENGTH = TypeAdapter[float](Length)
-
-
 def _unit(value: object) -> LengthUnit:
     """ "mm" is "1 mm"."""
     if isinstance(value, LengthUnit):
         return value
     named = isinstance(value, str) and re.match(r"\s*[A-Za-zµ]", value)
     try:
-        return LengthUnit(_LENGTH.validate_python(f"1 {value}" if named else value), value)
-    except ValidationError as error:
-        raise expectation(error.errors()[0]["ctx"][EXPECTED]) from None
+        return LengthUnit(positive("unit", f"1 {value}" if named else value, "m"), value)
+    except CaseError as error:
+        raise expectation(error.faults[0].expected) from None
 
 
 class MeshSection(BeamSection):
@@ -120,6 +117,17 @@ class MeshTable(Table):
     def tip_points(self) -> tuple[tuple[float, float], ...]:
         """Points of the blade tips in blade order [m]."""
         return self._tip_points
+
+    @property
+    def largest_radius(self) -> float:
+        """Radius that the clearance counts from [m]."""
+        return self.tip_radius or max(hypot(*tip) for tip in self.tip_points)
+
+    @property
+    def summary(self) -> str:
+        """Its file, tips and groups of lines with a section."""
+        tips = f"{len(self.tip_points)} tips at {handy(self.largest_radius, 'm')}"
+        return ", ".join([f"mesh {self.file_name}", tips, *self.sections])
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """A file that can't be read, or that lacks what the table says of it."""

@@ -1,4 +1,4 @@
-"""What carries the centre of the bladed disk, as a case describes it."""
+"""The `[shaft]` table of a case: springs and dampers under the centre of the bladed disk."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pydantic import Field, StrictBool
 
 from bladewhirl.models.inputs.fields import DampingOrZero, Stiffness
 from bladewhirl.models.inputs.table import Table
+from bladewhirl.models.inputs.units import handy
 
 
 class Shaft(Table):
@@ -45,6 +46,16 @@ class Shaft(Table):
         examples=["1e3"],
     )
     clamped: StrictBool = Field(default=False, description="Hold the centre instead.")
+
+    @property
+    def summary(self) -> str:
+        """Its springs and dampers."""
+        if self.clamped:
+            return "clamped"
+        both = dict.fromkeys(handy(stiffness, "N/m") for stiffness in self.springs)
+        frame = f" in the {self.frame} frame" if len(both) > 1 else ""
+        dampers = " and ".join(dict.fromkeys(handy(d, "N s/m") for d in self.dampings if d))
+        return " and ".join(both) + frame + (f", dampers of {dampers}" if dampers else "")
 
     @property
     def stiffnesses(self) -> tuple[float, float]:

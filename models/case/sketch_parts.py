@@ -12,6 +12,8 @@ from typing import Annotated
 from pydantic import BeforeValidator, StrictBool, StrictStr
 
 from bladewhirl.models.inputs.fields import (
+    Inertia,
+    Mass,
     Position,
     StiffnessOrZero,
     count,
@@ -88,8 +90,8 @@ class SketchMass(Table):
     """A point mass."""
 
     node: Reference
-    mass: Annotated[float, quantity("kg", "not negative")]  #: [kg]
-    inertia: Annotated[float, quantity("kg m2", "not negative")] = 0.0  #: rotary [kg m2]
+    mass: Mass  #: [kg]
+    inertia: Inertia = 0.0  #: rotary [kg m2]
     sectors: Chosen = None
 
     @property

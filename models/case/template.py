@@ -31,8 +31,9 @@ def template() -> str:
 
 def _document(case: Case, *, commented: bool) -> str:
     parts = ["".join(_keys(case, commented=commented))]
+    written = case.model_dump()
     for name, table in case:
-        if isinstance(table, Table):
+        if isinstance(table, Table) and name in written:
             summary = _comment(_summary(table)) if commented else ""
             keys = "".join(_keys(table, commented=commented))
             parts.append(f"{summary}[{name}]\n{keys}")

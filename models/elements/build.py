@@ -148,12 +148,10 @@ def _supports(case: Case) -> tuple[Support, ...]:
 
 
 def _section(case: Case, section: BeamSection) -> Section:
-    material = case.material.find(section.material)
     return Section(
         width=section.width,
         thickness=section.thickness,
-        young_modulus=material.young_modulus,
-        density=material.density,
+        material=case.material.find(section.material),
     )
 
 

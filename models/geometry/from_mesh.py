@@ -123,14 +123,12 @@ def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> Lin
     for name, section in table.sections.items():
         lines = mesh.line_groups[name]
         given.update(lines.tolist())
-        made_of = material.find(section.material)
         changes[:, lines] = 0.0
         values[:, lines] = along(
             Section(
                 width=section.width,
                 thickness=section.thickness,
-                young_modulus=made_of.young_modulus,
-                density=made_of.density,
+                material=material.find(section.material),
             ),
             np.zeros(1),
         )

@@ -6,12 +6,20 @@ Each says what it expected in one phrase, by a pydantic error of type `EXPECTED`
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from numbers import Integral, Real
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, PlainSerializer, PlainValidator
+from pydantic import (
+    BeforeValidator,
+    PlainSerializer,
+    PlainValidator,
+    TypeAdapter,
+    ValidationError,
+)
 from pydantic_core import PydanticCustomError
 
+from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.inputs.units import TURN_PER_S, Speed, finite, rotation, to_si
 
 EXPECTED = "expected"
@@ -137,7 +145,29 @@ def rows(phrase: str) -> BeforeValidator:
     return _items(f"rows of {phrase}")
 
 
+def positive(key: str, value: object, unit: str) -> float:
+    """A positive number in ``unit``, of a number or of text with a unit.
+
+    Raises:
+        CaseError: it is none; the fault names ``key``.
+    """
+    try:
+        return _positive(unit).validate_python(value)
+    except ValidationError as error:
+        expected = error.errors()[0]["ctx"][EXPECTED]
+        raise CaseError([Fault(key=key, value=value, expected=expected)]) from None
+
+
+@cache
+def _positive(unit: str) -> TypeAdapter[float]:
+    return TypeAdapter(Annotated[float, quantity(unit)])
+
+
 Length = Annotated[float, quantity("m")]
+Modulus = Annotated[float, quantity("Pa")]
+Density = Annotated[float, quantity("kg/m3")]
+Mass = Annotated[float, quantity("kg", "not negative")]
+Inertia = Annotated[float, quantity("kg m2", "not negative")]
 LengthOrZero = Annotated[float, quantity("m", "not negative")]
 Time = Annotated[float, quantity("s")]
 TimeOrZero = Annotated[float, quantity("s", "not negative")]

@@ -58,6 +58,13 @@ def rotation(text: str, unit: Literal["rad/s", "turn/s"]) -> float:
     return _converted(quantity, unit)
 
 
+def handy(value: float, unit: str) -> str:
+    """An SI value with the prefix that suits its size, "500 mm"; a case takes it as it is."""
+    quantity = _registry().Quantity(Decimal(repr(value)), _spelled_out(unit)).to_compact()
+    symbol = f"{quantity.units:~C}".replace("µ", "u").replace("**", "").replace("*", " ")
+    return f"{float(quantity.magnitude):.6g} {symbol}"
+
+
 @dataclass(frozen=True)
 class Speed:
     """A speed of rotation as the user gave it; positive, zero or negative.
@@ -81,6 +88,11 @@ class Speed:
         else:
             raise ValueError("neither a number nor text")
         object.__setattr__(self, "value", value)
+
+    def __str__(self) -> str:
+        """For people: "1.05 x reference frequency", "2500 rpm"."""
+        given = self.given
+        return given if isinstance(given, str) else f"{given:g} x reference frequency"
 
     @property
     def kind(self) -> Literal["normalised", "rad/s"]:

@@ -7,8 +7,9 @@ from typing import Annotated
 
 from pydantic import Field, StrictStr
 
-from bladewhirl.models.inputs.fields import Length, quantity, rows
+from bladewhirl.models.inputs.fields import Density, Length, Modulus, rows
 from bladewhirl.models.inputs.table import Inconsistency, Table
+from bladewhirl.models.inputs.units import handy
 
 
 class BeamSection(Table):
@@ -20,24 +21,28 @@ class BeamSection(Table):
         default=None, description="One of material.named; the material of the case when left out."
     )
 
+    @property
+    def summary(self) -> str:
+        """Its sizes, and its material where it is not that of the case."""
+        made_of = f" of {self.material}" if self.material else ""
+        return f"{handy(self.width, 'm')} x {handy(self.thickness, 'm')}{made_of}"
+
 
 class NamedMaterial(Table):
     """A material that sections may ask for by name."""
 
     name: StrictStr = Field(description="What sections call it.")
-    young_modulus: Annotated[float, quantity("Pa")] = Field(description="Young's modulus [Pa].")
-    density: Annotated[float, quantity("kg/m3")] = Field(description="Density [kg/m3].")
+    young_modulus: Modulus = Field(description="Young's modulus [Pa].")
+    density: Density = Field(description="Density [kg/m3].")
 
 
 class Material(Table):
     """Material of the bladed disk and the casing."""
 
-    young_modulus: Annotated[float, quantity("Pa")] = Field(
+    young_modulus: Modulus = Field(
         default=2.1e11, description='Young\'s modulus [Pa] (the paper: "steel").'
     )
-    density: Annotated[float, quantity("kg/m3")] = Field(
-        default=7800.0, description='Density [kg/m3] (the paper: "steel").'
-    )
+    density: Density = Field(default=7800.0, description='Density [kg/m3] (the paper: "steel").')
     named: Annotated[
         tuple[NamedMaterial, ...],
         rows('{ name = "titanium", young_modulus = "114 GPa", density = 4430.0 }'),
@@ -52,6 +57,12 @@ class Material(Table):
         names = [one.name for one in self.named]
         if len(set(names)) < len(names):
             yield Inconsistency("named", "a name of its own for each material", ())
+
+    @property
+    def summary(self) -> str:
+        """Its constants, and the names of the others."""
+        others = "".join(f", {one.name}" for one in self.named)
+        return f"{handy(self.young_modulus, 'Pa')}, {self.density:g} kg/m3{others}"
 
     def find(self, name: str | None) -> Material | NamedMaterial:
         """A material by name, this one for None.

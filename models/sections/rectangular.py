@@ -4,34 +4,63 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
-from typing import Annotated, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from pydantic import ConfigDict
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.inputs.fields import quantity
+from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.inputs.fields import Density, Length, Modulus, positive
+from bladewhirl.models.sections.materials import Material, NamedMaterial
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, init=False)
 class Section:
-    """A rectangular section of one material.
+    """A rectangular section of one material, in numbers or text with a unit as in a case.
+
+        Section(width="120 mm", thickness="8 mm", material=Material())
+
+    Args:
+        width: size out of the plane [m].
+        thickness: size in the plane of motion [m].
+        young_modulus: [Pa].
+        density: [kg/m3].
+        material: gives both of these instead; `Material()` is steel.
 
     Raises:
-        ValueError: a size or a material constant is not positive.
+        CaseError: a value that is not positive, not of its dimension, missing or given twice.
     """
 
     __pydantic_config__: ClassVar = ConfigDict(extra="forbid")  # where a case holds one
 
-    width: Annotated[float, quantity("m")]  #: size out of the plane [m]
-    thickness: Annotated[float, quantity("m")]  #: size in the plane of motion [m]
-    young_modulus: Annotated[float, quantity("Pa")]  #: [Pa]
-    density: Annotated[float, quantity("kg/m3")]  #: [kg/m3]
+    width: Length  #: [m]
+    thickness: Length  #: [m]
+    young_modulus: Modulus  #: [Pa]
+    density: Density  #: [kg/m3]
 
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            if not value > 0.0:
-                raise ValueError(f"section {name} must be positive; got {value}")
+    def __init__(
+        self,
+        *,
+        width: float | str,
+        thickness: float | str,
+        young_modulus: float | str | None = None,
+        density: float | str | None = None,
+        material: Material | NamedMaterial | None = None,
+    ) -> None:
+        if material is not None:
+            if young_modulus is not None or density is not None:
+                expected = "either material, or young_modulus and density"
+                raise CaseError([Fault(key="section.material", expected=expected)])
+            young_modulus, density = material.young_modulus, material.density
+        given = {
+            "width": (width, "m"),
+            "thickness": (thickness, "m"),
+            "young_modulus": (young_modulus, "Pa"),
+            "density": (density, "kg/m3"),
+        }
+        for name, (value, unit) in given.items():
+            object.__setattr__(self, name, positive(f"section.{name}", value, unit))
 
     @property
     def axial_stiffness(self) -> float:

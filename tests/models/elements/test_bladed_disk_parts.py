@@ -18,9 +18,10 @@ from bladewhirl.models.elements.build import case_beam_model, case_bladed_disk
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.sections.materials import Material
 from bladewhirl.models.sections.rectangular import Section
 
-STEEL = {"young_modulus": 2.1e11, "density": 7800.0}
+STEEL = Material()
 
 
 def disk(*, clamped: bool = False, **tables: Any) -> BladedDiskModel:
@@ -83,7 +84,7 @@ def test_a_rigid_disk_moves_as_one() -> None:
 def wedge(elements: int) -> float:
     """Lowest frequency of a clamped wedge, by stations [rad/s]."""
     thick = steel(0.05)
-    thin = Section(width=0.1, thickness=1e-12, **STEEL)
+    thin = Section(width=0.1, thickness=1e-12, material=STEEL)
     sketch = Sketch()
     sketch.node("clamp", 0.0, shared=True)
     sketch.node("end", 1.0)

@@ -17,19 +17,20 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.sections.materials import Material
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.studies.commands.cli import app
 
-STEEL = {"young_modulus": 2.1e11, "density": 7800.0}
+STEEL = Material()
 
 
 def propeller() -> Sketch:
     """Four swept blades on arms, each with a rigid horn and a mass on it, joined by springs."""
-    arm = Section(width=0.08, thickness=0.03, **STEEL)
-    root = Section(width=0.08, thickness=0.012, **STEEL)
-    tip = Section(width=0.05, thickness=0.006, **STEEL)
+    arm = Section(width=0.08, thickness=0.03, material=STEEL)
+    root = Section(width=0.08, thickness=0.012, material=STEEL)
+    tip = Section(width=0.05, thickness=0.006, material=STEEL)
     sketch = Sketch(sectors=4)
     sketch.node("hub", 0.0, 0.0, shared=True)
     sketch.node("root", "80 mm", "-20 mm")
@@ -130,7 +131,7 @@ def test_tips_outside_the_casing_are_named() -> None:
     sketch = Sketch(4, tip_radius=0.39)
     sketch.node("hub", 0.0, shared=True)
     sketch.node("tip", 0.4)
-    sketch.member("blades", "hub", "tip", Section(width=0.1, thickness=0.01, **STEEL))
+    sketch.member("blades", "hub", "tip", Section(width=0.1, thickness=0.01, material=STEEL))
     sketch.set("centre", "hub")
     sketch.set("tips", "tip")
     with pytest.raises(CaseError, match=r"blade 0, at radius 0.4 m, is outside by 0.0096 m"):
@@ -143,7 +144,7 @@ def test_parts_beyond_the_tips_are_named() -> None:
     sketch.node("hub", 0.0, shared=True)
     sketch.node("tip", 0.4)
     sketch.node("end", 0.41)
-    steel = Section(width=0.1, thickness=0.01, **STEEL)
+    steel = Section(width=0.1, thickness=0.01, material=STEEL)
     sketch.member("blades", "hub", "tip", steel)
     sketch.member("hooks", "tip", "end", steel)
     sketch.set("centre", "hub")
@@ -163,7 +164,7 @@ def test_pictures_of_modes_without_nodal_diameters(tmp_path: Path) -> None:
     """Three blades at odd angles: nothing turns them into each other."""
     from bladewhirl.models.case.file import dumps_case
 
-    steel = Section(width=0.08, thickness=0.02, **STEEL)
+    steel = Section(width=0.08, thickness=0.02, material=STEEL)
     sketch = Sketch()
     sketch.node("hub", 0.0, shared=True)
     for blade, angle in enumerate((0.0, 1.9, 4.1)):

@@ -1,0 +1,31 @@
+"""Sections made in Python: units, materials, refusals of one line."""
+
+import pytest
+
+import bladewhirl as bw
+
+
+def test_units_and_materials() -> None:
+    plain = bw.Section(width=0.12, thickness=8e-3, young_modulus=2.1e11, density=7800.0)
+    assert bw.Section(width="120 mm", thickness="8 mm", material=bw.Material()) == plain
+    titanium = bw.Material(young_modulus="114 GPa", density="4.43 g/cm3")
+    section = bw.Section(width="12 cm", thickness=8e-3, material=titanium)
+    assert (section.young_modulus, section.density) == (1.14e11, 4430.0)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (
+            {"width": "3 kg"},
+            r'section\.width = "3 kg": expected a positive number in m, .*\[mass',
+        ),
+        ({"thickness": 0}, r"section\.thickness = 0: expected a positive number in m"),
+        ({"density": 7800}, r"section\.material: expected either material, or young_modulus and"),
+        ({"material": None}, r"section\.young_modulus: expected a positive number in Pa"),
+    ],
+)
+def test_faults_are_one_line(given: dict[str, object], message: str) -> None:
+    sound = {"width": 0.1, "thickness": 0.01, "material": bw.Material()}
+    with pytest.raises(bw.CaseError, match=f"^{message}"):
+        bw.Section(**(sound | given))  # type: ignore[arg-type]
