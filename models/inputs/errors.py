@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from bladewhirl.models.inputs.toml import toml_value
 
@@ -62,6 +63,19 @@ def faults_in(file: str) -> Iterator[None]:
     except CaseError as error:
         located = (fault if fault.file else replace(fault, file=file) for fault in error.faults)
         raise CaseError(located) from None
+
+
+@contextmanager
+def writing(target: Path) -> Iterator[None]:
+    """Make what the system refuses to write a fault of the user's.
+
+    Raises:
+        UserError: naming the file or folder and the reason.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise UserError(f"{target}: cannot be written ({error.strerror or error})") from None
 
 
 def shown(value: object) -> str:

@@ -6,6 +6,8 @@ that an analysis needs.
 """
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from os import PathLike
 from pathlib import Path
 from typing import Literal
 
@@ -35,7 +37,7 @@ class ResultError(UserError):
     """A path holds no result of bladewhirl."""
 
 
-def open_result(path: str | Path) -> xr.Dataset:
+def open_result(path: str | PathLike[str]) -> xr.Dataset:
     """Open `result.nc`, or the folder of the run that holds it; histories are read when used.
 
     A killed run opens too, up to what it had flushed. Close it (or use `with`) before writing
@@ -84,6 +86,16 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     }
     described = [name for name, variable in STATIC.items() if variable.is_coordinate]
     return dataset.assign(constant).assign_coords(indices).set_coords(described)
+
+
+@contextmanager
+def opened(result: xr.Dataset | str | PathLike[str]) -> Iterator[xr.Dataset]:
+    """A result as it is if it is open already; else opened, and closed when left."""
+    if isinstance(result, xr.Dataset):
+        yield result
+        return
+    with open_result(result) as dataset:
+        yield dataset
 
 
 def check_result(dataset: xr.Dataset, name: str) -> None:

@@ -7,9 +7,18 @@ from typing import Annotated
 
 import typer
 
+from bladewhirl.studies.commands.options import (
+    AsJson,
+    CaseFile,
+    Changes,
+    Overwrite,
+    parse_interval,
+    print_json,
+)
+
 
 def campbell(
-    case: Annotated[Path, typer.Argument(help="Case file.", show_default=False)],
+    case: CaseFile,
     speeds: Annotated[
         str, typer.Option(metavar="START:STOP", help="Speeds of the diagrams, times ω₁.")
     ] = "0:3",
@@ -23,14 +32,9 @@ def campbell(
         Path | None,
         typer.Option("--output", "-o", help="Folder to make; CASE-campbell by default."),
     ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Write into a folder that exists.")
-    ] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
-    overrides: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change the case: casing.support=2e3."),
-    ] = None,
+    overwrite: Overwrite = False,
+    json: AsJson = False,
+    overrides: Changes = None,
 ) -> None:
     """Find coincidence speeds and draw Campbell diagrams, in the rotating and the static frame.
 
@@ -40,7 +44,6 @@ def campbell(
     nothing is written.
     """
     from bladewhirl.models.inputs.errors import UserError
-    from bladewhirl.studies.commands.ranges import parse_interval
     from bladewhirl.studies.modal import campbell as study
     from bladewhirl.studies.modal.modes import stage_of_file
     from bladewhirl.studies.runs.figures_folder import check_figure_folder
@@ -56,9 +59,7 @@ def campbell(
     if folder is not None:
         study.draw_campbell(found, folder)
     if json:
-        import json as json_text
-
-        typer.echo(json_text.dumps(study.coincidence_list(found), indent=2, allow_nan=False))
+        print_json(study.coincidence_list(found))
         return
     study.print_coincidences(found)
     typer.echo(f"Wrote {folder}.")

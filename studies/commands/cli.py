@@ -1,4 +1,4 @@
-"""The command line: registers the commands, and turns faults of the user's into one line each.
+"""The command line: registers the commands.
 
 A command is a plain function in a module of its own, named after it. At import such a module may
 load the standard library and typer only; what the command needs is imported when it runs, so that
@@ -8,15 +8,14 @@ load the standard library and typer only; what the command needs is imported whe
 from __future__ import annotations
 
 import os
-import sys
 from importlib import metadata
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
-from typer.core import TyperGroup
 
 from bladewhirl.studies.commands.campbell import campbell
 from bladewhirl.studies.commands.convergence import convergence
+from bladewhirl.studies.commands.exits import UserErrorGroup
 from bladewhirl.studies.commands.export import export
 from bladewhirl.studies.commands.mesh import mesh
 from bladewhirl.studies.commands.modes import modes
@@ -31,27 +30,6 @@ from bladewhirl.studies.commands.show import show
 from bladewhirl.studies.commands.stability import stability
 from bladewhirl.studies.commands.sweep import sweep
 from bladewhirl.studies.commands.veering import veering
-
-USER_ERROR = 2
-"""Exit code when the user can put it right; click uses the same for wrong options."""
-
-
-class UserErrorGroup(TyperGroup):
-    """Commands whose `UserError`s end in their lines on standard error, with no traceback."""
-
-    def invoke(self, ctx: Any) -> Any:
-        """Run the command."""
-        try:
-            return super().invoke(ctx)
-        except Exception as error:
-            # Looked up, not imported: where it is not loaded nothing can have raised it.
-            faults = sys.modules.get("bladewhirl.models.inputs.errors")
-            if faults is None or not isinstance(error, faults.UserError):
-                raise
-            for line in error.lines:
-                typer.echo(line, err=True)
-            raise typer.Exit(USER_ERROR) from None
-
 
 app = typer.Typer(
     name="bladewhirl",

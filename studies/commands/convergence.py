@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from bladewhirl.studies.commands.options import (
+    AsJson,
+    CaseFile,
+    Changes,
+    Workers,
+    parse_time,
+    print_json,
+)
+from bladewhirl.studies.commands.progress import progress_bar
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from bladewhirl.models.case.case import Case
     from bladewhirl.studies.convergence.study import Convergence
-    from bladewhirl.studies.sweeps.cache import Progress
-
-RUNS_NAME = "runs"
-"""The folder that keeps the marches."""
 
 
 def convergence(
-    case: Annotated[Path, typer.Argument(help="Case file.", show_default=False)],
+    case: CaseFile,
     time_steps: Annotated[
         str | None,
         typer.Option(
@@ -46,14 +51,9 @@ def convergence(
             "--overwrite", help="Write into a folder that exists; its marches are used again."
         ),
     ] = False,
-    workers: Annotated[
-        int | None, typer.Option(help="Local processes; one a core if none.", min=1)
-    ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
-    overrides: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change the case: march.duration=0.3."),
-    ] = None,
+    workers: Workers = None,
+    json: AsJson = False,
+    overrides: Changes = None,
 ) -> None:
     """Study how a march depends on its time step and on its modes.
 
@@ -64,55 +64,32 @@ def convergence(
     from rich.console import Console
 
     from bladewhirl.models.case.file import faults_from, read_case
-    from bladewhirl.postprocess.plotting.style import save_figure
-    from bladewhirl.studies.convergence.figures import plot_modes, plot_time_steps
-    from bladewhirl.studies.convergence.study import (
-        MODES,
-        TIME_STEP,
-        Convergence,
-        default_modes,
-        default_time_steps,
-        mode_convergence,
-        time_step_convergence,
-    )
-    from bladewhirl.studies.runs.figures_folder import check_figure_folder, written_to
-    from bladewhirl.studies.sweeps.cache import RunStore
+    from bladewhirl.studies.convergence.study import MODES, TIME_STEP
+    from bladewhirl.studies.convergence.study import convergence as study
 
     steps, counts = _steps(time_steps), _counts(modes)
-    folder = output or Path(f"{case.stem}-convergence")
-    check_figure_folder(folder, overwrite=overwrite)
     values = overrides or []
     checked = read_case(case, values)
     _check_values(checked, "--time-steps", TIME_STEP, steps or ())
     _check_values(checked, "--modes", MODES, counts or ())
-    store = RunStore(directory=folder / RUNS_NAME, workers=workers)
-    with faults_from(case, values), _progress() as progress:
-        found = Convergence(
-            time_steps=time_step_convergence(
-                checked, steps or default_time_steps(checked), store, progress
-            ),
-            modes=mode_convergence(checked, counts or default_modes(checked), store, progress),
+    folder = output or Path(f"{case.stem}-convergence")
+    with faults_from(case, values), progress_bar("marches", lines="marches") as update:
+        found = study(
+            checked,
+            folder,
+            time_steps=steps,
+            modes=counts,
+            overwrite=overwrite,
+            workers=workers,
+            progress=update,
         )
-    with written_to(folder):
-        save_figure(plot_time_steps(found.time_steps), folder / "time-step", found.time_steps)
-        save_figure(plot_modes(found.modes), folder / "modes", found.modes)
-        text = _as_text(found)
-        (folder / "convergence.json").write_text(text + "\n", encoding="utf-8")
     if json:
-        typer.echo(text)
+        print_json(found.as_json())
         return
-    console = Console()
-    for table in _tables(found):
-        console.print(table)
+    Console().print(*_tables(found))
     for line in _lines(found):
         typer.echo(line)
     typer.echo(f"Wrote {folder}.")
-
-
-def _as_text(found: Convergence) -> str:
-    import json
-
-    return json.dumps(found.as_json(), indent=2, allow_nan=False)
 
 
 def _tables(found: Convergence) -> Iterator[Table]:
@@ -173,7 +150,6 @@ def _steps(text: str | None) -> list[float] | None:
         UserError: fewer than two different ones, or no times.
     """
     from bladewhirl.models.inputs.errors import UserError
-    from bladewhirl.studies.commands.times import parse_time
 
     if text is None:
         return None
@@ -214,20 +190,3 @@ def _check_values(case: Case, option: str, key: str, values: Sequence[float]) ->
             with_values(case, {key: value})
         except CaseError as error:
             raise UserError(f"{option} {value:g}: {error.lines[0]}") from None
-
-
-@contextmanager
-def _progress() -> Iterator[Progress]:
-    """Marches done; lines where there is no terminal."""
-    from rich.console import Console
-    from rich.progress import Progress
-
-    from bladewhirl.studies.commands.progress import ProgressLines
-
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        if not console.is_terminal:
-            yield ProgressLines("marches")
-            return
-        task = bar.add_task("marches")
-        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from bladewhirl.studies.commands.options import Changes, Force
+
 if TYPE_CHECKING:
     from bladewhirl.meshes.files.groups import GroupedLines
 
@@ -19,11 +21,8 @@ def mesh(
         Path | None,
         typer.Option("--output", "-o", metavar="FILE", help="Write it: .vtu, .msh or .inp."),
     ] = None,
-    overrides: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change the case, march.speed=1.2."),
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")] = False,
+    overrides: Changes = None,
+    force: Force = False,
 ) -> None:
     r"""List the groups of a mesh, and write it in a format of choice.
 
@@ -35,7 +34,7 @@ def mesh(
 
     from bladewhirl.meshes.files.groups import MeshFileError
     from bladewhirl.meshes.files.registry import left_out, write_line_mesh
-    from bladewhirl.models.inputs.errors import UserError
+    from bladewhirl.models.inputs.errors import UserError, writing
 
     lines = _content(source, overrides or [])
     Console().print(*_listing(lines), sep="\n")
@@ -44,11 +43,10 @@ def mesh(
     if output.exists() and not force:
         raise UserError(f"{output}: already exists; --force overwrites it")
     try:
-        write_line_mesh(output, lines)
+        with writing(output):
+            write_line_mesh(output, lines)
     except MeshFileError as error:
         raise UserError(f"{output}: expected {error}") from None
-    except (OSError, ValueError) as error:  # ValueError: a null in the path
-        raise UserError(f"{output}: cannot be written ({error})") from None
     missing = left_out(output, lines)
     if missing:
         typer.echo(f"{output} does not hold {', '.join(missing)}; .vtu and .msh do.", err=True)

@@ -7,11 +7,13 @@ from typing import Annotated
 
 import typer
 
+from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, Overwrite, print_json
+
 
 def modes(
-    case: Annotated[Path, typer.Argument(help="Case file.", show_default=False)],
+    case: CaseFile,
     count: Annotated[int, typer.Option(help="How many of the lowest modes of each body.")] = 60,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    json: AsJson = False,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Folder to make for pictures and films.")
     ] = None,
@@ -37,13 +39,8 @@ def modes(
         ),
     ] = None,
     films: Annotated[bool, typer.Option(help="Films, as GIF and VTK series.")] = True,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Write into a folder that exists.")
-    ] = False,
-    overrides: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change the case: shaft.stiffness=1e7."),
-    ] = None,
+    overwrite: Overwrite = False,
+    overrides: Changes = None,
 ) -> None:
     """List natural frequencies of the full bladed disk, centre free and clamped, and casing.
 
@@ -68,9 +65,7 @@ def modes(
         plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
     found = study.modes(stage)
     if json:
-        import json as json_text
-
-        typer.echo(json_text.dumps(study.mode_lists(found, count), indent=2, allow_nan=False))
+        print_json(study.mode_lists(found, count))
     else:
         study.print_modes(found, count)
     if output is not None:

@@ -7,22 +7,19 @@ from typing import Annotated
 
 import typer
 
+from bladewhirl.studies.commands.options import Force
+
 
 def new(
     path: Annotated[Path, typer.Argument(help="File to write.")] = Path("case.toml"),
-    force: Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")] = False,
+    force: Force = False,
 ) -> None:
     """Write a case file with every key, its default and its meaning."""
     from bladewhirl.models.case.file import template
-    from bladewhirl.models.inputs.errors import UserError
+    from bladewhirl.models.inputs.errors import UserError, writing
 
-    text = template()
-    try:
-        with path.open("w" if force else "x", encoding="utf-8") as stream:
-            stream.write(text)
-    except FileExistsError:
-        raise UserError(f"{path}: already exists; --force overwrites it") from None
-    except (OSError, ValueError) as error:  # ValueError: a null in the path
-        reason = error.strerror if isinstance(error, OSError) else error
-        raise UserError(f"{path}: cannot be written ({reason})") from None
+    if path.exists() and not force:
+        raise UserError(f"{path}: already exists; --force overwrites it")
+    with writing(path):
+        path.write_text(template(), encoding="utf-8")
     typer.echo(f"Wrote {path}.")

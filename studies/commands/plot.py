@@ -56,7 +56,7 @@ def plot(
     from bladewhirl.postprocess.run.figures import RunFigures
     from bladewhirl.postprocess.sweep.dataset import open_sweep
     from bladewhirl.postprocess.sweep.figures import SweepFigures
-    from bladewhirl.studies.commands.times import options_of_window, parse_time
+    from bladewhirl.studies.commands.options import options_of_window, parse_time
 
     of_sweep = _is_sweep(directory)
     known = SWEEP_FIGURES if of_sweep else RUN_FIGURES

@@ -1,9 +1,11 @@
-"""Progress where there is no terminal for a bar: a line now and then, for logs."""
+"""Progress on standard error: a bar on a terminal, else a line now and then, for logs."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Protocol
 
 import typer
 
@@ -12,6 +14,63 @@ TENTHS = 10
 
 PAUSE = 60.0
 """Longest silence while something is being done [s]."""
+
+
+class Update(Protocol):
+    """Called with how much is done and of how much."""
+
+    def __call__(
+        self, done: int, total: int, *, label: str = "", told: str = "", failed: int = 0
+    ) -> None:
+        """Note it.
+
+        Args:
+            done: of what is counted, failures included.
+            total: of it.
+            label: before the bar; as it was if empty.
+            told: after the bar; the percentage if empty.
+            failed: how many have.
+        """
+
+
+@contextmanager
+def progress_bar(label: str, *, lines: str = "") -> Iterator[Update]:
+    """A bar that goes when its job ends.
+
+    Args:
+        label: before the bar.
+        lines: things that are counted, "points", in lines where there is no terminal; no lines if
+            empty.
+    """
+    from rich import progress as bars
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    terminal = console.is_terminal
+    log = ProgressLines(lines)
+    with bars.Progress(
+        bars.TextColumn("{task.description}"),
+        bars.BarColumn(),
+        bars.TextColumn("{task.fields[told]}"),
+        bars.TimeRemainingColumn(),
+        bars.TextColumn("left"),
+        console=console,
+        transient=True,
+        disable=not terminal,
+    ) as bar:
+        task = bar.add_task(label, total=None, told="")
+
+        def update(
+            done: int, total: int, *, label: str = "", told: str = "", failed: int = 0
+        ) -> None:
+            if lines and not terminal:
+                log(done, total, f", {failed} failed" if failed else "")
+            told = told or f"{done / max(total, 1):4.0%}"
+            if failed:
+                told += f", {failed} failed"
+            bar.update(task, completed=done, total=total, description=label or None, told=told)
+
+        yield update
 
 
 class ProgressLines:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bladewhirl.studies.commands.run import EXIT_INTERRUPTED
+from bladewhirl.studies.commands.exits import interruptible
+from bladewhirl.studies.commands.options import Scheduler, Workers, refuse_both
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -49,13 +50,8 @@ def reproduce(
         int | None,
         typer.Option(help="How often marches are repeated with a force changed by 1e-7.", min=1),
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option(help="Local processes; one a core if none.", min=1)
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="An existing dask scheduler, tcp://host:8786."),
-    ] = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
     json: Annotated[
         bool, typer.Option("--json", help="Print the scorecard as one JSON document.")
     ] = False,
@@ -70,7 +66,6 @@ def reproduce(
     from rich.console import Console
 
     from bladewhirl.models.case.file import override_values
-    from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.paper.judge import (
         REPEATS,
         Plan,
@@ -80,8 +75,7 @@ def reproduce(
     )
     from bladewhirl.studies.paper.scorecard import scorecard_table
 
-    if scheduler is not None and workers is not None:
-        raise UserError("--scheduler, --workers: expected one of them; a scheduler has its workers")
+    refuse_both(scheduler, workers)
     changes = override_values(overrides or [])
     plan = Plan(
         claims=chosen_claims(claims or []),
@@ -91,7 +85,8 @@ def reproduce(
         repeats=repeats or (1 if quick else REPEATS),
         speed_step=speed_step,
     )
-    with _progress(Console(stderr=True)) as told, interruptible(output):
+    goes_on = f"the same command goes on with what is in {output}"
+    with _progress(Console(stderr=True)) as told, interruptible(goes_on):
         card, evidence = reproduce_claims(
             plan, output, workers=workers, scheduler=scheduler, told=told
         )
@@ -102,16 +97,6 @@ def reproduce(
     else:
         Console().print(scorecard_table(card))
         typer.echo(f"Wrote {' and '.join(map(str, written))}.")
-
-
-@contextmanager
-def interruptible(output: Path) -> Iterator[None]:
-    """Say after Ctrl-C how to go on."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        typer.echo(f"interrupted; the same command goes on with what is in {output}", err=True)
-        raise typer.Exit(EXIT_INTERRUPTED) from None
 
 
 @contextmanager

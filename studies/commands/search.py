@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bladewhirl.studies.commands.reproduce import interruptible
+from bladewhirl.studies.commands.exits import interruptible
+from bladewhirl.studies.commands.options import Scheduler, Workers, refuse_both
 
 if TYPE_CHECKING:
     from bladewhirl.studies.paper.search.search import Judged
@@ -47,13 +48,8 @@ def search(
     report: Annotated[
         bool, typer.Option("--report", help="March nothing, write up what DIR has.")
     ] = False,
-    workers: Annotated[
-        int | None, typer.Option(help="Local processes; one a core if none.", min=1)
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="An existing dask scheduler, tcp://host:8786."),
-    ] = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
 ) -> None:
     """Judge sets of the parameters that the source paper leaves out, and report the best.
 
@@ -65,15 +61,14 @@ def search(
     """
     from dask.system import CPU_COUNT
 
-    from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.paper.search.parameters import STARTS
     from bladewhirl.studies.paper.search.report import write_report
     from bladewhirl.studies.paper.search.search import open_search, search_parameters
 
-    if scheduler is not None and workers is not None:
-        raise UserError("--scheduler, --workers: expected one of them; a scheduler has its workers")
+    refuse_both(scheduler, workers)
     if not report:
-        with interruptible(output), _scheduler(scheduler, workers or CPU_COUNT) as address:
+        goes_on = f"the same command goes on with what is in {output}"
+        with interruptible(goes_on), _scheduler(scheduler, workers or CPU_COUNT) as address:
             found = open_search(output, scheduler=address, faithful=faithful, told=_tell)
             kept = [name for name, start in STARTS.items() if not (faithful and start.departures)]
             search_parameters(found, starts or kept, rounds, every_claim=every_claim)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, print_json
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -21,12 +23,9 @@ NO_DIAMETER = 10**9
 
 
 def show(
-    case: Annotated[Path, typer.Argument(help="Case file.")],
-    overrides: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change the case, march.speed=1.2."),
-    ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    case: CaseFile,
+    overrides: Changes = None,
+    json: AsJson = False,
     png: Annotated[
         bool, typer.Option("--png", help="Draw the stage: parts, sets, springs, supports.")
     ] = False,
@@ -40,7 +39,6 @@ def show(
     These are masses, lowest frequencies, the speed in rpm, the critical time step, the load of an
     imbalance, what the reduction kept and how well, and the size of a run.
     """
-    import json as json_text
     from dataclasses import asdict
 
     from rich.console import Console
@@ -69,7 +67,7 @@ def show(
     if json:
         tables = checked.model_dump(mode="json", exclude_none=True)
         document = {"case": tables, "derived": asdict(properties)}
-        typer.echo(json_text.dumps(document, indent=2, allow_nan=False, ensure_ascii=False))
+        print_json(document)
         return
     console = Console()
     typer.echo(dumps_case(checked))
@@ -78,7 +76,7 @@ def show(
 
 def _draw(stage: Stage, target: Path) -> None:
     """Draw the stage and say so, beside what is printed."""
-    from bladewhirl.models.inputs.errors import UserError
+    from bladewhirl.models.inputs.errors import writing
     from bladewhirl.postprocess.pictures.stage_picture import draw_stage, stage_at_rest
 
     at_rest = stage_at_rest(
@@ -88,10 +86,8 @@ def _draw(stage: Stage, target: Path) -> None:
         casing_radius=stage.reduced_casing.radius,
         clamped=stage.case.shaft.clamped,
     )
-    try:
+    with writing(target):
         draw_stage(at_rest, target, node_sets=stage.disk.mesh.node_sets)
-    except OSError as error:
-        raise UserError(f"{target}: cannot be written ({error.strerror})") from None
     typer.echo(f"Wrote {target}.", err=True)
 
 

@@ -7,9 +7,18 @@ from typing import Annotated, Any
 
 import typer
 
+from bladewhirl.studies.commands.options import (
+    AsJson,
+    CaseFile,
+    Changes,
+    Overwrite,
+    not_negative,
+    parse_range,
+)
+
 
 def stability(
-    case: Annotated[Path, typer.Argument(help="Case file.", show_default=False)],
+    case: CaseFile,
     speed: Annotated[
         str | None,
         typer.Option(help='One speed: multiples of ω₁, or text such as "2500 rpm".'),
@@ -49,14 +58,9 @@ def stability(
     films: Annotated[
         bool, typer.Option(help="Also the divergent mode as VTK series and GIF.")
     ] = True,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Write into a folder that exists.")
-    ] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
-    overrides: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change the case: casing.support=2e3."),
-    ] = None,
+    overwrite: Overwrite = False,
+    json: AsJson = False,
+    overrides: Changes = None,
 ) -> None:
     """Chart growth rates over speed and coupling stiffness, or look at one point.
 
@@ -70,7 +74,6 @@ def stability(
     looked at one point at a time, by the monodromy matrix of a turn.
     """
     from bladewhirl.models.inputs.errors import UserError
-    from bladewhirl.studies.commands.ranges import not_negative, parse_range
     from bladewhirl.studies.modal.coupled_system import couple_modes
     from bladewhirl.studies.modal.modes import stage_of_file
     from bladewhirl.studies.modal.stability_dense import (

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bladewhirl.studies.commands.run import EXIT_INTERRUPTED
+from bladewhirl.studies.commands.exits import ALL_FAILED, interruptible
+from bladewhirl.studies.commands.options import (
+    AsJson,
+    Changes,
+    Scheduler,
+    Workers,
+    print_json,
+    refuse_both,
+)
+from bladewhirl.studies.commands.progress import progress_bar
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from bladewhirl.studies.sweeps.plan import Plan
-    from bladewhirl.studies.sweeps.sweep import Sweep, Watch
-
-ALL_FAILED = 1
-"""Exit code of a sweep without a single point done."""
+    from bladewhirl.studies.sweeps.sweep import Sweep
 
 SHOWN_FAILURES = 10
 """Failed points that are listed on screen; failures.json lists all."""
@@ -41,17 +44,9 @@ def sweep(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Folder to make.")
     ] = None,
-    overrides: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change the case, march.duration=1."),
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="An existing dask scheduler, tcp://host:8786."),
-    ] = None,
-    workers: Annotated[
-        int | None, typer.Option(help="Local processes; one a core if none.", min=1)
-    ] = None,
+    overrides: Changes = None,
+    scheduler: Scheduler = None,
+    workers: Workers = None,
     histories: Annotated[
         bool, typer.Option("--histories", help="Keep the full history of every point.")
     ] = False,
@@ -61,7 +56,7 @@ def sweep(
     yes: Annotated[
         bool, typer.Option("--yes", help="Run more than 100,000 points, or 1e9 steps of one.")
     ] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
+    json: AsJson = False,
 ) -> None:
     """March a case at every point of a range, or of several.
 
@@ -71,16 +66,19 @@ def sweep(
     in failures.json. A sweep that is interrupted or killed is finished by --resume DIR, with the
     same bits.
     """
-    from rich.console import Console
-
     from bladewhirl.models.case.file import read_case
     from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.sweeps.axes import parse_over
-    from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
+    from bladewhirl.studies.sweeps.sweep import Watch, resume_sweep, run_sweep
 
-    if scheduler is not None and workers is not None:
-        raise UserError("--scheduler, --workers: expected one of them; a scheduler has its workers")
-    with _progress_bar(Console(stderr=True)) as watch, _interruptible(resume or output):
+    refuse_both(scheduler, workers)
+    goes_on = f"bladewhirl sweep --resume {resume or output} finishes it"
+    with progress_bar("sweeping", lines="points") as update, interruptible(goes_on):
+
+        def progress(done: int, failed: int, points: int) -> None:
+            update(done + failed, points, told=f"{done} of {points} done", failed=failed)
+
+        watch = Watch(planned=_tell_plan, progress=progress)
         if resume is not None:
             _refuse_with_resume(resume, case, over, output, overrides, histories)
             done = resume_sweep(resume, scheduler=scheduler, workers=workers, watch=watch)
@@ -149,20 +147,8 @@ def _refuse_with_resume(
         raise UserError(f"--resume {resume}: expected no {given}; the folder knows its sweep")
 
 
-@contextmanager
-def _interruptible(folder: Path | None) -> Iterator[None]:
-    """Say after Ctrl-C how to go on."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        typer.echo(f"interrupted; bladewhirl sweep --resume {folder} finishes it", err=True)
-        raise typer.Exit(EXIT_INTERRUPTED) from None
-
-
 def _report(done: Sweep, *, as_json: bool) -> None:
-    """What came out."""
-    import json
-
+    """Print what came out."""
     if as_json:
         document = {
             "directory": str(done.directory),
@@ -176,7 +162,7 @@ def _report(done: Sweep, *, as_json: bool) -> None:
                 for point, reason in sorted(done.failures.items())
             ],
         }
-        typer.echo(json.dumps(document, indent=2, ensure_ascii=False))
+        print_json(document)
     else:
         names = ", ".join(sorted(path.name for path in done.directory.iterdir()))
         typer.echo(
@@ -191,45 +177,15 @@ def _report(done: Sweep, *, as_json: bool) -> None:
         typer.echo(f"failed: {done.failed - SHOWN_FAILURES} more, see failures.json", err=True)
 
 
-def _estimated(plan: Plan) -> str:
-    """Size of a sweep in words."""
-    full = f", full histories {plan.history_bytes / 1e6:.3g} MB" if plan.histories else ""
-    return (
-        f"{plan.grid.size} points, {plan.steps:.3g} steps in all;"
-        f" sweep.nc {plan.dataset_bytes / 1e6:.3g} MB{full}"
-    )
-
-
-@contextmanager
-def _progress_bar(console: Console) -> Iterator[Watch]:
-    """Points done and failed and the time left, lines where there is no terminal; the size."""
-    from rich import progress as bars
-
+def _tell_plan(plan: Plan) -> None:
+    """Hints at the case, and how large the sweep is."""
     from bladewhirl.models.case.plausibility import case_hints
-    from bladewhirl.studies.commands.progress import ProgressLines
-    from bladewhirl.studies.sweeps.sweep import Watch
 
-    with bars.Progress(
-        bars.TextColumn("sweeping"),
-        bars.BarColumn(),
-        bars.TextColumn("{task.fields[done]} of {task.total} done, {task.fields[failed]} failed"),
-        bars.TimeRemainingColumn(),
-        bars.TextColumn("left"),
-        console=console,
-        transient=True,
-        disable=not console.is_terminal,
-    ) as bar:
-        task = bar.add_task("", total=None, done=0, failed=0)
-        lines = ProgressLines("points")
-
-        def progress(done: int, failed: int, points: int) -> None:
-            if not console.is_terminal:
-                lines(done + failed, points, f", {failed} failed" if failed else "")
-            bar.update(task, completed=done + failed, total=points, done=done, failed=failed)
-
-        def planned(plan: Plan) -> None:
-            for hint in case_hints(plan.case):
-                console.print(f"Hint: {hint}.", markup=False, highlight=False, soft_wrap=True)
-            console.print(_estimated(plan), highlight=False)
-
-        yield Watch(planned=planned, progress=progress)
+    for hint in case_hints(plan.case):
+        typer.echo(f"Hint: {hint}.", err=True)
+    full = f", full histories {plan.history_bytes / 1e6:.3g} MB" if plan.histories else ""
+    typer.echo(
+        f"{plan.grid.size} points, {plan.steps:.3g} steps in all;"
+        f" sweep.nc {plan.dataset_bytes / 1e6:.3g} MB{full}",
+        err=True,
+    )

@@ -7,9 +7,18 @@ from typing import Annotated
 
 import typer
 
+from bladewhirl.studies.commands.options import (
+    AsJson,
+    CaseFile,
+    Changes,
+    Overwrite,
+    parse_interval,
+    print_json,
+)
+
 
 def veering(
-    case: Annotated[Path, typer.Argument(help="Case file.", show_default=False)],
+    case: CaseFile,
     families: Annotated[
         int, typer.Option(help="Families of the first diagram, the suspension pair apart.")
     ] = 12,
@@ -25,14 +34,9 @@ def veering(
         Path | None,
         typer.Option("--output", "-o", help="Folder to make; CASE-veering by default."),
     ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Write into a folder that exists.")
-    ] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON document.")] = False,
-    overrides: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change the case: shaft.stiffness=1e7."),
-    ] = None,
+    overwrite: Overwrite = False,
+    json: AsJson = False,
+    overrides: Changes = None,
 ) -> None:
     """Draw how frequencies depend on nodal diameter and on the shaft.
 
@@ -42,7 +46,6 @@ def veering(
     from branch to branch. With --json and no -o nothing is written.
     """
     from bladewhirl.models.inputs.errors import UserError
-    from bladewhirl.studies.commands.ranges import parse_interval
     from bladewhirl.studies.modal import veering as study
     from bladewhirl.studies.modal.modes import stage_of_file
     from bladewhirl.studies.runs.figures_folder import check_figure_folder
@@ -60,9 +63,7 @@ def veering(
     if folder is not None:
         study.draw_veering(found, folder)
     if json:
-        import json as json_text
-
-        typer.echo(json_text.dumps(study.veering_document(found), indent=2, allow_nan=False))
+        print_json(study.veering_document(found))
         return
     for line in study.report_lines(found):
         typer.echo(line)

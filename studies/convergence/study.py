@@ -6,10 +6,12 @@ mean square in rotating axes, over the radius of the finest), total normal impul
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,9 +26,13 @@ from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.measures import Motion, orbit_distance
+from bladewhirl.studies.runs.figures_folder import check_figure_folder, written_to
 from bladewhirl.studies.sweeps.cache import Progress, RunStore, run_key
 
 TIME_STEP, MODES = "march.time_step", "reduction.fixed_interface_modes"
+
+RUNS_NAME = "runs"
+"""The folder that keeps the marches."""
 
 REFINEMENTS = (4.0, 2.0, 1.0, 0.5)
 """Time steps looked at where none are given, times that of the case; those below the critical of
@@ -49,6 +55,58 @@ class Convergence:
     def as_json(self) -> dict[str, Any]:
         """All numbers; those that don't exist are null."""
         return {name: _plain(getattr(self, name)) for name in ("time_steps", "modes")}
+
+
+def convergence(
+    case: Case,
+    directory: str | Path,
+    *,
+    time_steps: Sequence[float] | None = None,
+    modes: Sequence[int] | None = None,
+    overwrite: bool = False,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> Convergence:
+    """Study how a march depends on its time step and on its modes.
+
+    The folder gets figures with their data, convergence.json and the marches, which are found
+    there again by a study that was interrupted or asks for more.
+
+    Args:
+        case: to march.
+        directory: to make.
+        time_steps: [s], two or more, descending; `default_time_steps` if none.
+        modes: numbers of fixed-interface modes, two or more, ascending; `default_modes` if none.
+        overwrite: write into a folder that exists.
+        scheduler: address of an existing dask scheduler; a local cluster when None.
+        workers: of the local cluster; one a core when None, none but this process when 1.
+        progress: called with marches done and marches in all.
+
+    Raises:
+        CaseError: faults of the case, also with one of the values.
+        UserError: the folder may not be used or written, or a march can't be made.
+    """
+    from bladewhirl.postprocess.plotting.style import save_figure
+    from bladewhirl.studies.convergence.figures import plot_modes, plot_time_steps
+
+    folder = Path(directory)
+    check_figure_folder(folder, overwrite=overwrite)
+    for key, values in ((TIME_STEP, time_steps), (MODES, modes)):
+        for value in values or ():
+            with_values(case, {key: value})
+    store = RunStore(directory=folder / RUNS_NAME, scheduler=scheduler, workers=workers)
+    steps, counts = time_steps or default_time_steps(case), modes or default_modes(case)
+    found = Convergence(
+        time_steps=time_step_convergence(case, steps, store, progress),
+        modes=mode_convergence(case, counts, store, progress),
+    )
+    with written_to(folder):
+        save_figure(plot_time_steps(found.time_steps), folder / "time-step", found.time_steps)
+        save_figure(plot_modes(found.modes), folder / "modes", found.modes)
+        text = json.dumps(found.as_json(), indent=2, allow_nan=False, ensure_ascii=False)
+        (folder / "convergence.json").write_text(text + "\n", encoding="utf-8")
+    return found
 
 
 def default_time_steps(case: Case) -> list[float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from bladewhirl.studies.runs import folder
 
 if TYPE_CHECKING:
     import xarray as xr
+    from rich.console import Group
 
     from bladewhirl.postprocess.run.summary import Summary
 
@@ -65,9 +67,30 @@ class Run:
     symmetry: str  #: of both bodies, as found, and the path taken
     hints: tuple[str, ...]  #: what may be done better
 
+    def __rich__(self) -> Group:
+        """Regime and why, end, orbit, energies, contacts, quality of the march, symmetry, files."""
+        from rich.console import Group
+        from rich.text import Text
+
+        from bladewhirl.postprocess.run.summary import summary_table
+
+        names = ", ".join(sorted(path.name for path in self.directory.iterdir()))
+        files = Text(f"{self.directory}: {names}")
+        return Group(summary_table(self.summary), Text(self.symmetry), files)
+
     def __repr__(self) -> str:
-        """Where it is and how it ended, in one line."""
-        return f"<Run: {self.directory}, {self.end_reason}, {self.summary.regime}>"
+        """The same as plain text, then what stood in the way and what may be done better."""
+        from rich.console import Console
+
+        console = Console(file=StringIO(), width=100, color_system=None)
+        with console.capture() as captured:
+            console.print(self)
+        hints = (f"Hint: {hint}." for hint in self.hints)
+        return "\n".join(line for line in (captured.get(), self.end_message, *hints) if line)
+
+    def __fspath__(self) -> str:
+        """Its folder, so that a run can be named wherever a folder can."""
+        return str(self.directory)
 
     def open(self) -> xr.Dataset:
         """The result, read when used; close it, or open it in a ``with``."""

@@ -12,7 +12,8 @@ from typer.testing import CliRunner
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.studies.commands.cli import UserErrorGroup, app
+from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.commands.exits import UserErrorGroup
 from bladewhirl.studies.commands.progress import ProgressLines
 
 RUNNER = CliRunner()

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.orbits import shaft_orbit, whirl
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.commands.ranges import parse_range
+from bladewhirl.studies.commands.options import parse_range
 
 FAN_STAGE = str(ROOT / "examples" / "fan_stage.toml")
 POINT = ["--speed", "1.17", "--kappa", "500"]

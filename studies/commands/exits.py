@@ -1,0 +1,47 @@
+"""How commands end: exit codes, one line a fault of the user's, what to do after Ctrl-C."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+ALL_FAILED = 1
+"""A sweep without a single point done."""
+
+USER_ERROR = 2
+"""The user can put it right; click uses the same for wrong options."""
+
+INTERRUPTED = 130
+"""Ctrl-C, as shells have it."""
+
+
+class UserErrorGroup(TyperGroup):
+    """Commands whose `UserError`s end in their lines on standard error, with no traceback."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command."""
+        try:
+            return super().invoke(ctx)
+        except Exception as error:
+            # Looked up, not imported: where it is not loaded nothing can have raised it.
+            faults = sys.modules.get("bladewhirl.models.inputs.errors")
+            if faults is None or not isinstance(error, faults.UserError):
+                raise
+            for line in error.lines:
+                typer.echo(line, err=True)
+            raise typer.Exit(USER_ERROR) from None
+
+
+@contextmanager
+def interruptible(how_to_go_on: str) -> Iterator[None]:
+    """Say after Ctrl-C how to go on, in one line."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        typer.echo(f"interrupted; {how_to_go_on}", err=True)
+        raise typer.Exit(INTERRUPTED) from None

@@ -1,0 +1,179 @@
+"""Options that several commands share, and the numbers, ranges and times that they take."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+CaseFile = Annotated[Path, typer.Argument(help="Case file.", show_default=False)]
+RunFolder = Annotated[
+    Path, typer.Argument(metavar="DIR", help="Folder of a run, or its result.nc.")
+]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change the case: march.speed=1.2."),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Write into a folder that exists.")]
+Force = Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")]
+Start = Annotated[
+    str | None,
+    typer.Option("--from", help='Start of the window: seconds, or "0.8 ms"; of the run if none.'),
+]
+End = Annotated[str | None, typer.Option("--to", help="End of the window.")]
+Rotating = Annotated[
+    bool, typer.Option("--rotating", help="Show the series as seen from the rotor.")
+]
+Workers = Annotated[int | None, typer.Option(help="Local processes; one a core if none.", min=1)]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS", help="An existing dask scheduler, tcp://host:8786."),
+]
+
+MOST_POINTS = 100_000
+"""Longest range: a chart of that many columns is a slip of the pen."""
+
+
+def print_json(document: Any) -> None:
+    """Print one JSON document; a number that JSON does not have is a mistake of ours."""
+    import json
+
+    typer.echo(json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False))
+
+
+def refuse_both(scheduler: str | None, workers: int | None) -> None:
+    """See that not both a scheduler and a number of local workers are named.
+
+    Raises:
+        UserError: they are.
+    """
+    from bladewhirl.models.inputs.errors import UserError
+
+    if scheduler is not None and workers is not None:
+        raise UserError("--scheduler, --workers: expected one of them; a scheduler has its workers")
+
+
+def parse_range(option: str, text: str) -> NDArray[np.float64]:
+    """Evenly spaced values from "START:STOP:COUNT", ends included, (COUNT,).
+
+    Args:
+        option: what errors call it, "--speeds".
+        text: three numbers with colons between them; START >= 0, STOP > START, COUNT >= 2.
+
+    Raises:
+        UserError: anything else.
+    """
+    import numpy as np
+
+    from bladewhirl.models.inputs.errors import UserError
+
+    numbers = "START:STOP:COUNT, two numbers and a whole number"
+    ends, _, last = text.rpartition(":")
+    start, stop = _ends(option, text, ends, numbers)
+    try:
+        count = int(last)
+    except ValueError:
+        raise UserError(f"{option} {text}: expected {numbers}") from None
+    if not 2 <= count <= MOST_POINTS:
+        raise UserError(f"{option} {text}: expected a COUNT from 2 to {MOST_POINTS}")
+    return np.linspace(start, stop, count)
+
+
+def parse_interval(option: str, text: str) -> tuple[float, float]:
+    """Ends of an interval from "START:STOP".
+
+    Args:
+        option: what errors call it, "--speeds".
+        text: two numbers with a colon between them; START >= 0, STOP > START.
+
+    Raises:
+        UserError: anything else.
+    """
+    return _ends(option, text, text, "START:STOP, two numbers")
+
+
+def _ends(option: str, text: str, ends: str, numbers: str) -> tuple[float, float]:
+    from bladewhirl.models.inputs.errors import UserError
+
+    def fault(expected: str) -> UserError:
+        return UserError(f"{option} {text}: expected {expected}")
+
+    try:
+        start, stop = (float(part) for part in ends.split(":"))
+    except ValueError:
+        raise fault(numbers) from None
+    if not (math.isfinite(start) and math.isfinite(stop)):
+        raise fault(f"{numbers.partition(',')[0]} with finite numbers")
+    if start < 0.0:
+        raise fault("a START of zero or more")
+    if stop <= start:
+        raise fault(f"a STOP above the START of {start:g}")
+    return start, stop
+
+
+def not_negative(option: str, value: float) -> None:
+    """Refuse a negative or non-finite number.
+
+    Raises:
+        UserError: naming the option and the value.
+    """
+    from bladewhirl.models.inputs.errors import UserError
+
+    if not (math.isfinite(value) and value >= 0.0):
+        raise UserError(f"{option} {value:g}: expected a number of zero or more")
+
+
+def parse_time(option: str, text: str | None) -> float | None:
+    """A time [s] from a number of seconds or text with a unit; None where none was given.
+
+    Args:
+        option: what errors call it, "--from".
+        text: "0.25" or "0.8 ms".
+
+    Raises:
+        UserError: anything else.
+    """
+    from bladewhirl.models.inputs.errors import UserError
+    from bladewhirl.models.inputs.units import to_si
+
+    if text is None:
+        return None
+    for seconds in (float, partial(to_si, unit="s")):
+        with suppress(ValueError):
+            time = seconds(text)
+            if math.isfinite(time):
+                return time
+    raise UserError(f'{option} {text}: expected a time in seconds, or with a unit such as "0.8 ms"')
+
+
+def parse_window(start: str | None, end: str | None) -> tuple[float | None, float | None]:
+    """Ends [s] of the window of --from and --to; None where none was given."""
+    return parse_time("--from", start), parse_time("--to", end)
+
+
+@contextmanager
+def options_of_window() -> Iterator[None]:
+    """Name --from and --to in faults of the window that they span.
+
+    Raises:
+        UserError: the view's, with the options before it where its window is to blame.
+    """
+    from bladewhirl.models.inputs.errors import UserError
+    from bladewhirl.postprocess.fields.fields import ViewError
+
+    try:
+        yield
+    except ViewError as error:
+        if not str(error).startswith("window "):
+            raise
+        raise UserError(f"--from, --to: {error}") from None

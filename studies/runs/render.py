@@ -1,0 +1,94 @@
+"""Pictures of a run: stills, sheets, films and pages by one function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from bladewhirl.models.inputs.errors import writing
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from bladewhirl.postprocess.pictures.colouring import Field
+    from bladewhirl.postprocess.pictures.drawing import Frame
+
+SHEET_PICTURES = 9
+"""Pictures of a sheet where neither times nor a number are given."""
+
+
+def render(
+    result: xr.Dataset | str | PathLike[str],
+    path: str | Path,
+    *,
+    time: float | Sequence[float] | None = None,
+    frames: int | None = None,
+    start: float | None = None,
+    end: float | None = None,
+    exaggeration: float | None = None,
+    frame: Frame = "static",
+    colour: Field = "displacement",
+    orbit: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Path:
+    """Draw a run without a display; the name of the file says what is drawn.
+
+    ``.gif`` and ``.mp4`` are films, ``.html`` is one to zoom and to point at in any browser,
+    ``.png`` is a still. Several times, a number of frames
+    or a window make a PNG a sheet of stills.
+
+    Args:
+        result: an open result, or the run, its folder or its result.nc.
+        path: of the file; an older one is replaced.
+        time: instant of a still, or instants of a sheet [s]; that of the largest force when None.
+        frames: pictures of a film (120 when None) or of a sheet (9).
+        start: of a film or a sheet [s]; a film is of the strongest contact when None.
+        end: of a film or a sheet [s].
+        exaggeration: factor on displacements and clearance, 1 is true; chosen when None.
+        frame: whose axes are held, "static" or "rotating".
+        colour: field that colours beams and wall, such as "stress".
+        orbit: show the shaft's orbit in an inset, of stills, GIF and MP4.
+        progress: called with pictures done and pictures in all, of films.
+
+    Returns:
+        the path.
+
+    Raises:
+        ResultError: there is no result.
+        ViewError: another kind of file, or a time or window that makes no sense.
+        OffScreenError: the system can't draw.
+        UserError: the file can't be written.
+    """
+    from bladewhirl.postprocess.fields.fields import ViewError, frame_records, nearest_records
+    from bladewhirl.postprocess.fields.result import opened
+    from bladewhirl.postprocess.pictures import render as pictures
+    from bladewhirl.postprocess.pictures.sheet import render_sheet
+    from bladewhirl.postprocess.pictures.web_page import render_page
+
+    target = Path(path)
+    kind = target.suffix.lower()
+    windowed = any(value is not None for value in (frames, start, end))
+    if time is not None and (windowed or kind != ".png"):
+        raise ViewError(f"{target}: expected time for a still or a sheet, or frames, start and end")
+    look: dict[str, Any] = {"exaggeration": exaggeration, "frame": frame, "colour": colour}
+    with opened(result) as dataset, writing(target):
+        if kind == ".png" and not windowed and not isinstance(time, Sequence):
+            return pictures.render_still(dataset, target, time=time, orbit=orbit, **look)
+        if kind == ".png":
+            if isinstance(time, Sequence):
+                for instant in time:
+                    pictures.check_inside(dataset, instant)
+                records = nearest_records(dataset, np.array(time))
+            else:
+                records = frame_records(dataset, frames or SHEET_PICTURES, start, end)
+            return render_sheet(dataset, target, records, **look)
+        records = pictures.animation_records(dataset, frames=frames, start=start, end=end)
+        if kind == ".html":
+            return render_page(dataset, target, records, progress=progress, **look)
+        return pictures.render_animation(
+            dataset, target, records, orbit=orbit, progress=progress, **look
+        )
