@@ -14,7 +14,7 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
-from bladewhirl.postprocess.pictures.look import FONT, INK, SQUARE
+from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE
 
 DOCS = Path(__file__).parent
 EXAMPLES = DOCS.parent / "examples"

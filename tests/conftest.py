@@ -8,7 +8,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import pytest
 from hypothesis import settings
 
-from bladewhirl.postprocess.pictures.off_screen import OffScreenError, require_off_screen
+from bladewhirl.postprocess.pictures.offscreen import OffScreenError, require_off_screen
 
 # The same examples everywhere, and none judged by the clock.
 settings.register_profile("house", deadline=None, derandomize=True, database=None)

@@ -290,8 +290,10 @@ def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = F
     It is the impulse since the record before, divided by the time between the two (`record_step`,
     less where a run ends between records): a mean over that time, which exists in the limit of
     small steps where the peak force does not. The normal part pushes inward, positive friction
-    drags the blade towards -theta.
+    drags the blade towards -theta. Zero where no contact is recorded, as for modes.
     """
+    if "contact_impulse" not in dataset:
+        return np.zeros((len(records), dataset.sizes["blade"], 2))
     first = dataset.attrs["record_step"]
     between = np.diff(dataset["time"].values, prepend=dataset["time"].values[0] - first)
     step = between[records, None]

@@ -21,6 +21,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.fields.beam_sections import rotor_sections
+from bladewhirl.postprocess.fields.blades import tip_recess, with_recess
 from bladewhirl.postprocess.fields.fields import (
     Array,
     IntArray,
@@ -35,7 +36,6 @@ from bladewhirl.postprocess.fields.fields import (
     rotate,
     turn,
 )
-from bladewhirl.postprocess.fields.recess import recessed, tip_recess
 from bladewhirl.postprocess.pictures.colouring import Field, Stations, colouring
 from bladewhirl.postprocess.pictures.symbols import (
     CasingFittings,
@@ -143,7 +143,7 @@ class Drawing:
         )
         self._inner_radius = self.tip_radius + self.exaggeration * clearance
         if recess.any():
-            self.nodes, self._stations = recessed(
+            self.nodes, self._stations = with_recess(
                 dataset, self._stations, (self.exaggeration - 1.0) * recess
             )
         self.colouring = colouring(dataset, colour, records, Stations(BEAM_STATIONS, per_element))

@@ -10,8 +10,7 @@ import pyvista
 import xarray as xr
 
 from bladewhirl.postprocess.fields.fields import Array, IntArray
-from bladewhirl.postprocess.pictures.drawing import Picture
-from bladewhirl.postprocess.pictures.look import (
+from bladewhirl.postprocess.pictures.appearance import (
     FAINT,
     FONT,
     FORCE_COLOUR,
@@ -20,14 +19,15 @@ from bladewhirl.postprocess.pictures.look import (
     SQUARE,
     contact_words,
     enlargement,
+    shaft_trail,
     speed_words,
 )
+from bladewhirl.postprocess.pictures.drawing import Picture
 from bladewhirl.postprocess.pictures.scene import (
     CIRCLE,
     StageScene,
     disc_triangles,
 )
-from bladewhirl.postprocess.pictures.shaft_trail import shaft_trail
 from bladewhirl.postprocess.pictures.symbols import KINDS, sample
 
 SCALE_TOP, SCALE_FOOT = 0.455, 0.05  #: of colour scale or key, as shares of the window

@@ -15,6 +15,7 @@ from PIL import Image
 
 from bladewhirl.postprocess.fields.fields import (
     FRAMES_PER_REVOLUTION,
+    Array,
     IntArray,
     ViewError,
     frame_records,
@@ -22,8 +23,7 @@ from bladewhirl.postprocess.fields.fields import (
 )
 from bladewhirl.postprocess.pictures.colouring import Field
 from bladewhirl.postprocess.pictures.drawing import Drawing, Frame
-from bladewhirl.postprocess.pictures.off_screen import Pixels
-from bladewhirl.postprocess.pictures.stage_view import stage_view
+from bladewhirl.postprocess.pictures.offscreen import Pixels, stage_view
 from bladewhirl.postprocess.plotting.files import checked_target, replacing
 
 WINDOW = (1280, 960)  #: pixels; multiples of 16, as video codecs want
@@ -71,7 +71,7 @@ def animation_records(
 
 def strongest_contact(dataset: xr.Dataset) -> int:
     """Record with the largest contact impulse on one blade, the last one if none was touched."""
-    largest = dataset["contact_impulse"].values.max(axis=1)
+    largest = _contact_impulse(dataset).max(axis=1)
     return int(np.argmax(largest)) if largest.any() else len(largest) - 1
 
 
@@ -217,6 +217,13 @@ def _stride(dataset: xr.Dataset) -> int:
 
 def _busiest(dataset: xr.Dataset, span: int) -> int:
     """First of `span` records with the largest contact impulse in all; the last ones if none."""
-    total = np.concatenate([[0.0], np.cumsum(dataset["contact_impulse"].values.sum(axis=1))])
+    total = np.concatenate([[0.0], np.cumsum(_contact_impulse(dataset).sum(axis=1))])
     within = total[span:] - total[:-span]
     return int(np.argmax(within)) if total[-1] > 0 else len(within) - 1
+
+
+def _contact_impulse(dataset: xr.Dataset) -> Array:
+    """Contact impulse since the record before (time, blade) [N s]; zero of a mode in time."""
+    if "contact_impulse" in dataset:
+        return np.asarray(dataset["contact_impulse"].values)
+    return np.zeros((dataset.sizes["time"], dataset.sizes["blade"]))

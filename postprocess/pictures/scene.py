@@ -6,8 +6,7 @@ import pyvista
 from matplotlib.colors import ListedColormap
 
 from bladewhirl.postprocess.fields.fields import Array, IntArray, rotate
-from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows, widened
-from bladewhirl.postprocess.pictures.look import (
+from bladewhirl.postprocess.pictures.appearance import (
     ARROW_WIDTH,
     BACKGROUND,
     CONTACT_DISC,
@@ -26,6 +25,7 @@ from bladewhirl.postprocess.pictures.look import (
     SQUARE,
     strokes_of,
 )
+from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows, widened
 from bladewhirl.postprocess.pictures.symbols import MASS, Symbols
 
 DISC_CORNERS = 32

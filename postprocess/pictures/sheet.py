@@ -10,11 +10,10 @@ import xarray as xr
 from PIL import Image, ImageDraw, ImageFont
 
 from bladewhirl.postprocess.fields.fields import IntArray
+from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE
 from bladewhirl.postprocess.pictures.colouring import Field
 from bladewhirl.postprocess.pictures.drawing import Drawing, Frame
-from bladewhirl.postprocess.pictures.look import FONT, INK, SQUARE
-from bladewhirl.postprocess.pictures.off_screen import Pixels
-from bladewhirl.postprocess.pictures.stage_view import stage_view
+from bladewhirl.postprocess.pictures.offscreen import Pixels, stage_view
 from bladewhirl.postprocess.plotting.files import checked_target, replacing
 
 CELL = 480  #: width and height of a picture [pixels]

@@ -19,9 +19,7 @@ from matplotlib.colors import to_hex
 
 from bladewhirl.postprocess.fields.blades import member_names
 from bladewhirl.postprocess.fields.fields import Array, IntArray
-from bladewhirl.postprocess.pictures.colouring import Colouring, Field
-from bladewhirl.postprocess.pictures.drawing import Drawing, Frame, Picture, arrows
-from bladewhirl.postprocess.pictures.look import (
+from bladewhirl.postprocess.pictures.appearance import (
     ARROW_WIDTH,
     CONTACT_DISC,
     FAINT,
@@ -36,11 +34,13 @@ from bladewhirl.postprocess.pictures.look import (
     OUTLINE,
     contact_words,
     enlargement,
+    shaft_trail,
     speed_words,
     strokes_of,
 )
+from bladewhirl.postprocess.pictures.colouring import Colouring, Field
+from bladewhirl.postprocess.pictures.drawing import Drawing, Frame, Picture, arrows
 from bladewhirl.postprocess.pictures.render import Progress
-from bladewhirl.postprocess.pictures.shaft_trail import shaft_trail
 from bladewhirl.postprocess.pictures.symbols import MASS
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template, replacing
 

@@ -77,7 +77,7 @@ def show(
 def _draw(stage: Stage, target: Path) -> None:
     """Draw the stage and say so, beside what is printed."""
     from bladewhirl.models.inputs.errors import writing
-    from bladewhirl.postprocess.pictures.stage_picture import draw_stage, stage_at_rest
+    from bladewhirl.postprocess.pictures.stage import draw_stage, stage_at_rest
 
     at_rest = stage_at_rest(
         stage.arrays,

@@ -9,22 +9,26 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.coupling.stage_modes import StageModes
-from bladewhirl.postprocess.fields.coupled_mode_result import coupled_mode_result, radial_shapes
-from bladewhirl.postprocess.fields.result import RESULT_NAME
 from bladewhirl.postprocess.modal.coupled_modes import (
     motion_dataset,
     plot_orbits,
     plot_phases,
     plot_shapes,
 )
+from bladewhirl.postprocess.modal.motion import (
+    coupled_mode_motion,
+    radial_shapes,
+    shown_clearance,
+)
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.pictures.render import animation_records, render_animation
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.solvers.stability.coupled_modes import CoupledMode, CoupledMotion, coupled_motion
-from bladewhirl.studies.runs.folder import CASE_NAME, case_files
+from bladewhirl.studies.runs.folder import case_files
 
 ANIMATION = "animation.gif"
+MOTION_NAME = "mode.nc"
 
 RECORDS_PER_TURN = 48
 """Twice what a smooth animation needs."""
@@ -34,9 +38,6 @@ GROWTHS = 2.5
 
 FEWEST_TURNS, MOST_TURNS = 3, 40
 """... within these numbers of turns of the rotor."""
-
-SHARE_OF_RADIUS = 1e-3
-"""Size of the motion, as a share of the tip radius, where there is no clearance to close."""
 
 SHAPES = 4
 """Deformed shapes side by side, over one turn of the whirl."""
@@ -69,30 +70,27 @@ def draw_coupled_mode(
         reference: frequency that speeds are multiples of [rad/s].
         films: write a VTK series and a GIF too.
     """
-    given = stage.modal.case
     motion = coupled_motion(
         mode,
         time=whirl_records(mode),
         shapes=radial_shapes(stage),
-        clearance=given.casing.clearance or SHARE_OF_RADIUS * given.tip_radius,
+        clearance=shown_clearance(stage.modal),
     )
-    files = case_files(given)
-    text = files.pop(CASE_NAME).decode()
-    for name, content in files.items():  # the mesh file that the text names
+    for name, content in case_files(stage.modal.case).items():
         (folder / name).write_bytes(content)
-    result = coupled_mode_result(stage, motion, springs, reference=reference, case=text)
-    result.to_netcdf(folder / RESULT_NAME, engine="h5netcdf")
+    moving = coupled_mode_motion(stage, motion, springs)
+    moving.to_netcdf(folder / MOTION_NAME, engine="h5netcdf")
     measured = motion_dataset(motion, reference=reference)
     save_figure(plot_phases(measured), folder / "phases", measured)
     records = _one_whirl(motion)
-    shapes = result.isel(time=records)[["gap", "rotor_displacement", "casing_displacement"]]
-    save_figure(plot_shapes(result, records), folder / "shapes", shapes)
+    shapes = moving.isel(time=records)[["gap", "rotor_displacement", "casing_displacement"]]
+    save_figure(plot_shapes(moving, records), folder / "shapes", shapes)
     if motion.nodal_diameter == 1:
-        orbit = shaft_orbit(result)
+        orbit = shaft_orbit(moving)
         save_figure(plot_orbits(orbit), folder / "orbit", orbit)
     if films:
-        export_vtk(result, folder / "vtk")
-        render_animation(result, folder / ANIMATION, animation_records(result))
+        export_vtk(moving, folder / "vtk")
+        render_animation(moving, folder / ANIMATION, animation_records(moving))
     return motion
 
 

@@ -14,8 +14,9 @@ from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
-from bladewhirl.postprocess.fields.mode_result import PICTURES, Wave, mode_motion, stage_dataset
+from bladewhirl.postprocess.fields.moving_stage import stage_dataset
 from bladewhirl.postprocess.modal.mode_shapes import animate_mode, mode_title, plot_mode_shapes
+from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion
 from bladewhirl.postprocess.modal.scenarios import plot_scenario, scenario_dataset
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.plotting.style import save_figure

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.postprocess.fields.mode_result import shown_clearance
+from bladewhirl.postprocess.modal.motion import shown_clearance
 from bladewhirl.postprocess.modal.scenarios import WhirlingModes
 from bladewhirl.solvers.stability.coincidence import coincidences
 from bladewhirl.solvers.stability.coupled_modes import wave_coefficient

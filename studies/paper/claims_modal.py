@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bladewhirl.postprocess.fields.coupled_mode_result import radial_shapes
+from bladewhirl.postprocess.modal.motion import radial_shapes
 from bladewhirl.solvers.stability.coupled_modes import coupled_modes, coupled_motion
 from bladewhirl.solvers.stability.growth import (
     UNSTABLE_GROWTH,

@@ -25,7 +25,7 @@ from bladewhirl.postprocess.fields.beam_sections import rotor_sections
 from bladewhirl.postprocess.fields.strains import rotor_strain_rows
 from bladewhirl.postprocess.paraview.surfaces import rotor_boxes
 from bladewhirl.postprocess.pictures.drawing import Drawing
-from bladewhirl.postprocess.pictures.stage_words import thickness_words
+from bladewhirl.postprocess.pictures.stage import thickness_words
 
 SPAN, TIP_MASS, YOUNG, DENSITY = 0.45, 0.1, 2.1e11, 7800.0
 

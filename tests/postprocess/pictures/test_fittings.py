@@ -7,7 +7,7 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields.fields import Array
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture
-from bladewhirl.postprocess.pictures.stage_words import holding_words
+from bladewhirl.postprocess.pictures.stage import holding_words
 from bladewhirl.postprocess.pictures.symbols import BESIDE, FOUNDATION, HATCHES, TEETH
 
 R = synthetic.TIP_RADIUS

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.pictures.appearance import newtons
 from bladewhirl.postprocess.pictures.colouring import scale_end
-from bladewhirl.postprocess.pictures.look import newtons
-from bladewhirl.postprocess.pictures.off_screen import OffScreenError, require_off_screen
+from bladewhirl.postprocess.pictures.offscreen import OffScreenError, require_off_screen
 from bladewhirl.postprocess.pictures.render import (
     animation_records,
     render_animation,

@@ -11,7 +11,6 @@ import xarray as xr
 from places import ROOT
 from typer.testing import CliRunner
 
-from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.orbits import shaft_orbit, whirl
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.commands.options import parse_range
@@ -103,14 +102,22 @@ def test_chart_as_one_document(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_divergent_mode_in_time(tmp_path: Path) -> None:
-    """Claim 15, measured on what was written: a result like any other."""
+    """Claim 15, measured on what was written, beside the case that it belongs to."""
     folder = tmp_path / "mode"
     point = json.loads(run(*POINT, "-o", str(folder), "--json"))
     motion = point["coupled_mode"]
     assert motion["rotor_wave_speed"] < 0.0 < motion["casing_wave_speed"]
     names = {path.name for path in folder.iterdir()}
-    assert {"result.nc", "orbit.png", "phases.pdf", "shapes.nc", "animation.gif", "vtk"} <= names
-    with open_result(folder) as result:
+    assert {
+        "mode.nc",
+        "case.toml",
+        "orbit.png",
+        "phases.pdf",
+        "shapes.nc",
+        "animation.gif",
+        "vtk",
+    } <= names
+    with xr.open_dataset(folder / "mode.nc", engine="h5netcdf") as result:
         orbit = shaft_orbit(result)
         assert whirl(orbit, "rotating").direction == "backward"
         assert whirl(orbit, "static").direction == "forward"
@@ -131,7 +138,7 @@ def test_damping_takes_energy_as_a_growing_circle_does(tmp_path: Path) -> None:
     folder = tmp_path / "mode"
     point = json.loads(run(*POINT, "--damped", "--no-films", "-o", str(folder), "--json"))
     assert not (folder / "vtk").exists()
-    with open_result(folder) as result:
+    with xr.open_dataset(folder / "mode.nc", engine="h5netcdf") as result:
         power = sum(
             float(np.sum(2.0 * 0.005 * result[f"{body}_frequency"] * velocity**2))
             for body in ("rotor", "casing")
@@ -163,7 +170,7 @@ def test_mode_of_more_nodal_diameters_leaves_the_shaft_alone(tmp_path: Path) -> 
     )
     assert point["coupled_mode"]["nodal_diameter"] == 2
     assert not (folder / "orbit.png").exists()
-    with open_result(folder) as result:
+    with xr.open_dataset(folder / "mode.nc", engine="h5netcdf") as result:
         assert set(result["rotor_nodal_diameter"].values) == {2}
 
 

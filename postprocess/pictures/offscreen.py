@@ -1,4 +1,5 @@
-"""Can pictures be made here without a display? Asked before VTK is, which would crash."""
+"""The stage as pixels, drawn without a display; whether that is possible is asked before VTK is
+loaded, which would crash."""
 
 from __future__ import annotations
 
@@ -6,14 +7,17 @@ import ctypes
 import functools
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.fields.fields import IntArray
+from bladewhirl.postprocess.pictures.drawing import Drawing
 
 if TYPE_CHECKING:
     import pyvista
@@ -72,6 +76,38 @@ def pixels_of(plotter: pyvista.Plotter) -> Pixels:
     """What a plotter shows."""
     plotter.render()
     return np.array(plotter.screenshot(return_img=True), dtype=np.uint8)
+
+
+@contextmanager
+def stage_view(
+    dataset: xr.Dataset,
+    drawing: Drawing,
+    size: tuple[int, int],
+    note: str = "",
+    *,
+    trail: IntArray | None = None,
+) -> Iterator[Callable[[int | None], Pixels]]:
+    """An off-screen stage: a function that gives the pixels of the index-th record, or, for None,
+    of the one before with the times of all records written instead of its own.
+    """
+    with off_screen_plotter(size) as plotter:
+        from bladewhirl.postprocess.pictures.panel import Panel
+        from bladewhirl.postprocess.pictures.scene import StageScene
+
+        scene = StageScene(plotter, drawing)
+        panel = Panel(scene, dataset, note=note, trail=trail)
+        scene.look()
+
+        def picture(index: int | None) -> Pixels:
+            if index is None:
+                panel.show_span(float(drawing.times[0]), float(drawing.times[-1]))
+            else:
+                seen = drawing.picture(index)
+                scene.show(seen)
+                panel.show(seen)
+            return pixels_of(plotter)
+
+        yield picture
 
 
 def _missing(what: str) -> OffScreenError:

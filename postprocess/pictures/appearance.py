@@ -1,15 +1,19 @@
-"""Colours and sizes of the stage in pictures, whatever draws it."""
+"""Colours, sizes, words and the inset of the shaft's orbit, the same in whatever draws a stage."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 import matplotlib
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.fields import Array, IntArray, history, rotate, turn
+from bladewhirl.postprocess.pictures.colouring import scale_end
+from bladewhirl.postprocess.pictures.drawing import Frame
 from bladewhirl.postprocess.pictures.symbols import Symbols
+from bladewhirl.postprocess.plotting.units import length_unit
 
 INK = "#20262e"
 FAINT = "#5f6872"
@@ -76,3 +80,23 @@ def enlargement(factor: float) -> str:
     if factor == 1:
         return "true size"
     return f"displacement and clearance\ndrawn {factor:g} times as large"
+
+
+class ShaftTrail(NamedTuple):
+    """Where the centre was."""
+
+    places: Array  #: in units of the circle's radius (record, 2)
+    title: str  #: which says how large the circle is
+
+
+def shaft_trail(dataset: xr.Dataset, records: IntArray, frame: Frame) -> ShaftTrail:
+    """The centre at records, in static or rotating axes."""
+    rows = dataset["rotor_shape"].values[int(dataset["centre_node"]), :2]
+    way = history(dataset, "rotor_displacement", records) @ rows.T
+    if frame == "static":
+        way = rotate(way, turn(dataset, records))
+    reach = float(np.linalg.norm(way, axis=1).max())
+    unit, scale = length_unit(reach)
+    end = scale_end(1.1 * scale * reach)  # the orbit stays clear of the circle
+    title = f"shaft\N{RIGHT SINGLE QUOTATION MARK}s orbit, circle {end:g} {unit}"
+    return ShaftTrail(scale / end * way, title)

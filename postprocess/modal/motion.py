@@ -1,0 +1,212 @@
+"""Natural and coupled modes in time, as small Datasets that pictures and series are drawn from.
+
+A single mode stands. A degenerate pair stands, or travels either way: with the convention of
+`bladewhirl.models.elements.cyclic` the cosine times cos(omega t) plus the sine times sin(omega t)
+travels forward, minus it backward.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+from scipy.integrate import cumulative_trapezoid
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.coupling.springs import CouplingSprings
+from bladewhirl.models.coupling.stage_modes import StageModes
+from bladewhirl.models.modal.full_stage import ModalStage
+from bladewhirl.models.modal.labels import Body
+from bladewhirl.postprocess.fields.fields import casing_rows, line_rows
+from bladewhirl.postprocess.fields.moving_stage import moving_stage, stage_dataset
+from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, RadialShapes
+
+Wave = Literal["standing", "forward", "backward"]
+
+PICTURES = 48
+"""Records of one period, which then repeats."""
+
+SHARE_OF_RADIUS = 1e-3
+"""Size of a motion, as a share of the tip radius, where there is no clearance to compare with."""
+
+BEAM_STATIONS = 8
+"""Parts of a beam on which its largest displacement is looked for."""
+
+
+def mode_motion(
+    stage: ModalStage, body: Body, numbers: IntArray, *, wave: Wave, title: str
+) -> xr.Dataset:
+    """One period of a mode of the bladed disk or of the casing, seen from its own frame.
+
+    The largest displacement is the clearance, so that nothing touches, or a thousandth of the tip
+    radius where there is none. The other body is at rest, and so is the shaft.
+
+    Args:
+        stage: finite element models with their modes.
+        body: that moves.
+        numbers: of the mode among those of the body, or of the cosine and the sine of a pair.
+        wave: standing (the cosine of a pair), or travelling, which takes a pair.
+        title: of the motion.
+
+    Returns:
+        Geometry, modes, time, modal displacements and velocities, and the gap at each tip.
+
+    Raises:
+        ValueError: a travelling wave of a single mode.
+    """
+    on_disk, resting = body == "bladed-disk", np.zeros(1, dtype=np.int64)
+    arrays = stage.arrays(numbers if on_disk else resting, resting if on_disk else numbers)
+    fixed = stage_dataset(arrays).assign_attrs(_attributes(stage))
+    frequency = float((arrays.rotor_frequency if on_disk else arrays.casing_frequency)[0])
+    time = 2.0 * np.pi / frequency * np.arange(PICTURES) / PICTURES
+    shift, rate = _coordinates(frequency * time, len(numbers), wave)
+    scale = shown_clearance(stage) / _largest(fixed, body, shift)
+    displacement, velocity = scale * shift, scale * frequency * rate
+    rest = np.zeros((PICTURES, 1))
+    rotor, casing = (displacement, rest) if on_disk else (rest, displacement)
+    motion = {
+        "time": time,
+        "rotor_displacement": rotor,
+        "rotor_velocity": velocity if on_disk else rest,
+        "casing_displacement": casing,
+        "casing_velocity": rest if on_disk else velocity,
+        "gap": stage.disk.model.tip_recess + _gaps(fixed, rotor, casing),
+    }
+    return moving_stage(arrays, motion).assign_attrs(_attributes(stage), title=title, speed=0.0)
+
+
+def coupled_mode_motion(
+    stage: StageModes, motion: CoupledMotion, springs: CouplingSprings
+) -> xr.Dataset:
+    """A coupled mode in time, until the clearance closes.
+
+    Args:
+        stage: the coupled modes.
+        motion: of one coupled mode, equally spaced in time.
+        springs: that couple these modes.
+
+    Returns:
+        Geometry, modes, time, modal displacements and velocities, the gap at each tip, the energy,
+        and the work of modal damping and of the coupling.
+    """
+    rotor, rotor_modes = stage.mode_numbers(on_casing=False)
+    wall, wall_modes = stage.mode_numbers(on_casing=True)
+    energy, lost = _energy(motion, springs), _damping_work(stage, motion)
+    in_time = {
+        "time": motion.time,
+        "rotor_displacement": motion.displacement[:, rotor],
+        "rotor_velocity": motion.velocity[:, rotor],
+        "casing_displacement": motion.displacement[:, wall],
+        "casing_velocity": motion.velocity[:, wall],
+        "gap": _coupled_gaps(stage, motion),
+        "energy": energy,
+        "damping_work": lost,
+        "coupling_work": energy - energy[0] + lost,
+    }
+    return moving_stage(stage.modal.arrays(rotor_modes, wall_modes), in_time).assign_attrs(
+        _attributes(stage.modal),
+        title="coupled mode",
+        speed=motion.speed,
+        record_step=float(motion.time[1] - motion.time[0]),
+    )
+
+
+def radial_shapes(stage: StageModes) -> RadialShapes:
+    """Shapes of shaft, tips and casing for unit coordinates, step 4 of Section 3.3.2.
+
+    Args:
+        stage: the coupled modes; shapes are those of the finite element modes, whatever
+            amplitudes the coupling takes.
+    """
+    disk, casing, size = stage.modal.disk, stage.modal.casing, stage.modes.size
+    rotor, rotor_modes = stage.mode_numbers(on_casing=False)
+    wall, wall_modes = stage.mode_numbers(on_casing=True)
+    shapes = stage.modal.disk_modes.fields(rotor_modes)
+    tips = np.zeros((len(disk.tip_angles), size))
+    tips[:, rotor] = shapes[disk.tip_radial]
+    centre = np.zeros((2, size))
+    centre[:, rotor] = disk.cartesian(shapes)[disk.mesh.node_sets["centre"][0], :2]
+    radial = np.zeros((casing.mesh.elements, size))
+    radial[:, wall] = casing.nodal(stage.modal.casing_modes.fields(wall_modes))[:, 0]
+    return RadialShapes(
+        centre=centre,
+        tips=tips,
+        tip_angle=disk.tip_angles,
+        casing=radial,
+        casing_angle=casing.mesh.angles,
+    )
+
+
+def shown_clearance(stage: ModalStage) -> float:
+    """Clearance [m], or a thousandth of the tip radius where there is none."""
+    given = stage.case
+    return given.casing.clearance or SHARE_OF_RADIUS * given.tip_radius
+
+
+def _attributes(stage: ModalStage) -> dict[str, float]:
+    given = stage.case
+    return {
+        "reference_frequency": stage.reference_frequency,
+        "casing_radius": stage.casing.mesh.radius,
+        "tip_radius": given.tip_radius,
+        "clamped": int(given.shaft.clamped),
+    }
+
+
+def _coordinates(phase: FloatArray, modes: int, wave: Wave) -> tuple[FloatArray, FloatArray]:
+    """Modal coordinates of unit size over a phase, and their rates by phase, (pictures, modes)."""
+    cos, sin = np.cos(phase), np.sin(phase)
+    if wave == "standing":
+        still = np.zeros((len(phase), modes - 1))
+        return np.column_stack([cos, still]), np.column_stack([-sin, still])
+    if modes != 2:
+        raise ValueError(f"a single mode stands; it has no {wave} wave")
+    sense = 1.0 if wave == "forward" else -1.0
+    return np.column_stack([cos, sense * sin]), np.column_stack([-sin, sense * cos])
+
+
+def _largest(geometry: xr.Dataset, body: Body, coordinates: FloatArray) -> float:
+    """Largest displacement of a body anywhere at any time, for coordinates (pictures, modes)."""
+    if body == "bladed-disk":
+        rows = line_rows(geometry, BEAM_STATIONS)[1]
+    else:
+        rows = casing_rows(geometry, geometry["casing_angle"].values)
+    return float(np.linalg.norm(rows @ coordinates.T, axis=-2).max())
+
+
+def _gaps(geometry: xr.Dataset, rotor: FloatArray, casing: FloatArray) -> FloatArray:
+    """Gap at each tip of full length, (pictures, blades)."""
+    angle = geometry["tip_angle"].values
+    outward = np.column_stack([np.cos(angle), np.sin(angle)])
+    shapes = geometry["rotor_shape"].values[geometry["tip_node"].values, :2]
+    tips = np.einsum("ba,bam->bm", outward, shapes)
+    wall = casing_rows(geometry, angle)[:, 0]
+    clearance = np.interp(
+        angle, geometry["casing_angle"], geometry["clearance"], period=2.0 * np.pi
+    )
+    return np.asarray(clearance + casing @ wall.T - rotor @ tips.T)
+
+
+def _coupled_gaps(stage: StageModes, motion: CoupledMotion) -> FloatArray:
+    """Gap at each tip at each record, (records, blades)."""
+    angle = stage.modal.disk.tip_angles + motion.speed * motion.time[:, None]
+    wall = (motion.casing_wave[:, None] * np.exp(-1j * motion.nodal_diameter * angle)).real
+    tips = motion.displacement @ radial_shapes(stage).tips.T
+    at_rest = stage.modal.case.casing.clearance + stage.modal.disk.model.tip_recess
+    return np.asarray(at_rest + wall - tips)
+
+
+def _energy(motion: CoupledMotion, springs: CouplingSprings) -> FloatArray:
+    """Energy of both bodies and of the springs between them, (records,)."""
+    moved = motion.displacement
+    strain = springs.modes.frequency[springs.modes.entry] * moved
+    bodies = 0.5 * np.sum(motion.velocity**2 + strain**2, axis=1)
+    held = springs.stiffness(angle=motion.speed * motion.time)
+    return np.asarray(bodies + 0.5 * np.einsum("ti,tij,tj->t", moved, held, moved))
+
+
+def _damping_work(stage: StageModes, motion: CoupledMotion) -> FloatArray:
+    """Energy that modal damping has taken since the first record, (records,)."""
+    power = motion.velocity**2 @ stage.modes.damping_rate[stage.modes.entry]
+    return np.asarray(cumulative_trapezoid(power, motion.time, initial=0.0))
