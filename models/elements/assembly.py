@@ -36,13 +36,19 @@ class LineAssembler:
         return np.asarray(self.basis.W)
 
     def matrix(
-        self, form: Any, transform: FloatArray | None = None, **coefficients: FloatArray
+        self,
+        form: Any,
+        transform: FloatArray | None = None,
+        *,
+        skew: bool = False,
+        **coefficients: FloatArray,
     ) -> sp.csr_array:
         """Assemble ``form``; coefficients hold a value an element or a quadrature point.
 
         The former are (elements,), the latter (elements, points), see `points`.
 
         ``transform`` (elements, DoF an element, DoF an element) takes nodal axes to element axes.
+        A ``skew`` form gives a skew-symmetric matrix, any other a symmetric one.
         """
         fields = {
             name: np.broadcast_to(values.reshape(len(values), -1), self.basis.dx.shape).copy()
@@ -54,7 +60,8 @@ class LineAssembler:
             data = data.fromlocal(np.einsum("eji,ejk,ekl->eil", transform, local, transform))
         matrix = sp.csr_array(data.tocsr())
         matrix.resize((self.node_dofs.size, self.node_dofs.size))  # last nodes may have no line
-        return sp.csr_array((matrix + matrix.T) / 2.0)  # symmetric to the last bit
+        mirrored = -matrix.T if skew else matrix.T
+        return sp.csr_array((matrix + mirrored) / 2.0)  # symmetric, or skew, to the last bit
 
 
 def straight_beams(lengths: FloatArray, lines: IntArray, nodes: int) -> LineAssembler:

@@ -106,7 +106,7 @@ def assemble_bladed_disk(
     """
     mesh, properties = model.mesh, model.properties
     assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
-    transform = _nodal_to_line_axes(mesh)
+    transform = nodal_to_line_axes(mesh)
     sections = properties.at(assembler.points)
     elastic = assembler.matrix(
         straight_stiffness,
@@ -141,7 +141,7 @@ def assemble_bladed_disk(
     return BladedDiskModel(model=model, structure=structure, expansion=expansion)
 
 
-def _nodal_to_line_axes(mesh: LineMesh) -> FloatArray:
+def nodal_to_line_axes(mesh: LineMesh) -> FloatArray:
     """Matrix of each line that takes nodal axes to its own, (lines, 6, 6)."""
     transform = np.zeros((len(mesh.lines), 6, 6))
     for end in range(2):

@@ -6,7 +6,7 @@ strain eps = u' + w/R and change of curvature kappa = w'' - u'/R ("exact": a fre
 its three rigid motions) or kappa = w'' ("shallow"). s is the arc length.
 
 Coefficients come in by keyword, one value an element: EA [N], EI [N m2], rho_A [kg/m], support
-[N/m per metre of length], and for curved beams the curvature 1/R [1/m].
+[N/m per metre of length], tension [N], and for curved beams the curvature 1/R [1/m].
 """
 
 from __future__ import annotations
@@ -27,6 +27,18 @@ def straight_stiffness(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
 def mass(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
     """Kinetic energy: rho A (u^2 + w^2), the same for straight and curved beams."""
     return p.rho_A * (u * du + w * dw)
+
+
+@BilinearForm  # type: ignore[untyped-decorator]
+def tension_stiffness(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
+    """Energy of an axial force N in the slope: N w'^2."""
+    return p.tension * d(w)[0] * d(dw)[0]
+
+
+@BilinearForm  # type: ignore[untyped-decorator]
+def coriolis(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
+    """Skew power of velocities in a frame that turns: rho A (u dw - w du)."""
+    return p.rho_A * (u * dw - w * du)
 
 
 @BilinearForm  # type: ignore[untyped-decorator]

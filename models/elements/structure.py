@@ -22,6 +22,8 @@ class Structure:
     node_dofs: IntArray  #: DoF of each node, (nodes, components); -1 where held
     layout: SectorLayout | None  #: its sectors; None where it has none
     held: FloatArray  #: fields v held at rest, v^T M x = 0, (size, constraints), often none
+    gyroscopic: sp.csr_array | None = None
+    """Coriolis forces 2 Omega G by velocity, skew [N s/m, N s, N m s], (size, size)."""
 
     @property
     def size(self) -> int:

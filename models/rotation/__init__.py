@@ -1,0 +1,1 @@
+"""Rotation effects on a bladed disk: tension, spin softening, Coriolis, growth, critical speeds."""

@@ -1,0 +1,125 @@
+"""Eigenproblems of matrices that turn: with Coriolis forces, with damping, and over the speed."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+from numpy.typing import NDArray
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+
+Matrix = NDArray[np.inexact]
+"""Dense, real or complex, (n, n)."""
+
+
+def gyroscopic_eigen(
+    mass: Matrix, stiffness: Matrix, gyroscopic: Matrix
+) -> tuple[ComplexArray, ComplexArray]:
+    """All w and p of (-w^2 M + i w G + K) p = 0.
+
+    While K is positive definite the problem is Hermitian in (w p, p), so all w are real.
+
+    Args:
+        mass: Hermitian, positive definite.
+        stiffness: Hermitian.
+        gyroscopic: skew-Hermitian, Coriolis forces by velocity.
+
+    Returns:
+        w descending by their real part (2 n,), vectors with p^H M p = 1, (n, 2 n).
+    """
+    size = len(mass)
+    inverse = _inverse_root(mass)
+    turned = 1j * inverse @ gyroscopic @ inverse.conj().T
+    square, axes = la.eigh(_hermitian(inverse @ stiffness @ inverse.conj().T))
+    root = np.diag(np.sqrt(np.abs(square)))
+    lower = np.hstack([root, np.zeros((size, size))])
+    upper = np.hstack([axes.conj().T @ turned @ axes, root * np.sign(square)])
+    solve = la.eigh if square[0] > 0.0 else la.eig
+    w, fields = solve(np.vstack([upper, lower]))
+    momenta = axes @ fields[:size]
+    vectors = inverse.conj().T @ momenta
+    vectors /= np.sqrt(np.einsum("im,ij,jm->m", vectors.conj(), mass, vectors).real)
+    order = np.lexsort([w.imag, -w.real])
+    return w[order].astype(np.complex128), vectors[:, order]
+
+
+def damped_eigenvalues(
+    mass: Matrix, damping: Matrix, stiffness: Matrix
+) -> tuple[ComplexArray, ComplexArray]:
+    """All s and p of (s^2 M + s D + K) p = 0: growth rates and frequencies.
+
+    Args:
+        mass: Hermitian, positive definite.
+        damping: forces by velocity, Coriolis forces among them.
+        stiffness: any; a damper that does not turn makes it unsymmetric.
+
+    Returns:
+        s (2 n,), vectors (n, 2 n).
+    """
+    inverse = _inverse_root(mass)
+    damped, elastic = (inverse @ each @ inverse.conj().T for each in (damping, stiffness))
+    s, vectors = _companion(-damped, -elastic)
+    return s, inverse.conj().T @ vectors
+
+
+def lowest_gyroscopic_eigen(
+    mass: sp.csr_array, stiffness: sp.csr_array, gyroscopic: sp.csr_array, count: int
+) -> tuple[ComplexArray, ComplexArray]:
+    """The w nearest to zero, as `gyroscopic_eigen` finds all, of large sparse matrices.
+
+    Args:
+        mass: symmetric, positive definite.
+        stiffness: symmetric, not singular.
+        gyroscopic: skew.
+        count: how many.
+    """
+    size = mass.shape[0]
+    solve = spla.splu(stiffness.tocsc()).solve
+
+    def inverse(state: ComplexArray) -> ComplexArray:
+        momentum, field = state[:size], state[size:]
+        force = mass @ momentum - 1j * (gyroscopic @ field)
+        return np.concatenate([field, solve(force.real) + 1j * solve(force.imag)])
+
+    operator = spla.LinearOperator((2 * size, 2 * size), matvec=inverse, dtype=np.complex128)
+    inverted, states = spla.eigs(operator, k=count, v0=np.ones(2 * size, dtype=np.complex128))
+    w, vectors = 1.0 / inverted, states[size:]
+    vectors = vectors / np.sqrt(np.einsum("im,im->m", vectors.conj(), mass @ vectors).real)
+    order = np.lexsort([w.imag, -w.real])
+    return w[order], vectors[:, order]
+
+
+def positive_speeds(stiffness: Matrix, pulled: Matrix) -> tuple[FloatArray, ComplexArray]:
+    """All Omega > 0 and x of K x = Omega^2 P x.
+
+    Args:
+        stiffness: K at rest, Hermitian, positive definite.
+        pulled: P, Hermitian.
+
+    Returns:
+        Omega ascending [rad/s] (m,), vectors (n, m).
+    """
+    share, vectors = la.eigh(_hermitian(pulled), stiffness)
+    found = np.flatnonzero(share > share[-1] * len(share) * np.finfo(np.float64).eps)[::-1]
+    return 1.0 / np.sqrt(share[found]), vectors[:, found]
+
+
+def _companion(first: Matrix, zeroth: Matrix) -> tuple[ComplexArray, ComplexArray]:
+    """All w and v of w^2 v = (w A + B) v, with w scaled to order one."""
+    size = len(zeroth)
+    scale = np.sqrt(la.norm(zeroth, 2))
+    top = np.hstack([first / scale, zeroth / scale**2])
+    w, states = la.eig(np.vstack([top, np.eye(size, 2 * size)]))
+    return scale * w, states[size:]
+
+
+def _inverse_root(mass: Matrix) -> Matrix:
+    """Inverse of the lower Cholesky factor of the mass matrix."""
+    root = la.cholesky(mass, lower=True)
+    return np.asarray(la.solve_triangular(root, np.eye(len(mass)), lower=True))
+
+
+def _hermitian(matrix: Matrix) -> Matrix:
+    return np.asarray((matrix + matrix.conj().T) / 2.0)

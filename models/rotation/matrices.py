@@ -1,0 +1,163 @@
+"""Matrices of a bladed disk that turns, assembled once for all speeds.
+
+In its rotating frame, about the state in which it turns steadily,
+
+    M x'' + (D + 2 Omega G) x' + (K + Omega^2 (K_G1 - M_t)) x = f,
+
+with the geometric stiffness Omega^2 K_G1 of the axial forces that the centrifugal load
+Omega^2 M_t X leaves in beams and rigid links, the Coriolis matrix G, and M_t, the mass matrix
+without the rotary inertia of point masses, which no rotation about the axis pulls at. Beams have
+translational inertia only, so elsewhere M_t is M. Springs keep their direction, so a force in them
+adds no stiffness.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.elements.assembly import LineAssembler, straight_beams
+from bladewhirl.models.elements.attachments import COMPONENTS, node_springs
+from bladewhirl.models.elements.bladed_disk import (
+    FIRST,
+    ROTATION,
+    SECOND,
+    BladedDiskModel,
+    nodal_to_line_axes,
+)
+from bladewhirl.models.elements.forms import (
+    coriolis,
+    mass,
+    straight_stiffness,
+    tension_stiffness,
+)
+from bladewhirl.models.elements.structure import Structure
+from bladewhirl.models.geometry.beam_model import BeamModel
+from bladewhirl.models.rotation.axial_force import axial_force
+
+Effects = Literal["none", "centrifugal", "full"]
+"""Rotation effects: none; tension, its stiffness and spin softening; those and Coriolis."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RotationMatrices:
+    """Matrices and fields of a turning bladed disk over its free DoF, for Omega = 1 rad/s."""
+
+    structure: Structure  #: at rest
+    mass: sp.csr_array  #: M_t, of translations [kg, kg m, kg m2], (size, size)
+    geometric: sp.csr_array  #: K_G1 [N s2/m, N s2, N m s2], (size, size)
+    coriolis: sp.csr_array  #: G, skew [kg, kg m, kg m2], (size, size)
+    load: FloatArray  #: M_t X [kg m, kg m2], (size,)
+    growth: FloatArray  #: K^-1 M_t X, displacement over Omega^2 [m s2, s2], (size,)
+
+    def stiffness(self, omega: float) -> sp.csr_array:
+        """K_Omega = K + Omega^2 (K_G1 - M_t) at a speed [rad/s]."""
+        return sp.csr_array(self.structure.stiffness + omega**2 * (self.geometric - self.mass))
+
+    def at_speed(self, omega: float, effects: Effects) -> Structure:
+        """The structure about the state in which it turns steadily.
+
+        Args:
+            omega: speed of rotation [rad/s], counter-clockwise.
+            effects: that count; with none it is the structure at rest.
+        """
+        if effects == "none":
+            return self.structure
+        gyroscopic = sp.csr_array(2.0 * omega * self.coriolis) if effects == "full" else None
+        return replace(self.structure, stiffness=self.stiffness(omega), gyroscopic=gyroscopic)
+
+
+def rotation_matrices(disk: BladedDiskModel) -> RotationMatrices:
+    """Assemble what rotation adds to a bladed disk that was assembled at rest."""
+    model, structure, unknowns = disk.model, disk.structure, disk.expansion
+    mesh = model.mesh
+    assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
+    transform = nodal_to_line_axes(mesh)
+    line_mass = model.properties.at(assembler.points).line_mass
+    weights = _point_masses(model)
+    inertial = sp.csr_array(
+        assembler.matrix(mass, transform, rho_A=line_mass) + sp.diags_array(weights)
+    )
+    turning = assembler.matrix(coriolis, transform, skew=True, rho_A=line_mass)
+    full_load = inertial @ _coordinates(model)
+    load = np.asarray(unknowns.T @ full_load)
+    growth = np.asarray(spla.spsolve(structure.stiffness.tocsc(), load))
+    field = unknowns @ growth
+    force = axial_force(model, field, assembler.points, omega=1.0)
+    stiffened = assembler.matrix(tension_stiffness, transform, tension=force)
+    if model.links.led.size:
+        carried = full_load - _elastic(model, assembler, transform) @ field
+        stiffened = sp.csr_array(stiffened + _arm_stiffness(model, carried))
+    geometric, translated = (unknowns.T @ each @ unknowns for each in (stiffened, inertial))
+    turned = unknowns.T @ (turning + _point_coriolis(weights)) @ unknowns
+    return RotationMatrices(
+        structure=structure,
+        mass=sp.csr_array((translated + translated.T) / 2.0),
+        geometric=sp.csr_array((geometric + geometric.T) / 2.0),
+        coriolis=sp.csr_array((turned - turned.T) / 2.0),
+        load=load,
+        growth=growth,
+    )
+
+
+def _coordinates(model: BeamModel) -> FloatArray:
+    """Position of every node about the axis in its own axes, its rotation zero, (3 nodes,)."""
+    x, y = model.mesh.points.T
+    cos, sin = np.cos(model.mesh.node_axes), np.sin(model.mesh.node_axes)
+    return np.column_stack([cos * x + sin * y, cos * y - sin * x, np.zeros(len(x))]).ravel()
+
+
+def _point_masses(model: BeamModel) -> FloatArray:
+    """Point masses on the translations of the nodes, nothing on rotations, (3 nodes,)."""
+    diagonal = np.zeros((len(model.mesh.points), COMPONENTS))
+    np.add.at(diagonal[:, FIRST], model.masses.node, model.masses.mass)
+    diagonal[:, SECOND] = diagonal[:, FIRST]
+    return diagonal.ravel()
+
+
+def _point_coriolis(weights: FloatArray) -> sp.csr_array:
+    """Coriolis matrix of point masses over all DoF of all nodes."""
+    first = np.arange(FIRST, len(weights), COMPONENTS)
+    second, values = first + SECOND, weights[first]
+    entries = (
+        np.concatenate([-values, values]),
+        (np.concatenate([first, second]), np.concatenate([second, first])),
+    )
+    return sp.csr_array(entries, shape=(len(weights), len(weights)))
+
+
+def _elastic(model: BeamModel, assembler: LineAssembler, transform: FloatArray) -> sp.csr_array:
+    """Stiffness of beams and springs over all DoF of all nodes."""
+    sections = model.properties.at(assembler.points)
+    beams = assembler.matrix(
+        straight_stiffness,
+        transform,
+        EA=sections.axial_stiffness,
+        EI=sections.bending_stiffness,
+    )
+    return sp.csr_array(beams + node_springs(model, assembler.node_dofs))
+
+
+def _arm_stiffness(model: BeamModel, carried: FloatArray) -> sp.csr_array:
+    """Geometric stiffness of rigid links on the rotations of their leaders.
+
+    A turn by theta shortens an arm a by theta^2 a / 2 along itself, so a force F that it carries
+    outward from its leader resists with the moment (F . a) theta.
+
+    Args:
+        model: with its links.
+        carried: force and moment of every node on its link, in the node's axes, (3 nodes,).
+    """
+    mesh, links = model.mesh, model.links
+    cos, sin = np.cos(mesh.node_axes[links.led]), np.sin(mesh.node_axes[links.led])
+    first, second = carried.reshape(-1, COMPONENTS)[links.led, :ROTATION].T
+    arm = mesh.points[links.led] - mesh.points[links.leader]
+    moment = arm[:, 0] * (cos * first - sin * second) + arm[:, 1] * (sin * first + cos * second)
+    diagonal = np.zeros(len(carried))
+    np.add.at(diagonal, COMPONENTS * links.leader + ROTATION, moment)
+    return sp.csr_array(sp.diags_array(diagonal))

@@ -1,0 +1,210 @@
+"""Modes of a bladed disk with Coriolis forces: complex fields that travel, one way or the other.
+
+A field p exp(i (k n alpha + w t)) over the sectors n solves
+
+    (-w^2 M + i w 2 Omega G + K_Omega) p = 0,
+
+block by block of the cyclic symmetry, w real while K_Omega is positive definite. With w > 0 it
+travels backward, with w < 0 forward. Where K_Omega is indefinite Coriolis forces alone hold it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+import scipy.sparse as sp
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout, is_pair
+from bladewhirl.models.elements.structure import Structure
+from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen, lowest_gyroscopic_eigen
+
+Direction = Literal["forward", "backward", "standing"]
+"""Way that a wave travels."""
+
+DENSE_SIZE = 800
+"""Largest structure without symmetry all of whose whirling modes are found at once."""
+
+TRAVELS = 0.5
+"""Share of a mode by which one way has to exceed the other for the mode to travel."""
+
+SLOW = 1e-6
+"""Share of the speed of rotation below which a wave counts as one that stands still."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WhirlModes:
+    """Motions Re(p exp(i frequency t)) in the rotating frame, ascending in frequency."""
+
+    frequency: FloatArray  #: positive, or zero where a mode only grows [rad/s], (modes,)
+    growth: FloatArray  #: rate [1/s]; zero while K_Omega is positive definite, (modes,)
+    nodal_diameter: IntArray  #: that holds most of it, (modes,); -1 without sectors
+    direction: tuple[Direction, ...]  #: in the rotating frame, (modes,)
+    rank: IntArray
+    """Number of its branch among those of its nodal diameter that travel the same way at rest, 0
+    the lowest; branches of one nodal diameter do not cross. (modes,); -1 without symmetry."""
+    amplitudes: tuple[ComplexArray, ...]
+    """p of each in one sector, with p^H M p = 1 [kg^-1/2]; on all DoF where rank is -1."""
+    layout: SectorLayout | None  #: sectors of the structure
+
+    @property
+    def count(self) -> int:
+        """Number of modes."""
+        return len(self.frequency)
+
+    def fields(self, chosen: IntArray) -> ComplexArray:
+        """Fields p of some modes on the structure's free DoF, (size, chosen)."""
+        return np.stack([self._field(int(mode)) for mode in chosen], axis=-1)
+
+    def _field(self, mode: int) -> ComplexArray:
+        amplitude = self.amplitudes[mode]
+        if self.rank[mode] < 0:
+            return amplitude
+        assert self.layout is not None  # its modes have a rank
+        wave = self.layout.basis(int(self.nodal_diameter[mode])) @ amplitude
+        return np.asarray(wave.conj() if self.direction[mode] == "forward" else wave)
+
+    def take(self, chosen: IntArray) -> WhirlModes:
+        """Keep some of the modes."""
+        return replace(
+            self,
+            frequency=self.frequency[chosen],
+            growth=self.growth[chosen],
+            nodal_diameter=self.nodal_diameter[chosen],
+            direction=tuple(self.direction[i] for i in chosen),
+            rank=self.rank[chosen],
+            amplitudes=tuple(self.amplitudes[i] for i in chosen),
+        )
+
+    def static_frequency(self, omega: float) -> FloatArray:
+        """Frequency in the static frame, positive backward, of standing ones as is [rad/s].
+
+        Args:
+            omega: speed of rotation [rad/s].
+        """
+        signs = {"backward": 1.0, "forward": -1.0, "standing": 0.0}
+        sign = np.array([signs[way] for way in self.direction])
+        moved = sign * self.frequency - self.nodal_diameter * omega
+        return np.where(sign == 0.0, self.frequency, moved)
+
+    def static_direction(self, omega: float) -> tuple[Direction, ...]:
+        """The way that each travels in the static frame at a speed of rotation [rad/s]."""
+        signed = self.static_frequency(omega)
+        return tuple(
+            "standing"
+            if own == "standing" or abs(w) <= SLOW * abs(omega)
+            else ("backward" if w > 0.0 else "forward")
+            for own, w in zip(self.direction, signed, strict=True)
+        )
+
+
+def whirl_modes(structure: Structure, count: int | None = None) -> WhirlModes:
+    """Modes of a structure that turns, with its Coriolis forces if it has any.
+
+    Args:
+        structure: about its steadily turning state.
+        count: how many of the lowest; all when None, which takes a minute for a thousand degrees
+            of freedom without symmetry.
+    """
+    layout, gyroscopic = structure.layout, structure.gyroscopic
+    if gyroscopic is None:
+        gyroscopic = sp.csr_array(structure.mass.shape)
+    if layout is None or not structure.is_cyclic:
+        modes = _plain_modes(structure, gyroscopic, count)
+    else:
+        blocks = layout.blocks(structure.mass, structure.stiffness, gyroscopic)
+        modes = _joined([_block_modes(k, layout, *gyroscopic_eigen(*block)) for k, block in blocks])
+    return modes.take(np.argsort(modes.frequency, kind="stable")[:count])
+
+
+def _block_modes(
+    k: int, layout: SectorLayout, w: ComplexArray, vectors: ComplexArray
+) -> WhirlModes:
+    """Modes of one nodal diameter from all eigenvalues of its block."""
+    size = len(vectors)
+    rank = np.concatenate([np.arange(size)[::-1], np.arange(size)])  # w descends
+    ways: list[Direction] = ["backward" if each > 0.0 else "forward" for each in w.real]
+    if not is_pair(k, layout.sectors):  # each comes with w and -w, one motion
+        w, vectors, rank, ways = w[:size], vectors[:, :size], rank[:size], ["standing"] * size
+    return WhirlModes(
+        frequency=np.abs(w.real),
+        growth=-w.imag,
+        nodal_diameter=np.full(len(w), k),
+        direction=tuple(ways),
+        rank=rank,
+        amplitudes=tuple(vectors.T),
+        layout=layout,
+    )
+
+
+def _plain_modes(structure: Structure, gyroscopic: sp.csr_array, count: int | None) -> WhirlModes:
+    """Modes of a structure without symmetry; each w comes with -w, the same motion."""
+    matrices = structure.mass, structure.stiffness, gyroscopic
+    if count is None or structure.size <= DENSE_SIZE:
+        w, vectors = gyroscopic_eigen(*(matrix.toarray() for matrix in matrices))
+    else:
+        w, vectors = lowest_gyroscopic_eigen(*matrices, 2 * min(count + 1, structure.size - 2))
+    kept = slice(0, len(w) // 2)
+    w, vectors = w[kept], vectors[:, kept]
+    diameter = np.full(len(w), NO_COLUMN)
+    ways: list[Direction] = ["standing"] * len(w)
+    if structure.layout is not None:
+        diameter, ways = travelling(vectors, structure.mass.diagonal(), structure.layout)
+    return WhirlModes(
+        frequency=np.abs(w.real),
+        growth=-w.imag,
+        nodal_diameter=diameter,
+        direction=tuple(ways),
+        rank=np.full(len(w), NO_COLUMN),
+        amplitudes=tuple(vectors.T),
+        layout=structure.layout,
+    )
+
+
+def travelling(
+    fields: ComplexArray, weights: FloatArray, layout: SectorLayout
+) -> tuple[IntArray, list[Direction]]:
+    """Nodal diameter that holds most of each field, and the way that it travels.
+
+    A mode of unlike sectors is made of waves both ways; it stands where neither prevails.
+
+    Args:
+        fields: p of Re(p exp(i w t)), w positive, (size, modes).
+        weights: weight of each degree of freedom, (size,): the diagonal of the mass matrix.
+        layout: sectors of the structure.
+    """
+    count = layout.sectors
+    spectrum = np.fft.fft(fields[layout.sector_dofs], axis=0, norm="ortho")
+    power = np.einsum("nim,i->nm", np.abs(spectrum) ** 2, weights[layout.sector_dofs[0]])
+    x, y, _ = layout.centre_dofs
+    if x >= 0:  # exp(i alpha) turns the sectors as (1, i) moves the centre
+        for wave, sign in ((1, -1j), (count - 1, 1j)):
+            power[wave] += weights[x] * np.abs(fields[x] + sign * fields[y]) ** 2 / 2.0
+    half = np.arange(count // 2 + 1)
+    backward, forward = power[half], power[-half]
+    single = ~np.array([is_pair(int(k), count) for k in half])
+    forward[single] = backward[single]
+    held = np.where(single[:, None], backward, backward + forward)
+    diameter = held.argmax(axis=0)
+    modes = np.arange(fields.shape[1])
+    excess = (backward - forward)[diameter, modes] / held[diameter, modes]
+    return diameter, [
+        "standing" if abs(share) <= TRAVELS else ("backward" if share > 0.0 else "forward")
+        for share in excess
+    ]
+
+
+def _joined(parts: Sequence[WhirlModes]) -> WhirlModes:
+    """Modes of all blocks of a structure, one after the other."""
+    return replace(
+        parts[0],
+        frequency=np.concatenate([part.frequency for part in parts]),
+        growth=np.concatenate([part.growth for part in parts]),
+        nodal_diameter=np.concatenate([part.nodal_diameter for part in parts]),
+        direction=tuple(way for part in parts for way in part.direction),
+        rank=np.concatenate([part.rank for part in parts]),
+        amplitudes=tuple(each for part in parts for each in part.amplitudes),
+    )
