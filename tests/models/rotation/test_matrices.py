@@ -1,0 +1,274 @@
+"""What rotation adds to bladed disks of all parts: closed forms, invariances, measured orders."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+from stages import bladed_disk, observed_order, oracle, steel
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
+from bladewhirl.models.elements.structure import Structure
+from bladewhirl.models.geometry.sketch import Sketch
+from bladewhirl.models.rotation.eigenproblems import lowest_gyroscopic_eigen
+from bladewhirl.models.rotation.growth import static_displacement
+from bladewhirl.models.rotation.matrices import rotation_matrices
+from bladewhirl.models.rotation.whirl_modes import WhirlModes, whirl_modes
+from bladewhirl.models.sections.rectangular import Section
+
+HUB = 0.05
+STIFF = Section(width=0.1, thickness=0.1, young_modulus=1e15, density=7800.0)
+THREAD = Section(width=1e-4, thickness=1e-4, young_modulus=1.0, density=1e-3)
+
+
+def assembled(sketch: Sketch, *, stiffness: Any = 3.4e7, clamped: bool = False) -> BladedDiskModel:
+    return assemble_bladed_disk(sketch.build(), shaft_stiffness=stiffness, clamped=clamped)
+
+
+def fan(blades: int = 4) -> Sketch:
+    """Blades of all kinds of parts: curved, tapered, shrouded, with masses, links and springs."""
+    sketch = Sketch(blades)
+    sketch.node("hub", 0.0, 0.0, shared=True)
+    sketch.node("root", 0.1)
+    sketch.node("pad", 0.11, 0.02)
+    sketch.node("middle", 0.3, 0.02)
+    sketch.node("tip", 0.5)
+    sketch.node("cap", 0.49, 0.03)
+    sketch.spring("root", "hub", radial=5e8, tangential=2e8, rotation=1e5)
+    sketch.member("rim", "root", "root+1", steel(0.03), elements=2)
+    sketch.link("root", "pad")
+    sketch.member("inner", "pad", "middle", [steel(0.02), steel(0.012)], elements=4)
+    sketch.member("outer", "middle", "tip", steel(0.01), elements=4, path=[(0.42, 0.015)])
+    sketch.member("shroud", "middle", "middle+1", steel(0.008), elements=2)
+    sketch.mass("tip", 0.2, inertia=1e-3)
+    sketch.mass("hub", 5.0)
+    sketch.link("tip", "cap")
+    sketch.mass("cap", 0.1)
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    return sketch
+
+
+def translation(disk: BladedDiskModel, x: float, y: float) -> FloatArray:
+    """Field that moves every free node alike; no node is held."""
+    axes = disk.mesh.node_axes
+    field = np.zeros(disk.structure.size)
+    leads = disk.structure.node_dofs[:, 0] >= 0
+    first, second = disk.structure.node_dofs[leads, :2].T
+    field[first] = (np.cos(axes) * x + np.sin(axes) * y)[leads]
+    field[second] = (np.cos(axes) * y - np.sin(axes) * x)[leads]
+    return field
+
+
+@pytest.mark.parametrize("disk", [bladed_disk(), assembled(fan())], ids=["table 1", "fan"])
+def test_a_mass_that_moves_outward_is_pushed_backward(disk: BladedDiskModel) -> None:
+    matrices = rotation_matrices(disk)
+    along, across = translation(disk, 1.0, 0.0), translation(disk, 0.0, 1.0)
+    assert along @ matrices.coriolis @ across == pytest.approx(-disk.model.mass, rel=1e-9)
+    assert along @ matrices.mass @ along == pytest.approx(disk.model.mass, rel=1e-9)
+    assert abs(matrices.coriolis + matrices.coriolis.T).max() == 0.0
+    # The whole disk, moved aside, is in balance about its own centre: no load, no growth.
+    assert along @ matrices.load == pytest.approx(0.0, abs=1e-9 * disk.model.mass)
+
+
+def test_at_rest_nothing_changes() -> None:
+    disk = bladed_disk()
+    matrices = rotation_matrices(disk)
+    assert matrices.at_speed(240.0, "none") is disk.structure
+    rest = matrices.at_speed(0.0, "full")
+    assert abs(rest.stiffness - disk.structure.stiffness).max() == 0.0
+    assert rest.gyroscopic is not None
+    assert abs(rest.gyroscopic).max() == 0.0
+    assert abs(matrices.mass - disk.structure.mass).max() == 0.0
+
+
+def test_rotary_inertia_of_point_masses_is_not_pulled_at() -> None:
+    disk = assembled(fan())
+    added = disk.structure.mass - rotation_matrices(disk).mass
+    tips = disk.structure.node_dofs[disk.model.tips, 2]
+    np.testing.assert_allclose(added.diagonal()[tips], 1e-3)
+    assert added.sum() == pytest.approx(4e-3)
+
+
+@pytest.mark.parametrize("omega", [30.0, 200.0])
+def test_a_rigid_disk_has_one_frequency_in_the_static_frame(omega: float) -> None:
+    """On springs k at its centre: sqrt(k/m) -+ Omega in the rotating frame."""
+    sketch = Sketch(3)
+    sketch.node("hub", 0.0, 0.0, shared=True)
+    sketch.node("tip", 0.3)
+    sketch.member("blades", "hub", "tip", STIFF)
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    disk = assembled(sketch, stiffness=2e6)
+    natural = np.sqrt(2e6 / disk.model.mass)
+    assert 30.0 < natural < 200.0
+    modes = whirl_modes(rotation_matrices(disk).at_speed(omega, "full"))
+    chosen = modes.take(np.flatnonzero((modes.nodal_diameter == 1) & (modes.frequency < 1e3)))
+    np.testing.assert_allclose(
+        np.sort(chosen.frequency), sorted([abs(natural - omega), natural + omega]), rtol=1e-6
+    )
+    np.testing.assert_allclose(np.abs(chosen.static_frequency(omega)), natural, rtol=1e-6)
+    assert sorted(chosen.static_direction(omega)) == ["backward", "forward"]
+    np.testing.assert_allclose(chosen.growth, 0.0, atol=1e-6)
+
+
+def test_a_pendulum_on_a_rigid_link() -> None:
+    """A mass m on an arm a, hinged at radius R on a spring c: c + Omega^2 m R a over m a^2."""
+    sketch = Sketch(3)
+    sketch.node("hub", 0.0, 0.0, shared=True)
+    sketch.node("hinge", 0.4)
+    sketch.node("bob", 0.5)
+    sketch.spring("hinge", "hub", radial=1e12, tangential=1e12)
+    sketch.spring("hinge", rotation=2e3)
+    sketch.member("stub", "hub", "hinge", THREAD)
+    sketch.link("hinge", "bob")
+    sketch.mass("bob", 2.0)
+    sketch.mass("hinge", 5.0)
+    sketch.set("centre", "hub")
+    sketch.set("tips", "hinge")
+    matrices = rotation_matrices(assembled(sketch, clamped=True))
+    for omega in (0.0, 300.0):
+        structure = matrices.at_speed(omega, "centrifugal")
+        square = la.eigvalsh(structure.stiffness.toarray(), structure.mass.toarray())[0]
+        assert square == pytest.approx(
+            (2e3 + omega**2 * 2.0 * 0.4 * 0.1) / (2.0 * 0.1**2), rel=1e-6
+        )
+
+
+def cantilevers(delta: float, alpha: float, elements: int) -> tuple[BladedDiskModel, float]:
+    """Three blades on a rigid disk, and the time that their frequencies are relative to [s]."""
+    length = HUB / delta
+    section = steel(np.sqrt(12.0) * length / alpha)
+    sketch = Sketch(3)
+    sketch.node("hub", 0.0, 0.0, shared=True)
+    sketch.node("root", HUB)
+    sketch.node("tip", HUB + length)
+    sketch.link("hub", "root")
+    sketch.member("blades", "root", "tip", section, elements=elements)
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    time = np.sqrt(section.line_mass * length**4 / section.bending_stiffness)
+    return assembled(sketch, clamped=True), float(time)
+
+
+@pytest.mark.parametrize("row", oracle("rotation")["cantilevers"]["flapwise"], ids=str)
+def test_cantilevers_without_coriolis(row: dict[str, Any]) -> None:
+    """Flapwise is out of plane, without spin softening: w_f^2 = w_c^2 + Omega^2."""
+    errors = []
+    for elements in (6, 12):
+        disk, time = cantilevers(row["delta"], 1e3, elements)
+        structure = rotation_matrices(disk).at_speed(row["gamma"] / time, "centrifugal")
+        assert structure.layout is not None
+        (_, (mass, stiffness)), *_ = structure.layout.blocks(structure.mass, structure.stiffness)
+        squares = la.eigvalsh(stiffness, mass, subset_by_index=(0, 1)) * time**2
+        np.testing.assert_allclose(np.sqrt(squares), row["chordwise_no_coriolis"][:2], rtol=5e-3)
+        flapwise = np.sqrt(squares + row["gamma"] ** 2)
+        errors.append(np.abs(flapwise / row["flapwise"][:2] - 1.0))
+    assert errors[1].max() < 3e-4
+    assert observed_order(np.array(errors)).min() > 3.5
+
+
+@pytest.mark.parametrize("row", oracle("rotation")["cantilevers"]["chordwise"], ids=str)
+def test_cantilevers_with_coriolis(row: dict[str, Any]) -> None:
+    """Coriolis couples bending to stretching, whose linear elements converge with second order."""
+    errors = []
+    for elements in (20, 40):
+        disk, time = cantilevers(row["delta"], row["alpha"], elements)
+        modes = whirl_modes(rotation_matrices(disk).at_speed(row["gamma"] / time, "full"))
+        found = modes.frequency[modes.nodal_diameter == 0][:2] * time
+        errors.append(np.abs(found / row["frequencies"][:2] - 1.0))
+    assert errors[1].max() < 1e-3
+    assert observed_order(np.array(errors)).min() > 1.8
+
+
+@pytest.mark.parametrize("effects", ["centrifugal", "full"])
+def test_sector_by_sector_or_all_at_once(effects: Any) -> None:
+    """A fan of all parts; the modes with most of their shape are the same waves."""
+    structure = rotation_matrices(assembled(fan(5))).at_speed(400.0, effects)
+    assert structure.is_cyclic
+    by_sector, whole = whirl_modes(structure, 25), plain(structure, 25)
+    np.testing.assert_allclose(whole.frequency, by_sector.frequency, rtol=1e-8)
+    if effects == "full":
+        assert whole.direction == by_sector.direction
+        np.testing.assert_array_equal(whole.nodal_diameter, by_sector.nodal_diameter)
+    fields = by_sector.fields(np.arange(25))
+    for p, w in zip(fields.T, by_sector.frequency, strict=True):
+        gyroscopic = 0.0 if structure.gyroscopic is None else 1j * w * (structure.gyroscopic @ p)
+        rest = structure.stiffness @ p + gyroscopic - w**2 * (structure.mass @ p)
+        assert la.norm(rest) < 1e-7 * la.norm(structure.stiffness @ p)
+        assert (p.conj() @ structure.mass @ p).real == pytest.approx(1.0)
+
+
+def plain(structure: Structure, count: int) -> WhirlModes:
+    """Modes found without symmetry."""
+    alike = structure.node_dofs, structure.layout, structure.held
+    bare = Structure(
+        mass=structure.mass,
+        stiffness=structure.stiffness,
+        springs=structure.springs,
+        node_dofs=alike[0],
+        layout=alike[1],
+        held=alike[2],
+        gyroscopic=structure.gyroscopic,
+    )
+    object.__setattr__(bare, "is_cyclic", False)
+    return whirl_modes(bare, count)
+
+
+def test_large_structures_have_their_lowest_modes_found() -> None:
+    structure = rotation_matrices(assembled(fan(5))).at_speed(400.0, "full")
+    assert structure.gyroscopic is not None
+    w, fields = lowest_gyroscopic_eigen(
+        structure.mass, structure.stiffness, structure.gyroscopic, 20
+    )
+    found = whirl_modes(structure, 10).frequency
+    np.testing.assert_allclose(np.sort(np.abs(w.real))[::2], found, rtol=1e-8)
+    assert np.abs(w.imag).max() < 1e-6
+    norms = np.einsum("im,im->m", fields.conj(), structure.mass @ fields).real
+    np.testing.assert_allclose(norms, 1.0)
+
+
+def test_the_other_sense_of_rotation_mirrors_all_waves() -> None:
+    matrices = rotation_matrices(bladed_disk())
+    one, other = (whirl_modes(matrices.at_speed(omega, "full"), 40) for omega in (300.0, -300.0))
+    np.testing.assert_allclose(one.frequency, other.frequency, rtol=1e-9)
+    for direction, mirrored in (("backward", "forward"), ("standing", "standing")):
+        ours = [way == direction for way in one.direction]
+        theirs = [way == mirrored for way in other.direction]
+        np.testing.assert_allclose(one.frequency[ours], other.frequency[theirs], rtol=1e-9)
+
+
+def test_a_turn_by_one_pitch_changes_nothing() -> None:
+    structure = rotation_matrices(assembled(fan())).at_speed(250.0, "full")
+    assert structure.layout is not None
+    assert structure.gyroscopic is not None
+    assert structure.layout.is_symmetry_of(structure.stiffness, structure.mass)
+    turn, skew = structure.layout.turn(), structure.gyroscopic
+    assert abs(turn @ skew @ turn.T - skew).max() < 1e-12 * abs(skew).max()
+
+
+def test_growth_of_a_rod_that_turns() -> None:
+    """A uniform rod from the axis on: u/L = tan(kappa)/kappa - 1, kappa^2/3 without following."""
+    section = steel(0.01)
+    sketch = Sketch(2)
+    sketch.node("hub", 0.0, 0.0, shared=True)
+    sketch.node("tip", 0.5)
+    sketch.member("blades", "hub", "tip", section, elements=40)
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    disk = assembled(sketch, clamped=True)
+    omega = 1500.0
+    kappa = omega * 0.5 * np.sqrt(section.line_mass / section.axial_stiffness)
+    matrices = rotation_matrices(disk)
+    linear, softened = (
+        static_displacement(matrices, omega, follows=follows)[disk.tip_radial[0]] / 0.5
+        for follows in (False, True)
+    )
+    assert linear == pytest.approx(kappa**2 / 3.0, rel=1e-9)
+    assert softened == pytest.approx(np.tan(kappa) / kappa - 1.0, rel=1e-4)
+    assert softened - linear == pytest.approx(
+        np.tan(kappa) / kappa - 1.0 - kappa**2 / 3.0, rel=0.02
+    )
