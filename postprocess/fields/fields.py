@@ -63,12 +63,8 @@ def frame_records(
 
 def nearest_records(dataset: xr.Dataset, instants: Array) -> IntArray:
     """Index of the record nearest to each instant [s]."""
-    time = dataset["time"].values
-    if len(time) == 1:
-        return np.zeros(len(instants), dtype=np.int64)
-    after = np.clip(np.searchsorted(time, instants), 1, len(time) - 1)
-    before = instants - time[after - 1] < time[after] - instants
-    return np.where(before, after - 1, after)
+    nearest: IntArray = dataset.indexes["time"].get_indexer(instants, method="nearest")
+    return nearest
 
 
 def sampling_hint(dataset: xr.Dataset, records: IntArray) -> str | None:
@@ -284,19 +280,22 @@ def clearance_at(dataset: xr.Dataset, angle: Array) -> Array:
     return between
 
 
+def record_lengths(dataset: xr.Dataset) -> Array:
+    """Time since the record before (time,) [s]: the record step, less where a run ended between."""
+    time = dataset["time"].values
+    return np.diff(time, prepend=time[0] - dataset.attrs["record_step"])
+
+
 def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = False) -> Array:
     """Force of the casing on each tip (record, blade, 2) [N], normal and friction together.
 
-    It is the impulse since the record before, divided by the time between the two (`record_step`,
-    less where a run ends between records): a mean over that time, which exists in the limit of
-    small steps where the peak force does not. The normal part pushes inward, positive friction
-    drags the blade towards -theta. Zero where no contact is recorded, as for modes.
+    It is the impulse since the record before over the time between the two: a mean, which exists in
+    the limit of small steps where the peak force does not. The normal part pushes inward, positive
+    friction drags the blade towards -theta. Zero where no contact is recorded, as for modes.
     """
     if "contact_impulse" not in dataset:
         return np.zeros((len(records), dataset.sizes["blade"], 2))
-    first = dataset.attrs["record_step"]
-    between = np.diff(dataset["time"].values, prepend=dataset["time"].values[0] - first)
-    step = between[records, None]
+    step = record_lengths(dataset)[records, None]
     polar = np.stack(
         [
             -history(dataset, "contact_impulse", records) / step,

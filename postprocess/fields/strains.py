@@ -16,7 +16,6 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.beam_sections import rotor_sections
 from bladewhirl.postprocess.fields.fields import (
     Array,
     cubic_weights,
@@ -26,6 +25,7 @@ from bladewhirl.postprocess.fields.fields import (
     slope_weights,
     wall_rows,
 )
+from bladewhirl.postprocess.fields.sections import rotor_sections
 
 
 class StrainRows(NamedTuple):

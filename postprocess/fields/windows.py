@@ -36,6 +36,15 @@ def select_window(
     return dataset.isel(time=chosen)
 
 
+def in_window(result: xr.Dataset, start: float | None, end: float | None) -> xr.Dataset:
+    """The records within [start, end] [s]; all of them, be it one, where neither is given.
+
+    Raises:
+        ViewError: as `select_window`.
+    """
+    return result if start is None and end is None else select_window(result, start, end)
+
+
 def late_part(dataset: xr.Dataset) -> xr.Dataset:
     """The last third of the time, read when used."""
     time = dataset["time"].values

@@ -16,7 +16,6 @@ import meshio
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.beam_sections import rotor_sections
 from bladewhirl.postprocess.fields.fields import (
     Array,
     IntArray,
@@ -32,9 +31,9 @@ from bladewhirl.postprocess.fields.fields import (
     rotor_points,
     sampling_hint,
 )
+from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.fields.strains import Strains, casing_strain_rows, rotor_strain_rows
 from bladewhirl.postprocess.paraview.surfaces import SurfaceSeries, casing_boxes, rotor_boxes
-from bladewhirl.postprocess.run.stresses import require_sections
 
 logger = logging.getLogger(__name__)
 
@@ -110,7 +109,6 @@ Parts = Mapping[str, Callable[[IntArray], list[meshio.Mesh]]]
 
 def line_parts(dataset: xr.Dataset, rotating: bool) -> tuple[Parts, int]:
     """Parts as line cells, and their number of points; ResultError for an old result."""
-    require_sections(dataset)
     parts: Parts = {
         "rotor": lambda records: _rotor_meshes(dataset, records, rotating),
         "casing": lambda records: _casing_meshes(dataset, records, rotating),
@@ -120,7 +118,6 @@ def line_parts(dataset: xr.Dataset, rotating: bool) -> tuple[Parts, int]:
 
 def surface_parts(dataset: xr.Dataset, rotating: bool) -> tuple[Parts, int]:
     """Parts as boxes, and their number of points; ResultError for an old result."""
-    require_sections(dataset)
     rotor = SurfaceSeries(dataset, rotor_boxes(dataset), rotating=rotating)
     casing = SurfaceSeries(dataset, casing_boxes(dataset), rotating=rotating)
     parts: Parts = {

@@ -12,7 +12,6 @@ import meshio
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.beam_sections import rotor_sections
 from bladewhirl.postprocess.fields.fields import (
     Array,
     IntArray,
@@ -29,6 +28,7 @@ from bladewhirl.postprocess.fields.fields import (
     turn,
     wall_rows,
 )
+from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.fields.strains import (
     StrainRows,
     Strains,

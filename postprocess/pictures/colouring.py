@@ -13,7 +13,6 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.beam_sections import rotor_sections
 from bladewhirl.postprocess.fields.blades import line_blades
 from bladewhirl.postprocess.fields.fields import (
     Array,
@@ -26,10 +25,11 @@ from bladewhirl.postprocess.fields.fields import (
     line_rows,
     ring_angles,
 )
+from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.fields.strains import Strains, casing_strain_rows, rotor_strain_rows
 from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL
 from bladewhirl.postprocess.plotting.units import length_unit
-from bladewhirl.postprocess.run.stresses import require_sections, stress_unit
+from bladewhirl.postprocess.run.stresses import stress_unit
 
 Field = Literal[
     "displacement", "velocity", "axial-strain", "bending-strain", "stress", "gap", "part"
@@ -132,7 +132,6 @@ def _magnitude(
 
 def _strained(dataset: xr.Dataset, field: str, records: IntArray, stations: Stations) -> Colouring:
     """Axial or bending strain, or the stress at the surface."""
-    require_sections(dataset)
     rotor = Strains.of(
         history(dataset, "rotor_displacement", records),
         rotor_strain_rows(dataset, stations.per_line),

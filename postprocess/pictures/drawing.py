@@ -20,7 +20,6 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.beam_sections import rotor_sections
 from bladewhirl.postprocess.fields.blades import tip_recess, with_recess
 from bladewhirl.postprocess.fields.fields import (
     Array,
@@ -36,6 +35,7 @@ from bladewhirl.postprocess.fields.fields import (
     rotate,
     turn,
 )
+from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.pictures.colouring import Field, Stations, colouring
 from bladewhirl.postprocess.pictures.symbols import (
     CasingFittings,

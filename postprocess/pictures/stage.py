@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.postprocess.fields.beam_sections import rotor_sections
 from bladewhirl.postprocess.fields.fields import Array
 from bladewhirl.postprocess.fields.moving_stage import moving_stage
+from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.pictures.appearance import FAINT
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import off_screen_plotter, pixels_of

@@ -11,6 +11,7 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import (
     few_time_ticks,
     select_window,
@@ -56,15 +57,23 @@ CLASS_MARKS: Mapping[str, tuple[str, bool]] = {
 """Mark of each class, and whether it is filled."""
 
 
-def contact_maps(dataset: xr.Dataset, columns: int = COLUMNS) -> xr.Dataset:
+def contact_maps(
+    result: xr.Dataset,
+    columns: int = COLUMNS,
+    *,
+    start: float | None = None,
+    end: float | None = None,
+) -> xr.Dataset:
     """Gaps and forces of every blade in up to that many equal spans of time.
 
     Nothing between records is missed: gaps are the smallest of all steps in a span, forces the
     impulse in it over its length.
 
     Args:
-        dataset: a result, of the time that is wanted.
+        result: of a run.
         columns: spans at most; the records themselves where they are fewer.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
 
     Returns:
         over (time, blade): `gap` [m], smallest; `force` [N], mean normal force, positive where
@@ -75,66 +84,66 @@ def contact_maps(dataset: xr.Dataset, columns: int = COLUMNS) -> xr.Dataset:
     Raises:
         ViewError: fewer than two records.
     """
-    begin = float(select_window(dataset)["time"][0])
+    dataset = select_window(result, start, end)
+    begin = float(dataset["time"][0])
     dataset = dataset.isel(time=slice(1, None))  # a record tells of the time since the one before
     time = dataset["time"].values
     starts = span_starts(time, columns)
     edges = span_edges(time, starts, begin)
     length = np.diff(edges)[:, None]
+    plane = ("time", "blade")
 
     def total(name: str) -> Array:
         return np.asarray(np.add.reduceat(dataset[name].values, starts, axis=0))
 
-    plane = ("time", "blade")
-    newton = {"units": "N"}
     gap = np.minimum.reduceat(dataset["gap"].values, starts, axis=0)
-    return xr.Dataset(
+    return labelled(
+        dataset,
+        "gaps and contact forces of the blades",
         {
-            "gap": (plane, gap, {"units": "m"}),
-            "force": (plane, total("contact_impulse") / length, newton),
-            "friction": (plane, total("friction_impulse") / length, newton),
-            "touched": (plane, total("contact_steps") > 0),
+            "gap": (plane, gap, "m"),
+            "force": (plane, total("contact_impulse") / length, "N"),
+            "friction": (plane, total("friction_impulse") / length, "N"),
+            "touched": (plane, total("contact_steps") > 0, "1"),
         },
-        coords={
-            "time": ("time", edges[1:], {"units": "s"}),
-            "edge": ("edge", edges, {"units": "s"}),
-            "blade": np.arange(dataset.sizes["blade"]),
-        },
-        attrs={
-            "title": "gaps and contact forces of the blades",
-            **{name: dataset.attrs[name] for name in ("speed", "reference_frequency")},
-        },
+        {"time": edges[1:], "edge": edges, "blade": np.arange(dataset.sizes["blade"])},
     )
 
 
-def contact_classes(dataset: xr.Dataset) -> xr.Dataset:
+def contact_classes(
+    result: xr.Dataset, *, start: float | None = None, end: float | None = None
+) -> xr.Dataset:
     """Share of the time that each blade is in contact, and the class that follows from it.
 
     The share is that of the time steps between the first and the last record. *Permanent* is 99 %
     or more, *free* none, *intermittent* what lies between.
 
     Args:
-        dataset: a result of two records or more, of the time that is wanted.
+        result: of a run, two records of it or more.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
 
     Returns:
-        over blade: `share` [1] and `contact_class`; over record times nothing.
+        over blade: `share` [1] and `contact_class`.
+
+    Raises:
+        ViewError: fewer than two records.
+
+    Example:
+        ``contact_classes(result, start=2.0)["share"].sel(blade=3)``
     """
-    time = select_window(dataset)["time"].values
+    dataset = select_window(result, start, end)
+    time = dataset["time"].values
     steps = (time[-1] - time[0]) / dataset.attrs["time_step"]
     # Counts at a record are those since the record before.
     share = dataset["contact_steps"].isel(time=slice(1, None)).sum("time").values / round(steps)
     names = np.select([share >= PERMANENT, share > 0], ["permanent", "intermittent"], "free")
-    return xr.Dataset(
-        {
-            "share": ("blade", share, {"units": "1"}),
-            "contact_class": ("blade", names),
-        },
-        coords={"blade": np.arange(dataset.sizes["blade"])},
-        attrs={
-            "title": "share of the time in contact",
-            "window": window_label(dataset),
-            **{name: dataset.attrs[name] for name in ("speed", "reference_frequency")},
-        },
+    return labelled(
+        dataset,
+        "share of the time in contact",
+        {"share": ("blade", share, "1"), "contact_class": ("blade", names, "1")},
+        {"blade": np.arange(dataset.sizes["blade"])},
+        window=window_label(dataset),
     )
 
 

@@ -1,4 +1,4 @@
-"""Where the shaft is displaced and where the clearance is smallest, over time (Figs 18c, 21c)."""
+"""Directions of the shaft and of the smallest clearance over time (Figs 18c, 21c)."""
 
 from __future__ import annotations
 
@@ -7,8 +7,15 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.fields import Array
-from bladewhirl.postprocess.fields.windows import few_time_ticks, span_starts, window_label
+from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.windows import (
+    few_time_ticks,
+    in_window,
+    span_starts,
+    window_label,
+)
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
+from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.solvers.stability.scenario import (
     STEADY,
     motion_scenario,
@@ -24,7 +31,12 @@ TURNS, DRAWN_TURNS = 10.0, 4.0
 
 
 def contact_phase(
-    dataset: xr.Dataset, orbit: xr.Dataset, *, since: float | None = None
+    result: xr.Dataset,
+    orbit: xr.Dataset | None = None,
+    *,
+    start: float | None = None,
+    end: float | None = None,
+    since: float | None = None,
 ) -> xr.Dataset:
     """Static angles of the shaft and of the smallest clearance at every record, and the scenario.
 
@@ -33,8 +45,10 @@ def contact_phase(
     it moves in steps of a blade pitch.
 
     Args:
-        dataset: a result, of the time that is wanted.
-        orbit: from `orbits.shaft_orbit`, of the same time.
+        result: of a run.
+        orbit: from `orbits.shaft_orbit`, of the same time; found where it is None.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
         since: the scenario is that from this time on [s]; of all records when None.
 
     Returns:
@@ -44,6 +58,8 @@ def contact_phase(
         "inverted", "unsteady" or "at rest"), `lead` [rad] and `steadiness`: means over the time
         `window`, in words, weighted by the impulse if anything touched, see `solvers.scenario`.
     """
+    dataset = in_window(result, start, end)
+    orbit = shaft_orbit(dataset if orbit is None else orbit, start=start, end=end)
     impulse = dataset["contact_impulse"].values
     tip = dataset["tip_angle"].values
     total = impulse.sum(axis=1)
@@ -57,21 +73,18 @@ def contact_phase(
     judged = slice(0 if since is None else int(np.searchsorted(time, since)), None)
     turned = dataset.attrs["speed"] * time
     at = np.where(np.isnan(lead), np.nan, np.arctan2(shaft[:, 1], shaft[:, 0]))
-    radian = {"units": "rad"}
-    return xr.Dataset(
+    return labelled(
+        dataset,
+        "shaft and smallest clearance, static frame",
         {
-            "shaft_phase": ("time", _wrapped(at + turned), radian),
-            "smallest_clearance_phase": ("time", _wrapped(clearance + turned), radian),
-            "shaft_lead": ("time", lead, radian),
-            "impulse": ("time", total, {"units": "N s"}),
+            "shaft_phase": ("time", _wrapped(at + turned), "rad"),
+            "smallest_clearance_phase": ("time", _wrapped(clearance + turned), "rad"),
+            "shaft_lead": ("time", lead, "rad"),
+            "impulse": ("time", total, "N s"),
         },
-        coords={"time": ("time", time, {"units": "s"})},
-        attrs={
-            "title": "shaft and smallest clearance, static frame",
-            "window": window_label(dataset.isel(time=judged)),
-            **_scenario(shaft[judged], clearance[judged], total[judged]),
-            **{name: dataset.attrs[name] for name in ("speed", "reference_frequency")},
-        },
+        {"time": time},
+        window=window_label(dataset.isel(time=judged)),
+        **_scenario(shaft[judged], clearance[judged], total[judged]),
     )
 
 

@@ -1,11 +1,13 @@
-"""Who holds the strain energy of the bladed disk: suspension, first blade family, the rest."""
+"""Strain energy of the bladed disk: in suspension, first blade family, the rest."""
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
+from bladewhirl.postprocess.fields.windows import in_window, span_means, span_starts
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
 
 SUSPENSION = "suspension"
@@ -22,42 +24,46 @@ PLOT_DECADES = 6.0
 """Decades below the largest energy that the plot shows."""
 
 
-def strain_energies(dataset: xr.Dataset) -> xr.Dataset:
-    """Strain energy of the bladed disk with its shaft springs over time, by groups of modes [J].
+def strain_energies(
+    result: xr.Dataset, *, start: float | None = None, end: float | None = None
+) -> xr.Dataset:
+    """Strain energy of the bladed disk with its shaft springs over time, by groups of modes.
 
     In mass-normalised modes 1/2 x^T K x = sum of 1/2 omega_i^2 q_i^2 (the paper's Eq. 22), so each
-    mode has its own share and the groups add up to the whole:
+    mode has its own share and the groups add up to the whole.
 
-    * `suspension` (time,): the modes that the shaft springs hold;
-    * `first_family` (time, nodal_diameter): the first blade family by nodal diameter;
-    * `rest` (time,): all others;
-    * `total` (time,).
+    Args:
+        result: of a run; it is read portion by portion.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
+
+    Returns:
+        [J] over time: `suspension`, the modes that the shaft springs hold; `rest`, all that are in
+        no other group; `total`. Over (time, nodal_diameter): `first_family`, the first blade
+        family.
+
+    Example:
+        ``strain_energies(result)["first_family"].sel(nodal_diameter=1).plot()``
     """
-    family = dataset["rotor_family"].values
-    diameter = dataset["rotor_nodal_diameter"].values
+    result = in_window(result, start, end)
+    family = result["rotor_family"].values
+    diameter = result["rotor_nodal_diameter"].values
     first = family == FIRST_FAMILY
     diameters = np.unique(diameter[first])
     groups = [family == SUSPENSION, *(first & (diameter == k) for k in diameters)]
     groups.append(~np.logical_or.reduce(groups))
-    weights = 0.5 * dataset["rotor_frequency"].values ** 2 * np.array(groups, dtype=float)
-    held = reduce_modes(dataset, "rotor_displacement", weights, np.square)
-    joule = {"units": "J"}
-    return xr.Dataset(
-        data_vars={
-            "suspension": ("time", held[:, 0], joule),
-            "first_family": (("time", "nodal_diameter"), held[:, 1:-1], joule),
-            "rest": ("time", held[:, -1], joule),
-            "total": ("time", held.sum(axis=1), joule),
+    weights = 0.5 * result["rotor_frequency"].values ** 2 * np.array(groups, dtype=float)
+    held = reduce_modes(result, "rotor_displacement", weights, np.square)
+    return labelled(
+        result,
+        "strain energy of the bladed disk with its shaft springs",
+        {
+            "suspension": ("time", held[:, 0], "J"),
+            "first_family": (("time", "nodal_diameter"), held[:, 1:-1], "J"),
+            "rest": ("time", held[:, -1], "J"),
+            "total": ("time", held.sum(axis=1), "J"),
         },
-        coords={
-            "time": ("time", dataset["time"].values, {"units": "s"}),
-            "nodal_diameter": diameters,
-        },
-        attrs={
-            "title": "strain energy of the bladed disk with its shaft springs",
-            "speed": dataset.attrs["speed"],
-            "reference_frequency": dataset.attrs["reference_frequency"],
-        },
+        {"time": result["time"].values, "nodal_diameter": diameters},
     )
 
 
@@ -77,14 +83,14 @@ def plot_energy(energies: xr.Dataset) -> Figure:
     terms["rest"] = energies["rest"].values
 
     time = energies["time"].values
-    first = _first_of_means(time, 2 * np.pi / energies.attrs["reference_frequency"])
+    first = _drawn_starts(time, 2 * np.pi / energies.attrs["reference_frequency"])
     figure = new_figure(height=0.062)
     axes = figure.add_subplot()
     for name, energy in terms.items():
         if energy.any():
             axes.plot(
-                _means(time, first),
-                _means(energy, first),
+                span_means(time, first),
+                span_means(energy, first),
                 color=COLOURS[name],
                 linewidth=2.0 if name == "total" else 1.0,
                 label=f"1F, {name}" if "k" in name.split() else name,
@@ -100,17 +106,9 @@ def plot_energy(energies: xr.Dataset) -> Figure:
     return figure
 
 
-def _first_of_means(time: Array, period: float) -> IntArray:
+def _drawn_starts(time: Array, period: float) -> IntArray:
     """First record of each drawn point: of every record in a short run, else of equal spans."""
     periods = np.ptp(time) / period
     if periods <= SMOOTHED_PERIODS:
         return np.arange(len(time))
-    spans = int(min(periods, PLOT_POINTS))
-    number = np.minimum((time - time[0]) * spans // np.ptp(time), spans - 1)
-    return np.unique(number, return_index=True)[1]
-
-
-def _means(values: Array, first: IntArray) -> Array:
-    """Mean of the values from each first record to the next."""
-    means: Array = np.add.reduceat(values, first) / np.diff(first, append=len(values))
-    return means
+    return span_starts(time, int(min(periods, PLOT_POINTS)))

@@ -17,10 +17,12 @@ from numpy.typing import NDArray
 
 from bladewhirl.models.elements.cyclic import nodal_diameters
 from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import portions, reduce_modes
 from bladewhirl.postprocess.fields.sectors import sectors
 from bladewhirl.postprocess.fields.windows import (
     few_time_ticks,
+    in_window,
     span_edges,
     span_means,
     span_starts,
@@ -51,12 +53,20 @@ FAMILY_LINES = {
 """Families with a line of their own; the others are drawn together."""
 
 
-def family_energies(dataset: xr.Dataset) -> xr.Dataset:
+def family_energies(
+    result: xr.Dataset, *, start: float | None = None, end: float | None = None
+) -> xr.Dataset:
     """Strain energy by the labels of the modes: `energy` (time, family, nodal_diameter) [J].
 
     Args:
-        dataset: a result.
+        result: of a run.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
+
+    Example:
+        ``family_energies(result)["energy"].sel(family="1F").sum("nodal_diameter").plot()``
     """
+    dataset = in_window(result, start, end)
     diameter = dataset["rotor_nodal_diameter"].values
     names, number = _families(dataset)
     diameters, place = np.unique(diameter, return_inverse=True)
@@ -67,7 +77,9 @@ def family_energies(dataset: xr.Dataset) -> xr.Dataset:
     return _energy_dataset(dataset, energy.reshape(-1, *weights.shape[:2]), names, diameters)
 
 
-def cyclic_energies(dataset: xr.Dataset) -> xr.Dataset:
+def cyclic_energies(
+    result: xr.Dataset, *, start: float | None = None, end: float | None = None
+) -> xr.Dataset:
     """Strain energy by a transform of the recovered field: `energy` (time, family,
     nodal_diameter) [J].
 
@@ -76,11 +88,14 @@ def cyclic_energies(dataset: xr.Dataset) -> xr.Dataset:
     another, nodal diameters hold energy together too, which belongs to none of them.
 
     Args:
-        dataset: a result.
+        result: of a run.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
 
     Raises:
         ViewError: the mesh has no cyclic symmetry.
     """
+    dataset = in_window(result, start, end)
     mesh = sectors(dataset)
     names, number = _families(dataset)
     stiffness = 0.5 * dataset["rotor_frequency"].values ** 2
@@ -176,16 +191,10 @@ def _families(dataset: xr.Dataset) -> tuple[StrArray, IntArray]:
 def _energy_dataset(
     dataset: xr.Dataset, energy: Array, names: StrArray, diameters: IntArray
 ) -> xr.Dataset:
-    return xr.Dataset(
-        {"energy": (("time", "family", "nodal_diameter"), energy, {"units": "J"})},
-        coords={
-            "time": ("time", dataset["time"].values, {"units": "s"}),
-            "family": names,
-            "nodal_diameter": diameters,
-        },
-        attrs={
-            "title": "strain energy of the bladed disk by family and nodal diameter",
-            "begin": float(dataset["time"][0]),
-            **{name: dataset.attrs[name] for name in ("speed", "reference_frequency")},
-        },
+    return labelled(
+        dataset,
+        "strain energy of the bladed disk by family and nodal diameter",
+        {"energy": (("time", "family", "nodal_diameter"), energy, "J")},
+        {"time": dataset["time"].values, "family": names, "nodal_diameter": diameters},
+        begin=float(dataset["time"][0]),
     )

@@ -7,17 +7,22 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.fields import Array, ViewError
-from bladewhirl.postprocess.fields.windows import few_time_ticks
+from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.windows import few_time_ticks, in_window
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
 from bladewhirl.postprocess.run.energies import strain_energies
 from bladewhirl.postprocess.run.regimes import CERTAINTY, classify, growth_windows, rate_text
 
 
-def amplitude_growth(dataset: xr.Dataset) -> xr.Dataset:
+def amplitude_growth(
+    result: xr.Dataset, *, start: float | None = None, end: float | None = None
+) -> xr.Dataset:
     """The amplitude in equal windows, and the exponential fitted to the last of them.
 
     Args:
-        dataset: a result, of the time that is wanted.
+        result: of a run.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
 
     Returns:
         over time, the middle of each window [s]: `amplitude`, root of the mean strain energy of
@@ -29,6 +34,7 @@ def amplitude_growth(dataset: xr.Dataset) -> xr.Dataset:
     Raises:
         ViewError: too short a history to judge growth by, or at rest.
     """
+    dataset = in_window(result, start, end)
     energy = strain_energies(dataset)["total"].values
     windows = growth_windows(dataset, energy)
     regime = classify(dataset, energy)
@@ -39,31 +45,29 @@ def amplitude_growth(dataset: xr.Dataset) -> xr.Dataset:
     late = middle[windows.late :]
     level = np.log(windows.amplitude[windows.late :]).mean()
 
-    def at_late(line: Array) -> tuple[str, Array, dict[str, str]]:
-        return "time", np.append(np.full(windows.late, np.nan), line), {"units": "J^0.5"}
+    def at_late(line: Array) -> tuple[str, Array, str]:
+        return "time", np.append(np.full(windows.late, np.nan), line), "J^0.5"
 
     def fitted(slope: float) -> Array:
         return np.asarray(np.exp(level + slope * (late - late.mean())))
 
     slow, fast = fitted(rate - CERTAINTY * error), fitted(rate + CERTAINTY * error)
-    return xr.Dataset(
+    return labelled(
+        dataset,
+        "amplitude of the bladed disk, and its growth",
         {
-            "amplitude": ("time", windows.amplitude, {"units": "J^0.5"}),
+            "amplitude": ("time", windows.amplitude, "J^0.5"),
             "fit": at_late(fitted(rate)),
             "low": at_late(np.minimum(slow, fast)),
             "high": at_late(np.maximum(slow, fast)),
         },
-        coords={"time": ("time", middle, {"units": "s"})},
-        attrs={
-            "title": "amplitude of the bladed disk, and its growth",
-            "rate": rate,
-            "error": error,
-            "span": regime.growth.span,
-            "regime": regime.name,
-            "reason": regime.reason,
-            "window": windows.length,
-            **{name: dataset.attrs[name] for name in ("speed", "reference_frequency")},
-        },
+        {"time": middle},
+        rate=rate,
+        error=error,
+        span=regime.growth.span,
+        regime=regime.name,
+        reason=regime.reason,
+        window=windows.length,
     )
 
 

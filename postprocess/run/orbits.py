@@ -10,7 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from bladewhirl.postprocess.fields.fields import Array, rotate
+from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
+from bladewhirl.postprocess.fields.windows import in_window, late_part
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
 from bladewhirl.postprocess.plotting.units import length_unit
 
@@ -57,41 +59,47 @@ class Whirl:
     direction: Direction  #: forward: in the sense of rotation (+theta at standstill)
 
 
-def shaft_orbit(dataset: xr.Dataset) -> xr.Dataset:
+def shaft_orbit(
+    result: xr.Dataset, *, start: float | None = None, end: float | None = None
+) -> xr.Dataset:
     """Displacement and velocity of the shaft's centre in both frames.
 
-    Variables over (time, axis): `rotating` and `static` [m]; `rotating_velocity` and
-    `static_velocity` [m/s], the rates of each as seen in its own axes, so the static one is
-    R (u_dot + Omega x u); over time: `radius` [m], the same in both. A clamped centre rests at 0.
+    Args:
+        result: of a run, or an orbit already, of which the window is taken.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
+
+    Returns:
+        over (time, axis): `rotating` and `static` [m]; `rotating_velocity` and `static_velocity`
+        [m/s], the rates of each as seen in its own axes, so the static one is
+        R (u_dot + Omega x u). Over time: `radius` [m], the same in both. A clamped centre rests
+        at 0.
+
+    Example:
+        ``shaft_orbit(result, start=1.0)["radius"].plot()``
     """
-    centre = dataset["rotor_shape"].isel(rotor_node=int(dataset["centre_node"]))
+    result = in_window(result, start, end)
+    if "rotating" in result:
+        return result
+    centre = result["rotor_shape"].isel(rotor_node=int(result["centre_node"]))
     rows = centre.values[:2]  # x and y, each over the modes
-    rotating = reduce_modes(dataset, "rotor_displacement", rows)
-    rotating_velocity = reduce_modes(dataset, "rotor_velocity", rows)
-    speed = float(dataset.attrs["speed"])
-    time = dataset["time"].values
-    quarter_turn = np.column_stack([-rotating[:, 1], rotating[:, 0]])
+    rotating = reduce_modes(result, "rotor_displacement", rows)
+    velocity = reduce_modes(result, "rotor_velocity", rows)
+    speed, time = float(result.attrs["speed"]), result["time"].values
+    carried = speed * np.column_stack([-rotating[:, 1], rotating[:, 0]])
     plane = ("time", "axis")
-    metre, rate = {"units": "m"}, {"units": "m/s"}
-    return xr.Dataset(
-        data_vars={
-            "rotating": (plane, rotating, metre),
-            "rotating_velocity": (plane, rotating_velocity, rate),
-            "static": (plane, rotate(rotating, speed * time), metre),
-            "static_velocity": (
-                plane,
-                rotate(rotating_velocity + speed * quarter_turn, speed * time),
-                rate,
-            ),
-            "radius": ("time", np.hypot(*rotating.T), metre),
+    return labelled(
+        result,
+        "orbit of the shaft's centre",
+        {
+            "rotating": (plane, rotating, "m"),
+            "rotating_velocity": (plane, velocity, "m/s"),
+            "static": (plane, rotate(rotating, speed * time), "m"),
+            "static_velocity": (plane, rotate(velocity + carried, speed * time), "m/s"),
+            "radius": ("time", np.hypot(*rotating.T), "m"),
         },
-        coords={"time": ("time", time, {"units": "s"}), "axis": ["x", "y"]},
-        attrs={
-            "title": "orbit of the shaft's centre",
-            "speed": speed,
-            "reference_frequency": dataset.attrs["reference_frequency"],
-            "smallest_clearance": float(dataset["clearance"].min()),
-        },
+        {"time": time, "axis": ["x", "y"]},
+        smallest_clearance=float(result["clearance"].min()),
     )
 
 
@@ -127,8 +135,7 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
     names the whirl over the last third. Axes fit the clearance; where the orbit is tiny beside it
     they fit the orbit, and the clearance is told in words.
     """
-    time = orbit["time"].values
-    late = orbit.isel(time=slice(int(np.searchsorted(time, time[0] + np.ptp(time) * 2 / 3)), None))
+    late = late_part(orbit)
     clearance, radius = orbit.attrs["smallest_clearance"], float(orbit["radius"].max())
     tiny = 0.0 < radius < TINY * clearance
     reach = radius if tiny else max(radius, clearance)

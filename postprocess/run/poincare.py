@@ -8,21 +8,30 @@ from matplotlib.figure import Figure
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import late_part, window_label
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
 from bladewhirl.postprocess.plotting.units import length_unit, velocity_unit
-from bladewhirl.postprocess.run.orbits import LONG_LINE, PALE, Frame
+from bladewhirl.postprocess.run.orbits import LONG_LINE, PALE, Frame, shaft_orbit
 
 
-def poincare_map(orbit: xr.Dataset, frame: Frame = "static") -> xr.Dataset:
+def poincare_map(
+    result: xr.Dataset,
+    frame: Frame = "static",
+    *,
+    start: float | None = None,
+    end: float | None = None,
+) -> xr.Dataset:
     """Place and velocity of the shaft once a revolution, whenever blade 0 lies on +x.
 
     Between records the place is the cubic through places and velocities, the velocity a cubic
     spline. A motion that repeats with every revolution is one point.
 
     Args:
-        orbit: from `orbits.shaft_orbit`, of the time that is wanted.
+        result: of a run, or its orbit from `orbits.shaft_orbit`.
         frame: of the observer; the paper's is the static one.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
 
     Returns:
         `place` [m] and `velocity` [m/s] over (time, axis): time [s] of each revolution.
@@ -30,6 +39,7 @@ def poincare_map(orbit: xr.Dataset, frame: Frame = "static") -> xr.Dataset:
     Raises:
         ViewError: the rotor does not turn, or not once in this time.
     """
+    orbit = shaft_orbit(result, start=start, end=end)
     time = orbit["time"].values
     speed = abs(float(orbit.attrs["speed"]))
     turned = speed * time[[0, -1]] / (2 * np.pi)
@@ -42,26 +52,32 @@ def poincare_map(orbit: xr.Dataset, frame: Frame = "static") -> xr.Dataset:
     instants = np.clip(2 * np.pi * np.arange(first, last + 1) / speed, time[0], time[-1])
     place, velocity = orbit[frame].values, orbit[f"{frame}_velocity"].values
     plane = ("time", "axis")
-    return xr.Dataset(
+    return labelled(
+        orbit,
+        "Poincaré map of the shaft, once a revolution",
         {
-            "place": (plane, CubicHermiteSpline(time, place, velocity)(instants), {"units": "m"}),
-            "velocity": (plane, CubicSpline(time, velocity)(instants), {"units": "m/s"}),
+            "place": (plane, CubicHermiteSpline(time, place, velocity)(instants), "m"),
+            "velocity": (plane, CubicSpline(time, velocity)(instants), "m/s"),
         },
-        coords={"time": ("time", instants, {"units": "s"}), "axis": ["x", "y"]},
-        attrs={
-            "title": "Poincaré map of the shaft, once a revolution",
-            "frame": frame,
-            **{name: orbit.attrs[name] for name in ("speed", "reference_frequency")},
-        },
+        {"time": instants, "axis": ["x", "y"]},
+        frame=frame,
     )
 
 
-def state_space(orbit: xr.Dataset, frame: Frame = "static") -> xr.Dataset:
+def state_space(
+    result: xr.Dataset,
+    frame: Frame = "static",
+    *,
+    start: float | None = None,
+    end: float | None = None,
+) -> xr.Dataset:
     """Place and velocity of the shaft in one frame, at all times and once a revolution.
 
     Args:
-        orbit: from `orbits.shaft_orbit`.
+        result: of a run, or its orbit from `orbits.shaft_orbit`.
         frame: of the observer.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
 
     Returns:
         `place` [m] and `velocity` [m/s] over (time, axis); `section_place` and `section_velocity`
@@ -70,6 +86,7 @@ def state_space(orbit: xr.Dataset, frame: Frame = "static") -> xr.Dataset:
     Raises:
         ViewError: as of `poincare_map`.
     """
+    orbit = shaft_orbit(result, start=start, end=end)
     motion = orbit[[frame, f"{frame}_velocity"]].rename(
         {frame: "place", f"{frame}_velocity": "velocity"}
     )

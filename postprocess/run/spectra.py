@@ -20,6 +20,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import evenly_spaced, few_time_ticks, window_label
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
@@ -29,7 +30,7 @@ from bladewhirl.postprocess.plotting.style import (
     styled,
 )
 from bladewhirl.postprocess.run.energies import FIRST_FAMILY, SUSPENSION
-from bladewhirl.postprocess.run.orbits import MILLI, Frame
+from bladewhirl.postprocess.run.orbits import MILLI, Frame, shaft_orbit
 
 FEWEST_RECORDS = 16
 """Records without which a spectrum says nothing."""
@@ -103,45 +104,67 @@ def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
     )
 
 
-def shaft_spectrum(orbit: xr.Dataset, frame: Frame = "rotating") -> xr.Dataset:
+def shaft_spectrum(
+    result: xr.Dataset,
+    frame: Frame = "rotating",
+    *,
+    start: float | None = None,
+    end: float | None = None,
+) -> xr.Dataset:
     """Amplitude of the shaft over frequency, by one transform of all records.
 
     Args:
-        orbit: from `orbits.shaft_orbit`, of the time that is wanted.
+        result: of a run, or its orbit from `orbits.shaft_orbit`.
         frame: of the observer.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
 
     Returns:
-        `amplitude` (frequency,) [m], frequency [rad/s] ascending, forward positive.
+        `amplitude` (frequency,) [m], frequency [rad/s] ascending, forward positive. Attribute
+        `resolution` [rad/s].
 
     Raises:
         ViewError: too few records, or not equally spaced.
+
+    Example:
+        ``shaft_spectrum(result, "static", start=2.0)["amplitude"].plot()``
     """
     # Loaded when used: it takes longer than all of postprocess together.
     from scipy.signal.windows import blackmanharris
 
-    even, step = evenly_spaced(orbit, FEWEST_RECORDS)
+    even, step = evenly_spaced(shaft_orbit(result, start=start, end=end), FEWEST_RECORDS)
     records = even.sizes["time"]
     window = blackmanharris(records, sym=False)
     transform = np.fft.fft(window * _phasor(even, frame), PADDING * records) / window.sum()
     frequency = 2 * np.pi * np.fft.fftfreq(PADDING * records, step)
-    return xr.Dataset(
-        {"amplitude": ("frequency", np.abs(np.fft.fftshift(transform)), {"units": "m"})},
-        coords={"frequency": ("frequency", np.fft.fftshift(frequency), {"units": "rad/s"})},
-        attrs=_attributes(orbit, "spectrum of the shaft", frame)
-        | {"resolution": 2 * np.pi / (records * step), "window": window_label(even)},
+    return labelled(
+        even,
+        "spectrum of the shaft",
+        {"amplitude": ("frequency", np.abs(np.fft.fftshift(transform)), "m")},
+        {"frequency": np.fft.fftshift(frequency)},
+        frame=frame,
+        resolution=2 * np.pi / (records * step),
+        window=window_label(even),
     )
 
 
 def shaft_spectrogram(
-    orbit: xr.Dataset, frame: Frame = "rotating", length: float | None = None
+    result: xr.Dataset,
+    frame: Frame = "rotating",
+    length: float | None = None,
+    *,
+    start: float | None = None,
+    end: float | None = None,
 ) -> xr.Dataset:
     """Amplitude of the shaft over frequency and time, Fig. 17(a).
 
     Args:
-        orbit: from `orbits.shaft_orbit`, of the time that is wanted.
+        result: of a run, or its orbit from `orbits.shaft_orbit`.
         frame: of the observer.
         length: of a slice [s]; a twelfth of the time, or five periods of the reference
             frequency where that is longer, but not more than half the time, when None.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
 
     Returns:
         `amplitude` (frequency, time) [m]: frequency [rad/s] ascending, forward positive; time [s]
@@ -153,10 +176,10 @@ def shaft_spectrogram(
     from scipy.signal import ShortTimeFFT
     from scipy.signal.windows import blackmanharris
 
-    even, step = evenly_spaced(orbit, FEWEST_RECORDS)
+    even, step = evenly_spaced(shaft_orbit(result, start=start, end=end), FEWEST_RECORDS)
     records = even.sizes["time"]
     if length is None:
-        period = 2 * np.pi / orbit.attrs["reference_frequency"]
+        period = 2 * np.pi / even.attrs["reference_frequency"]
         length = min(max(SHARE * records * step, PERIODS * period), MOST * records * step)
     size = int(np.clip(round(length / step), FEWEST_RECORDS // 2, records))
     transform = ShortTimeFFT(
@@ -169,15 +192,17 @@ def shaft_spectrogram(
     )
     inside = transform.lower_border_end[1], transform.upper_border_begin(records)[1]
     slices = transform.stft(_phasor(even, frame), *inside)
-    time = even["time"].values[0] + transform.t(records, *inside)
-    return xr.Dataset(
-        {"amplitude": (("frequency", "time"), np.abs(slices), {"units": "m"})},
-        coords={
-            "frequency": ("frequency", 2 * np.pi * transform.f, {"units": "rad/s"}),
-            "time": ("time", time, {"units": "s"}),
+    return labelled(
+        even,
+        "spectrogram of the shaft",
+        {"amplitude": (("frequency", "time"), np.abs(slices), "m")},
+        {
+            "frequency": 2 * np.pi * transform.f,
+            "time": even["time"].values[0] + transform.t(records, *inside),
         },
-        attrs=_attributes(orbit, "spectrogram of the shaft", frame)
-        | {"resolution": 2 * np.pi / (size * step), "slice": size * step},
+        frame=frame,
+        resolution=2 * np.pi / (size * step),
+        slice=size * step,
     )
 
 
@@ -257,11 +282,6 @@ def _phasor(orbit: xr.Dataset, frame: Frame) -> Array:
     """x + i y of the shaft, mirrored where the rotor turns clockwise, so forward is positive."""
     x, y = orbit[frame].values.T
     return np.asarray(x + (-1j if orbit.attrs["speed"] < 0 else 1j) * y)
-
-
-def _attributes(orbit: xr.Dataset, title: str, frame: Frame) -> dict[str, Any]:
-    kept = {name: orbit.attrs[name] for name in ("speed", "reference_frequency")}
-    return {"title": title, "frame": frame, **kept}
 
 
 def _draw_lines(axes: Axes, lines: xr.DataArray, draw: Any) -> None:

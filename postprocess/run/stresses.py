@@ -14,17 +14,18 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.fields.beam_sections import rotor_sections
 from bladewhirl.postprocess.fields.blades import member_names
 from bladewhirl.postprocess.fields.fields import Array, IntArray, station_angles
-from bladewhirl.postprocess.fields.result import ResultError, portions
+from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.result import portions
+from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.fields.strains import (
     StrainRows,
     Strains,
     casing_strain_rows,
     rotor_strain_rows,
 )
-from bladewhirl.postprocess.fields.windows import few_time_ticks, span_starts
+from bladewhirl.postprocess.fields.windows import few_time_ticks, in_window, span_starts
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     FULL_WIDTH,
@@ -41,9 +42,6 @@ PORTION_BYTES = 64e6
 
 COLUMNS = 1000
 """Spans of time that a line of the figure has at most; the largest of each is drawn."""
-
-SECTIONS = ("rotor_width", "rotor_young_modulus", "casing_young_modulus", "casing_curvature")
-"""What stresses need to know of the stage beyond what other analyses do."""
 
 UNITS = {
     "axial_strain": "1",
@@ -66,11 +64,15 @@ class _Body(NamedTuple):
     member: IntArray  #: (element,), sorted
 
 
-def stress_history(dataset: xr.Dataset) -> xr.Dataset:
+def stress_history(
+    result: xr.Dataset, *, start: float | None = None, end: float | None = None
+) -> xr.Dataset:
     """Largest stresses and strains in every blade, every other part of the rotor and the casing.
 
     Args:
-        dataset: a result, of the time that is wanted.
+        result: of a run.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
 
     Returns:
         over (time, member), where members are "blade 0", ..., the other parts, "casing":
@@ -80,9 +82,10 @@ def stress_history(dataset: xr.Dataset) -> xr.Dataset:
         `peak_stress` [Pa], the one largest in magnitude of all times, signed, with `peak_time`
         [s] and `peak_radius` [m], when and at which undeformed radius.
 
-    Raises:
-        ResultError: an old result that knows no sections.
+    Example:
+        ``stress_history(result)["largest_stress"].sel(member="blade 3").plot()``
     """
+    dataset = in_window(result, start, end)
     names, bodies = _bodies(dataset)
     time = dataset["time"].values
     out = {name: np.empty((len(time), len(names))) for name in UNITS}
@@ -108,35 +111,21 @@ def stress_history(dataset: xr.Dataset) -> xr.Dataset:
                 out[name][portion, columns] = values
             _note_peaks(peak, columns, body, starts, time[portion], axial, bending)
     plane = ("time", "member")
-    return xr.Dataset(
+    return labelled(
+        dataset,
+        "stresses, linear, by beam theory",
         {
-            **{name: (plane, values, {"units": UNITS[name]}) for name, values in out.items()},
-            "peak_stress": ("member", peak["stress"], {"units": "Pa"}),
-            "peak_time": ("member", peak["time"], {"units": "s"}),
-            "peak_radius": ("member", peak["radius"], {"units": "m"}),
+            **{name: (plane, values, UNITS[name]) for name, values in out.items()},
+            "peak_stress": ("member", peak["stress"], "Pa"),
+            "peak_time": ("member", peak["time"], "s"),
+            "peak_radius": ("member", peak["radius"], "m"),
         },
-        coords={"time": ("time", time, {"units": "s"}), "member": names},
-        attrs={
-            "title": "stresses, linear, by beam theory",
-            "blades": dataset.sizes["blade"],
-            **{name: dataset.attrs[name] for name in ("speed", "reference_frequency")},
-        },
+        {"time": time, "member": names},
+        blades=dataset.sizes["blade"],
     )
 
 
-def require_sections(dataset: xr.Dataset) -> None:
-    """See that a result knows what strains and stresses are made from.
-
-    Raises:
-        ResultError: it was made before bladewhirl recorded that.
-    """
-    for name in SECTIONS:
-        if name not in dataset:
-            raise ResultError(f"expected a result with {name!r} for stresses: run the case anew")
-
-
 def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
-    require_sections(dataset)
     names, member = member_names(dataset)
     order = np.argsort(member, kind="stable")
     present = np.unique(member)

@@ -1,4 +1,4 @@
-"""Which way the shaft whirls, and how fast, as time goes on."""
+"""Direction and rate of the shaft's whirl as time goes on."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import few_time_ticks, span_means, span_starts
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
 from bladewhirl.postprocess.plotting.units import length_unit
-from bladewhirl.postprocess.run.orbits import CLEAR_SHARE, FRAMES, LEAST_TURN, Frame
+from bladewhirl.postprocess.run.orbits import CLEAR_SHARE, FRAMES, LEAST_TURN, Frame, shaft_orbit
 
 PERIODS = 2.0
 """Least length of a span, in periods of the reference frequency: ripple is averaged away."""
@@ -23,21 +24,29 @@ LOOK = {"rotating": ("-", "o", "rotor"), "static": ("--", "s", "casing")}
 """Line, marker and colour of each frame."""
 
 
-def whirl_history(orbit: xr.Dataset) -> xr.Dataset:
+def whirl_history(
+    result: xr.Dataset, *, start: float | None = None, end: float | None = None
+) -> xr.Dataset:
     """Mean rate and direction of the whirl in equal spans of time, in both frames.
 
     The rate is that of `orbits.whirl`, the sum of x cross v over the sum of r^2 in the span, and
     so is the rule by which a direction is clear enough to be given.
 
     Args:
-        orbit: from `orbits.shaft_orbit`.
+        result: of a run, or its orbit from `orbits.shaft_orbit`.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
 
     Returns:
         over (frame, time), time being the middle of each span: `rate` [rad/s], positive
         counter-clockwise, nan where the shaft rests; `direction`, 1 forward (in the sense of
         rotation), -1 backward, 0 where the motion hardly goes round; over time: `radius` [m],
-        root mean square.
+        root mean square. Attribute `span`, the length of each [s].
+
+    Example:
+        ``whirl_history(result)["rate"].sel(frame="static").plot()``
     """
+    orbit = shaft_orbit(result, start=start, end=end)
     time = orbit["time"].values
     period = 2 * np.pi / orbit.attrs["reference_frequency"]
     spans = int(np.clip(np.ptp(time) / (PERIODS * period), 1, MOST_SPANS))
@@ -46,25 +55,17 @@ def whirl_history(orbit: xr.Dataset) -> xr.Dataset:
     square = span_means(orbit["radius"].values ** 2, starts)
     found = [_turning(orbit, frame, starts, square, length) for frame in FRAMES]
     sense = -1 if orbit.attrs["speed"] < 0 else 1
-    return xr.Dataset(
+    both = ("frame", "time")
+    return labelled(
+        orbit,
+        "whirl of the shaft over time",
         {
-            "rate": (("frame", "time"), [rate for rate, _ in found], {"units": "rad/s"}),
-            "direction": (
-                ("frame", "time"),
-                [sense * direction for _, direction in found],
-                {"units": "1", "long_name": "1 forward, -1 backward, 0 none"},
-            ),
-            "radius": ("time", np.sqrt(square), {"units": "m"}),
+            "rate": (both, [rate for rate, _ in found], "rad/s"),
+            "direction": (both, [sense * direction for _, direction in found], "1"),
+            "radius": ("time", np.sqrt(square), "m"),
         },
-        coords={
-            "time": ("time", span_means(time, starts), {"units": "s"}),
-            "frame": list(FRAMES),
-        },
-        attrs={
-            "title": "whirl of the shaft over time",
-            "span": length,
-            **{name: orbit.attrs[name] for name in ("speed", "reference_frequency")},
-        },
+        {"time": span_means(time, starts), "frame": [*FRAMES]},
+        span=length,
     )
 
 

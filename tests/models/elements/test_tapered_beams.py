@@ -21,7 +21,7 @@ from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bla
 from bladewhirl.models.elements.build import case_bladed_disk
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.sections.rectangular import QUANTITIES, Section, along, along_elements
-from bladewhirl.postprocess.fields.beam_sections import rotor_sections
+from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.fields.strains import rotor_strain_rows
 from bladewhirl.postprocess.paraview.surfaces import rotor_boxes
 from bladewhirl.postprocess.pictures.drawing import Drawing

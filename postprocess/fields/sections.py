@@ -15,11 +15,6 @@ Quantity = Literal["thickness", "width", "young_modulus"]
 def rotor_sections(dataset: xr.Dataset, name: Quantity, pieces: int) -> Array:
     """Thickness or width [m] or Young's modulus [Pa] at the ends of that many equal pieces of
     every beam, (rotor_line, pieces + 1).
-
-    Results that say nothing of a change along the lines were made with one section a line.
     """
-    middle = dataset[f"rotor_{name}"].values
-    places = np.linspace(-0.5, 0.5, pieces + 1)
-    change = dataset.get(f"rotor_{name}_change")
-    slope = np.zeros(len(middle)) if change is None else change.values
-    return np.asarray(middle[:, None] + slope[:, None] * places)
+    middle, change = dataset[f"rotor_{name}"].values, dataset[f"rotor_{name}_change"].values
+    return np.asarray(middle[:, None] + change[:, None] * np.linspace(-0.5, 0.5, pieces + 1))

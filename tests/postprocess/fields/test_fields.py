@@ -6,7 +6,6 @@ import synthetic_result as synthetic
 import xarray as xr
 
 from bladewhirl.postprocess.fields import fields
-from bladewhirl.postprocess.fields.tip_motion import tip_displacement
 
 
 @pytest.fixture(scope="module")
@@ -193,17 +192,6 @@ def test_beams_between_nodes_follow_their_cubic(result: xr.Dataset) -> None:
     np.testing.assert_allclose(rows[blades][..., 3], expected, atol=1e-13)
     everywhere = np.stack([-points[..., 1], points[..., 0]], axis=-1)  # a rigid rotation
     np.testing.assert_allclose(rows[..., 2], everywhere, atol=1e-15)
-
-
-def test_tips_move_along_and_across_their_radius(result: xr.Dataset) -> None:
-    """A translation along x and a bending that turns the tips, both in closed form."""
-    angle = result["tip_angle"].values
-    moved = tip_displacement(at_rest(result, rotor_0=2e-3, rotor_3=1e-3))
-    assert moved["radial"].dims == ("time", "blade")
-    assert moved["radial"].attrs["units"] == "m"
-    np.testing.assert_allclose(moved["radial"][7], 2e-3 * np.cos(angle), atol=1e-15)
-    across = -2e-3 * np.sin(angle) + 1e-3 * np.cos(angle)
-    np.testing.assert_allclose(moved["tangential"][7], across, atol=1e-15)
 
 
 def test_a_quantity_that_there_is_not_is_told(result: xr.Dataset) -> None:

@@ -1,0 +1,143 @@
+"""Histories of single blades and of points of the casing: gap, contact force, displacement."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from bladewhirl.postprocess.fields.fields import casing_rows, record_lengths
+from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.result import reduce_modes
+from bladewhirl.postprocess.fields.windows import in_window
+
+COMPONENTS = ("radial", "tangential")
+"""Outward, and counter-clockwise."""
+
+
+def gap(result: xr.Dataset, *, start: float | None = None, end: float | None = None) -> xr.Dataset:
+    """Smallest gap of every blade tip since the record before, and whether it touched.
+
+    Args:
+        result: of a run.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
+
+    Returns:
+        over (time, blade): `gap` [m], `contact`.
+
+    Example:
+        ``gap(result).sel(blade=3)["gap"].plot()``
+    """
+    result = in_window(result, start, end)
+    both = ("time", "blade")
+    contact = result["contact_steps"].values > 0
+    return labelled(
+        result,
+        "gaps of the blade tips",
+        {"gap": (both, result["gap"].values, "m"), "contact": (both, contact, "1")},
+        {"time": result["time"].values, "blade": np.arange(result.sizes["blade"])},
+    )
+
+
+def contact_force(
+    result: xr.Dataset, *, start: float | None = None, end: float | None = None
+) -> xr.Dataset:
+    """Contact force on every blade tip, mean over the time since the record before.
+
+    Such a mean has a limit for small time steps, which the peak force has not.
+
+    Args:
+        result: of a run.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
+
+    Returns:
+        over (time, blade): `normal` [N], positive where the casing pushes inward; `friction` [N],
+        positive where it drags towards -theta.
+
+    Example:
+        ``contact_force(result, start=0.5)["normal"].max("blade").plot()``
+    """
+    result = in_window(result, start, end)
+    length = record_lengths(result)[:, None]
+    both = ("time", "blade")
+    return labelled(
+        result,
+        "contact forces on the blade tips",
+        {
+            "normal": (both, result["contact_impulse"].values / length, "N"),
+            "friction": (both, result["friction_impulse"].values / length, "N"),
+        },
+        {"time": result["time"].values, "blade": np.arange(result.sizes["blade"])},
+    )
+
+
+def tip_displacement(
+    result: xr.Dataset, *, start: float | None = None, end: float | None = None
+) -> xr.Dataset:
+    """Displacement of every blade tip along the axes of the undeformed tip, rotating frame.
+
+    Args:
+        result: of a run; it is read portion by portion.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
+
+    Returns:
+        `displacement` (time, component, blade) [m]; components "radial" (outward) and "tangential"
+        (counter-clockwise).
+
+    Example:
+        ``tip_displacement(result)["displacement"].sel(blade=3, component="radial").plot()``
+    """
+    result = in_window(result, start, end)
+    angle = result["tip_angle"].values
+    outward = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    across = np.stack([-np.sin(angle), np.cos(angle)], axis=1)
+    shapes = result["rotor_shape"].values[result["tip_node"].values, :2]
+    rows = [np.einsum("bd,bdm->bm", axis, shapes) for axis in (outward, across)]
+    moved = reduce_modes(result, "rotor_displacement", np.concatenate(rows))
+    return labelled(
+        result,
+        "displacement of the blade tips, rotating frame",
+        {"displacement": (("time", "component", "blade"), moved.reshape(-1, 2, len(angle)), "m")},
+        {
+            "time": result["time"].values,
+            "component": [*COMPONENTS],
+            "blade": np.arange(len(angle)),
+        },
+    )
+
+
+def casing_displacement(
+    result: xr.Dataset,
+    angle: ArrayLike = 0.0,
+    *,
+    start: float | None = None,
+    end: float | None = None,
+) -> xr.Dataset:
+    """Displacement of the casing at static angles, by the finite elements' own cubics.
+
+    Args:
+        result: of a run; it is read portion by portion.
+        angle: from +x, counter-clockwise [rad], one or (points,).
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
+
+    Returns:
+        `displacement` (time, angle, component) [m]; components "radial" (outward) and "tangential"
+        (counter-clockwise).
+
+    Example:
+        ``casing_displacement(result, angle=np.pi / 2)["displacement"].sel(component="radial")``
+    """
+    result = in_window(result, start, end)
+    angles = np.atleast_1d(np.asarray(angle, dtype=np.float64))
+    rows = casing_rows(result, angles)
+    moved = reduce_modes(result, "casing_displacement", rows.reshape(-1, rows.shape[-1]))
+    return labelled(
+        result,
+        "displacement of the casing, static frame",
+        {"displacement": (("time", "angle", "component"), moved.reshape(-1, *rows.shape[:2]), "m")},
+        {"time": result["time"].values, "angle": angles, "component": [*COMPONENTS]},
+    )
