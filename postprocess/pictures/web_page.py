@@ -70,7 +70,7 @@ def render_page(
     size = max(stage, contact / (1 - LONGEST_ARROW)) * MARGIN
     places, shades, layout = _pack(drawing, size, progress)
     about = {
-        **_words(dataset, drawing),
+        **_instants(drawing),
         **_looks(drawing.colouring),
         "strokes": [
             [name, width * FULL / MARGIN, shade]
@@ -81,10 +81,17 @@ def render_page(
         "casingShades": drawing.colouring.rotor[0].size,
         "members": _members(dataset),
     }
+    colouring = drawing.colouring
     text = filled_template(
         "bladewhirl.postprocess.pictures",
         "web_page.html",
         title=str(dataset.attrs["title"]),
+        notes="\n".join(
+            [speed_words(dataset), f"{frame} frame", enlargement(drawing.exaggeration)]
+        ),
+        key=colouring.parts and list(colouring.parts.items()),
+        scale=f"{colouring.name} [{colouring.unit}]",
+        ticks=[f"{tick:.3g}" for tick in np.linspace(*colouring.limits, 5)],
         ink=INK,
         faint=FAINT,
         force=FORCE_COLOUR,
@@ -156,28 +163,19 @@ def _shades(colouring: Colouring, values: Array) -> Array:
     return np.where(missing, NONE, shades).astype(np.uint8)
 
 
-def _words(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
-    """Text of the page, and what touches when."""
-    pictures = [drawing.picture(index) for index in range(len(drawing))]
-    notes = [
-        speed_words(dataset),
-        f"{drawing.frame} frame",
-        enlargement(drawing.exaggeration),
-    ]
+def _instants(drawing: Drawing) -> dict[str, Any]:
+    """Time of each picture, and what touches then."""
+    forces = [drawing.picture(index).forces for index in range(len(drawing))]
     return {
-        "title": str(dataset.attrs["title"]),
-        "notes": "\n".join(notes),
         "times": [f"t = {1e3 * time:.1f} ms" for time in drawing.times],
-        "contact": [contact_words(picture.forces) for picture in pictures],
-        "touching": [np.any(picture.forces, axis=1).astype(int).tolist() for picture in pictures],
+        "contact": [contact_words(each) for each in forces],
+        "touching": [np.any(each, axis=1).astype(int).tolist() for each in forces],
     }
 
 
 def _looks(colouring: Colouring) -> dict[str, Any]:
     """Colours, and sizes in units of the page's places."""
     unit = FULL / MARGIN
-    ticks = np.linspace(*colouring.limits, 5)
-    parts = colouring.parts
     return {
         "ink": INK,
         "faint": FAINT,
@@ -189,14 +187,10 @@ def _looks(colouring: Colouring) -> dict[str, Any]:
         "markSize": MARK * unit,
         "disc": CONTACT_DISC * unit,
         "mass": MASS * unit,
-        "seam": 0.0,
         "colours": _colours(colouring),
         "limits": list(colouring.limits),
         "unit": colouring.unit,
-        "value": parts is None,
-        "key": None if parts is None else list(parts.items()),
-        "scaleTitle": f"{colouring.name} [{colouring.unit}]",
-        "ticks": [f"{tick:.3g}" for tick in ticks],
+        "value": colouring.parts is None,
     }
 
 

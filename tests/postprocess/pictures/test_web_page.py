@@ -4,6 +4,7 @@ import base64
 import json
 import re
 import zlib
+from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -80,16 +81,44 @@ def test_what_has_no_value_and_parts(result: xr.Dataset, tmp_path: Path) -> None
     about, _, shades = page(render_page(result, tmp_path / "a.html", RECORDS, colour="gap"))
     assert np.all(shades[:, about["casingShades"] :] == NONE)
     about, _, shades = page(render_page(result, tmp_path / "b.html", RECORDS, colour="part"))
-    assert [name for name, _ in about["key"]] == ["spokes", "rim", "blades", "casing"]
+    text = (tmp_path / "b.html").read_text(encoding="utf-8")
+    key = re.findall(r'<div class="key"><i style="background: (#\w+)"></i>(\w+)</div>', text)
+    assert [name for _, name in key] == ["spokes", "rim", "blades", "casing"]
+    assert [colour for colour, _ in key] == about["colours"]
     assert np.unique(shades).tolist() == [0, 1, 2, 3]
 
 
-def test_it_stands_alone_and_titles_are_text(result: xr.Dataset, tmp_path: Path) -> None:
-    named = result.assign_attrs(title="<b>a & b</b></script>")
-    text = render_page(named, tmp_path / "a.html", RECORDS).read_text(encoding="utf-8")
-    assert "http" not in text
-    assert not re.search(r"@[A-Z]+@", text)
-    assert "<title>&lt;b&gt;a &amp; b&lt;/b&gt;&lt;/script&gt;</title>" in text
-    assert text.count("</script>") == 1
+TITLES = [
+    "<b>a & b</b></script>",
+    "<!--<script>",
+    "@PLACES@ {{ about }}",
+    "\u2028 ' \" \\",
+]
+
+
+@pytest.mark.parametrize("title", TITLES)
+def test_it_stands_alone_and_titles_are_text(
+    result: xr.Dataset, tmp_path: Path, title: str
+) -> None:
+    path = render_page(result.assign_attrs(title=title), tmp_path / "a.html", RECORDS)
+    text = path.read_text(encoding="utf-8")
+    assert "http:" not in text
+    assert "https:" not in text
+    assert "default-src 'none'" in text
+    assert unescape(re.search("<title>(.*)</title>", text)[1]) == title  # type: ignore[index]
+    assert unescape(re.search("<h1>(.*)</h1>", text)[1]) == title  # type: ignore[index]
+    assert (text.count("<script>"), text.count("</script>"), text.count("<!--")) == (1, 1, 0)
+    assert len(page(path)[0]["times"]) == len(RECORDS)
+
+
+def test_another_kind_of_file_is_refused(result: xr.Dataset, tmp_path: Path) -> None:
     with pytest.raises(ViewError, match=r"must end in \.html"):
         render_page(result, tmp_path / "a.gif", RECORDS)
+
+
+def test_keys_named_on_the_page_do_something(result: xr.Dataset, tmp_path: Path) -> None:
+    text = render_page(result, tmp_path / "a.html", RECORDS).read_text(encoding="utf-8")
+    keys = text[text.index("const keys = {") : text.index("document.onkeydown")]
+    for key in ('" "', "ArrowLeft", "ArrowRight", "Home", "End", '"+"', '"-"', '"0"'):
+        assert f"  {key}: " in keys
+    assert "max-width: 700px" in text  # one column on a phone
