@@ -14,7 +14,7 @@ from .postprocess.fields.fields import ViewError as ViewError
 from .postprocess.fields.result import ResultError as ResultError
 from .postprocess.fields.result import open_result as open_result
 from .postprocess.paraview.series import export_vtk as export_vtk
-from .postprocess.pictures.off_screen import OffScreenError as OffScreenError
+from .postprocess.pictures.offscreen import OffScreenError as OffScreenError
 from .postprocess.plotting.style import save_figure as save_figure
 from .postprocess.run.blade_contact import contact_classes as contact_classes
 from .postprocess.run.contact_side import contact_phase as contact_phase
