@@ -43,4 +43,5 @@ from .studies.runs.run import run as run
 from .studies.sweeps.sweep import resume_sweep as resume_sweep
 from .studies.sweeps.sweep import run_sweep as run_sweep
 
+__all__: list[str]
 __version__: str
