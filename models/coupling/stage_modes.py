@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -27,15 +28,27 @@ SMALLEST_AMPLITUDE = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class StageModes:
-    """Coupled modes of a stage, in ascending nodal diameter, the casing's first."""
+class CoupledEntries:
+    """Coupled modes of two bodies, in ascending nodal diameter, the casing's first."""
 
     modes: CouplingModes  #: with physical amplitudes: of w, and at the tips, per unit coordinate
     family: tuple[str, ...]  #: "casing", "suspension", "1F" to "5F", (entries,)
     number: IntArray  #: of each entry's mode among those of its body; a sine follows, (entries,)
-    modal: ModalStage  #: finite elements and all modes of both bodies
 
-    def take(self, chosen: IntArray) -> StageModes:
+    @property
+    def radial(self) -> dict[int, IntArray]:
+        """Numbers of the casing's coupled modes by nodal diameter."""
+        return {
+            int(self.modes.nodal_diameter[i]): self.number[i] + np.arange(1 + self.modes.paired[i])
+            for i in np.flatnonzero(self.modes.on_casing)
+        }
+
+    def among(self, on_rotor: IntArray, on_casing: IntArray) -> IntArray:
+        """Positions of the entries whose modes have these numbers on their bodies."""
+        there = np.isin(self.number, on_rotor), np.isin(self.number, on_casing)
+        return np.flatnonzero(np.where(self.modes.on_casing, there[1], there[0]))
+
+    def take(self, chosen: IntArray) -> Self:
         """Keep some entries, by positions."""
         return replace(
             self,
@@ -44,17 +57,17 @@ class StageModes:
             number=self.number[chosen],
         )
 
-    def mode_numbers(self, *, on_casing: bool) -> tuple[IntArray, IntArray]:
-        """Coordinates that belong to one body, and the numbers of their modes on it."""
-        return body_coordinates(self.modes, self.number, on_casing=on_casing)
+    def with_unit_amplitudes(self) -> Self:
+        """Give every mode amplitude one, as the paper does."""
+        return replace(self, modes=self.modes.with_unit_amplitudes())
 
     def springs(self, kappa: float, *, with_pi: bool = True) -> CouplingSprings:
         """Springs of stiffness kappa [N/m] that couple these modes."""
         return CouplingSprings(modes=self.modes, number=self.number, kappa=kappa, with_pi=with_pi)
 
-    def with_unit_amplitudes(self) -> StageModes:
-        """Give every mode amplitude one, as the paper does."""
-        return replace(self, modes=self.modes.with_unit_amplitudes())
+    def mode_numbers(self, *, on_casing: bool) -> tuple[IntArray, IntArray]:
+        """Coordinates that belong to one body, and the numbers of their modes on it."""
+        return body_coordinates(self.modes, self.number, on_casing=on_casing)
 
     def find(self, family: str, k: int | None = None) -> IntArray:
         """Positions of the entries of a family, of one nodal diameter or of all."""
@@ -63,7 +76,7 @@ class StageModes:
             here &= self.modes.nodal_diameter == k
         return np.flatnonzero(here)
 
-    def six_modes(self) -> StageModes:
+    def six_modes(self) -> Self:
         """Keep the paper's system: k = 1 of casing, 1F and suspension, in this order (Eqs 4-9).
 
         Raises:
@@ -74,6 +87,13 @@ class StageModes:
             if len(found) != 1:
                 raise ValueError(f"the stage has no {family} pair with one nodal diameter")
         return self.take(np.concatenate(chosen))
+
+
+@dataclass(frozen=True, kw_only=True)
+class StageModes(CoupledEntries):
+    """Coupled modes of a full stage."""
+
+    modal: ModalStage  #: finite elements and all modes of both bodies
 
 
 def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
@@ -137,15 +157,6 @@ class RadialModes:
         if radial_only:
             moving &= is_radial(outward, along)
         return dict(zip(numbers[moving].tolist(), found[moving].tolist(), strict=True))
-
-
-@dataclass(frozen=True, kw_only=True)
-class CoupledEntries:
-    """Coupled modes of two bodies, in ascending nodal diameter, the casing's first."""
-
-    modes: CouplingModes  #: with physical amplitudes: of w, and at the tips, per unit coordinate
-    family: tuple[str, ...]  #: "casing", "suspension", "1F" to "5F", (entries,)
-    number: IntArray  #: of each entry's mode among those of its body; a sine follows, (entries,)
 
 
 def coupled_entries(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,11 +42,7 @@ def kept_modes(
         CaseError: the stage does not have them, or springs that have nothing to couple.
     """
     coupled = _coupled(rotor, casing)
-    radial: dict[int, IntArray] = {}
-    if coupled is not None:
-        for entry in np.flatnonzero(coupled.modes.on_casing):
-            first, paired = coupled.number[entry], bool(coupled.modes.paired[entry])
-            radial[int(coupled.modes.nodal_diameter[entry])] = first + np.arange(1 + paired)
+    radial = coupled.radial if coupled else {}
 
     def named(key: str, choice: str) -> tuple[IntArray, IntArray]:
         of_bodies = [
@@ -79,22 +75,19 @@ def _springs(
     Raises:
         CaseError: there are none.
     """
-    on_rotor, on_casing = (np.intersect1d(*pair) for pair in zip(kept, chosen, strict=True))
-    here = np.where(
-        coupled.modes.on_casing,
-        np.isin(coupled.number, on_casing),
-        np.isin(coupled.number, on_rotor),
+    here = coupled.among(
+        *(np.intersect1d(*pair) for pair in zip(kept, chosen, strict=True)),
     )
-    if not here.any():
+    if not here.size:
         expected = f"modes that springs couple and reduction.modes = {case.reduction.modes!r} keeps"
         raise CaseError([case_fault(case, "coupling.modes", expected)])
-    modes, number = coupled.modes.take(here), coupled.number[here]
-    among = [np.searchsorted(own, number) for own in kept]  # in the rotor's, in the casing's
-    return CouplingSprings(
-        modes=modes if case.coupling.amplitude == "physical" else modes.with_unit_amplitudes(),
-        number=np.where(modes.on_casing, among[1], among[0]),
-        kappa=case.coupling.stiffness,
-        with_pi=case.coupling.pi,
+    entries = coupled.take(here)
+    if case.coupling.amplitude != "physical":
+        entries = entries.with_unit_amplitudes()
+    among = [np.searchsorted(own, entries.number) for own in kept]  # in the rotor's, the casing's
+    renumbered = np.where(entries.modes.on_casing, among[1], among[0])
+    return replace(entries, number=renumbered).springs(
+        case.coupling.stiffness, with_pi=case.coupling.pi
     )
 
 

@@ -22,7 +22,6 @@ from bladewhirl.postprocess.plotting.style import (
     styled,
 )
 from bladewhirl.postprocess.run.orbits import FRAMES, whirl
-from bladewhirl.solvers.stability.coupled_modes import CoupledMotion
 
 MILLI, MICRO = 1e3, 1e6
 
@@ -35,38 +34,6 @@ ARROW: Mapping[str, Any] = {
     "shrinkA": 0.0,
     "shrinkB": 0.0,
 }
-
-
-def motion_dataset(motion: CoupledMotion, *, reference: float) -> xr.Dataset:
-    """What a coupled mode does in time, as measured from its fields.
-
-    Args:
-        motion: of the coupled mode.
-        reference: frequency that speeds are multiples of [rad/s].
-    """
-    metre, radian = {"units": "m"}, {"units": "rad"}
-    moves = motion.nodal_diameter == 1  # the only waves with a shaft phase
-    nothing = np.full(len(motion.time), np.nan)
-    static = motion.shaft_static
-    phase = np.unwrap(np.arctan2(static[:, 1], static[:, 0])) if moves else nothing
-    return xr.Dataset(
-        data_vars={
-            "shaft_phase": ("time", phase, radian),
-            "smallest_clearance_phase": ("time", motion.smallest_clearance_angle, radian),
-            "shaft_lead": ("time", motion.shaft_lead if moves else nothing, radian),
-            "rotor_amplitude": ("time", np.abs(motion.rotor_wave), metre),
-            "casing_amplitude": ("time", np.abs(motion.casing_wave), metre),
-        },
-        coords={"time": ("time", motion.time, {"units": "s"})},
-        attrs={
-            "title": "coupled mode in time, static frame",
-            "nodal_diameter": motion.nodal_diameter,
-            "speed": motion.speed,
-            "reference_frequency": reference,
-            "rotor_wave_speed": motion.rotor_wave_speed,  # rad/s, forward positive
-            "casing_wave_speed": motion.casing_wave_speed,
-        },
-    )
 
 
 @styled

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,84 +13,12 @@ from matplotlib.patches import FancyArrowPatch
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
-from bladewhirl.solvers.stability.scenario import (
-    Scenario,
-    mode_scenario,
-    motion_scenario,
-    smallest_clearance_angle,
-)
-
-TIMES, ANGLES = 97, 1440
-"""Instants of one turn, and angles at which the gap is looked at."""
 
 DRAWN_CLEARANCE = 0.16
 """The clearance in a picture, as a share of the tip radius."""
 
 ZONE = np.radians(40.0)
 """Half the angle over which blades are drawn in contact."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class WhirlingModes:
-    """A k = 1 mode of the rotor and one of the casing that move in step, contact just closing."""
-
-    name: str  #: of the rotor's mode
-    shaft: float  #: displacement of the centre [m]
-    rotor: float  #: radial amplitude of the tips, positive on the side of +x [m]
-    casing: float  #: radial amplitude of the casing [m]
-    frequency: float  #: of the rotor's mode [rad/s]
-    speed: float  #: at which the modes coincide [rad/s]
-    clearance: float  #: at rest [m]
-
-    @property
-    def scenario(self) -> Scenario:
-        """Where contact is with respect to the shaft."""
-        return mode_scenario(shaft=self.shaft, rotor=self.rotor, casing=self.casing)
-
-
-def scenario_dataset(modes: WhirlingModes, *, reference: float) -> xr.Dataset:
-    """One turn of the rotor in two coincident modes, in the rotating frame: phases, as measured.
-
-    The wave travels backward on the rotor. The smallest clearance is looked for along the tips.
-
-    Args:
-        modes: that move in step.
-        reference: frequency that speeds are multiples of [rad/s].
-    """
-    time = 2.0 * np.pi / modes.speed * np.linspace(0.0, 1.0, TIMES)
-    turning = np.exp(-1j * modes.frequency * time)
-    angle = 2.0 * np.pi * np.arange(ANGLES) / ANGLES
-    crest = np.real(np.multiply.outer(turning, np.exp(-1j * angle)))
-    gap = modes.clearance + (modes.casing - modes.rotor) * crest
-    place = smallest_clearance_angle(gap, angle)
-    shaft = modes.shaft * np.stack([turning.real, turning.imag], axis=-1)
-    measured = motion_scenario(shaft=shaft, clearance_angle=place)
-    phase = np.angle(modes.shaft * turning)
-    return xr.Dataset(
-        {
-            "shaft_phase": ("time", phase, {"units": "rad"}),
-            "smallest_clearance_phase": (
-                "time",
-                np.angle(np.exp(1j * place)),
-                {"units": "rad"},
-            ),
-            "smallest_clearance": ("time", gap.min(axis=1), {"units": "m"}),
-        },
-        coords={"time": ("time", time, {"units": "s"})},
-        attrs={
-            "title": f"{modes.name}: {measured.kind} contact scenario",
-            "mode": modes.name,
-            "scenario": measured.kind,
-            "shaft_lead": measured.lead,
-            "shaft_amplitude": modes.shaft,
-            "rotor_amplitude": modes.rotor,
-            "casing_amplitude": modes.casing,
-            "clearance": modes.clearance,
-            "frequency": modes.frequency,
-            "speed": modes.speed,
-            "reference_frequency": reference,
-        },
-    )
 
 
 @styled
@@ -103,7 +30,7 @@ def plot_scenario(data: xr.Dataset) -> Figure:
     phases over one turn, rotating frame.
 
     Args:
-        data: from `scenario_dataset`.
+        data: one turn in two modes that move in step.
     """
     figure = new_figure(height=0.108)
     upper, lower = figure.subplots(2, 1, height_ratios=(1.5, 1.0))

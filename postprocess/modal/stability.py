@@ -1,7 +1,7 @@
 """Figures of the linear stability of the coupled stage: Figs 11 and 12, and what truncation hides.
 
-Each figure is drawn from a Dataset that holds all its numbers, so the file saved beside it draws
-it again. Speeds are in multiples of the reference frequency.
+Each figure is drawn from a Dataset of `studies.modal.stability_chart` that holds all its numbers,
+so the file saved beside it draws it again. Speeds are in multiples of the reference frequency.
 """
 
 from __future__ import annotations
@@ -16,16 +16,9 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray
-from bladewhirl.models.coupling.springs import CouplingModes
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
-from bladewhirl.solvers.stability.growth import (
-    UNSTABLE_GROWTH,
-    StabilityChart,
-    coincidence_speeds,
-    is_unstable,
-)
-from bladewhirl.solvers.stability.zones import UnstableZones
+from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, is_unstable
 
 SPEED_AXIS = "rotational speed Ω / ω$_1$ [–]"
 KAPPA_AXIS = "coupling stiffness κ [N/m]"
@@ -53,111 +46,6 @@ TYPES = {
 """Colours of the three types of modes."""
 
 
-def zones_dataset(
-    zones: UnstableZones,
-    modes: CouplingModes,
-    *,
-    speed: FloatArray,
-    kappa: FloatArray,
-    reference: float,
-) -> xr.Dataset:
-    """Borders of unstable zones with the coincidence speeds that they start from.
-
-    Args:
-        zones: found for these modes.
-        modes: the modes coupled.
-        speed: range of speeds looked at [rad/s], ascending.
-        kappa: range of stiffnesses looked at [N/m], ascending.
-        reference: frequency that speeds are multiples of [rad/s].
-    """
-    names = np.array(modes.name)
-    pairs = coincidence_speeds(modes)
-    one = {"units": "1", "long_name": "speed in multiples of reference_frequency"}
-    return xr.Dataset(
-        data_vars={
-            "zone_kappa": ("zone", zones.kappa, {"units": "N/m"}),
-            "zone_lower": ("zone", zones.lower / reference, one),
-            "zone_upper": ("zone", zones.upper / reference, one),
-            "zone_growth": ("zone", zones.growth, {"units": "1/s"}),
-            "zone_nodal_diameter": ("zone", modes.nodal_diameter[zones.casing]),
-            "zone_casing": ("zone", names[zones.casing]),
-            "zone_rotor": ("zone", names[zones.rotor]),
-            "zone_start": (
-                "zone",
-                np.array([pairs[pair] for pair in zip(zones.casing, zones.rotor, strict=True)])
-                / reference,
-                one | {"long_name": "coincidence speed of these two modes, Eq. (14)"},
-            ),
-            "coincidence": (
-                "pair",
-                np.array([*pairs.values()]) / reference,
-                one | {"long_name": "coincidence speed, Eq. (14)"},
-            ),
-            "coincidence_nodal_diameter": ("pair", modes.nodal_diameter[[i for i, _ in pairs]]),
-            "coincidence_casing": ("pair", names[[i for i, _ in pairs]]),
-            "coincidence_rotor": ("pair", names[[j for _, j in pairs]]),
-        },
-        attrs={
-            "title": "unstable zones",
-            "reference_frequency": reference,
-            "speed_range": [speed[0] / reference, speed[-1] / reference],
-            "kappa_range": [kappa[0], kappa[-1]],
-        },
-    )
-
-
-def chart_dataset(chart: StabilityChart, zones: xr.Dataset) -> xr.Dataset:
-    """Growth rates on a grid, put beside the zones of the same range from `zones_dataset`."""
-    reference = zones.attrs["reference_frequency"]
-    return zones.assign(
-        growth=(
-            ("kappa", "speed"),
-            chart.growth,
-            {"units": "1/s", "long_name": "largest real part of the spectrum"},
-        )
-    ).assign_coords(
-        kappa=("kappa", chart.kappa, {"units": "N/m", "long_name": "coupling stiffness"}),
-        speed=("speed", chart.speed / reference, zones["zone_lower"].attrs),
-    )
-
-
-def truncation_dataset(whole: xr.Dataset, few: xr.Dataset) -> xr.Dataset:
-    """Zones of all modes and of a few of them, told apart by `zone_of`, "all" or "few"."""
-    parts = [
-        data[[str(name) for name in data.data_vars if str(name).startswith("zone_")]].assign(
-            zone_of=("zone", np.full(data.sizes["zone"], label))
-        )
-        for label, data in (("all", whole), ("few", few))
-    ]
-    return xr.concat(parts, dim="zone").assign_attrs(title="what truncation hides")
-
-
-def spectrum_dataset(
-    speed: FloatArray, branches: ComplexArray, *, kappa: float, reference: float
-) -> xr.Dataset:
-    """Eigenvalues along a line of constant stiffness.
-
-    Args:
-        speed: [rad/s], (speeds,).
-        branches: eigenvalues, a column a branch [1/s], (speeds, branches).
-        kappa: spring stiffness [N/m].
-        reference: frequency that speeds are multiples of [rad/s].
-    """
-    plane = ("speed", "branch")
-    return xr.Dataset(
-        data_vars={
-            "real": (plane, branches.real, {"units": "1/s", "long_name": "growth rate"}),
-            "imaginary": (plane, branches.imag, {"units": "rad/s", "long_name": "frequency"}),
-        },
-        coords={"speed": ("speed", speed / reference, {"units": "1"})},
-        attrs={
-            "title": "eigenvalues in the invariant frame",
-            "kappa": kappa,
-            "reference_frequency": reference,
-        },
-    )
-
-
 @styled
 def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Figure:
     """Draw the stability chart, Fig. 11: zones, growth rates, coincidence speeds.
@@ -165,7 +53,7 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
     Where few waves can coincide, zones are lettered from the left as in the paper.
 
     Args:
-        data: from `chart_dataset`.
+        data: a chart, with zones where there are any.
         point: normalised speed and stiffness [N/m] to mark.
     """
     figure = new_figure(height=0.062)
@@ -176,8 +64,9 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
     colours = Normalize(0.0, float(growth[unstable].max()) if unstable.any() else 1.0)
     mesh = axes.pcolormesh(speed, kappa, shown, norm=colours, rasterized=True, shading="nearest")
     figure.colorbar(mesh, ax=axes, label="growth rate [1/s]", pad=0.02)
-    _draw_borders(axes, data)
-    _draw_coincidences(axes, data)
+    if "zone" in data.dims:
+        _draw_borders(axes, data)
+        _draw_coincidences(axes, data)
     if point is not None:
         axes.plot(*point, "o", color=COLOURS["contact"], markerfacecolor="none", label="point")
     _label(axes, data)
@@ -231,7 +120,7 @@ def plot_truncation(data: xr.Dataset) -> Figure:
     A zone narrower than a line is drawn as a line.
 
     Args:
-        data: from `truncation_dataset`.
+        data: zones of the whole set and of the truncated one, told apart by `zone_of`.
     """
     figure = new_figure(height=0.07)
     axes = figure.subplots()

@@ -1,8 +1,8 @@
 """Floquet analysis of x'' + D x' + K(t) x = 0 with K(t) of period T, by direct integration.
 
-Knows nothing of invariant frames, so it is an independent check of them. The state is carried over
-one period by the sixth-order Magnus integrator on Gauss-Legendre nodes; steps are doubled until
-the monodromy matrix no longer changes.
+`floquet` knows nothing of invariant frames, so it is an independent check of them. The state is
+carried over one period by the sixth-order Magnus integrator on Gauss-Legendre nodes; steps are
+doubled until the monodromy matrix no longer changes.
 
 Reference: S. Blanes, F. Casas, J. A. Oteo, J. Ros, The Magnus expansion and some of its
 applications, Physics Reports 470 (2009) 151-238, Section 5.4.
@@ -18,6 +18,7 @@ import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.coupling.springs import CouplingModes, periodic_stiffness
+from bladewhirl.models.coupling.waves import CoupledWaves
 
 FEWEST_STEPS = 8
 MOST_STEPS = 1 << 17
@@ -116,6 +117,31 @@ def coupled_floquet(
         )
 
     return {k: over_one_turn(modes.harmonic(k)) for k in modes.harmonics}
+
+
+def wave_exponents(
+    waves: CoupledWaves, *, speed: float, kappa: float, with_pi: bool = True
+) -> ComplexArray:
+    """Spectrum of modes that mix nodal diameters, the fastest growing first, (2 modes,) [1/s].
+
+    Eigenvalues where a frame holds the stage still, or at rest; Floquet exponents of a turn
+    elsewhere.
+
+    Args:
+        waves: the coupled modes.
+        speed: Omega [rad/s].
+        kappa: spring stiffness [N/m].
+        with_pi: keep the factor pi of Eq. (8).
+    """
+    if waves.turning is not None or speed == 0.0:
+        found = np.linalg.eigvals(waves.state_matrix(speed, kappa, with_pi=with_pi))
+    else:
+        found = floquet(
+            lambda times: waves.stiffness(speed * times, kappa, with_pi=with_pi),
+            period=2.0 * np.pi / abs(speed),
+            damping=waves.damping,
+        ).exponents
+    return np.asarray(np.sort_complex(found)[::-1], dtype=np.complex128)
 
 
 def _propagate(

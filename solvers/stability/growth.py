@@ -19,7 +19,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,20 +34,6 @@ CHUNK = 4096
 """Points solved in one batch: some megabytes, and a step of the progress bar."""
 
 Progress = Callable[[int, int], None]  #: called with the points done and the points in all
-
-
-@dataclass(frozen=True, kw_only=True)
-class StabilityChart:
-    """Growth rate over speed and spring stiffness (Fig. 11)."""
-
-    speed: FloatArray  #: Omega [rad/s], (speeds,)
-    kappa: FloatArray  #: spring stiffness [N/m], (kappas,)
-    growth: FloatArray  #: largest real part of the spectrum [1/s], (kappas, speeds)
-
-    @property
-    def unstable(self) -> BoolArray:
-        """Whether each point is unstable, (kappas, speeds)."""
-        return is_unstable(self.growth, self.speed)
 
 
 def is_unstable(growth: ArrayLike, speed: ArrayLike) -> BoolArray:
@@ -121,21 +106,6 @@ def growth_rate(
             if progress is not None:
                 progress(done, speed.size)
     return np.concatenate(growth).reshape(speed.shape) + 0.0  # no negative zeros
-
-
-def stability_chart(
-    modes: CouplingModes,
-    *,
-    speeds: FloatArray,
-    kappas: FloatArray,
-    with_pi: bool = True,
-    progress: Progress | None = None,
-) -> StabilityChart:
-    """Compute the growth rate on a grid of speeds [rad/s] and stiffnesses [N/m] (Fig. 11)."""
-    growth = growth_rate(
-        modes, speed=speeds, kappa=kappas[:, None], with_pi=with_pi, progress=progress
-    )
-    return StabilityChart(speed=speeds, kappa=kappas, growth=growth)
 
 
 def coincidence_speeds(modes: CouplingModes) -> dict[tuple[int, int], float]:

@@ -4,7 +4,7 @@ Without damping every real mu of `bladewhirl.solvers.stability.growth.whirl_matr
 the sign of sum_i nu_i |X_i|^2: positive and negative ones meet and turn complex, equal ones avoid
 each other. As the speed grows, positive casing waves sink below negative rotor waves, and a zone of
 instability lies at each exchange. The counts of exchanges begun and ended climb ladders, of which
-bisection finds each rung, so that no zone is too narrow to be found.
+root finding finds each rung, so that no zone is too narrow to be found.
 
 With damping, and for nodal diameters that hold a single mode, the sign of the growth rate is
 followed instead along a line of speeds, refined inside the undamped zones.
@@ -13,21 +13,16 @@ followed instead along a line of speeds, refined inside the undamped zones.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from functools import partial
 
 import numpy as np
+from scipy.optimize.elementwise import find_root
 
-from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.coupling.invariant_frame import state_matrix
 from bladewhirl.models.coupling.springs import CouplingModes
-from bladewhirl.solvers.stability.growth import (
-    growth_rate,
-    is_unstable,
-    whirl_matrix,
-)
-
-BISECTIONS = 60
-"""Halvings of a speed range: more than a float64 can tell apart."""
+from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, growth_rate, whirl_matrix
 
 SAMPLES = 400
 """Speeds at which the sign of the growth is first looked at, where it has to be sampled."""
@@ -119,7 +114,7 @@ def exchanges(
     mu = np.asarray(np.linalg.eigvals(whirl_matrix(undamped, speed, kappa, with_pi=with_pi)))
     nu = mu[..., None] + np.multiply.outer(speed, modes.frame_rate)[:, None, :]
     with np.errstate(divide="ignore"):  # a wave that stays alone has an infinite share: its sign
-        shares = nu.real * np.abs(modes.amplitude / (modes.frequency**2 - nu**2)) ** 2
+        shares = nu.real * (modes.amplitude / np.abs(modes.frequency**2 - nu**2)) ** 2
     growing = mu.imag != 0.0  # counted with its conjugate as one positive and one negative wave
     positive = np.where(growing, mu.imag > 0.0, shares.sum(axis=-1) > 0.0)
     opposite = positive[:, :, None] & ~positive[:, None, :]
@@ -141,24 +136,19 @@ def _intervals(
     row, lower, upper = ladder
     inside = np.linspace(lower, upper, INSIDE + 2)
 
-    def unstable(speed: FloatArray, kappa: float) -> BoolArray:
-        return is_unstable(growth_rate(modes, speed=speed, kappa=kappa, with_pi=with_pi), speed)
+    def excess(speed: FloatArray, kappa: float | FloatArray) -> FloatArray:
+        growth = growth_rate(modes, speed=speed, kappa=kappa, with_pi=with_pi)
+        return growth - UNSTABLE_GROWTH * np.abs(speed)
 
     rows, starts, ends = [], [], []
     for i, kappa in enumerate(kappas):
         speeds = np.unique(np.append(np.linspace(low, high, SAMPLES), inside[:, row == i]))
-        there = unstable(speeds, kappa)
+        there = excess(speeds, kappa) > 0.0
         changes = np.flatnonzero(there[1:] != there[:-1])
-        before = there[changes]
-
-        def changed(
-            speed: FloatArray, before: BoolArray = before, kappa: float = kappa
-        ) -> BoolArray:
-            return np.asarray(unstable(speed, kappa) != before)
-
-        border = _bisect(changed, speeds[changes], speeds[changes + 1])
-        starts.append(np.append(speeds[:1][there[:1]], border[~before]))
-        ends.append(np.append(border[before], speeds[-1:][there[-1:]]))
+        begins = there[changes + 1]
+        border = _border(excess, speeds[changes], speeds[changes + 1], kappa)
+        starts.append(np.append(speeds[:1][there[:1]], border[begins]))
+        ends.append(np.append(border[~begins], speeds[-1:][there[-1:]]))
         rows.append(np.full(len(starts[-1]), i))
     return np.concatenate(rows), np.concatenate(starts), np.concatenate(ends)
 
@@ -174,12 +164,13 @@ def _ladder(
         [np.zeros(0), *(np.arange(a, b) for a, b in zip(ended, begun, strict=True))]
     )
 
-    def counts(speed: FloatArray) -> tuple[IntArray, IntArray]:
-        return exchanges(modes, speed, kappas[row], with_pi=with_pi)
+    def climbed(speed: FloatArray, kappa: FloatArray, step: FloatArray, which: int) -> FloatArray:
+        return exchanges(modes, speed, kappa, with_pi=with_pi)[which] - step
 
-    ends = np.full(len(row), low), np.full(len(row), high)
-    lower = _bisect(lambda speed: counts(speed)[0] > rung, *ends)
-    upper = _bisect(lambda speed: counts(speed)[1] > rung, *ends)
+    lower, upper = (
+        _border(partial(climbed, which=which), low, high, kappas[row], rung + 0.5)
+        for which in (0, 1)
+    )
     # Zones that overlap make one interval.
     apart = (row[1:] != row[:-1]) | (lower[1:] > upper[:-1])
     return (
@@ -189,15 +180,19 @@ def _ladder(
     )
 
 
-def _bisect(
-    past: Callable[[FloatArray], BoolArray], low: FloatArray, high: FloatArray
+def _border(
+    excess: Callable[..., FloatArray],
+    low: float | FloatArray,
+    high: float | FloatArray,
+    *arguments: float | FloatArray,
 ) -> FloatArray:
-    """Speeds at which `past` turns true, between low and high, (n,)."""
-    for _ in range(BISECTIONS if low.size else 0):
-        middle = 0.5 * (low + high)
-        beyond = past(middle)
-        low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
-    return 0.5 * (low + high)
+    """Speeds at which a function of speed and arguments changes its sign, (n,).
+
+    Where it is positive at both ends the lower one, where it is negative the upper one.
+    """
+    found = find_root(excess, (low, high), args=arguments)
+    end = np.where(np.asarray(found.f_bracket[0]) > 0.0, low, high)
+    return np.asarray(np.where(found.success, found.x, end))
 
 
 def _growing_mode(
@@ -215,13 +210,13 @@ def _growing_mode(
 
 def _join(zones: list[UnstableZones]) -> UnstableZones:
     """Put rows together; none gives empty arrays."""
-    none = np.zeros(0)
-    numbers = np.zeros(0, dtype=np.int64)
+    none, numbers = np.zeros(0), np.zeros(0, dtype=np.int64)
+    empty = UnstableZones(
+        kappa=none, lower=none, upper=none, growth=none, casing=numbers, rotor=numbers
+    )
     return UnstableZones(
-        kappa=np.concatenate([none, *(z.kappa for z in zones)]),
-        lower=np.concatenate([none, *(z.lower for z in zones)]),
-        upper=np.concatenate([none, *(z.upper for z in zones)]),
-        growth=np.concatenate([none, *(z.growth for z in zones)]),
-        casing=np.concatenate([numbers, *(z.casing for z in zones)]),
-        rotor=np.concatenate([numbers, *(z.rotor for z in zones)]),
+        **{
+            each.name: np.concatenate([getattr(part, each.name) for part in (empty, *zones)])
+            for each in fields(UnstableZones)
+        }
     )

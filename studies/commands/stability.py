@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -74,20 +74,10 @@ def stability(
     looked at one point at a time, by the monodromy matrix of a turn.
     """
     from bladewhirl.models.inputs.errors import UserError
-    from bladewhirl.studies.modal.coupled_system import couple_modes
+    from bladewhirl.studies.modal.coupled_system import couple
     from bladewhirl.studies.modal.modes import stage_of_file
-    from bladewhirl.studies.modal.stability_dense import (
-        couple_densely,
-        has_symmetry,
-        make_dense_chart,
-        report_point,
-    )
-    from bladewhirl.studies.modal.stability_periodic import (
-        look_at_uneven_point,
-        refuse_chart,
-        stands_still,
-    )
-    from bladewhirl.studies.modal.stability_point import given_speed
+    from bladewhirl.studies.modal.stability import given_speed
+    from bladewhirl.studies.modal.stability_report import report_chart, report_point
     from bladewhirl.studies.runs.figures_folder import check_figure_folder
 
     if (speed is None) != (kappa is None):
@@ -100,42 +90,17 @@ def stability(
     if output is None and speed is None and not json:
         folder = Path(f"{case.stem}-stability")
     check_figure_folder(folder, overwrite=overwrite)
-    modal = stage_of_file(case, overrides)
-    choice: dict[str, Any] = {"chosen": modes, "damped": damped, "physical": physical}
-    choice["with_pi"] = not no_pi
-    if speed is None or kappa is None:
-        refuse_chart(modal, damped=damped)
-    elif not stands_still(modal, damped=damped):
-        if folder is not None:
-            raise UserError(
-                f"--output {folder}: the divergent mode is drawn where a frame holds the stage"
-                " still: even casing, equal bearings, no dampers"
-            )
-        look_at_uneven_point(modal, speed=speed, kappa=kappa, as_json=json, **choice)
-        return
-    if not has_symmetry(modal):
-        dense = couple_densely(modal, **choice)
-        if speed is not None and kappa is not None:
-            if folder is not None:
-                raise UserError(
-                    f"--output {folder}: the divergent mode is drawn for stages with cyclic"
-                    " symmetry; this bladed disk has none"
-                )
-            omega = given_speed(speed).rad_per_s(dense.reference)
-            report_point(dense, omega=omega, kappa=kappa, as_json=json)
-        else:
-            make_dense_chart(
-                dense, speeds=speed_range, kappas=kappa_range, folder=folder, as_json=json
-            )
-        return
-    system = couple_modes(modal, **choice)
+    system = couple(
+        stage_of_file(case, overrides),
+        modes=modes,
+        damped=damped,
+        with_pi=not no_pi,
+        physical=physical,
+        chart=speed is None,
+    )
     if speed is not None and kappa is not None:
-        from bladewhirl.studies.modal.stability_point import look_at_point
-
-        look_at_point(system, speed=speed, kappa=kappa, folder=folder, films=films, as_json=json)
+        omega = given_speed(speed).rad_per_s(system.reference)
+        report_point(system, omega, kappa, folder, films=films, as_json=json)
     else:
-        from bladewhirl.studies.modal.stability_chart import make_chart
-
-        make_chart(
-            system, speeds=speed_range, kappas=kappa_range, line=line, folder=folder, as_json=json
-        )
+        omegas = speed_range * system.reference
+        report_chart(system, omegas, kappa_range, folder, line=line, as_json=json)

@@ -1,34 +1,19 @@
-"""The divergent mode at one speed and coupling stiffness, in time: figures and films."""
+"""The divergent mode at one speed and coupling stiffness, in time: its motion and measures."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
+import xarray as xr
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.coupling.springs import CouplingSprings
-from bladewhirl.models.coupling.stage_modes import StageModes
-from bladewhirl.postprocess.modal.coupled_modes import (
-    motion_dataset,
-    plot_orbits,
-    plot_phases,
-    plot_shapes,
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.postprocess.modal.motion import radial_shapes, shown_clearance
+from bladewhirl.solvers.stability.coupled_modes import (
+    CoupledMode,
+    CoupledMotion,
+    coupled_modes,
+    coupled_motion,
 )
-from bladewhirl.postprocess.modal.motion import (
-    coupled_mode_motion,
-    radial_shapes,
-    shown_clearance,
-)
-from bladewhirl.postprocess.paraview.series import export_vtk
-from bladewhirl.postprocess.pictures.render import animation_records, render_animation
-from bladewhirl.postprocess.plotting.style import save_figure
-from bladewhirl.postprocess.run.orbits import shaft_orbit
-from bladewhirl.solvers.stability.coupled_modes import CoupledMode, CoupledMotion, coupled_motion
-from bladewhirl.studies.runs.folder import case_files
-
-ANIMATION = "animation.gif"
-MOTION_NAME = "mode.nc"
+from bladewhirl.studies.modal.coupled_system import EvenSystem
 
 RECORDS_PER_TURN = 48
 """Twice what a smooth animation needs."""
@@ -39,8 +24,31 @@ GROWTHS = 2.5
 FEWEST_TURNS, MOST_TURNS = 3, 40
 """... within these numbers of turns of the rotor."""
 
-SHAPES = 4
-"""Deformed shapes side by side, over one turn of the whirl."""
+MEASURES = (
+    "nodal_diameter",
+    "rotor_wave_speed",
+    "casing_wave_speed",
+    "whirl_speed_rotating",
+    "whirl_speed_static",
+    "shaft_lead_degrees",
+)
+"""Names in `motion_measures`."""
+
+
+def fastest_mode(system: EvenSystem, omega: float, kappa: float) -> CoupledMode:
+    """The fastest growing of the coupled modes at a point."""
+    return coupled_modes(system.modes, speed=omega, kappa=kappa, with_pi=system.with_pi)[0]
+
+
+def divergent_motion(system: EvenSystem, omega: float, kappa: float) -> CoupledMotion:
+    """The fastest growing coupled mode in time, as it closes the clearance."""
+    mode = fastest_mode(system, omega, kappa)
+    return coupled_motion(
+        mode,
+        time=whirl_records(mode),
+        shapes=radial_shapes(system.stage),
+        clearance=shown_clearance(system.stage.modal),
+    )
 
 
 def whirl_records(mode: CoupledMode) -> FloatArray:
@@ -51,52 +59,51 @@ def whirl_records(mode: CoupledMode) -> FloatArray:
     return np.asarray(turn / RECORDS_PER_TURN * records, dtype=np.float64)
 
 
-def draw_coupled_mode(
-    stage: StageModes,
-    mode: CoupledMode,
-    springs: CouplingSprings,
-    folder: Path,
-    *,
-    reference: float,
-    films: bool,
-) -> CoupledMotion:
-    """Write all that shows a growing coupled mode in time into an existing folder.
+def motion_measures(motion: CoupledMotion) -> dict[str, tuple[float, dict[str, str]]]:
+    """Numbers measured of a coupled mode in time, with units; speeds are forward positive."""
+    speed = {"units": "rad/s"}
+    found: dict[str, tuple[float, dict[str, str]]] = {
+        "nodal_diameter": (motion.nodal_diameter, {"units": "1"}),
+        "rotor_wave_speed": (motion.rotor_wave_speed, speed | {"frame": "rotating"}),
+        "casing_wave_speed": (motion.casing_wave_speed, speed | {"frame": "static"}),
+    }
+    if motion.nodal_diameter == 1:
+        lead = float(np.degrees(motion.shaft_lead[-1]))
+        found |= {
+            "whirl_speed_rotating": (motion.whirl_speed, speed),
+            "whirl_speed_static": (motion.whirl_speed_static, speed),
+            "shaft_lead_degrees": (lead, {"units": "degrees"}),
+        }
+    return found
+
+
+def motion_dataset(motion: CoupledMotion, *, reference: float) -> xr.Dataset:
+    """What a coupled mode does in time, as measured from its fields.
 
     Args:
-        stage: the coupled modes.
-        mode: one that grows.
-        springs: that couple these modes.
-        folder: where to.
+        motion: of the coupled mode.
         reference: frequency that speeds are multiples of [rad/s].
-        films: write a VTK series and a GIF too.
     """
-    motion = coupled_motion(
-        mode,
-        time=whirl_records(mode),
-        shapes=radial_shapes(stage),
-        clearance=shown_clearance(stage.modal),
+    metre, radian = {"units": "m"}, {"units": "rad"}
+    moves = motion.nodal_diameter == 1  # the only waves with a shaft phase
+    nothing = np.full(len(motion.time), np.nan)
+    static = motion.shaft_static
+    phase = np.unwrap(np.arctan2(static[:, 1], static[:, 0])) if moves else nothing
+    return xr.Dataset(
+        data_vars={
+            "shaft_phase": ("time", phase, radian),
+            "smallest_clearance_phase": ("time", motion.smallest_clearance_angle, radian),
+            "shaft_lead": ("time", motion.shaft_lead if moves else nothing, radian),
+            "rotor_amplitude": ("time", np.abs(motion.rotor_wave), metre),
+            "casing_amplitude": ("time", np.abs(motion.casing_wave), metre),
+        },
+        coords={"time": ("time", motion.time, {"units": "s"})},
+        attrs={
+            "title": "coupled mode in time, static frame",
+            "nodal_diameter": motion.nodal_diameter,
+            "speed": motion.speed,
+            "reference_frequency": reference,
+            "rotor_wave_speed": motion.rotor_wave_speed,  # rad/s, forward positive
+            "casing_wave_speed": motion.casing_wave_speed,
+        },
     )
-    for name, content in case_files(stage.modal.case).items():
-        (folder / name).write_bytes(content)
-    moving = coupled_mode_motion(stage, motion, springs)
-    moving.to_netcdf(folder / MOTION_NAME, engine="h5netcdf")
-    measured = motion_dataset(motion, reference=reference)
-    save_figure(plot_phases(measured), folder / "phases", measured)
-    records = _one_whirl(motion)
-    shapes = moving.isel(time=records)[["gap", "rotor_displacement", "casing_displacement"]]
-    save_figure(plot_shapes(moving, records), folder / "shapes", shapes)
-    if motion.nodal_diameter == 1:
-        orbit = shaft_orbit(moving)
-        save_figure(plot_orbits(orbit), folder / "orbit", orbit)
-    if films:
-        export_vtk(moving, folder / "vtk")
-        render_animation(moving, folder / ANIMATION, animation_records(moving))
-    return motion
-
-
-def _one_whirl(motion: CoupledMotion) -> IntArray:
-    """Records spread over the last turn of the wave on the rotor, as seen in the static frame."""
-    rate = abs(motion.rotor_wave_speed + motion.speed)
-    span = min(2.0 * np.pi / rate if rate else np.inf, motion.time[-1])
-    instants = motion.time[-1] - span * np.arange(SHAPES)[::-1] / SHAPES
-    return np.asarray(np.searchsorted(motion.time, instants), dtype=np.int64)

@@ -1,36 +1,91 @@
-"""The coupled modes of a case, as chosen on the command line."""
+"""Coupled modes of a stage, as a study of stability asks for them, by what its symmetry allows.
+
+Where each mode has one nodal diameter, nodal diameters decouple and the frame at half speed holds
+each still: `EvenSystem`. Elsewhere waves mix: `WaveSystem`, autonomous in rotating axes or, where
+nothing holds the stage still, periodic. `couple` is the one place that decides.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from difflib import get_close_matches
+from abc import ABC, abstractmethod
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import IntArray
-from bladewhirl.models.case.case import Case
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.models.coupling.stage_modes import StageModes, stage_modes
+from bladewhirl.models.coupling.stage_waves import coupled_waves, standing_obstacles
+from bladewhirl.models.coupling.waves import CoupledWaves
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.inputs.mode_names import ALL, SIX, family_and_diameter
-from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.models.inputs.mode_names import ALL, SIX, NamedModes, chosen_modes
+from bladewhirl.models.modal.full_stage import ModalStage
+from bladewhirl.solvers.stability.floquet import wave_exponents
+from bladewhirl.solvers.stability.growth import Progress, eigenvalues, growth_rate
 
 
 @dataclass(frozen=True, kw_only=True)
-class System:
+class System(ABC):
     """Coupled modes of a stage, and what else a study of their stability needs."""
 
-    stage: StageModes  #: the modes chosen, with the amplitudes chosen
-    whole: StageModes  #: all modes that couple, with physical amplitudes
     with_pi: bool  #: whether the factor pi of Eq. (8) is kept
     damped: bool
     physical: bool
     reference: float  #: frequency that speeds are multiples of [rad/s]
 
     @property
+    @abstractmethod
+    def names(self) -> tuple[str, ...]:
+        """Names of the coupled modes, for tables."""
+
+    @abstractmethod
+    def spectrum(self, omega: float, kappa: float) -> ComplexArray:
+        """Eigenvalues or Floquet exponents, the fastest growing first [1/s].
+
+        Args:
+            omega: speed [rad/s].
+            kappa: spring stiffness [N/m].
+        """
+
+    @abstractmethod
+    def growth(
+        self, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
+    ) -> FloatArray:
+        """Growth rate [1/s] on a grid of speeds [rad/s] and stiffnesses [N/m], (kappas, omegas)."""
+
+    def options(self) -> dict[str, object]:
+        """Choices made, for reports."""
+        return {
+            "modes": list(self.names),
+            "damped": self.damped,
+            "pi": self.with_pi,
+            "amplitude": "physical" if self.physical else "paper",
+            "reference_frequency": self.reference,
+        }
+
+    def attributes(self) -> dict[str, object]:
+        """The same as attributes of a Dataset: NetCDF has no booleans."""
+        options = self.options()
+        return {n: int(v) if isinstance(v, bool) else v for n, v in options.items()}
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvenSystem(System):
+    """Coupled modes that have one nodal diameter each."""
+
+    stage: StageModes  #: the modes chosen, with the amplitudes chosen
+    whole: StageModes  #: all modes that couple, with physical amplitudes
+
+    @property
     def modes(self) -> CouplingModes:
         """The modes chosen."""
         return self.stage.modes
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the coupled modes."""
+        return self.modes.name
 
     @property
     def six(self) -> CouplingModes:
@@ -41,47 +96,126 @@ class System:
     @property
     def is_six(self) -> bool:
         """Whether the modes chosen are the paper's six."""
-        return self.modes.name == ("casing k=1", "1F k=1", "suspension")
+        return set(self.names) == {"casing k=1", "1F k=1", "suspension"}
 
-    def options(self) -> dict[str, object]:
-        """What was chosen, for reports."""
-        return {
-            "modes": list(self.modes.name),
-            "damped": self.damped,
-            "pi": self.with_pi,
-            "amplitude": "physical" if self.physical else "paper",
-            "reference_frequency": self.reference,
-        }
+    def of_diameter(self, k: int) -> EvenSystem:
+        """The modes of one nodal diameter."""
+        return replace(self, stage=self.stage.take(np.flatnonzero(self.modes.nodal_diameter == k)))
+
+    def spectrum(self, omega: float, kappa: float) -> ComplexArray:
+        """Eigenvalues in the frame at half speed, see `System`."""
+        found = eigenvalues(self.modes, speed=omega, kappa=kappa, with_pi=self.with_pi)
+        return np.sort_complex(found)[::-1]
+
+    def growth(
+        self, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
+    ) -> FloatArray:
+        """Growth rate on a grid, see `System`; zero, not small, where undamped modes don't grow."""
+        return growth_rate(
+            self.modes,
+            speed=omegas,
+            kappa=kappas[:, None],
+            with_pi=self.with_pi,
+            progress=progress,
+        )
 
 
-def couple(case: Case, *, chosen: str, damped: bool, with_pi: bool, physical: bool) -> System:
-    """Find the modes of the full stage and couple the chosen ones.
+@dataclass(frozen=True, kw_only=True)
+class WaveSystem(System):
+    """Coupled modes that mix nodal diameters."""
+
+    waves: CoupledWaves
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the coupled modes."""
+        return self.waves.name
+
+    def spectrum(self, omega: float, kappa: float) -> ComplexArray:
+        """Eigenvalues in rotating axes, or Floquet exponents of a turn, see `System`."""
+        return wave_exponents(self.waves, speed=omega, kappa=kappa, with_pi=self.with_pi)
+
+    def growth(
+        self, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
+    ) -> FloatArray:
+        """Growth rate on a grid, see `System`."""
+
+        def row(kappa: float) -> list[float]:
+            return [float(self.spectrum(omega, kappa).real.max()) for omega in omegas.tolist()]
+
+        growth: list[list[float]] = []
+        with ThreadPoolExecutor() as pool:
+            for values in pool.map(row, kappas.tolist()):
+                growth.append(values)
+                if progress is not None:
+                    progress(len(growth) * len(omegas), kappas.size * omegas.size)
+        return np.array(growth)
+
+
+def couple(
+    modal: ModalStage,
+    *,
+    modes: str,
+    damped: bool,
+    with_pi: bool,
+    physical: bool,
+    chart: bool = False,
+) -> System:
+    """Couple modes of a full stage.
 
     Args:
-        case: the case.
-        chosen: see `choose`.
+        modal: finite element models with all their modes.
+        modes: "six", "all" or names as in `reduction.modes`.
         damped: with the damping of the case, or none.
         with_pi: keep the factor pi of Eq. (8).
         physical: with the modes' own amplitudes instead of one for each.
+        chart: for more than one point, which takes a frame that holds the stage still.
 
     Raises:
-        UserError: a stage without cyclic symmetry, or modes that it does not have.
+        UserError: modes that the stage does not have or springs don't couple, one amplitude for
+            modes of more than one nodal diameter, or a chart of a periodic system.
     """
-    return couple_modes(
-        modal_stage(case), chosen=chosen, damped=damped, with_pi=with_pi, physical=physical
+    one_each = modal.casing.structure.is_cyclic and not np.any(
+        modal.disk.blade_columns(modal.disk_modes.column) < 0
+    )
+    obstacles = standing_obstacles(modal, damped=damped)
+    if chart and obstacles:
+        options = "--speed and --kappa" if one_each else "--speed, --kappa and --physical"
+        raise UserError(
+            "stability: expected a stage that some frame holds still, for a chart; here"
+            f" {', '.join(obstacles)}: {options} give one point"
+        )
+    if one_each and not obstacles:
+        return couple_even(modal, modes=modes, damped=damped, with_pi=with_pi, physical=physical)
+    if not (physical or one_each):
+        raise UserError(
+            "stability: expected --physical where blades differ, or the casing from place to"
+            " place: one amplitude for every mode has a meaning only if each mode has one nodal"
+            " diameter"
+        )
+    try:
+        waves = coupled_waves(modal, modes=modes, damped=damped, physical=physical)
+    except ValueError as error:
+        raise UserError(f"--modes {error}") from None
+    return WaveSystem(
+        waves=waves,
+        with_pi=with_pi,
+        damped=damped,
+        physical=physical,
+        reference=modal.reference_frequency,
     )
 
 
-def couple_modes(
-    modal: ModalStage, *, chosen: str, damped: bool, with_pi: bool, physical: bool
-) -> System:
-    """Couple modes of a full stage; see `couple`."""
+def couple_even(
+    modal: ModalStage, *, modes: str, damped: bool, with_pi: bool, physical: bool
+) -> EvenSystem:
+    """Couple modes of a stage with cyclic symmetry; see `couple`."""
     try:
         whole = stage_modes(modal, damping_ratio=modal.case.damping.ratio if damped else 0.0)
     except ValueError as error:
         raise UserError(f"stability: {error}") from None
-    stage = choose(whole, chosen)
-    return System(
+    stage = _chosen(whole, modes)
+    return EvenSystem(
         stage=stage if physical else stage.with_unit_amplitudes(),
         whole=whole,
         with_pi=with_pi,
@@ -91,12 +225,7 @@ def couple_modes(
     )
 
 
-def choose(whole: StageModes, text: str) -> StageModes:
-    """Choose modes by "six", "all", or families with or without nodal diameters: "1F,casing:2".
-
-    Raises:
-        UserError: an unknown family, or a nodal diameter that the family does not have.
-    """
+def _chosen(whole: StageModes, text: str) -> StageModes:
     if text == ALL:
         return whole
     if text == SIX:
@@ -104,22 +233,18 @@ def choose(whole: StageModes, text: str) -> StageModes:
             return whole.six_modes()
         except ValueError as error:
             raise UserError(f"--modes six: {error}") from None
-    found = [_entries(whole, word.strip()) for word in text.split(",")]
-    return whole.take(np.unique(np.concatenate(found)))
-
-
-def _entries(whole: StageModes, word: str) -> IntArray:
-    family, number = family_and_diameter(word)
-    known = list(dict.fromkeys(whole.family))
-    if family not in known:
-        near = get_close_matches(family, known, n=1)
-        hint = f" (did you mean {near[0]}?)" if near else ""
-        listed = ", ".join(["six", "all", *known])
-        raise UserError(f"--modes {word or chr(34) * 2}: expected one of {listed}{hint}")
-    if number is None:
-        return whole.find(family)
-    diameters = [int(k) for k in whole.modes.nodal_diameter[whole.find(family)]]
-    if number not in diameters:
-        listed = ", ".join(map(str, diameters))
-        raise UserError(f"--modes {word}: expected a nodal diameter of {family}: {listed}")
-    return whole.find(family, number)
+    disk, casing = whole.modal.disk_modes, whole.modal.casing_modes
+    try:
+        numbers = chosen_modes(
+            text,
+            NamedModes(family=disk.family, nodal_diameter=disk.nodal_diameter),
+            NamedModes(family=casing.family, nodal_diameter=casing.nodal_diameter),
+            whole.radial,
+        )
+    except ValueError as error:
+        raise UserError(f"--modes {error}") from None
+    found = whole.among(*numbers)
+    if not found.size:
+        known = ", ".join(["six", "all", *dict.fromkeys(whole.family)])
+        raise UserError(f"--modes {text}: expected modes that springs couple, of {known}")
+    return whole.take(found)

@@ -17,11 +17,11 @@ from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.moving_stage import stage_dataset
 from bladewhirl.postprocess.modal.mode_shapes import animate_mode, mode_title, plot_mode_shapes
 from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion
-from bladewhirl.postprocess.modal.scenarios import plot_scenario, scenario_dataset
+from bladewhirl.postprocess.modal.scenarios import plot_scenario
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.studies.modal.mode_names import ChosenMode, choose_modes, family_of
-from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
+from bladewhirl.studies.modal.scenarios import CASING_SHARES, scenario_dataset, whirling_modes
 from bladewhirl.studies.runs.figures_folder import written_to
 
 BODIES: tuple[Body, ...] = get_args(Body)

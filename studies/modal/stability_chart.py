@@ -1,135 +1,57 @@
-"""Stability chart of the coupled stage: figures and data."""
+"""Growth rate of coupled modes over speed and stiffness, and what cuts and parts of it show."""
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-from typing import Any
-
 import numpy as np
-import typer
 import xarray as xr
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.coupling.springs import CouplingModes
-from bladewhirl.postprocess.modal.stability import (
-    chart_dataset,
-    plot_chart,
-    plot_spectrum,
-    plot_truncation,
-    spectrum_dataset,
-    truncation_dataset,
-    zones_dataset,
-)
-from bladewhirl.postprocess.plotting.style import save_figure
-from bladewhirl.solvers.stability.growth import eigenvalues, stability_chart
+from bladewhirl.solvers.stability.growth import Progress, coincidence_speeds, eigenvalues
 from bladewhirl.solvers.stability.tracking import track
 from bladewhirl.solvers.stability.zones import unstable_zones
-from bladewhirl.studies.modal.coupled_system import System
+from bladewhirl.studies.modal.coupled_system import EvenSystem, System
 
 BORDER_STIFFNESSES = 61
 """Stiffnesses at which the borders of zones are found."""
 
-COLUMNS = ("kappa", "lower", "upper", "growth")
-"""What a report tells of a zone at each stiffness."""
+LINE_SPEEDS, ZONE_SPEEDS = 1201, 21
+"""Speeds along a line of constant stiffness, and further ones inside each of its zones."""
 
-LINE_SPEEDS = 1201
-"""Speeds along a line of constant stiffness, ..."""
-
-ZONE_SPEEDS = 21
-"""... and further ones inside each of its zones, which may be narrow."""
+MULTIPLES = {"units": "1", "long_name": "speed in multiples of reference_frequency"}
+GROWTH = {"units": "1/s", "long_name": "largest real part of the spectrum"}
+STIFFNESS = {"units": "N/m", "long_name": "coupling stiffness"}
 
 
-def make_chart(
-    system: System,
-    *,
-    speeds: FloatArray,
-    kappas: FloatArray,
-    line: float,
-    folder: Path | None,
-    as_json: bool,
-) -> None:
-    """Chart the growth rate, draw all figures, report the zones.
+def stability_chart(
+    system: System, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
+) -> xr.Dataset:
+    """Growth rate over speed and stiffness, with the zones of an even system.
 
     Args:
         system: the coupled modes.
-        speeds: in multiples of the reference frequency, ascending.
+        omegas: speeds [rad/s], ascending.
         kappas: spring stiffnesses [N/m], ascending.
-        line: stiffness along which eigenvalues are drawn [N/m].
-        folder: where figures and data go; none are made when None.
-        as_json: print one JSON document instead of a line on each zone.
+        progress: called with the points done and the points in all.
     """
-    omegas = speeds * system.reference
-    zones = zones_of(system, system.modes, omegas, kappas)
-    with progress_bar(quiet=as_json) as bar:
-        task = bar.add_task("growth rates", total=omegas.size * kappas.size)
-        grid = stability_chart(
-            system.modes,
-            speeds=omegas,
-            kappas=kappas,
-            with_pi=system.with_pi,
-            progress=lambda done, _: bar.update(task, completed=done),
+    growth = system.growth(omegas, kappas, progress)
+    data = _ranges(omegas, kappas, system.reference)
+    if isinstance(system, EvenSystem):
+        data = zones(system, system.modes, omegas, kappas)
+    return (
+        data.assign(growth=(("kappa", "speed"), growth, GROWTH))
+        .assign_coords(
+            kappa=("kappa", kappas, STIFFNESS),
+            speed=("speed", omegas / system.reference, MULTIPLES),
         )
-    chart = chart_dataset(grid, zones)
-    if folder is not None:
-        folder.mkdir(parents=True, exist_ok=True)
-        save_figure(plot_chart(chart), folder / "stability", chart)
-        draw_spectrum(system, omegas, line, folder)
-        if not system.is_six:
-            truncation = truncation_dataset(zones, zones_of(system, system.six, omegas, kappas))
-            save_figure(plot_truncation(truncation), folder / "truncation", truncation)
-    report = zone_report(chart)
-    if as_json:
-        typer.echo(json.dumps(report | system.options(), indent=2))
-        return
-    for zone in report["zones"]:
-        typer.echo(
-            f"{zone['casing']} + {zone['rotor']}: from {zone['coincidence']:.4g} ω₁; at"
-            f" {zone['kappa'][-1]:.4g} N/m {zone['lower'][-1]:.4g} to {zone['upper'][-1]:.4g} ω₁"
-        )
-    if not report["zones"]:
-        typer.echo("No unstable point in this range.")
-    if folder is not None:
-        typer.echo(f"Wrote {folder}.")
+        .assign_attrs(system.attributes())
+    )
 
 
-def zone_report(chart: xr.Dataset) -> dict[str, Any]:
-    """Borders of the zones, and coincidence speeds, in multiples of the reference frequency."""
-    zones: dict[tuple[str, str], dict[str, Any]] = {}
-    for row in range(chart.sizes["zone"]):
-        here = chart.isel(zone=row)
-        casing, rotor = str(here["zone_casing"].item()), str(here["zone_rotor"].item())
-        zone = zones.setdefault(
-            (casing, rotor),
-            {
-                "casing": casing,
-                "rotor": rotor,
-                "nodal_diameter": here["zone_nodal_diameter"].item(),
-                "coincidence": here["zone_start"].item(),
-                **{name: [] for name in COLUMNS},
-            },
-        )
-        for name in COLUMNS:
-            zone[name].append(here[f"zone_{name}"].item())
-    return {
-        "zones": list(zones.values()),
-        "coincidence_speeds": [
-            {"casing": str(casing), "rotor": str(rotor), "speed": float(speed)}
-            for casing, rotor, speed in zip(
-                *(chart[f"coincidence{part}"].values for part in ("_casing", "_rotor", "")),
-                strict=True,
-            )
-        ],
-        "largest_growth_rate": float(chart["growth"].max()),
-    }
-
-
-def zones_of(
+def zones(
     system: System, modes: CouplingModes, omegas: FloatArray, kappas: FloatArray
 ) -> xr.Dataset:
-    """Borders of the unstable zones of some modes, and coincidence speeds.
+    """Borders of the unstable zones of some modes, and the coincidence speeds they start from.
 
     Args:
         system: the coupled modes that the options belong to.
@@ -137,35 +59,82 @@ def zones_of(
         omegas: speeds [rad/s], ascending.
         kappas: spring stiffnesses [N/m], ascending.
     """
-    borders = np.linspace(kappas[0], kappas[-1], BORDER_STIFFNESSES)
-    zones = unstable_zones(
-        modes, kappas=borders, low=omegas[0], high=omegas[-1], with_pi=system.with_pi
-    )
-    return zones_dataset(zones, modes, speed=omegas, kappa=kappas, reference=system.reference)
-
-
-def draw_spectrum(system: System, omegas: FloatArray, line: float, folder: Path) -> None:
-    """Draw the eigenvalues along a line of constant stiffness, tracked."""
-    zones = unstable_zones(
-        system.modes,
-        kappas=np.array([line]),
+    found = unstable_zones(
+        modes,
+        kappas=np.linspace(kappas[0], kappas[-1], BORDER_STIFFNESSES),
         low=omegas[0],
         high=omegas[-1],
         with_pi=system.with_pi,
     )
-    inside = np.linspace(zones.lower, zones.upper, ZONE_SPEEDS).ravel()
-    along = np.unique(np.append(np.linspace(omegas[0], omegas[-1], LINE_SPEEDS), inside))
-    spectra = eigenvalues(system.modes, speed=along, kappa=line, with_pi=system.with_pi)
-    data = spectrum_dataset(along, track(along, spectra), kappa=line, reference=system.reference)
-    save_figure(plot_spectrum(data), folder / "spectrum", data)
+    names, unit = np.array(modes.name), system.reference
+    pairs = coincidence_speeds(modes)
+    casings, rotors = np.array(list(pairs), dtype=np.int64).reshape(-1, 2).T
+    coincidence = MULTIPLES | {"long_name": "coincidence speed, Eq. (14)"}
+    starts = [pairs[pair] / unit for pair in zip(found.casing, found.rotor, strict=True)]
+    return _ranges(omegas, kappas, unit).assign(
+        zone_kappa=("zone", found.kappa, {"units": "N/m"}),
+        zone_lower=("zone", found.lower / unit, MULTIPLES),
+        zone_upper=("zone", found.upper / unit, MULTIPLES),
+        zone_growth=("zone", found.growth, {"units": "1/s"}),
+        zone_nodal_diameter=("zone", modes.nodal_diameter[found.casing]),
+        zone_casing=("zone", names[found.casing]),
+        zone_rotor=("zone", names[found.rotor]),
+        zone_start=("zone", np.array(starts), coincidence),
+        coincidence=("pair", np.array([*pairs.values()]) / unit, coincidence),
+        coincidence_nodal_diameter=("pair", modes.nodal_diameter[casings]),
+        coincidence_casing=("pair", names[casings]),
+        coincidence_rotor=("pair", names[rotors]),
+    )
 
 
-def progress_bar(*, quiet: bool) -> Progress:
-    """A progress bar on standard error."""
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-        console=Console(stderr=True, quiet=quiet),
+def _ranges(omegas: FloatArray, kappas: FloatArray, reference: float) -> xr.Dataset:
+    """An empty chart of a range."""
+    return xr.Dataset(
+        attrs={
+            "title": "stability chart",
+            "reference_frequency": reference,
+            "speed_range": [omegas[0] / reference, omegas[-1] / reference],
+            "kappa_range": [kappas[0], kappas[-1]],
+        }
+    )
+
+
+def truncation(whole: xr.Dataset, few: xr.Dataset) -> xr.Dataset:
+    """Zones of all modes and of a few of them, told apart by `zone_of`, "all" or "few"."""
+    parts = [
+        data[[str(name) for name in data.data_vars if str(name).startswith("zone_")]].assign(
+            zone_of=("zone", np.full(data.sizes["zone"], label))
+        )
+        for label, data in (("all", whole), ("few", few))
+    ]
+    return xr.concat(parts, dim="zone").assign_attrs(title="what truncation hides")
+
+
+def spectrum_along(system: EvenSystem, omegas: FloatArray, kappa: float) -> xr.Dataset:
+    """Eigenvalues along a line of constant stiffness, each branch tracked.
+
+    Args:
+        system: the coupled modes.
+        omegas: range of speeds [rad/s], ascending; others come between them.
+        kappa: spring stiffness [N/m].
+    """
+    low, high = omegas[0], omegas[-1]
+    found = unstable_zones(
+        system.modes, kappas=np.array([kappa]), low=low, high=high, with_pi=system.with_pi
+    )
+    inside = np.linspace(found.lower, found.upper, ZONE_SPEEDS).ravel()
+    along = np.unique(np.append(np.linspace(low, high, LINE_SPEEDS), inside))
+    spectra = eigenvalues(system.modes, speed=along, kappa=kappa, with_pi=system.with_pi)
+    branches, plane = track(along, spectra), ("speed", "branch")
+    return xr.Dataset(
+        data_vars={
+            "real": (plane, branches.real, {"units": "1/s", "long_name": "growth rate"}),
+            "imaginary": (plane, branches.imag, {"units": "rad/s", "long_name": "frequency"}),
+        },
+        coords={"speed": ("speed", along / system.reference, MULTIPLES)},
+        attrs={
+            "title": "eigenvalues in the invariant frame",
+            "kappa": kappa,
+            "reference_frequency": system.reference,
+        },
     )

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from bladewhirl.postprocess.modal.motion import radial_shapes
-from bladewhirl.solvers.stability.coupled_modes import coupled_modes, coupled_motion
 from bladewhirl.solvers.stability.growth import (
     UNSTABLE_GROWTH,
     eigenvalues,
     growth_rate,
     is_unstable,
-    stability_chart,
 )
 from bladewhirl.solvers.stability.zones import UnstableZones, unstable_zones
-from bladewhirl.studies.modal.coupled_mode import whirl_records
+from bladewhirl.studies.modal.coupled_mode import divergent_motion
 from bladewhirl.studies.paper.claim import (
     Check,
     Finding,
@@ -309,26 +306,26 @@ def no_instability_beside_the_zones(evidence: Evidence) -> Finding:
     """
     system, zones = evidence.system, _zones(evidence)
     speeds = np.linspace(*RANGE, 600) * system.reference
-    chart = stability_chart(system.modes, speeds=speeds, kappas=KAPPAS, with_pi=system.with_pi)
-    inside = np.zeros(chart.unstable.shape, dtype=bool)
+    unstable = is_unstable(system.growth(speeds, KAPPAS), speeds)
+    inside = np.zeros(unstable.shape, dtype=bool)
     for zone in zones.values():
         for kappa, lower, upper in zip(zone.kappa, zone.lower, zone.upper, strict=True):
             row = int(np.argmin(np.abs(KAPPAS - kappa)))
             inside[row] |= (speeds >= lower) & (speeds <= upper)
-    outside = int(np.count_nonzero(chart.unstable & ~inside))
+    outside = int(np.count_nonzero(unstable & ~inside))
     modes = system.modes
     casing = float(modes.frequency[modes.on_casing].min())
     alike = (modes.frequency - casing)[~modes.on_casing] / modes.nodal_diameter[~modes.on_casing]
     around = np.concatenate([BESIDE * system.reference + speed for speed in alike])
-    close = stability_chart(modes, speeds=around, kappas=KAPPAS, with_pi=system.with_pi)
+    close = is_unstable(system.growth(around, KAPPAS), around)
     listed = " and ".join(f"{speed / system.reference:.3g}" for speed in alike)
     return Finding(
-        ours=f"{outside} of {chart.unstable.size} points unstable outside zones A and B,"
-        f" {np.count_nonzero(close.unstable)} of {close.unstable.size} around {listed}, where"
+        ours=f"{outside} of {unstable.size} points unstable outside zones A and B,"
+        f" {np.count_nonzero(close)} of {close.size} around {listed}, where"
         " backward waves coincide",
         checks=(
             at_most("unstable points outside the zones", outside, 0),
-            at_most("where backward waves coincide", int(np.count_nonzero(close.unstable)), 0),
+            at_most("where backward waves coincide", int(np.count_nonzero(close)), 0),
         ),
     )
 
@@ -346,18 +343,7 @@ def divergent_mode(evidence: Evidence) -> Finding:
     system = evidence.system
     if not is_unstable(_example_growth(evidence), _example_speed(evidence)):
         return Finding(ours="–", obstacle="the paper's example point is stable")
-    mode = coupled_modes(
-        system.modes,
-        speed=_example_speed(evidence),
-        kappa=EXAMPLE["kappa"],
-        with_pi=system.with_pi,
-    )[0]
-    motion = coupled_motion(
-        mode,
-        time=whirl_records(mode),
-        shapes=radial_shapes(system.stage),
-        clearance=evidence.modal_case.casing.clearance,
-    )
+    motion = divergent_motion(system, _example_speed(evidence), EXAMPLE["kappa"])
     lead = abs(float(np.degrees(motion.shaft_lead[-1])))
     found = {
         "wave on the bladed disk": (motion.rotor_wave_speed, "backward"),

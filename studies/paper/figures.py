@@ -10,15 +10,15 @@ from pathlib import Path
 import numpy as np
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.modal.stability import chart_dataset, plot_chart
+from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.sweep.figures import SweepFigures
-from bladewhirl.solvers.stability.coupled_modes import coupled_modes
-from bladewhirl.solvers.stability.growth import is_unstable, stability_chart
+from bladewhirl.solvers.stability.growth import is_unstable
 from bladewhirl.studies.modal.campbell import campbell, draw_campbell
+from bladewhirl.studies.modal.coupled_mode import fastest_mode
 from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
-from bladewhirl.studies.modal.stability_chart import draw_spectrum, zones_of
+from bladewhirl.studies.modal.stability_chart import spectrum_along, stability_chart
 from bladewhirl.studies.modal.veering import draw_veering, veering
 from bladewhirl.studies.paper.claims_modal import EXAMPLE, RANGE
 from bladewhirl.studies.paper.claims_truncated import DISTORTED, DIVERGING, UNBALANCED
@@ -115,33 +115,22 @@ def _draw_campbell(evidence: Evidence, folder: Path) -> None:
 def _draw_chart(evidence: Evidence, folder: Path) -> None:
     system = evidence.system
     omegas = CHART_SPEEDS * system.reference
-    grid = stability_chart(system.modes, speeds=omegas, kappas=CHART_KAPPAS, with_pi=system.with_pi)
-    chart = chart_dataset(grid, zones_of(system, system.modes, omegas, CHART_KAPPAS))
+    chart = stability_chart(system, omegas, CHART_KAPPAS)
     point = (EXAMPLE["speed"], EXAMPLE["kappa"])
     save_figure(plot_chart(chart, point), folder / "stability", chart)
-    draw_spectrum(system, omegas, EXAMPLE["kappa"], folder)
+    line = spectrum_along(system, omegas, EXAMPLE["kappa"])
+    save_figure(plot_spectrum(line), folder / "spectrum", line)
 
 
 def _draw_coupled_mode(evidence: Evidence, folder: Path) -> None:
-    from bladewhirl.studies.modal.coupled_mode import draw_coupled_mode  # takes long to load
+    # This takes long to load.
+    from bladewhirl.studies.modal.coupled_mode_figures import draw_coupled_mode
 
     system = evidence.system
-    mode = coupled_modes(
-        system.modes,
-        speed=EXAMPLE["speed"] * system.reference,
-        kappa=EXAMPLE["kappa"],
-        with_pi=system.with_pi,
-    )[0]
-    if not is_unstable(mode.eigenvalue.real, mode.speed):
+    omega, kappa = EXAMPLE["speed"] * system.reference, EXAMPLE["kappa"]
+    if not is_unstable(fastest_mode(system, omega, kappa).eigenvalue.real, omega):
         raise NotTestableError("no mode grows at the paper's example point")
-    draw_coupled_mode(
-        system.stage,
-        mode,
-        system.stage.springs(EXAMPLE["kappa"], with_pi=system.with_pi),
-        folder,
-        reference=system.reference,
-        films=False,
-    )
+    draw_coupled_mode(system, omega, kappa, folder, films=False)
 
 
 def _draw_run(trial: str, name: str, evidence: Evidence, folder: Path) -> None:

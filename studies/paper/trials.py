@@ -18,7 +18,7 @@ from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.measures import Motion
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
-from bladewhirl.studies.modal.coupled_system import System, couple
+from bladewhirl.studies.modal.coupled_system import EvenSystem, couple_even
 from bladewhirl.studies.paper.cases import changed
 from bladewhirl.studies.paper.modal_numbers import ModalClaims, modal_claims
 from bladewhirl.studies.sweeps.cache import RunStore, run_key
@@ -212,9 +212,9 @@ class Evidence:
         return modal_claims(self.modal_case)
 
     @cached_property
-    def system(self) -> System:
+    def system(self) -> EvenSystem:
         """Its six coupled modes, undamped as in Eq. (15)."""
-        return couple(self.modal_case, chosen="six", damped=False, with_pi=True, physical=False)
+        return couple_even(self.stage, modes="six", damped=False, with_pi=True, physical=False)
 
     def case(self, name: str) -> Case:
         """Case of a march, in this repeat."""

@@ -26,12 +26,12 @@ from bladewhirl.postprocess.fields.moving_stage import stage_dataset
 from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
 from bladewhirl.postprocess.modal.mode_shapes import Outline, animate_mode, plot_mode_shapes
 from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion
-from bladewhirl.postprocess.modal.scenarios import plot_scenario, scenario_dataset
+from bladewhirl.postprocess.modal.scenarios import plot_scenario
 from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.solvers.stability.coupled_modes import phase_rate, wave_coefficient
 from bladewhirl.studies.modal.campbell import campbell
-from bladewhirl.studies.modal.scenarios import whirling_modes
+from bladewhirl.studies.modal.scenarios import scenario_dataset, whirling_modes
 from bladewhirl.studies.modal.veering import veering
 
 RECORDS = np.arange(PICTURES)

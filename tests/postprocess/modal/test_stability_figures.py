@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -12,27 +13,16 @@ from matplotlib.collections import PolyCollection, QuadMesh
 from synthetic_result import synthetic_result
 
 from bladewhirl.models.coupling.springs import CouplingModes, paper_modes
-from bladewhirl.postprocess.modal.coupled_modes import (
-    motion_dataset,
-    plot_orbits,
-    plot_phases,
-    plot_shapes,
-)
-from bladewhirl.postprocess.modal.stability import (
-    chart_dataset,
-    plot_chart,
-    plot_spectrum,
-    plot_truncation,
-    spectrum_dataset,
-    truncation_dataset,
-    zones_dataset,
-)
+from bladewhirl.models.coupling.stage_modes import StageModes
+from bladewhirl.postprocess.modal.coupled_modes import plot_orbits, plot_phases, plot_shapes
+from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum, plot_truncation
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion
-from bladewhirl.solvers.stability.growth import eigenvalues, stability_chart
-from bladewhirl.solvers.stability.tracking import track
-from bladewhirl.solvers.stability.zones import unstable_zones
+from bladewhirl.solvers.stability.growth import growth_rate
+from bladewhirl.studies.modal.coupled_mode import motion_dataset
+from bladewhirl.studies.modal.coupled_system import EvenSystem
+from bladewhirl.studies.modal.stability_chart import spectrum_along, stability_chart, truncation
 
 UNIT = 250.0
 
@@ -41,13 +31,22 @@ def six_modes() -> CouplingModes:
     return paper_modes(casing=0.055 * UNIT, first_flexural=UNIT, suspension=2.5 * UNIT)
 
 
+def system(modes: CouplingModes) -> EvenSystem:
+    """Modes without the finite elements that they come from."""
+    stage = StageModes(
+        modes=modes,
+        family=modes.name,
+        number=np.arange(modes.entries),
+        modal=cast(Any, None),
+    )
+    return EvenSystem(
+        stage=stage, whole=stage, with_pi=True, damped=False, physical=False, reference=UNIT
+    )
+
+
 def chart(modes: CouplingModes, low: float = 0.6, high: float = 3.0) -> xr.Dataset:
     speeds, kappas = np.linspace(low, high, 120) * UNIT, np.linspace(0.0, 1000.0, 30)
-    zones = unstable_zones(modes, kappas=kappas, low=speeds[0], high=speeds[-1])
-    return chart_dataset(
-        stability_chart(modes, speeds=speeds, kappas=kappas),
-        zones_dataset(zones, modes, speed=speeds, kappa=kappas, reference=UNIT),
-    )
+    return stability_chart(system(modes), speeds, kappas)
 
 
 def motion() -> CoupledMotion:
@@ -92,15 +91,13 @@ def test_chart_without_an_unstable_point_can_be_drawn(tmp_path: Path) -> None:
 
 
 def test_spectrum_shows_three_types_of_modes(tmp_path: Path) -> None:
-    speeds = np.linspace(0.6, 3.0, 400) * UNIT
-    branches = track(speeds, eigenvalues(six_modes(), speed=speeds, kappa=500.0))
-    data = spectrum_dataset(speeds, branches, kappa=500.0, reference=UNIT)
+    data = spectrum_along(system(six_modes()), np.array([0.6, 3.0]) * UNIT, 500.0)
     figure = plot_spectrum(data)
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["oscillatory", "damped", "divergent"]
     drawn = np.array([line.get_ydata() for line in figure.axes[0].lines], dtype=np.float64)
-    assert np.nanmax(drawn) == pytest.approx(branches.real.max())
-    assert np.nanmin(drawn) == pytest.approx(branches.real.min())
+    growth = growth_rate(six_modes(), speed=data["speed"].values * UNIT, kappa=500.0).max()
+    assert [np.nanmin(drawn), np.nanmax(drawn)] == pytest.approx([-growth, growth])
     save_figure(figure, tmp_path / "spectrum", data)
 
 
@@ -112,7 +109,7 @@ def test_truncation_shows_zones_that_six_modes_hide(tmp_path: Path) -> None:
         name=six.name + second.name,
         **{name: np.concatenate([getattr(six, name), getattr(second, name)]) for name in names},
     )
-    data = truncation_dataset(chart(whole), chart(six))
+    data = truncation(chart(whole), chart(six))
     figure = plot_truncation(data)
     fills = figure.axes[0].collections
     outlines = figure.axes[0].lines

@@ -15,7 +15,6 @@ from bladewhirl.solvers.stability.growth import (
     eigenvalues,
     growth_rate,
     is_unstable,
-    stability_chart,
 )
 from bladewhirl.solvers.stability.tracking import track
 from bladewhirl.solvers.stability.zones import unstable_zones
@@ -185,21 +184,22 @@ def test_modes_of_one_body_or_of_k_0_have_no_zones() -> None:
         assert zones.kappa.size == 0
 
 
-def test_chart_is_the_growth_rate_on_a_grid_and_reports_progress() -> None:
+def test_growth_on_a_grid_reports_progress() -> None:
     speeds, kappas = np.linspace(0.6, 3.0, 90) * UNIT, np.linspace(0.0, 1000.0, 100)
     calls: list[tuple[int, int]] = []
-    chart = stability_chart(
+    growth = growth_rate(
         six_modes(),
-        speeds=speeds,
-        kappas=kappas,
+        speed=speeds,
+        kappa=kappas[:, None],
         progress=lambda done, of: calls.append((done, of)),
     )
-    assert chart.growth.shape == (100, 90)
-    assert chart.growth[40, 33] == growth_rate(six_modes(), speed=speeds[33], kappa=kappas[40])
+    assert growth.shape == (100, 90)
+    assert growth[40, 33] == growth_rate(six_modes(), speed=speeds[33], kappa=kappas[40])
     assert calls[-1] == (9000, 9000)
     assert len(calls) > 1
-    assert not chart.unstable[0].any()
-    assert chart.unstable[-1].any()
+    unstable = is_unstable(growth, speeds)
+    assert not unstable[0].any()
+    assert unstable[-1].any()
 
 
 def test_growth_adds_nothing_across_nodal_diameters() -> None:

@@ -1,9 +1,10 @@
-"""Coupled modes of stages that no frame holds still, against those that one does and by hand."""
+"""Coupled modes that mix nodal diameters, against those of one each, Floquet theory and by hand."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -11,18 +12,19 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 from places import EXAMPLES
+from scipy.integrate import solve_ivp
 from typer.testing import CliRunner
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
-from bladewhirl.models.coupling.periodic import UnevenSystem, uneven_system
 from bladewhirl.models.coupling.stage_modes import stage_modes
+from bladewhirl.models.coupling.stage_waves import coupled_waves, standing_obstacles
+from bladewhirl.models.coupling.waves import CoupledWaves
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
-from bladewhirl.solvers.stability.floquet import coupled_floquet
+from bladewhirl.solvers.stability.floquet import coupled_floquet, wave_exponents
 from bladewhirl.solvers.stability.growth import growth_rate
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.modal.stability_periodic import exponents, stands_still
 
 RUNNER = CliRunner()
 SMALL = {
@@ -56,19 +58,20 @@ def test_on_an_even_stage_it_is_the_same(
     even = stage_modes(modal, damping_ratio=0.005)
     even = even if modes == "all" else even.six_modes()
     even = even if physical else even.with_unit_amplitudes()
-    system = uneven_system(modal, modes=modes, damped=True, physical=physical)
+    system = coupled_waves(modal, modes=modes, damped=True, physical=physical)
     assert len(system.frequency) == even.modes.size
     omega = speed * modal.reference_frequency
     turns = coupled_floquet(even.modes, speed=omega, kappa=kappa)
-    found = exponents(system, speed=omega, kappa=kappa)
-    assert found.real.max() == pytest.approx(
-        max(float(turn.growth) for turn in turns.values()), abs=1e-9 * omega
-    )
-    exact = growth_rate(even.modes, speed=omega, kappa=kappa)
-    assert found.real.max() == pytest.approx(float(exact), abs=1e-8 * omega)
+    expected = max(float(turn.growth) for turn in turns.values())
+    exact = float(growth_rate(even.modes, speed=omega, kappa=kappa))
+    assert system.turning is not None
+    for waves in (system, replace(system, turning=None)):  # autonomous, periodic
+        growth = wave_exponents(waves, speed=omega, kappa=kappa).real.max()
+        assert growth == pytest.approx(expected, abs=1e-9 * omega)
+        assert growth == pytest.approx(exact, abs=1e-8 * omega)
 
 
-def by_angles(system: UnevenSystem, angle: float, kappa: float) -> FloatArray:
+def by_angles(system: CoupledWaves, angle: float, kappa: float) -> FloatArray:
     """kappa times the integral of (w - u)^2, static angle by angle."""
     stiffness = np.diag(system.frequency**2)
     count = 400
@@ -83,7 +86,7 @@ def by_angles(system: UnevenSystem, angle: float, kappa: float) -> FloatArray:
 
 
 def test_modes_of_an_uneven_casing_are_coupled_by_all_their_waves() -> None:
-    system = uneven_system(uneven(RIB), modes="all", damped=False, physical=True)
+    system = coupled_waves(uneven(RIB), modes="all", damped=False, physical=True)
     waves = np.linalg.norm(system.casing[:, :, -1], axis=1)
     assert np.count_nonzero(waves > 1e-3 * waves.max()) > 2
     for angle in (0.0, 0.7):
@@ -103,8 +106,8 @@ def test_a_slightly_uneven_stage_is_near_the_even_one() -> None:
     assert not modal.casing.structure.is_cyclic
     omega = 1.17 * modal.reference_frequency
     even = stage_modes(tuned(), damping_ratio=0.0).six_modes().with_unit_amplitudes().modes
-    system = uneven_system(modal, modes="six", damped=False, physical=False)
-    growth = exponents(system, speed=omega, kappa=500.0).real.max()
+    system = coupled_waves(modal, modes="six", damped=False, physical=False)
+    growth = wave_exponents(system, speed=omega, kappa=500.0).real.max()
     assert growth == pytest.approx(
         float(growth_rate(even, speed=omega, kappa=500.0)), abs=0.02 * omega
     )
@@ -113,7 +116,7 @@ def test_a_slightly_uneven_stage_is_near_the_even_one() -> None:
 def test_bearings_that_stand_still_excite_whirl_at_the_suspension_frequency() -> None:
     """b^4 - 4 w^2 b^2 = (d/m)^2 of a rigid rotor that turns at w, see tests of the shaft."""
     mass, natural, swing = 2.0, 100.0, 2e3
-    system = UnevenSystem(
+    system = CoupledWaves(
         name=("x", "y"),
         frequency=np.full(2, natural),
         damping=np.zeros((2, 2)),
@@ -124,9 +127,9 @@ def test_bearings_that_stand_still_excite_whirl_at_the_suspension_frequency() ->
         anisotropy=swing,
     )
     roots = np.roots([1.0, 0.0, -4.0 * natural**2, 0.0, -((swing / mass) ** 2)])
-    growth = exponents(system, speed=natural, kappa=0.0).real.max()
+    growth = wave_exponents(system, speed=natural, kappa=0.0).real.max()
     assert growth == pytest.approx(np.abs(roots.imag).max(), rel=1e-6)
-    assert exponents(system, speed=1.3 * natural, kappa=0.0).real.max() < 1e-6
+    assert wave_exponents(system, speed=1.3 * natural, kappa=0.0).real.max() < 1e-6
 
 
 def test_dampers_are_in_the_damping_matrix() -> None:
@@ -136,27 +139,61 @@ def test_dampers_are_in_the_damping_matrix() -> None:
         "shaft.damping": 2e3,
     }
     modal = uneven(changes)
-    assert not stands_still(modal, damped=True)
-    system = uneven_system(modal, modes="all", damped=True, physical=True)
+    assert standing_obstacles(modal, damped=True)
+    system = coupled_waves(modal, modes="all", damped=True, physical=True)
     size = len(system.frequency)
     stiffness = np.diag(system.frequency**2)
     state = np.block([[np.zeros((size, size)), np.eye(size)], [-stiffness, -system.damping]])
     exact = la.eigvals(state)
-    found = exponents(system, speed=0.9 * modal.reference_frequency, kappa=0.0)
+    found = wave_exponents(system, speed=0.9 * modal.reference_frequency, kappa=0.0)
     np.testing.assert_allclose(np.sort(found.real), np.sort(exact.real), atol=1e-4)
-    undamped = uneven_system(modal, modes="all", damped=False, physical=True)
+    undamped = coupled_waves(modal, modes="all", damped=False, physical=True)
     assert not undamped.damping.any()
     assert exact.real.min() < -0.005 * system.frequency.max()
 
 
+@pytest.mark.parametrize("speed", [1.06, 1.3])
+def test_rotating_axes_hold_unlike_blades_still(speed: float) -> None:
+    """Eigenvalues in these axes are the Floquet exponents of a turn in static and rotating ones."""
+    stiffness = [1.0, 1.1, 0.95, 1.0, 1.2, 0.9]
+    modal = uneven({"bladed_disk.mistuning": {"stiffness": stiffness}, "damping.ratio": 0.002})
+    system = coupled_waves(
+        modal, modes="1F,suspension,casing:0,casing:1", damped=True, physical=True
+    )
+    assert system.name == ("casing k=0", "casing k=1", "1F", "suspension")
+    omega, kappa = speed * modal.reference_frequency, 1e5
+    size = len(system.frequency)
+
+    def rate(time: float, flat: FloatArray) -> FloatArray:
+        place, velocity = flat.reshape(2, size, -1)
+        stiffness = system.stiffness(np.array([omega * time]), kappa)[0]
+        return np.ravel([velocity, -stiffness @ place - system.damping @ velocity])
+
+    period = 2.0 * np.pi / omega
+    turn = solve_ivp(
+        rate, (0.0, period), np.eye(2 * size).ravel(), method="DOP853", rtol=1e-10, atol=1e-12
+    ).y[:, -1]
+    multipliers = la.eigvals(turn.reshape(2 * size, 2 * size))
+    expected = np.sort(np.log(np.abs(multipliers))) / period
+    found = np.sort(wave_exponents(system, speed=omega, kappa=kappa).real)
+    np.testing.assert_allclose(found, expected, atol=1e-6 * omega)
+
+
+def test_a_stage_that_nothing_holds_still_has_no_state_matrix() -> None:
+    system = coupled_waves(uneven(RIB), modes="six", damped=False, physical=True)
+    assert system.state_matrix(0.0, 500.0).shape == (2 * len(system.frequency),) * 2
+    with pytest.raises(ValueError, match="no frame holds this stage still"):
+        system.state_matrix(1.0, 500.0)
+
+
 def test_what_a_frame_holds_still() -> None:
-    assert stands_still(tuned(), damped=True)
+    assert not standing_obstacles(tuned(), damped=True)
     bearings = {"shaft.stiffness_y": 1e7, "shaft.frame": "static"}
-    assert not stands_still(uneven(bearings), damped=False)
-    assert stands_still(uneven(bearings | {"shaft.clamped": True}), damped=False)
-    assert stands_still(uneven({"shaft.damping": 10.0}), damped=False)
-    assert not stands_still(uneven({"shaft.damping": 10.0}), damped=True)
-    assert not stands_still(uneven(RIB), damped=False)
+    assert standing_obstacles(uneven(bearings), damped=False)
+    assert not standing_obstacles(uneven(bearings | {"shaft.clamped": True}), damped=False)
+    assert not standing_obstacles(uneven({"shaft.damping": 10.0}), damped=False)
+    assert standing_obstacles(uneven({"shaft.damping": 10.0}), damped=True)
+    assert standing_obstacles(uneven(RIB), damped=False)
 
 
 def test_the_command_looks_at_one_point(tmp_path: Path) -> None:
@@ -170,10 +207,28 @@ def test_the_command_looks_at_one_point(tmp_path: Path) -> None:
     for arguments, said in (
         (["--physical"], "--speed, --kappa and --physical give one point"),
         (point[:-1], "expected --physical"),
-        ([*point, "-o", str(tmp_path / "none")], "is drawn where"),
+        ([*point, "-o", str(tmp_path / "none")], "is drawn where each mode has one"),
         ([*point, "--modes", "1F:77"], "--modes 1F:77: "),
     ):
         result = RUNNER.invoke(app, ["stability", case, *arguments])
+        assert result.exit_code == 2
+        assert said in result.stderr
+        assert len(result.stderr.splitlines()) == 1
+
+
+def test_the_command_charts_unlike_blades(tmp_path: Path) -> None:
+    case, folder = str(EXAMPLES / "mistuned_blades.toml"), tmp_path / "chart"
+    grid = ["--speeds", "0.9:1.5:3", "--kappas", "0:2e5:2"]
+    result = RUNNER.invoke(app, ["stability", case, "--physical", *grid, "-o", str(folder)])
+    assert result.exit_code == 0, result.output
+    assert "Largest growth rate" in result.stdout
+    assert (folder / "stability.png").is_file()
+    for arguments, said in (
+        ([], "expected --physical where blades differ"),
+        (["--physical", "--modes", "1F"], "--modes 1F: expected modes of both bodies"),
+        (["--physical", "--modes", "99F"], "--modes 99F: families of the bladed disk are"),
+    ):
+        result = RUNNER.invoke(app, ["stability", case, "--speed", "1", "--kappa", "1", *arguments])
         assert result.exit_code == 2
         assert said in result.stderr
         assert len(result.stderr.splitlines()) == 1

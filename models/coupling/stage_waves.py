@@ -1,0 +1,174 @@
+"""The modes of a stage whose nodal diameters mix, as the springs between rotor and casing see them.
+
+See `waves` for the equations, `stage_modes` for stages whose modes have one nodal diameter each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.ring_mesh import U, W
+from bladewhirl.models.coupling.stage_modes import FAMILIES, SMALLEST_AMPLITUDE, is_radial
+from bladewhirl.models.coupling.waves import CoupledWaves
+from bladewhirl.models.elements.cyclic import evenly_spaced, wave_parts
+from bladewhirl.models.inputs.mode_names import ALL, SIX, NamedModes, chosen_modes
+from bladewhirl.models.modal.full_stage import ModalStage
+from bladewhirl.models.modal.labels import LabelledModes
+
+
+def standing_obstacles(modal: ModalStage, *, damped: bool) -> tuple[str, ...]:
+    """Reasons why no frame holds a coupled stage still, in words; none where one does.
+
+    The casing must be the same all round, shaft springs that stand still must be equal, and
+    damping must be shared out by modes.
+
+    Args:
+        modal: finite element models with their modes.
+        damped: whether dampers count.
+    """
+    shaft, casing = modal.case.shaft, modal.casing
+    found = []
+    if not casing.structure.is_cyclic:
+        found.append("the casing is not the same all round")
+    if shaft.anisotropy != 0.0 and not shaft.clamped:
+        found.append("the shaft springs that stand still differ")
+    if damped and (casing.dampers.shape[0] or (any(shaft.dampings) and not shaft.clamped)):
+        found.append("with --damped there are dampers")
+    return tuple(found)
+
+
+def coupled_waves(modal: ModalStage, *, modes: str, damped: bool, physical: bool) -> CoupledWaves:
+    """Couple modes of a full stage, whatever its symmetry.
+
+    Where a frame holds the stage still, springs act in the nodal diameters of the casing modes.
+
+    Args:
+        modal: finite element models with their modes.
+        modes: "all" (of 1F to 5F, the suspension and the lowest radial casing modes; without
+            sectors, that name them, as many of the lowest), names as in `reduction.modes`, or
+            "six": the paper's, or, where blades differ, all modes of their families.
+        damped: with the case's modal damping and the dampers of shaft and supports.
+        physical: with the modes' own amplitudes, not one for the wave of each one's label.
+
+    Raises:
+        ValueError: modes that the stage does not have, or blades at uneven angles.
+    """
+    case, disk, casing = modal.case, modal.disk, modal.casing
+    if not evenly_spaced(disk.tip_angles):
+        raise ValueError("springs between the bodies need blades at equal angles")
+    still = not standing_obstacles(modal, damped=damped)
+    most = min(len(disk.tip_angles) // 2, (len(casing.mesh.angles) - 1) // 2)
+    harmonics: IntArray = np.arange(most + 1)
+    disk_modes, casing_modes = modal.disk_modes, modal.casing_modes
+    by_family = still and bool(np.any(disk.blade_columns(disk_modes.column) < 0))
+    on_rotor, on_casing = _chosen(modal, modes, harmonics, by_family=by_family)
+    on_rotor, tips, rotor_waves = _with_waves(
+        disk_modes, on_rotor, lambda fields: fields[disk.tip_radial], disk.tip_angles, harmonics
+    )
+    on_casing, wall, casing_waves = _with_waves(
+        casing_modes,
+        on_casing,
+        lambda fields: casing.nodal(fields)[:, W],
+        casing.mesh.angles,
+        harmonics,
+    )
+    if still:
+        kept = np.isin(harmonics, casing_modes.nodal_diameter[on_casing])
+        harmonics = harmonics[kept]
+        rotor_waves, casing_waves = rotor_waves[kept], casing_waves[kept]
+    if not (rotor_waves.any() and casing_waves.any()):
+        raise ValueError(f"{modes}: expected modes of both bodies that springs couple")
+    if not physical:
+        rotor_waves = rotor_waves / np.linalg.norm(rotor_waves, axis=(0, 1))
+        casing_waves = casing_waves / np.linalg.norm(casing_waves, axis=(0, 1))
+    frequency = np.concatenate([disk_modes.frequency[on_rotor], casing_modes.frequency[on_casing]])
+    first, size = len(on_rotor), len(frequency)
+    rotor, ring = np.zeros((2, len(harmonics), 2, size))
+    rotor[..., :first], ring[..., first:] = rotor_waves, casing_waves
+    centre, damping = np.zeros((2, size)), np.zeros((size, size))
+    if not case.shaft.clamped:
+        centre[:, :first] = tips[disk.centre]
+    if damped:
+        held = np.zeros((casing.dampers.shape[0], size))
+        held[:, first:] = casing.dampers @ wall
+        rows = np.vstack([np.sqrt(case.shaft.dampings)[:, None] * centre, held])
+        damping = np.diag(2.0 * case.damping.ratio * frequency) + rows.T @ rows
+    return CoupledWaves(
+        name=_names(modal, on_rotor, on_casing, by_family=by_family),
+        frequency=frequency,
+        damping=damping,
+        harmonics=harmonics,
+        casing=ring,
+        rotor=rotor,
+        centre=centre,
+        anisotropy=0.0 if case.shaft.clamped else case.shaft.anisotropy,
+        turning=_turning(casing_modes.column[on_casing], first) if still else None,
+    )
+
+
+def _chosen(
+    modal: ModalStage, modes: str, harmonics: IntArray, *, by_family: bool
+) -> tuple[IntArray, IntArray]:
+    """Numbers of the modes of bladed disk and casing that a choice means."""
+    disk, casing = modal.disk_modes, modal.casing_modes
+    fields = modal.casing.nodal(casing.fields(np.arange(casing.count)))
+    radial = is_radial(fields[:, W], fields[:, U])
+    lowest = {
+        int(k): np.flatnonzero(radial & (casing.nodal_diameter == k))[: 2 if k else 1]
+        for k in harmonics
+    }
+    lowest = {k: found for k, found in lowest.items() if found.size}
+    if modes == ALL and disk.layout is None:
+        count = min((len(FAMILIES) + 1) * len(modal.disk.tip_angles), disk.count)
+        return np.arange(count), np.sort(np.concatenate([*lowest.values()]))
+    if modes == ALL or (modes == SIX and by_family):
+        wanted = ("suspension", *FAMILIES) if modes == ALL else ("suspension", "1F")
+        families = [name for name in wanted if name in disk.family]
+        modes = ",".join([*families, "casing" if modes == ALL else "casing:1"])
+    return chosen_modes(
+        modes,
+        NamedModes(family=disk.family, nodal_diameter=disk.nodal_diameter),
+        NamedModes(family=casing.family, nodal_diameter=casing.nodal_diameter),
+        lowest,
+    )
+
+
+def _with_waves(
+    modes: LabelledModes,
+    chosen: IntArray,
+    radial: Callable[[FloatArray], FloatArray],
+    angle: FloatArray,
+    harmonics: IntArray,
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Modes that move radially, their fields and waves; the others feel no spring."""
+    fields = modes.fields(chosen)
+    waves = wave_parts(radial(fields), angle, harmonics)
+    size = np.linalg.norm(waves, axis=(0, 1))
+    moving = size > SMALLEST_AMPLITUDE * size.max(initial=0.0)
+    return chosen[moving], fields[:, moving], waves[..., moving]
+
+
+def _names(
+    modal: ModalStage, on_rotor: IntArray, on_casing: IntArray, *, by_family: bool
+) -> tuple[str, ...]:
+    disk, casing = modal.disk_modes, modal.casing_modes
+    if by_family:
+        wall = [f"casing k={k}" for k in np.unique(casing.nodal_diameter[on_casing])]
+        names = [*wall, *(disk.family[i] for i in on_rotor)]
+    else:
+        names = [f"{disk.family[i]} k={disk.nodal_diameter[i]}" for i in on_rotor]
+        names += [f"casing {casing.family[i]} k={casing.nodal_diameter[i]}" for i in on_casing]
+    return tuple(dict.fromkeys(names))
+
+
+def _turning(column: IntArray, first: int) -> FloatArray:
+    """J of casing modes whose DFT columns are given, the first one in a given place."""
+    size = first + len(column)
+    turning = np.zeros((size, size))
+    for cosine in np.flatnonzero(column % 2 == 1):
+        k, place = (column[cosine] + 1) // 2, first + cosine
+        turning[place + 1, place], turning[place, place + 1] = k, -k
+    return turning

@@ -1,0 +1,66 @@
+"""The divergent mode at one speed and coupling stiffness, in time: figures and films."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.postprocess.modal.coupled_modes import plot_orbits, plot_phases, plot_shapes
+from bladewhirl.postprocess.modal.motion import coupled_mode_motion
+from bladewhirl.postprocess.paraview.series import export_vtk
+from bladewhirl.postprocess.pictures.render import animation_records, render_animation
+from bladewhirl.postprocess.plotting.style import save_figure
+from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.solvers.stability.coupled_modes import CoupledMotion
+from bladewhirl.studies.modal.coupled_mode import divergent_motion, fastest_mode, motion_dataset
+from bladewhirl.studies.modal.coupled_system import EvenSystem
+from bladewhirl.studies.runs.folder import case_files
+
+ANIMATION = "animation.gif"
+MOTION_NAME = "mode.nc"
+
+SHAPES = 4
+"""Deformed shapes side by side, over one turn of the whirl."""
+
+
+def draw_coupled_mode(
+    system: EvenSystem, omega: float, kappa: float, folder: Path, *, films: bool
+) -> None:
+    """Draw the fastest growing coupled mode in time, with its data, into a folder.
+
+    Args:
+        system: the coupled modes.
+        omega: speed [rad/s].
+        kappa: spring stiffness [N/m]; a mode grows there.
+        folder: where to; made where it is not there.
+        films: write a VTK series and a GIF too.
+    """
+    part = system.of_diameter(fastest_mode(system, omega, kappa).nodal_diameter)
+    stage = part.stage
+    motion = divergent_motion(part, omega, kappa)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in case_files(stage.modal.case).items():
+        (folder / name).write_bytes(content)
+    moving = coupled_mode_motion(stage, motion, stage.springs(kappa, with_pi=system.with_pi))
+    moving.to_netcdf(folder / MOTION_NAME, engine="h5netcdf")
+    measured = motion_dataset(motion, reference=system.reference)
+    save_figure(plot_phases(measured), folder / "phases", measured)
+    records = _one_whirl(motion)
+    shapes = moving.isel(time=records)[["gap", "rotor_displacement", "casing_displacement"]]
+    save_figure(plot_shapes(moving, records), folder / "shapes", shapes)
+    if motion.nodal_diameter == 1:
+        orbit = shaft_orbit(moving)
+        save_figure(plot_orbits(orbit), folder / "orbit", orbit)
+    if films:
+        export_vtk(moving, folder / "vtk")
+        render_animation(moving, folder / ANIMATION, animation_records(moving))
+
+
+def _one_whirl(motion: CoupledMotion) -> IntArray:
+    """Records spread over the last turn of the wave on the rotor, as seen in the static frame."""
+    rate = abs(motion.rotor_wave_speed + motion.speed)
+    span = min(2.0 * np.pi / rate if rate else np.inf, motion.time[-1])
+    instants = motion.time[-1] - span * np.arange(SHAPES)[::-1] / SHAPES
+    return np.asarray(np.searchsorted(motion.time, instants), dtype=np.int64)
