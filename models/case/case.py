@@ -15,7 +15,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, StrictStr, model_seri
 
 from bladewhirl.models.case.analysis import Contact, Coupling, Damping, Initial, March, Reduction
 from bladewhirl.models.case.bladed_disk import BladedDisk, DiskSection
-from bladewhirl.models.case.casing import Casing, Lobe
+from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.excitation import (
     CasingDistortion,
     ExcitationTable,
@@ -27,6 +27,7 @@ from bladewhirl.models.case.shaft import Shaft
 from bladewhirl.models.case.sketch import SketchTable
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.units import handy
+from bladewhirl.models.sections.around_ring import Lobe
 from bladewhirl.models.sections.materials import BeamSection, Material
 
 __all__ = [

@@ -11,10 +11,8 @@ from pydantic import Field
 from bladewhirl.models.inputs.fields import (
     Angle,
     DampingOrZero,
-    Density,
     Length,
     LengthOrZero,
-    Modulus,
     StiffnessOrZero,
     count,
     quantity,
@@ -22,7 +20,7 @@ from bladewhirl.models.inputs.fields import (
 )
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.units import handy
-from bladewhirl.models.sections.around_ring import Lobes, RingProfile
+from bladewhirl.models.sections.around_ring import Lobe, RingProfile
 from bladewhirl.models.sections.materials import BeamSection
 from bladewhirl.models.sections.wall import TURN, Arc
 
@@ -37,36 +35,11 @@ QUARTER = np.pi / 2.0
 """A quarter turn [rad]."""
 
 
-class Lobe(Table):
-    """Waves around the ring: amplitude * cos(lobes * (angle - phase)); 2 lobes are an ellipse."""
-
-    lobes: Annotated[int, count(1)] = Field(description="Number of waves around the ring.")
-    amplitude: LengthOrZero = Field(description="Height of a crest [m].")
-    phase: Angle = Field(default=0.0, description="Angle of a crest from the x axis [rad].")
-
-
 class Station(Table):
     """The wall's thickness at an angle."""
 
     angle: Angle = Field(description="From the x axis [rad].")
     thickness: Length = Field(description="Size in the plane of motion [m].")
-
-
-class StiffenedArc(Table):
-    """A stretch of wall of another section or material; keys left out are as elsewhere."""
-
-    start: Angle = Field(description="Angle from the x axis at which it begins [rad].")
-    end: Angle = Field(description="Angle at which it ends, at most a turn further on [rad].")
-    thickness: Length | None = Field(default=None, description="Size in the plane [m].")
-    width: Length | None = Field(default=None, description="Size out of the plane [m].")
-    young_modulus: Modulus | None = Field(default=None, description="Young's modulus [Pa].")
-    density: Density | None = Field(default=None, description="Density [kg/m3].")
-
-    def inconsistencies(self) -> Iterator[Inconsistency]:
-        """An arc without length or of more than a turn."""
-        if not 0.0 < self.end - self.start <= TURN:
-            expected = f"more than start = {self.start:.6g} rad and at most a turn further on"
-            yield Inconsistency("end", expected, ("start",))
 
 
 class SpringSupport(Table):
@@ -145,7 +118,7 @@ class Casing(Table):
         ' "12 mm" }, linear in between and around; where there are any, wall.thickness is unused.',
     )
     stiffened_arcs: Annotated[
-        tuple[StiffenedArc, ...], rows('{ start = "30 deg", end = "60 deg", thickness = "20 mm" }')
+        tuple[Arc, ...], rows('{ start = "30 deg", end = "60 deg", thickness = "20 mm" }')
     ] = Field(
         default=(),
         description='Stretches of wall that differ, rows of { start = "30 deg", end = "60 deg",'
@@ -209,21 +182,16 @@ class Casing(Table):
     @property
     def clearance_profile(self) -> RingProfile:
         """Clearance [m] around the ring."""
-        return RingProfile(mean=self.clearance, lobes=_lobes(self.clearance_lobes))
+        return RingProfile(mean=self.clearance, lobes=self.clearance_lobes)
 
     @property
     def thickness_profile(self) -> RingProfile:
         """Thickness of the wall [m] around the ring, but for the arcs."""
         return RingProfile(
             mean=self.wall.thickness,
-            lobes=_lobes(self.thickness_lobes),
+            lobes=self.thickness_lobes,
             stations=tuple((row.angle, row.thickness) for row in self.thickness_stations),
         )
-
-    @property
-    def wall_arcs(self) -> tuple[Arc, ...]:
-        """Stretches of wall that differ."""
-        return tuple(Arc(**row.model_dump()) for row in self.stiffened_arcs)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Clearance or wall of no size, waves that elements can't follow, arcs that overlap."""
@@ -259,7 +227,7 @@ class Casing(Table):
         places = np.sort(np.mod([row.angle for row in self.thickness_stations], TURN))
         if len(places) > 1 and np.diff(places, append=places[0] + TURN).min() < SAME_ANGLE:
             yield Inconsistency("thickness_stations", "one station at each angle", ())
-        arcs = sorted(self.wall_arcs, key=lambda arc: np.mod(arc.start, TURN))
+        arcs = sorted(self.stiffened_arcs, key=lambda arc: np.mod(arc.start, TURN))
         for arc, following in zip(arcs, [*arcs[1:], *arcs[:1]], strict=True):
             ahead = np.mod(following.start - arc.start, TURN) if len(arcs) > 1 else TURN
             if arc.end - arc.start > ahead + SAME_ANGLE:
@@ -269,7 +237,3 @@ class Casing(Table):
                 )
                 yield Inconsistency("stiffened_arcs", expected, ())
                 break
-
-
-def _lobes(given: tuple[Lobe, ...]) -> tuple[Lobes, ...]:
-    return tuple(Lobes(count=row.lobes, amplitude=row.amplitude, phase=row.phase) for row in given)

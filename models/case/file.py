@@ -157,7 +157,9 @@ def _checked(tables: dict[str, Any], file: str, overrides: Iterable[str]) -> Cas
     for override in overrides:
         try:
             with faults_in(SET):
-                overridden.append(_override(tables, override))
+                key, value = _key_and_value(override)
+                _set(tables, key, value)
+                overridden.append(key)
         except CaseError as error:
             faults += error.faults
     try:
@@ -175,13 +177,6 @@ def _placed(fault: Fault, file: str, overridden: list[str]) -> Fault:
     keys = [f"{key}." for key in overridden]
     set_here = any(place.startswith(key) or key.startswith(place) for key in keys)
     return replace(fault, file=SET if set_here else file)
-
-
-def _override(tables: dict[str, Any], override: str) -> str:
-    """Set one "KEY=VALUE" in ``tables``; returns the key."""
-    key, value = _key_and_value(override)
-    _set(tables, key, value)
-    return key
 
 
 def _key_and_value(override: str) -> tuple[str, Any]:

@@ -81,7 +81,7 @@ def case_casing(case: Case) -> CasingModel:
         Wall(
             section=_section(case, given.wall),
             thickness=given.thickness_profile,
-            arcs=given.wall_arcs,
+            arcs=given.stiffened_arcs,
         ),
         curvature=given.curvature,
         support=given.support,

@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.inputs.fields import Angle, LengthOrZero, count
+from bladewhirl.models.inputs.table import Table
 
 FINE = 7200
 """Angles at which the smallest value is looked for: a twentieth of a degree apart."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Lobes:
-    """Waves amplitude * cos(count * (angle - phase)): two make an ellipse."""
+class Lobe(Table):
+    """Waves around the ring: amplitude * cos(lobes * (angle - phase)); 2 lobes are an ellipse."""
 
-    count: int  #: waves around the ring
-    amplitude: float  #: in the unit of the profile
-    phase: float  #: angle of a crest [rad]
+    lobes: Annotated[int, count(1)] = Field(description="Number of waves around the ring.")
+    amplitude: LengthOrZero = Field(description="Height of a crest [m].")
+    phase: Angle = Field(default=0.0, description="Angle of a crest from the x axis [rad].")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +30,7 @@ class RingProfile:
     """A function of the angle: linear between stations, or constant, plus lobes."""
 
     mean: float  #: where there are no stations
-    lobes: tuple[Lobes, ...] = ()
+    lobes: tuple[Lobe, ...] = ()
     stations: tuple[tuple[float, float], ...] = ()  #: angle [rad] and value; replace the mean
 
     def value(self, angle: ArrayLike) -> FloatArray:
@@ -38,7 +41,7 @@ class RingProfile:
             places, values = np.array(self.stations).T
             found = np.interp(theta, places, values, period=2.0 * np.pi)
         for wave in self.lobes:
-            found = found + wave.amplitude * np.cos(wave.count * (theta - wave.phase))
+            found = found + wave.amplitude * np.cos(wave.lobes * (theta - wave.phase))
         return np.asarray(found)
 
     def lobe_slope(self, angle: ArrayLike) -> FloatArray:
@@ -46,7 +49,7 @@ class RingProfile:
         theta = np.asarray(angle, dtype=np.float64)
         found = np.zeros(theta.shape)
         for wave in self.lobes:
-            found -= wave.amplitude * wave.count * np.sin(wave.count * (theta - wave.phase))
+            found -= wave.amplitude * wave.lobes * np.sin(wave.lobes * (theta - wave.phase))
         return found
 
     @property

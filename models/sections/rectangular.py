@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
-from typing import ClassVar
+from typing import ClassVar, Generic, TypeVar
 
 import numpy as np
 from pydantic import ConfigDict
@@ -14,9 +14,35 @@ from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.inputs.fields import Density, Length, Modulus, positive
 from bladewhirl.models.sections.materials import Material, NamedMaterial
 
+Size = TypeVar("Size", float, FloatArray)
+
+
+class Rectangle(Generic[Size]):
+    """Stiffness and mass of rectangular sections, a number or an array of each."""
+
+    width: Size
+    thickness: Size
+    young_modulus: Size
+    density: Size
+
+    @property
+    def axial_stiffness(self) -> Size:
+        """E A [N]."""
+        return self.young_modulus * self.width * self.thickness
+
+    @property
+    def bending_stiffness(self) -> Size:
+        """E I for bending in the plane [N m2]."""
+        return self.young_modulus * self.width * self.thickness**3 / 12.0
+
+    @property
+    def line_mass(self) -> Size:
+        """Mass per unit length, rho A [kg/m]."""
+        return self.density * self.width * self.thickness
+
 
 @dataclass(frozen=True, kw_only=True, init=False)
-class Section:
+class Section(Rectangle[float]):
     """A rectangular section of one material, in numbers or text with a unit as in a case.
 
         Section(width="120 mm", thickness="8 mm", material=Material())
@@ -61,21 +87,6 @@ class Section:
         }
         for name, (value, unit) in given.items():
             object.__setattr__(self, name, positive(f"section.{name}", value, unit))
-
-    @property
-    def axial_stiffness(self) -> float:
-        """E A [N]."""
-        return self.young_modulus * self.width * self.thickness
-
-    @property
-    def bending_stiffness(self) -> float:
-        """E I for bending in the plane [N m2]."""
-        return self.young_modulus * self.width * self.thickness**3 / 12.0
-
-    @property
-    def line_mass(self) -> float:
-        """Mass per unit length [kg/m]."""
-        return self.density * self.width * self.thickness
 
 
 Taper = Sequence[Section]
@@ -128,28 +139,13 @@ def along_elements(sections: Section | Taper, elements: int) -> tuple[FloatArray
 
 
 @dataclass(frozen=True, kw_only=True)
-class SectionArrays:
+class SectionArrays(Rectangle[FloatArray]):
     """Rectangular sections at many places, arrays of one shape."""
 
     width: FloatArray  #: out of the plane [m]
     thickness: FloatArray  #: in the plane [m]
     young_modulus: FloatArray  #: [Pa]
     density: FloatArray  #: [kg/m3]
-
-    @property
-    def axial_stiffness(self) -> FloatArray:
-        """E A [N]."""
-        return self.young_modulus * self.width * self.thickness
-
-    @property
-    def bending_stiffness(self) -> FloatArray:
-        """E I [N m2]."""
-        return self.young_modulus * self.width * self.thickness**3 / 12.0
-
-    @property
-    def line_mass(self) -> FloatArray:
-        """Mass per unit length, rho A [kg/m]."""
-        return self.density * self.width * self.thickness
 
 
 def _unset() -> FloatArray:

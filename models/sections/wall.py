@@ -13,12 +13,16 @@ All sections are centred on the same circle: a one-sided rib bends the wall less
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from pydantic import Field
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import RingMesh
+from bladewhirl.models.inputs.fields import Angle, Density, Length, Modulus
+from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.around_ring import RingProfile
 from bladewhirl.models.sections.rectangular import Section
 
@@ -41,16 +45,21 @@ class WallProperties:
         return WallProperties(**{name: values @ weights for name, values in vars(self).items()})
 
 
-@dataclass(frozen=True, kw_only=True)
-class Arc:
-    """A stretch of wall that differs; what is None there is as elsewhere."""
+class Arc(Table):
+    """A stretch of wall of another section or material; keys left out are as elsewhere."""
 
-    start: float  #: [rad]
-    end: float  #: counter-clockwise from the start, at most a turn on [rad]
-    thickness: float | None = None  #: [m]
-    width: float | None = None  #: [m]
-    young_modulus: float | None = None  #: [Pa]
-    density: float | None = None  #: [kg/m3]
+    start: Angle = Field(description="Angle from the x axis at which it begins [rad].")
+    end: Angle = Field(description="Angle at which it ends, at most a turn further on [rad].")
+    thickness: Length | None = Field(default=None, description="Size in the plane [m].")
+    width: Length | None = Field(default=None, description="Size out of the plane [m].")
+    young_modulus: Modulus | None = Field(default=None, description="Young's modulus [Pa].")
+    density: Density | None = Field(default=None, description="Density [kg/m3].")
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """An arc without length or of more than a turn."""
+        if not 0.0 < self.end - self.start <= TURN:
+            expected = f"more than start = {self.start:.6g} rad and at most a turn further on"
+            yield Inconsistency("end", expected, ("start",))
 
     def share(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """Share of the stretches from ``low`` to ``high`` (within [0, 2 pi]) that lie in it."""

@@ -14,7 +14,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_from, dumps_case, loads, read_case, with_values
 from bladewhirl.models.elements.build import case_clearance
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.sections.around_ring import Lobes, RingProfile
+from bladewhirl.models.sections.around_ring import Lobe, RingProfile
 from bladewhirl.models.stage.build import contact_problem, march_faults
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.central_difference import initial_gap
@@ -61,7 +61,7 @@ def test_a_tip_touches_first_where_the_clearance_is_smallest(tmp_path: Path) -> 
 def test_the_profile_knows_its_slope_and_its_smallest_value() -> None:
     profile = RingProfile(
         mean=2.0,
-        lobes=(Lobes(count=2, amplitude=0.5, phase=0.3), Lobes(count=5, amplitude=0.1, phase=1.0)),
+        lobes=(Lobe(lobes=2, amplitude=0.5, phase=0.3), Lobe(lobes=5, amplitude=0.1, phase=1.0)),
     )
     angle, step = np.linspace(0.0, 7.0, 50), 1e-5
     central = (profile.value(angle + step) - profile.value(angle - step)) / (2 * step)

@@ -1,7 +1,6 @@
 """The case: its defaults, what each key accepts, what does not fit together."""
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -22,76 +21,6 @@ from bladewhirl.models.case.excitation import EXCITATIONS, CasingDistortion, Har
 from bladewhirl.models.case.file import CaseError, case_from, with_values
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
-
-DEFAULTS: dict[str, object] = {
-    "material.young_modulus": 2.1e11,
-    "material.density": 7800.0,
-    "material.named": (),
-    "bladed_disk.blades": 22,
-    "bladed_disk.tip_radius": 0.5,
-    "bladed_disk.disk_radius": 0.05,
-    "bladed_disk.elements_per_blade": 10,
-    "bladed_disk.blade": {"width": 0.1, "thickness": 0.01, "material": None},
-    "bladed_disk.taper": (),
-    "bladed_disk.centre_line": (),
-    "bladed_disk.shrouds": (),
-    "bladed_disk.disk_kind": "spokes-and-rim",
-    "bladed_disk.disk": {"width": 0.1, "thickness": 0.03, "material": None},
-    "bladed_disk.disk_rings": (),
-    "bladed_disk.web_radial": 1e9,
-    "bladed_disk.web_tangential": 1e9,
-    "bladed_disk.tip_mass": 0.0,
-    "bladed_disk.point_masses": (),
-    "bladed_disk.mistuning": {
-        "stiffness": (),
-        "mass": (),
-        "length": (),
-        "stiffness_spread": 0.0,
-        "mass_spread": 0.0,
-        "length_spread": 0.0,
-        "seed": 0,
-    },
-    "bladed_disk.mesh": None,
-    "shaft.stiffness": 3.4e7,
-    "shaft.stiffness_y": None,
-    "shaft.frame": "rotating",
-    "shaft.damping": 0.0,
-    "shaft.damping_y": None,
-    "shaft.clamped": False,
-    "casing.elements": 40,
-    "casing.clearance": 1e-3,
-    "casing.clearance_lobes": (),
-    "casing.thickness_lobes": (),
-    "casing.thickness_stations": (),
-    "casing.stiffened_arcs": (),
-    "casing.springs": (),
-    "casing.struts": (),
-    "casing.wall": {"width": 0.1, "thickness": 0.01, "material": None},
-    "casing.curvature": "exact",
-    "casing.support": 1508.0,
-    "casing.rotation": "fixed",
-    "reduction.fixed_interface_modes": 110,
-    "reduction.modes": "all",
-    "damping.ratio": 0.005,
-    "contact.friction": 0.1,
-    "contact.sliding": "permanent",
-    "contact.tip_rotation": False,
-    "excitation.type": "none",
-    "initial.centre_velocity": (0.0, 0.0),
-    "initial.centre_displacement": (0.0, 0.0),
-    "initial.tip_velocity": None,
-    "initial.tip_displacement": None,
-    "coupling.stiffness": 0.0,
-    "coupling.modes": "six",
-    "coupling.amplitude": "paper",
-    "coupling.pi": True,
-    "march.speed": 1.05,
-    "march.time_step": 1e-6,
-    "march.duration": 3.0,
-    "march.record_step": 1e-4,
-    "march.displacement_limit": 0.5,
-    "march.scheme": "central-difference",
-}
 
 # Key, a unit of its dimension with its SI size, whether 0 means something.
 NUMBERS: list[tuple[str, str, float, bool]] = [
@@ -176,20 +105,6 @@ def faults(key: str, value: object) -> list[str]:
 def in_file(key: str) -> str:
     table, _, rest = key.partition(".")
     return f"excitation.{rest}" if table in EXCITATIONS else key
-
-
-def test_defaults_are_those_of_the_fan_stage() -> None:
-    case = Case()
-    for key, expected in DEFAULTS.items():
-        value = get(case, key)
-        if isinstance(expected, Mapping):
-            assert isinstance(value, Table)
-            value = value.model_dump()
-        assert (value.given if isinstance(value, Speed) else value) == expected, key
-    tables_of_case = [(name, table) for name, table in case if isinstance(table, Table)]
-    assert DEFAULTS.keys() == {
-        f"{name}.{key}" for name, table in tables_of_case for key, _ in table
-    }
 
 
 def test_defaults_of_the_loads() -> None:

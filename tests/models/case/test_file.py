@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from places import EXAMPLES
+from places import DATA, EXAMPLES
 
 from bladewhirl.models.case.case import Case, Initial
 from bladewhirl.models.case.excitation import EXCITATIONS, CasingDistortion, Imbalance
@@ -123,6 +123,13 @@ def test_a_written_case_reads_back_equal(tables: dict[str, Any]) -> None:
     assert loads(text) == case
     assert dumps_case(loads(text)) == text
     assert tomllib.loads(text)["title"] == tables["title"]
+
+
+def test_every_key_is_written_with_its_default() -> None:
+    """The file is what `dumps_case(Case())` gives: defaults change on purpose alone."""
+    text = (DATA / "default_case.toml").read_text(encoding="utf-8")
+    assert dumps_case(Case()) == text
+    assert loads(text) == Case()
 
 
 def test_a_written_case_holds_every_key() -> None:

@@ -16,7 +16,7 @@ from bladewhirl.models.elements.build import case_casing
 from bladewhirl.models.elements.casing import TANGENTIAL, CasingModel, assemble_casing
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.modal.modes import structure_modes
-from bladewhirl.models.sections.around_ring import Lobes, RingProfile
+from bladewhirl.models.sections.around_ring import Lobe, RingProfile
 from bladewhirl.models.sections.wall import Arc, Wall
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.studies.runs.properties import stage_properties
@@ -51,7 +51,7 @@ def test_lobes_of_twice_the_nodal_diameter_split_its_pair(k: int) -> None:
     cosine and down for the sine, mass by e (k^2 - 1) / (2 (k^2 + 1)).
     """
     e = 1e-3
-    profile = RingProfile(mean=0.01, lobes=(Lobes(count=2 * k, amplitude=e * 0.01, phase=0.0),))
+    profile = RingProfile(mean=0.01, lobes=(Lobe(lobes=2 * k, amplitude=e * 0.01, phase=0.0),))
     uniform = casing_modes(80)
     [low, high] = frequencies(ring(Wall(section=steel(0.01), thickness=profile), 80))[
         2 * k - 4 : 2 * k - 2
@@ -63,7 +63,7 @@ def test_lobes_of_twice_the_nodal_diameter_split_its_pair(k: int) -> None:
 
 
 def test_other_lobes_leave_pairs_together_to_first_order() -> None:
-    profile = RingProfile(mean=0.01, lobes=(Lobes(count=3, amplitude=1e-5, phase=0.4),))
+    profile = RingProfile(mean=0.01, lobes=(Lobe(lobes=3, amplitude=1e-5, phase=0.4),))
     found = frequencies(ring(Wall(section=steel(0.01), thickness=profile), 48), 4)
     np.testing.assert_allclose(found[::2], found[1::2], rtol=5e-6)
 
@@ -82,7 +82,7 @@ def test_an_arc_all_around_is_a_wall_of_its_section() -> None:
 def test_masses_are_exact(start: float) -> None:
     """Wherever the arc begins, also across the x axis."""
     arc = Arc(start=start, end=start + 0.7, thickness=0.03, width=0.15)
-    profile = RingProfile(mean=0.01, lobes=(Lobes(count=3, amplitude=2e-3, phase=1.0),))
+    profile = RingProfile(mean=0.01, lobes=(Lobe(lobes=3, amplitude=2e-3, phase=1.0),))
     casing = ring(Wall(section=steel(0.01), thickness=profile, arcs=(arc,)))
     angle = np.linspace(start + 0.7, start + 2.0 * np.pi, 200_001)
     plain = np.trapezoid(profile.value(angle) * 0.1, angle)
@@ -104,7 +104,7 @@ def errors(wall: Wall, counts: tuple[int, ...]) -> FloatArray:
 
 
 def test_smooth_walls_and_arcs_that_end_at_nodes_converge_with_the_fourth_power() -> None:
-    profile = RingProfile(mean=0.01, lobes=(Lobes(count=2, amplitude=3e-3, phase=0.5),))
+    profile = RingProfile(mean=0.01, lobes=(Lobe(lobes=2, amplitude=3e-3, phase=0.5),))
     smooth = observed_order(errors(Wall(section=steel(0.01), thickness=profile), (40, 80)))
     assert smooth.min() > 3.7
     arc = Arc(start=np.pi / 4, end=3 * np.pi / 4, thickness=0.02)
