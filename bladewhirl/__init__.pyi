@@ -1,16 +1,20 @@
 from . import plot as plot
 from .models.case.case import Case as Case
 from .models.case.check import case_from as case_from
-from .models.case.file import dumps_case as dumps_case
 from .models.case.file import read_case as read_case
 from .models.case.file import with_values as with_values
+from .models.case.template import dumps_case as dumps_case
 from .models.geometry.sketch import Sketch as Sketch
 from .models.inputs.errors import CaseError as CaseError
 from .models.inputs.errors import UserError as UserError
 from .models.sections.materials import Material as Material
 from .models.sections.rectangular import Section as Section
+from .models.stage.stage import build_stage as build_stage
+from .postprocess.fields.fields import ViewError as ViewError
+from .postprocess.fields.result import ResultError as ResultError
 from .postprocess.fields.result import open_result as open_result
 from .postprocess.paraview.series import export_vtk as export_vtk
+from .postprocess.pictures.offscreen import OffScreenError as OffScreenError
 from .postprocess.plotting.style import save_figure as save_figure
 from .postprocess.run.blade_contact import contact_classes as contact_classes
 from .postprocess.run.contact_side import contact_phase as contact_phase
@@ -27,10 +31,18 @@ from .postprocess.run.spectra import shaft_spectrogram as shaft_spectrogram
 from .postprocess.run.spectra import shaft_spectrum as shaft_spectrum
 from .postprocess.run.stresses import stress_history as stress_history
 from .postprocess.run.whirl import whirl_history as whirl_history
+from .postprocess.sweep.dataset import SweepError as SweepError
 from .postprocess.sweep.dataset import open_sweep as open_sweep
+from .studies.convergence.study import convergence as convergence
 from .studies.modal.campbell import campbell as campbell
 from .studies.modal.modes import modes as modes
 from .studies.modal.stability import stability as stability
 from .studies.modal.veering import veering as veering
+from .studies.runs.render import render as render
 from .studies.runs.report import report as report
 from .studies.runs.run import run as run
+from .studies.sweeps.sweep import resume_sweep as resume_sweep
+from .studies.sweeps.sweep import run_sweep as run_sweep
+
+__all__: list[str]
+__version__: str

@@ -20,6 +20,7 @@ from typing import Literal
 import numpy as np
 import scipy.sparse as sp
 
+from bladewhirl.meshes.hermite import cubic_weights, slope_weights
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.sections.rectangular import Section
@@ -125,7 +126,8 @@ def foot_rows(mesh: RingMesh, node_dofs: IntArray, angles: Iterable[float]) -> s
     count, length = mesh.elements, mesh.element_length
     place = np.mod(theta, 2.0 * np.pi) * count / (2.0 * np.pi)
     first = np.floor(place).astype(np.int64)
-    value, slope = _hermite(place - first, length)
+    value = cubic_weights(place - first, length).T
+    slope = slope_weights(place - first, length).T
     rows = sp.lil_array((3 * len(theta), node_dofs.size))
     for i, element in enumerate(first):
         ends = node_dofs[[element % count, (element + 1) % count]]
@@ -141,24 +143,3 @@ def at_feet(matrices: Iterable[FloatArray]) -> sp.csr_array:
     """Matrices of supports one after the other on the diagonal, (rows, 3 supports)."""
     blocks = [sp.csr_array(matrix) for matrix in matrices]
     return sp.csr_array(sp.block_diag(blocks)) if blocks else sp.csr_array((0, 0))
-
-
-def _hermite(xi: FloatArray, length: float) -> tuple[FloatArray, FloatArray]:
-    """Hermite's functions and their slopes by arc length at places 0 to 1, (places, 4) each.
-
-    They multiply value and slope at the first end, then at the second.
-    """
-    rest = 1.0 - xi
-    value = [
-        rest**2 * (1.0 + 2.0 * xi),
-        length * xi * rest**2,
-        xi**2 * (3.0 - 2.0 * xi),
-        -length * xi**2 * rest,
-    ]
-    slope = [
-        -6.0 * xi * rest / length,
-        rest * (1.0 - 3.0 * xi),
-        6.0 * xi * rest / length,
-        xi * (3.0 * xi - 2.0),
-    ]
-    return np.stack(value, axis=1), np.stack(slope, axis=1)

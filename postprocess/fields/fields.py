@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from bladewhirl.meshes.hermite import cubic_weights, slope_weights
 from bladewhirl.models.inputs.errors import UserError
 
 Array = NDArray[np.float64]
@@ -315,18 +316,3 @@ def radial_part(vectors: Array, points: Array) -> Array:
     dot = np.sum(vectors * points, axis=-1)
     part: Array = np.divide(dot, radius, out=np.zeros_like(dot), where=radius > 0)
     return part
-
-
-def cubic_weights(x: Array) -> Array:
-    """Cubic Hermite weights (4, point) of value, slope at 0 and value, slope at 1 (unit length)."""
-    return np.stack([1 - x**2 * (3 - 2 * x), x * (1 - x) ** 2, x**2 * (3 - 2 * x), x**2 * (x - 1)])
-
-
-def slope_weights(x: Array) -> Array:
-    """First derivatives of `cubic_weights`."""
-    return np.stack([6 * x * (x - 1), (1 - x) * (1 - 3 * x), 6 * x * (1 - x), x * (3 * x - 2)])
-
-
-def curvature_weights(x: Array) -> Array:
-    """Second derivatives of `cubic_weights`."""
-    return np.stack([12 * x - 6, 6 * x - 4, 6 - 12 * x, 6 * x - 2])

@@ -16,13 +16,11 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from bladewhirl.meshes.hermite import cubic_weights, curvature_weights, slope_weights
 from bladewhirl.postprocess.fields.fields import (
     Array,
-    cubic_weights,
-    curvature_weights,
     element_lengths,
     line_shapes,
-    slope_weights,
     wall_rows,
 )
 from bladewhirl.postprocess.fields.sections import rotor_sections

@@ -12,18 +12,17 @@ import meshio
 import numpy as np
 import xarray as xr
 
+from bladewhirl.meshes.hermite import cubic_weights, slope_weights
 from bladewhirl.postprocess.fields.fields import (
     Array,
     IntArray,
     Quantity,
     clearance_at,
-    cubic_weights,
     element_lengths,
     history,
     line_rows,
     line_slope_rows,
     rotate,
-    slope_weights,
     station_angles,
     turn,
     wall_rows,

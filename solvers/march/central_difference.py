@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel import arrays as kernel_arrays
@@ -258,12 +259,9 @@ def initial_gap(problem: ContactProblem) -> FloatArray:
     xi = position - np.floor(position)
     field = casing.nodal[:, :2] @ start.casing + casing.clearance
     first, second = field[element], field[(element + 1) % nodes]
-    length = casing.element_length
+    at = cubic_weights(xi, casing.element_length)
     surface = (
-        (1.0 - xi) ** 2 * (1.0 + 2.0 * xi) * first[:, 0]
-        + length * xi * (1.0 - xi) ** 2 * first[:, 1]
-        + xi**2 * (3.0 - 2.0 * xi) * second[:, 0]
-        - length * xi**2 * (1.0 - xi) * second[:, 1]
+        at[0] * first[:, 0] + at[1] * first[:, 1] + at[2] * second[:, 0] + at[3] * second[:, 1]
     )
     return np.asarray(surface + rotor.tip_recess - rotor.tip_radial @ start.rotor)
 

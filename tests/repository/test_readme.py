@@ -103,6 +103,13 @@ def test_links_lead_somewhere(document: Path) -> None:
         assert link.startswith("https://") or (document.parent / link).exists(), link
 
 
+def test_every_file_that_contributors_are_sent_to_is_there() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    paths = re.findall(r"`([\w.]+(?:/[\w.]+)+)`", text)
+    assert len(paths) > 15
+    assert [path for path in paths if not (ROOT / path).exists()] == []
+
+
 def test_every_picture_is_shown() -> None:
     shown = {
         (document.parent / link).resolve()
