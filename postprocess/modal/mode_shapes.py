@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +12,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize, to_rgb
 from matplotlib.figure import Figure
-from PIL import Image
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.fields import casing_rows, line_rows, ring_angles, rotate
 from bladewhirl.postprocess.pictures.drawing import magnify
+from bladewhirl.postprocess.pictures.films import shared_palette, write_gif
+from bladewhirl.postprocess.pictures.offscreen import Pixels
+from bladewhirl.postprocess.plotting.files import replacing
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     COLUMN_WIDTH,
@@ -52,7 +53,6 @@ GIF_SIZE = 0.085
 """Width of a GIF [m], at `GIF_DPI` dots an inch."""
 
 GIF_DPI = 180
-GIF_FRAME = 40  #: [ms], a whole number of a GIF's ticks
 GIF_COLOURS = 128
 
 
@@ -101,7 +101,7 @@ class Outline:
         return np.asarray(factor * self._shift @ coordinates)
 
 
-class Sketch:
+class DrawnShape:
     """A body in axes: grey at rest, deformed in the colours of its displacement."""
 
     def __init__(self, axes: Axes, outline: Outline, *, largest: float, linewidth: float) -> None:
@@ -133,7 +133,7 @@ class Sketch:
         axes.set(aspect="equal")
         axes.set_axis_off()
 
-    def look(self, coordinates: FloatArray) -> None:
+    def fit(self, coordinates: FloatArray) -> None:
         """Take in the body in all of the motion (..., modes), in a frame of fixed size."""
         reach = self._outline.radius
         for instant in np.atleast_2d(coordinates):
@@ -176,21 +176,21 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
             axes.set_axis_off()
             continue
         coordinates = np.eye(modes)[mode]
-        sketch = Sketch(axes, outline, largest=outline.largest(coordinates), linewidth=0.8)
-        sketch.look(coordinates)
-        sketch.show(coordinates)
+        shape = DrawnShape(axes, outline, largest=outline.largest(coordinates), linewidth=0.8)
+        shape.fit(coordinates)
+        shape.show(coordinates)
         name = mode_title(
             str(data[f"{prefix}_family"].values[mode]),
             int(data[f"{prefix}_nodal_diameter"].values[mode]),
         )
         frequency = float(data[f"{prefix}_frequency"].values[mode])
         axes.set_title(name)
-        share = float(np.linalg.norm(outline.centre(coordinates, 1.0)) / sketch.largest)
+        share = float(np.linalg.norm(outline.centre(coordinates, 1.0)) / shape.largest)
         moves = f"centre {100 * share:.1f} %" if share > CENTRE_RESTS else "centre at rest"
         below = {"transform": axes.transAxes, "ha": "center", "va": "top"}
         axes.text(0.5, -0.02, f"{_digits(frequency / reference)} ω$_1$\n{moves}", **below)
     figure.colorbar(
-        sketch.lines,
+        shape.lines,
         ax=[*panels],
         location="bottom",
         label="displacement / largest one [–]",
@@ -198,7 +198,7 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
         aspect=30,
         ticks=[0.0, 0.5, 1.0],
     )
-    figure.legend(handles=[sketch.rest, sketch.centre], loc="outside upper center", ncols=2)
+    figure.legend(handles=[shape.rest, shape.centre], loc="outside upper center", ncols=2)
     return figure
 
 
@@ -210,23 +210,24 @@ def animate_mode(data: xr.Dataset, body: Body, path: Path) -> Path:
         body: that moves.
         path: of the file, which is replaced when complete.
     """
-    draft = path.with_name(f".{path.stem}.part.gif")
-    try:
-        _write_gif(_pictures(data, body), draft)
-        os.replace(draft, path)
-    finally:
-        draft.unlink(missing_ok=True)
+    pictures = _pictures(data, body)
+    named = [to_rgb(COLOURS[name]) for name in ("total", "rest", "k = 1")]
+    shades = colormaps[SEQUENTIAL](np.linspace(0, 1, 64))[:, :3]
+    meant = np.vstack([[1.0, 1.0, 1.0], *named, shades])
+    palette = shared_palette(meant, pictures[len(pictures) // 8], GIF_COLOURS)
+    with replacing(path) as draft:
+        write_gif(draft, pictures, palette)
     return path
 
 
 @styled
-def _pictures(data: xr.Dataset, body: Body) -> list[Image.Image]:
+def _pictures(data: xr.Dataset, body: Body) -> list[Pixels]:
     prefix = "rotor" if body == "bladed-disk" else "casing"
     coordinates = data[f"{prefix}_displacement"].values
     outline = Outline(data, body)
     figure = new_figure(width=GIF_SIZE, height=1.08 * GIF_SIZE)
     axes = figure.subplots()
-    sketch = Sketch(axes, outline, largest=outline.largest(coordinates), linewidth=1.4)
+    shape = DrawnShape(axes, outline, largest=outline.largest(coordinates), linewidth=1.4)
     frequency = float(data[f"{prefix}_frequency"].values[0])
     reference = float(data.attrs["reference_frequency"])
     note = f"{frequency / (2 * np.pi):.4g} Hz = {_digits(frequency / reference)} ω$_1$"
@@ -234,32 +235,13 @@ def _pictures(data: xr.Dataset, body: Body) -> list[Image.Image]:
     canvas = FigureCanvasAgg(figure)
     figure.set_dpi(GIF_DPI)
     pictures = []
-    sketch.look(coordinates)
+    shape.fit(coordinates)
     for instant in coordinates:
-        sketch.show(instant)
+        shape.show(instant)
         canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib's own
         pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
-        pictures.append(Image.fromarray(pixels[..., :3].copy()))
+        pictures.append(pixels[..., :3].copy())
     return pictures
-
-
-def _write_gif(pictures: list[Image.Image], path: Path) -> None:
-    palette = _palette(pictures[len(pictures) // 8])
-    frames = [one.quantize(palette=palette, dither=Image.Dither.NONE) for one in pictures]
-    frames[0].save(path, save_all=True, append_images=frames[1:], duration=GIF_FRAME, loop=0)
-
-
-def _palette(sample: Image.Image) -> Image.Image:
-    """One palette for all pictures, so that colours don't flicker: those meant, and edges."""
-    named = [to_rgb(COLOURS[name]) for name in ("total", "rest", "k = 1")]
-    meant = np.vstack(
-        [[1.0, 1.0, 1.0], *named, colormaps[SEQUENTIAL](np.linspace(0, 1, 64))[:, :3]]
-    )
-    exact = np.round(255 * meant).astype(np.uint8).ravel().tolist()
-    edges = sample.quantize(GIF_COLOURS - len(meant)).getpalette() or []
-    palette = Image.new("P", (1, 1))
-    palette.putpalette((exact + edges)[: 3 * GIF_COLOURS])
-    return palette
 
 
 def mode_title(family: str, nodal_diameter: int) -> str:

@@ -8,9 +8,10 @@ from typing import NamedTuple
 import matplotlib
 import numpy as np
 import xarray as xr
+from matplotlib.colors import to_rgb
 
 from bladewhirl.postprocess.fields.fields import Array, IntArray, history, rotate, turn
-from bladewhirl.postprocess.pictures.colouring import scale_end
+from bladewhirl.postprocess.pictures.colouring import Colouring, scale_end
 from bladewhirl.postprocess.pictures.drawing import Frame
 from bladewhirl.postprocess.pictures.symbols import Symbols
 from bladewhirl.postprocess.plotting.units import length_unit
@@ -49,6 +50,12 @@ def strokes_of(symbols: Symbols) -> list[tuple[str, float, str, Array]]:
         ("springs", SPRING, INK, symbols.springs),
         ("dampers", SPRING, INK, symbols.dampers),
     ]
+
+
+def scene_colours(colouring: Colouring, levels: int) -> Array:
+    """The colours (colour, 3) between 0 and 1 that a picture is made of, the map's in steps."""
+    own = [BACKGROUND, INK, FAINT, FORCE_COLOUR, NO_VALUE, MASS_COLOUR]
+    return np.array([to_rgb(colour) for colour in [*own, *colouring.colours(levels)]])
 
 
 def newtons(force: float) -> str:

@@ -10,8 +10,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
 
+import matplotlib
 import numpy as np
 import xarray as xr
+from matplotlib.colors import to_hex
 
 from bladewhirl.postprocess.fields.blades import line_blades
 from bladewhirl.postprocess.fields.fields import (
@@ -69,6 +71,13 @@ class Colouring:
         if self.parts is not None:
             return list(self.parts.values())
         return DIVERGING if self.signed else SEQUENTIAL
+
+    def colours(self, levels: int) -> list[str]:
+        """Colours of the map in so many steps, or those of the parts, as #rrggbb."""
+        if isinstance(self.colour_map, str):
+            shades = matplotlib.colormaps[self.colour_map](np.linspace(0.0, 1.0, levels))
+            return [to_hex(shade) for shade in shades]
+        return self.colour_map
 
     @property
     def limits(self) -> tuple[float, float]:

@@ -1,12 +1,11 @@
 """Stills and animations of a run, drawn off-screen: what the stage did, in a file anyone opens.
 
-pyvista and the scene are imported where they are used: loading VTK takes longer than a march needs
-to start, and it must not happen before it is known that VTK can draw here.
+pyvista and the scene are imported where they are used (`offscreen`): loading VTK takes longer than
+a march needs to start, and it must not happen before it is known that VTK can draw here.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import imageio.v2 as imageio
 import numpy as np
@@ -21,8 +20,16 @@ from bladewhirl.postprocess.fields.fields import (
     frame_records,
     nearest_records,
 )
+from bladewhirl.postprocess.pictures.appearance import scene_colours
 from bladewhirl.postprocess.pictures.colouring import Field
 from bladewhirl.postprocess.pictures.drawing import Drawing, Frame
+from bladewhirl.postprocess.pictures.films import (
+    FRAME_RATE,
+    Progress,
+    shared_palette,
+    write_gif,
+    write_mp4,
+)
 from bladewhirl.postprocess.pictures.offscreen import Pixels, stage_view
 from bladewhirl.postprocess.plotting.files import checked_target, replacing
 
@@ -31,9 +38,6 @@ GIF_WINDOW = (960, 720)  #: smaller, since a GIF compresses badly
 FRAMES = 120
 MOST_FRAMES = 600
 FRAMES_PER_BLADE = 3  #: fewer pictures per passing blade make the wheel seem to turn backward
-FRAME_RATE = 25  #: pictures a second; 40 ms are a whole number of a GIF's ticks
-
-Progress = Callable[[int, int], None]
 
 
 def animation_records(
@@ -147,46 +151,17 @@ def render_animation(
 
         if gif:
             samples = [picture(i) for i in range(0, len(records), -(-len(records) // 6))]
-            _write_gif(draft, pictures(), _palette(drawing, samples))
+            write_gif(draft, pictures(), _palette(drawing, samples))
         else:
-            _write_mp4(draft, pictures())
+            write_mp4(draft, pictures())
     return target
 
 
-def _write_gif(path: Path, pictures: Iterator[Pixels], palette: Image.Image) -> None:
-    """A GIF that loops. All pictures share one palette and are not dithered: colours don't
-    flicker, and the file is half as large as with a palette for each picture.
-    """
-    frames = (
-        Image.fromarray(pixels).quantize(palette=palette, dither=Image.Dither.NONE)
-        for pixels in pictures
-    )
-    first = next(frames)
-    duration = round(1000 / FRAME_RATE)
-    with path.open("wb") as file:
-        first.save(file, "GIF", save_all=True, append_images=frames, duration=duration, loop=0)
-
-
 def _palette(drawing: Drawing, samples: list[Pixels]) -> Image.Image:
-    """The 256 colours of a GIF: those of the scene exactly, the rest for the edges between."""
-    from bladewhirl.postprocess.pictures.scene import scene_colours
-
-    exact = (255 * scene_colours(drawing, 90)).round().astype(np.uint8).ravel().tolist()
+    """The 256 colours of a GIF: those of the scene, and what lies between them in samples."""
     seen = np.vstack(samples).reshape(1, -1, 3)
     drawn = seen[:, np.any(seen[0] < 240, axis=1)]  # a near-white would be taken for white
-    edges = Image.fromarray(drawn).quantize(256 - len(exact) // 3).getpalette() or []
-    palette = Image.new("P", (1, 1))
-    palette.putpalette((exact + edges)[: 3 * 256])
-    return palette
-
-
-def _write_mp4(path: Path, pictures: Iterator[Pixels]) -> None:
-    """An MP4 (H.264) that browsers and slides play."""
-    # Any: imageio declares its writers without their methods.
-    writer: Any = imageio.get_writer(path, fps=FRAME_RATE, codec="libx264", quality=7)
-    with writer as film:
-        for pixels in pictures:
-            film.append_data(pixels)
+    return shared_palette(scene_colours(drawing.colouring, 90), drawn)
 
 
 def _revolution_before(dataset: xr.Dataset, record: int) -> IntArray:

@@ -1,6 +1,5 @@
 """The stage in a pyvista plotter: actors that are made once and moved from record to record."""
 
-import matplotlib
 import numpy as np
 import pyvista
 from matplotlib.colors import ListedColormap
@@ -11,7 +10,6 @@ from bladewhirl.postprocess.pictures.appearance import (
     BACKGROUND,
     CONTACT_DISC,
     EDGE,
-    FAINT,
     FORCE_COLOUR,
     HUB,
     INK,
@@ -188,17 +186,6 @@ class StageScene:
         if color is None:
             self.colours = actor.mapper
         return mesh
-
-
-def scene_colours(drawing: Drawing, levels: int) -> Array:
-    """The colours (colour, 3) between 0 and 1 that a scene is made of, the map's in steps."""
-    own = [BACKGROUND, INK, FAINT, FORCE_COLOUR, NO_VALUE, MASS_COLOUR]
-    map_ = drawing.colouring.colour_map
-    shades = (
-        map_ if isinstance(map_, list) else matplotlib.colormaps[map_](np.linspace(0, 1, levels))
-    )
-    colours: Array = np.array([pyvista.Color(shade).float_rgb for shade in [*own, *shades]])
-    return colours
 
 
 def stroke_corners(strokes: Array, width: float) -> Array:

@@ -31,20 +31,26 @@ SHAFT_SPRING = 2.4  #: length of the shaft's springs, compared with others as sm
 MASS = 0.02  #: radius of the largest point mass
 
 
+NO_STROKES = np.zeros((0, 2, 2))
+
+
 class Symbols(NamedTuple):
     """Drawn symbols: strokes (stroke, 2, 2), from end to end, and discs."""
 
-    springs: Array
-    dampers: Array
-    ground: Array
-    struts: Array  #: rigid links too
-    masses: Array  #: middles (mass, 2)
+    springs: Array = NO_STROKES
+    dampers: Array = NO_STROKES
+    ground: Array = NO_STROKES
+    struts: Array = NO_STROKES  #: rigid links too
+    masses: Array = NO_STROKES[:, 0]  #: middles (mass, 2)
+
+
+Kind = Literal["spring", "damper", "strut"]
 
 
 class _Holders(NamedTuple):
     """Things of one kind that hold the casing, each at its foot on the wall."""
 
-    kind: Literal["spring", "damper", "strut"]
+    kind: Kind
     angles: Array  #: of their feet (foot,) [rad]
     ways: Array  #: from foot to ground (foot, 2)
     lift: Array  #: of the bracket that they start from, over the wall (foot,)
@@ -77,7 +83,6 @@ class CasingFittings:
             dampers=_dashpots(start[damper], end[damper], DASHPOT * self._scale[damper]),
             ground=_grounds(end, _unit(self._way), GROUND * self._scale),
             struts=np.concatenate([brackets, np.stack([start, end], axis=1)[strut]]),
-            masses=np.zeros((0, 2)),
         )
 
 
@@ -105,24 +110,22 @@ def _holders(dataset: xr.Dataset, radius: float) -> list[_Holders]:
     level = np.full(len(angle), radius * BRACKET)
     aside = angle + BESIDE * radial  # clear of what leads outward from the same foot
 
-    def some(
-        kind: Literal["spring", "damper", "strut"],
-        which: NDArray[np.bool_],
-        angles: Array,
-        ways: Array,
-        lift: Array,
-    ) -> _Holders:
-        return _Holders(kind, angles[which], ways[which], lift[which])
-
     flat = 0.0 * level
+    beside_spring = level + radius * BESIDE * sprung_along
+    every: list[tuple[Kind, NDArray[np.bool_], Array, Array, Array]] = [
+        ("spring", ~strut & sprung_out, angle, outward, flat),
+        ("damper", ~strut & damped_out, angle - BESIDE * sprung_out, outward, flat),
+        ("spring", ~strut & sprung_along, aside, along, level),
+        ("damper", ~strut & damped_along, aside, along, beside_spring),
+        ("strut", strut, angle, reach, flat),
+        ("damper", strut & (damped_out | damped_along), angle - BESIDE, reach, flat),
+    ]
     return [
         uniform,
-        some("spring", ~strut & sprung_out, angle, outward, flat),
-        some("damper", ~strut & damped_out, angle - BESIDE * sprung_out, outward, flat),
-        some("spring", ~strut & sprung_along, aside, along, level),
-        some("damper", ~strut & damped_along, aside, along, level + radius * BESIDE * sprung_along),
-        some("strut", strut, angle, reach, flat),
-        some("damper", strut & (damped_out | damped_along), angle - BESIDE, reach, flat),
+        *(
+            _Holders(kind, angles[which], ways[which], lift[which])
+            for kind, which, angles, ways, lift in every
+        ),
     ]
 
 
@@ -147,9 +150,8 @@ class RotorFittings:
         end = np.concatenate([held + ways, drawn[self._between[:, 1]]])
         leader, led = (drawn[self.links[:, side]] for side in (1, 0))
         return Symbols(
-            springs=_zigzags(start, end, np.full(len(start), ZIGZAG * small)),
-            dampers=np.zeros((0, 2, 2)),
-            ground=_grounds(held + ways, _unit(ways), np.full(len(held), GROUND * small)),
+            springs=_zigzags(start, end, ZIGZAG * small),
+            ground=_grounds(held + ways, _unit(ways), GROUND * small),
             struts=np.stack([leader, led], axis=1),
             masses=drawn[self.mass_nodes],
         )
@@ -171,27 +173,25 @@ class ShaftFittings:
 
     def springs(self, centre: Array) -> Symbols:
         """Symbols of the springs, for the drawn centre (2,) in their axes."""
-        start, end = np.broadcast_to(centre, self._springs.shape), self._springs
-        strokes = _zigzags(start, end, np.full(len(end), ZIGZAG * self._size))
-        return self._symbols(strokes, strokes[:0], end)
+        strokes = _zigzags(*self._ends(centre, self._springs), ZIGZAG * self._size)
+        return Symbols(springs=strokes, ground=self._ground(self._springs))
 
     def dampers(self, centre: Array) -> Symbols:
         """Symbols of the dampers, for the drawn centre (2,) in rotating axes."""
-        start, end = np.broadcast_to(centre, self._dampers.shape), self._dampers
-        strokes = _dashpots(start, end, np.full(len(end), DASHPOT * self._size))
-        return self._symbols(strokes[:0], strokes, end)
+        strokes = _dashpots(*self._ends(centre, self._dampers), DASHPOT * self._size)
+        return Symbols(dampers=strokes, ground=self._ground(self._dampers))
 
-    def _symbols(self, springs: Array, dampers: Array, end: Array) -> Symbols:
-        ground = _grounds(end, _unit(end), np.full(len(end), GROUND * self._size))
-        return Symbols(springs, dampers, ground, ground[:0], np.zeros((0, 2)))
+    def _ends(self, centre: Array, end: Array) -> tuple[Array, Array]:
+        return np.broadcast_to(centre, end.shape), end
+
+    def _ground(self, end: Array) -> Array:
+        return _grounds(end, _unit(end), GROUND * self._size)
 
 
 def sample(kind: str, start: Array, end: Array) -> Symbols:
     """A spring, damper or strut, one of `KINDS`, from a point (2,) to another."""
-    width = np.array([0.18 * np.linalg.norm(end - start)])
-    none = np.zeros((0, 2, 2))
-    empty = Symbols(none, none, none, none, np.zeros((0, 2)))
-    return empty._replace(**{kind: KINDS[kind][1](start[None], end[None], width)})
+    width = float(0.18 * np.linalg.norm(end - start))
+    return Symbols()._replace(**{kind: KINDS[kind][1](start[None], end[None], width)})
 
 
 def together(symbols: tuple[Symbols, ...], angles: tuple[float, ...]) -> Symbols:
@@ -217,22 +217,22 @@ def _positive(dataset: xr.Dataset, name: str, count: int) -> NDArray[np.bool_]:
     return np.asarray(found, dtype=np.bool_)
 
 
-def _zigzags(start: Array, end: Array, half_width: Array) -> Array:
+def _zigzags(start: Array, end: Array, half_width: Array | float) -> Array:
     """Strokes of springs from start to end (spring, 2): straight, teeth, straight."""
     knots = np.concatenate([[0.0], np.linspace(0.2, 0.8, TEETH), [1.0]])
     side = np.zeros(len(knots))
     side[2:-2] = np.where(np.arange(len(knots) - 4) % 2, -1.0, 1.0)
-    aside = rotate(_unit(end - start), np.pi / 2) * half_width[:, None]
+    aside = rotate(_unit(end - start), np.pi / 2) * _column(half_width)
     points = start[:, None] + knots[:, None] * (end - start)[:, None]
     points = points + side[:, None] * aside[:, None]
     return np.stack([points[:, :-1], points[:, 1:]], axis=2).reshape(-1, 2, 2)
 
 
-def _dashpots(start: Array, end: Array, half_width: Array) -> Array:
+def _dashpots(start: Array, end: Array, half_width: Array | float) -> Array:
     """Strokes of dampers from start to end (damper, 2): rod and piston, cup and rod."""
     span = end - start
     length = np.linalg.norm(span, axis=1)
-    cup = np.minimum(0.5 * CUP * half_width, 0.35 * length)
+    cup = np.minimum(0.5 * CUP * np.asarray(half_width), 0.35 * length)
     # Along from the middle and aside, in halves of the cup and of its width.
     corners = np.array(
         [[0, 0], [0, -0.6], [0, 0.6], [1, -1], [1, 1], [-1, -1], [-1, 1], [1, 0]], dtype=np.float64
@@ -240,7 +240,7 @@ def _dashpots(start: Array, end: Array, half_width: Array) -> Array:
     along, aside = _unit(span), rotate(_unit(span), np.pi / 2)
     points = ((start + end) / 2)[:, None] + (
         corners[:, :1] * (cup[:, None] * along)[:, None]
-        + corners[:, 1:] * (half_width[:, None] * aside)[:, None]
+        + corners[:, 1:] * (_column(half_width) * aside)[:, None]
     )
     piston, left, right, foot_left, foot_right, top_left, top_right, bottom = np.moveaxis(
         points, 1, 0
@@ -256,15 +256,20 @@ def _dashpots(start: Array, end: Array, half_width: Array) -> Array:
     return np.stack([np.stack(stroke, axis=1) for stroke in strokes], axis=1).reshape(-1, 2, 2)
 
 
-def _grounds(at: Array, away: Array, half_width: Array) -> Array:
+def _grounds(at: Array, away: Array, half_width: Array | float) -> Array:
     """Strokes of hatched ground at points, whose body lies on the side of `away` (point, 2)."""
-    aside = rotate(away, np.pi / 2) * half_width[:, None]
+    aside = rotate(away, np.pi / 2) * _column(half_width)
     line = np.stack([at - aside, at + aside], axis=1)[:, None]
     place = np.linspace(-0.7, 1.0, HATCHES)[:, None]
     top = at[:, None] + place * aside[:, None]
-    foot = top + (0.55 * away * half_width[:, None])[:, None] - 0.45 * aside[:, None]
+    foot = top + (0.55 * away * _column(half_width))[:, None] - 0.45 * aside[:, None]
     hatches = np.stack([top, foot], axis=2)
     return np.concatenate([line, hatches], axis=1).reshape(-1, 2, 2)
+
+
+def _column(sizes: Array | float) -> Array:
+    """Sizes of symbols, or one of all, that multiply vectors (symbol, 2)."""
+    return np.asarray(sizes)[..., None]
 
 
 def _unit(vectors: Array) -> Array:
@@ -272,7 +277,7 @@ def _unit(vectors: Array) -> Array:
     return np.asarray(np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0))
 
 
-def _bars(start: Array, end: Array, half_width: Array) -> Array:
+def _bars(start: Array, end: Array, half_width: Array | float) -> Array:
     """Strokes of struts."""
     return np.stack([start, end], axis=1)
 
@@ -283,4 +288,4 @@ KINDS = {
     "struts": ("strut or rigid link", _bars),
 }
 """What is drawn by strokes from end to end: the name of one, and the function that makes them from
-start (symbol, 2), end (symbol, 2) and half the width (symbol,)."""
+start (symbol, 2), end (symbol, 2) and half the width, (symbol,) or one of all."""

@@ -12,10 +12,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import xarray as xr
-from matplotlib.colors import to_hex
 
 from bladewhirl.postprocess.fields.blades import member_names
 from bladewhirl.postprocess.fields.fields import Array, IntArray
@@ -40,7 +38,7 @@ from bladewhirl.postprocess.pictures.appearance import (
 )
 from bladewhirl.postprocess.pictures.colouring import Colouring, Field
 from bladewhirl.postprocess.pictures.drawing import Drawing, Frame, Picture, arrows
-from bladewhirl.postprocess.pictures.render import Progress
+from bladewhirl.postprocess.pictures.films import Progress
 from bladewhirl.postprocess.pictures.symbols import MASS
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template, replacing
 
@@ -144,19 +142,12 @@ def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Arr
     }
 
 
-def _colours(colouring: Colouring) -> list[str]:
-    if not isinstance(colouring.colour_map, str):
-        return colouring.colour_map
-    shades = matplotlib.colormaps[colouring.colour_map](np.linspace(0.0, 1.0, SHADES))
-    return [to_hex(shade) for shade in shades]
-
-
 def _shades(colouring: Colouring, values: Array) -> Array:
     """Numbers of the colours of true values."""
     low, high = colouring.limits
     if colouring.parts is not None:
         low, high = 0.0, len(colouring.parts) - 1.0
-    last = len(_colours(colouring)) - 1
+    last = len(colouring.colours(SHADES)) - 1
     share = (colouring.scale * values - low) / (high - low)
     missing = ~np.isfinite(share)
     shades = np.round(last * np.clip(np.where(missing, 0.0, share), 0.0, 1.0))
@@ -187,7 +178,7 @@ def _looks(colouring: Colouring) -> dict[str, Any]:
         "markSize": MARK * unit,
         "disc": CONTACT_DISC * unit,
         "mass": MASS * unit,
-        "colours": _colours(colouring),
+        "colours": colouring.colours(SHADES),
         "limits": list(colouring.limits),
         "unit": colouring.unit,
         "value": colouring.parts is None,
