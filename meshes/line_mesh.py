@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import Any
 
@@ -14,6 +14,9 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 ComplexArray = NDArray[np.complex128]
+
+REAL = ("points", "node_axes", "node_data", "line_data")
+"""Fields of meshes that hold real numbers; others hold whole ones."""
 
 SAMPLES = 64
 """Samples between two given points by which the length of a curve is measured."""
@@ -37,16 +40,7 @@ class LineMesh:
     sectors: IntArray | None = None  #: nodes of each sector in one order, (sectors, nodes a sector)
 
     def __post_init__(self) -> None:
-        _freeze(self, "points", np.asarray(self.points, dtype=np.float64))
-        _freeze(self, "lines", np.asarray(self.lines, dtype=np.int64))
-        _freeze(self, "node_axes", np.asarray(self.node_axes, dtype=np.float64))
-        for name in ("node_sets", "line_sets"):
-            sets = {k: np.asarray(v, dtype=np.int64) for k, v in getattr(self, name).items()}
-            for numbers in sets.values():
-                numbers.setflags(write=False)
-            object.__setattr__(self, name, MappingProxyType(sets))
-        if self.sectors is not None:
-            _freeze(self, "sectors", np.asarray(self.sectors, dtype=np.int64))
+        freeze(self)
         self._check()
 
     def _check(self) -> None:
@@ -87,10 +81,22 @@ class LineMesh:
         return np.asarray(ends[:, 1] - ends[:, 0])
 
 
-def _freeze(mesh: Any, name: str, array: NDArray[Any]) -> None:
-    array = array.copy()
+def freeze(mesh: Any) -> None:
+    """Put read-only copies of the arrays into a mesh, a frozen dataclass that is being made."""
+    for item in fields(mesh):
+        value = getattr(mesh, item.name)
+        kind = np.float64 if item.name in REAL else np.int64
+        if isinstance(value, Mapping):
+            frozen: Any = {str(name): _frozen(array, kind) for name, array in value.items()}
+            object.__setattr__(mesh, item.name, MappingProxyType(frozen))
+        elif value is not None:
+            object.__setattr__(mesh, item.name, _frozen(value, kind))
+
+
+def _frozen(values: Any, kind: type) -> NDArray[Any]:
+    array: NDArray[Any] = np.array(values, dtype=kind)
     array.setflags(write=False)
-    object.__setattr__(mesh, name, array)
+    return array
 
 
 def points_along(given: FloatArray, elements: int) -> FloatArray:

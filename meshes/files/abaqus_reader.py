@@ -52,7 +52,7 @@ class _Card:
 
 @dataclass
 class _Content:
-    """What has been read: everything by the numbers of the file."""
+    """Content of a file, everything by the numbers that the file gives."""
 
     points: dict[int, list[float]] = field(default_factory=dict)
     lines: dict[int, list[int]] = field(default_factory=dict)

@@ -110,7 +110,7 @@ def _check_head(path: Path) -> None:
 
 
 def _is_member(mesh: meshio.Mesh, block: int, name: str, tag: int) -> Any:
-    """Which cells of a block belong to a physical group: 4.x has sets, 2.2 has tags."""
+    """Mask of the cells of a block in a physical group: 4.x has sets, 2.2 has tags."""
     size = len(mesh.cells[block].data)
     if name in mesh.cell_sets:
         return np.isin(np.arange(size), mesh.cell_sets[name][block].astype(np.int64))

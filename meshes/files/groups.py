@@ -1,16 +1,14 @@
-"""What a mesh file holds: points, lines, named groups and data of both, as yet without meaning."""
+"""Content of a mesh file: points, lines, named groups and data of both, as yet without meaning."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
-from types import MappingProxyType
-from typing import Any
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray, freeze
 
 FLAT = 1e-6
 """Largest distance from one plane, over the size of a mesh, that still counts as in it."""
@@ -40,24 +38,16 @@ class GroupedLines:
     line_data: Mapping[str, FloatArray] = field(default_factory=dict)  #: name -> (lines,)
 
     def __post_init__(self) -> None:
-        for item in fields(self):
-            value = getattr(self, item.name)
-            real = item.name == "points" or item.name.endswith("data")
-            kind = np.float64 if real else np.int64
-            if isinstance(value, Mapping):
-                frozen = {str(name): _frozen(array, kind) for name, array in value.items()}
-                object.__setattr__(self, item.name, MappingProxyType(frozen))
-            else:
-                object.__setattr__(self, item.name, _frozen(value, kind))
+        freeze(self)
 
     @property
     def is_rigid(self) -> NDArray[np.bool_]:
-        """Which lines are rigid links, (lines,)."""
+        """Mask of the rigid links, (lines,)."""
         return self._has(RIGID)
 
     @property
     def is_beam(self) -> NDArray[np.bool_]:
-        """Which lines are beams, neither springs nor rigid links, (lines,)."""
+        """Mask of the beams, neither springs nor rigid links, (lines,)."""
         return ~self._has(RIGID, *SPRING)
 
     def _has(self, *names: str) -> NDArray[np.bool_]:
@@ -113,9 +103,3 @@ def in_plane(points: FloatArray) -> FloatArray:
 
 def _first_bad(points: FloatArray) -> int:
     return int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0]) + 1
-
-
-def _frozen(values: Any, kind: type) -> NDArray[Any]:
-    array: NDArray[Any] = np.array(values, dtype=kind)
-    array.setflags(write=False)
-    return array

@@ -1,4 +1,4 @@
-"""What all formats read through meshio share: its errors, and the lines among its cells."""
+"""Errors of meshio and the lines among its cells, for all formats read through it."""
 
 from __future__ import annotations
 

@@ -103,7 +103,7 @@ def _expected(details: ErrorDetails, path: Path) -> str:
 
 
 def _path(details: ErrorDetails) -> Path:
-    """Where the error is; pydantic puts the type of the excitation into the location, if known."""
+    """Place of an error; pydantic puts the type of the excitation into the location, if known."""
     location = details["loc"]
     if details["type"] in TAG_ERRORS:
         return (*location, "type")
@@ -112,7 +112,7 @@ def _path(details: ErrorDetails) -> Path:
 
 
 def _involved(details: ErrorDetails) -> list[Path]:
-    """Where the error is, and the keys that it disagrees with or was perhaps meant for."""
+    """Place of an error, and the keys that it disagrees with or was perhaps meant for."""
     path = _path(details)
     if details["type"] == "extra_forbidden":
         return [path, *_nearest(details["loc"], path, details["input"])]

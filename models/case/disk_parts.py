@@ -76,7 +76,7 @@ class PointMass(Table):
 
 
 class Mistuning(Table):
-    """What makes blades differ: factors, one a blade, or random ones."""
+    """Differences between blades: factors, one a blade, or random ones."""
 
     stiffness: Factors = Field(default=(), description="On Young's modulus of each blade.")
     mass: Factors = Field(default=(), description="On the density of each blade.")

@@ -35,7 +35,7 @@ MOST_BYTES = 2**24
 """Largest case file; what is longer is something else."""
 
 SET = "--set"
-"""Where faults of overridden keys are said to be."""
+"""Named instead of the file in faults of overridden keys."""
 
 
 def read_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:

@@ -46,7 +46,7 @@ def unusual_values(case: Case) -> Iterator[Fault]:
 
 
 def case_hints(case: Case) -> tuple[str, ...]:
-    """What a case was perhaps not meant to say, one line each."""
+    """Values of a case that were perhaps not meant so, one line each."""
     unusual = (f"{fault.key} = {fault.value!r}: {fault.expected}" for fault in unusual_values(case))
     return (*(f"unusual {line}" for line in unusual), *_ramp(case))
 

@@ -79,5 +79,5 @@ class Shaft(Table):
 
     @property
     def dampings(self) -> tuple[float, float]:
-        """Of the dampers along x and y [N s/m]."""
+        """Damping along x and y [N s/m]."""
         return self.damping, self.damping if self.damping_y is None else self.damping_y

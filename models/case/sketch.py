@@ -50,7 +50,7 @@ class SketchTable(Table):
     edits: tuple[SketchEdit, ...] = ()
     sets: tuple[SketchSet, ...] = ()
     tip_radius: Length | None = None
-    """That the clearance counts from [m]; the largest of the tips' own when None."""
+    """Radius that the clearance counts from [m]; the largest of the tips' own when None."""
 
     @property
     def node_sets(self) -> dict[str, tuple[str, ...]]:
@@ -87,7 +87,7 @@ class SketchTable(Table):
         return frozenset(node.name for node in self.nodes if node.shared)
 
     def is_shared(self, *references: str) -> bool:
-        """Whether all these nodes are shared by the sectors."""
+        """True if the sectors share all these nodes."""
         return all(split_reference(reference)[0] in self._shared for reference in references)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:

@@ -1,1 +1,1 @@
-"""What a bladed disk is made of: the standard disk, a sketch, a mesh, as one beam model."""
+"""Bladed disks as one beam model: the standard disk, a sketch, a mesh."""

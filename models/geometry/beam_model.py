@@ -74,7 +74,7 @@ class BeamModel:
     tip_radius: float  #: that the clearance counts from; a tip may be shorter or longer [m]
 
     def __repr__(self) -> str:
-        """What it consists of, in one line."""
+        """Its size and mass, in one line."""
         mesh = self.mesh
         return (
             f"<BeamModel: {len(mesh.points)} nodes, {len(mesh.lines)} lines, {len(self.tips)} tips,"

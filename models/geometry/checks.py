@@ -15,7 +15,7 @@ AT_ORIGIN = 1e-9
 """Largest distance of the centre from the origin, in tip radii."""
 
 ROUNDING = 1e-9
-"""What a node may lie beyond a radius, as a share of it."""
+"""Largest distance of a node beyond a radius, as a share of it."""
 
 
 def check_model(model: BeamModel, key: str) -> None:

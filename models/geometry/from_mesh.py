@@ -88,7 +88,7 @@ def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
 
 
 def _double_parts(mesh: GroupedLines) -> Iterator[str]:
-    """What is in a mesh twice; completes "expected ..."."""
+    """Nodes and lines that are in a mesh twice; completes "expected ..."."""
     size = float(np.ptp(mesh.points, axis=0).max())
     pairs = KDTree(mesh.points).query_pairs(SAME_PLACE * size, output_type="ndarray")
     joints = np.sort(mesh.lines[~mesh.is_beam], axis=1)

@@ -111,7 +111,7 @@ def _summed(size: int, places: IntArray, values: FloatArray) -> FloatArray:
 def _table(
     data: Mapping[str, FloatArray], names: Sequence[str], size: int
 ) -> tuple[IntArray, FloatArray]:
-    """Where some of the data are not zero, and all of them there, (names, found)."""
+    """Places at which some of the data are not zero, and all of them there, (names, found)."""
     rows = [np.nan_to_num(data.get(name, np.zeros(size))) for name in names]
     table = np.stack(rows)
     if table.size and table.min() < 0.0:

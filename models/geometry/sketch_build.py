@@ -205,7 +205,7 @@ class _Drawing:
         return points_along(np.array(given), member.elements)
 
     def _at(self, sector: int, key: Key) -> FloatArray:
-        """Where a named node is."""
+        """Point of a named node [m]."""
         edit = self._moved.get((sector, key[0]))
         at = self._nodes[key[0]].at if edit is None or edit.at is None else edit.at
         return turned(at, sector * self._alpha)

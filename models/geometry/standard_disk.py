@@ -75,7 +75,7 @@ def bladed_disk_sketch(given: BladedDisk, section: MakeSection) -> Sketch:
 
 
 class _Blade:
-    """Where the centre line of a blade runs, and the nodes that it needs."""
+    """The centre line of a blade, and the nodes that it needs."""
 
     def __init__(self, given: BladedDisk) -> None:
         self._root, self._span = given.disk_radius, given.tip_radius - given.disk_radius

@@ -1,1 +1,1 @@
-"""What users write and how they are answered: quantities with units, tables, errors."""
+"""Words of the user and answers to them: quantities with units, tables, names of modes, errors."""

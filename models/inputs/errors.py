@@ -1,4 +1,4 @@
-"""What a user can put right: one line a fault, naming file, key, value and what was expected."""
+"""Errors that a user can put right: a line a fault, naming file, key, value, what was expected."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LONGEST_VALUE = 60
 
 
 class UserError(Exception):
-    """What the user asked for cannot be done; the command line prints `lines`, no traceback."""
+    """A request that cannot be met; the command line prints `lines`, no traceback."""
 
     @property
     def lines(self) -> list[str]:

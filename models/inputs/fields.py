@@ -183,11 +183,8 @@ PositiveSpeed = Annotated[Speed, PlainValidator(_positive_speed), _AS_GIVEN]
 
 _Coordinate = Annotated[float, quantity("m", "any")]
 Position = Annotated[tuple[_Coordinate, _Coordinate], _items("two coordinates in m", 2)]
-_Displacement = Annotated[float, quantity("m", "any")]
 _Velocity = Annotated[float, quantity("m/s", "any")]
-DisplacementPair = Annotated[
-    tuple[_Displacement, _Displacement], _items("two displacements in m", 2)
-]
+DisplacementPair = Annotated[tuple[_Coordinate, _Coordinate], _items("two displacements in m", 2)]
 VelocityPair = Annotated[tuple[_Velocity, _Velocity], _items("two velocities in m/s", 2)]
 DisplacementRows = Annotated[
     tuple[DisplacementPair, ...], _items("rows of two displacements in m, one row a blade")

@@ -146,7 +146,7 @@ def _number(text: str | None) -> int | None:
 
 
 def _instead(name: ModeName, modes: NamedModes, radial: dict[int, IntArray]) -> str:
-    """What could have been said."""
+    """A message that offers names of modes there are."""
     families = list(dict.fromkeys(modes.family))
     body = "casing" if name.on_casing else "bladed disk"
     if name.family is None:

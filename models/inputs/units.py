@@ -96,7 +96,7 @@ class Speed:
 
     @property
     def kind(self) -> Literal["normalised", "rad/s"]:
-        """What `value` counts."""
+        """Unit of `value`."""
         return RAD_PER_S if isinstance(self.given, str) else "normalised"
 
     def rad_per_s(self, reference: float) -> float:

@@ -112,7 +112,7 @@ def along(sections: Section | Taper, share: FloatArray) -> FloatArray:
 
 
 def along_elements(sections: Section | Taper, elements: int) -> tuple[FloatArray, FloatArray]:
-    """What equal elements of a member are made of, linear in each: values at the middles of the
+    """Sections of the equal elements of a member, linear in each: values at the middles of the
     elements and changes from end to end, both (4, elements).
 
     Where a station of a taper lies inside an element, its straight line is the one nearest in the
@@ -154,7 +154,7 @@ def _unset() -> FloatArray:
 
 @dataclass(frozen=True, kw_only=True)
 class LineProperties(SectionArrays):
-    """What each line of a mesh is made of: sections at the middles of the lines, (lines,), and how
+    """Sections of the lines of a mesh: those at the middles of the lines, (lines,), and how
     much they change from the first to the second end, linear in between: not at all, if left out.
     """
 

@@ -31,7 +31,7 @@ TURN = 2.0 * np.pi
 
 @dataclass(frozen=True, kw_only=True)
 class WallProperties:
-    """What a wall is made of, each an array of one shape: (elements,) or (elements, points)."""
+    """Stiffness and mass of a wall, arrays of one shape: (elements,) or (elements, points)."""
 
     axial_stiffness: FloatArray  #: E A [N]
     bending_stiffness: FloatArray  #: E I [N m2]
