@@ -22,7 +22,7 @@ DEGENERATE = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reduction:
+class ReducedModes:
     """A reduced structure, given by its modes expanded to the full field.
 
     The expansion is exact: x = modes.shapes q, with q the mass-normalised modal coordinates of
@@ -36,7 +36,7 @@ class Reduction:
 
 def craig_bampton(
     structure: Structure, boundary: IntArray, fixed_interface_modes: int, reference: tuple[int, int]
-) -> Reduction:
+) -> ReducedModes:
     """Reduce a structure to boundary DoF and fixed-interface modes.
 
     Args:
@@ -58,7 +58,7 @@ def craig_bampton(
         modes, kept = _cyclic(structure, boundary, fixed_interface_modes, reference)
     else:
         modes, kept = _plain(structure, boundary, fixed_interface_modes)
-    return Reduction(modes=modes, boundary=boundary, kept=kept)
+    return ReducedModes(modes=modes, boundary=boundary, kept=kept)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,16 +87,46 @@ class _Block:
         return basis
 
 
+def craig_bampton_basis(structure: Structure, boundary: IntArray, kept: int) -> FloatArray:
+    """Real shapes that span a reduced structure, (size, boundary + kept).
+
+    First the static shapes that each boundary DoF gives by one, then the mass-normalised
+    fixed-interface modes, lowest first.
+
+    Args:
+        structure: to reduce; it must stand on springs or supports.
+        boundary: DoF to keep.
+        kept: fixed-interface modes kept, as `ReducedModes` has it: no pair is cut.
+    """
+    inside = np.setdiff1d(np.arange(structure.size), boundary)
+    if structure.is_cyclic:
+        layout, blocks, count = _cyclic_blocks(structure, boundary, kept)
+        squares, parts = [], []
+        for k, block in blocks.items():
+            vectors = np.zeros((len(block.mass), count[k]), dtype=np.complex128)
+            vectors[block.inside] = block.vectors[:, : count[k]]
+            parts.append(layout.real_shapes(k, vectors)[0])
+            squares.append(np.repeat(block.squares[: count[k]], 1 + is_pair(k, layout.sectors)))
+        fixed = np.hstack(parts)[:, np.argsort(np.concatenate(squares), kind="stable")]
+    else:
+        fixed = np.zeros((structure.size, kept))
+        fixed[inside] = _inside_modes(structure, inside, kept)[1]
+    return np.hstack([_static_shapes(structure, boundary, inside), fixed])
+
+
+def _static_shapes(structure: Structure, boundary: IntArray, inside: IntArray) -> FloatArray:
+    """Fields that each boundary DoF gives when it moves by one, (size, boundary)."""
+    shapes = np.zeros((structure.size, len(boundary)))
+    shapes[boundary, np.arange(len(boundary))] = 1.0
+    rows = structure.stiffness[inside]
+    shapes[inside] = -spla.splu(rows[:, inside].tocsc()).solve(rows[:, boundary].toarray())
+    return shapes
+
+
 def _cyclic(
     structure: Structure, boundary: IntArray, count: int, reference: tuple[int, int]
 ) -> tuple[Modes, int]:
-    layout = structure.layout
-    assert layout is not None  # is_cyclic
-    blocks = {
-        k: _split(mass, stiffness, _edge(layout, boundary, k), count)
-        for k, (mass, stiffness) in layout.blocks(structure.mass, structure.stiffness)
-    }
-    kept = _share_out({k: b.squares for k, b in blocks.items()}, layout.sectors, count)
+    layout, blocks, kept = _cyclic_blocks(structure, boundary, count)
     squares, shapes, columns, total = [], [], [], 0
     for k, block in blocks.items():
         square, vectors = _reduced_modes(block, kept[k])
@@ -111,6 +141,23 @@ def _cyclic(
         structure, np.concatenate(squares), np.hstack(shapes), np.concatenate(columns)
     )
     return modes, total
+
+
+def _cyclic_blocks(
+    structure: Structure, boundary: IntArray, count: int
+) -> tuple[SectorLayout, dict[int, _Block], dict[int, int]]:
+    """Blocks by nodal diameter, and how many fixed-interface modes each of them keeps."""
+    layout = structure.layout
+    assert layout is not None  # is_cyclic
+    blocks = {
+        k: _split(mass, stiffness, _edge(layout, boundary, k), count)
+        for k, (mass, stiffness) in layout.blocks(structure.mass, structure.stiffness)
+    }
+    return (
+        layout,
+        blocks,
+        _share_out({k: b.squares for k, b in blocks.items()}, layout.sectors, count),
+    )
 
 
 def _edge(layout: SectorLayout, boundary: IntArray, k: int) -> IntArray:
@@ -166,14 +213,10 @@ def _plain(structure: Structure, boundary: IntArray, count: int) -> tuple[Modes,
     ):
         count += 1
         squares, vectors = _inside_modes(structure, inside, min(count + 1, len(inside)))
+    fixed = np.zeros((structure.size, count))
+    fixed[inside] = vectors[:, :count]
+    basis = np.hstack([_static_shapes(structure, boundary, inside), fixed])
     stiffness = structure.stiffness
-    static = -spla.splu(stiffness[inside][:, inside].tocsc()).solve(
-        stiffness[inside][:, boundary].toarray()
-    )
-    basis = np.zeros((structure.size, len(boundary) + count))
-    basis[boundary, np.arange(len(boundary))] = 1.0
-    basis[inside, : len(boundary)] = static
-    basis[inside, len(boundary) :] = vectors[:, :count]
     square, reduced = la.eigh(basis.T @ (stiffness @ basis), basis.T @ (structure.mass @ basis))
     modes = collect_modes(structure, square, basis @ reduced, np.full(len(square), NO_COLUMN))
     return modes, count

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -24,10 +25,11 @@ from bladewhirl.models.modal.describe import stage_arrays
 from bladewhirl.models.modal.frequencies import Frequencies, family_errors, lowest_frequencies
 from bladewhirl.models.modal.labels import mode_families
 from bladewhirl.models.modal.modes import Modes, structure_modes
-from bladewhirl.models.modal.reduction import Reduction, craig_bampton
+from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
 from bladewhirl.models.stage.kept_modes import KeptModes, kept_modes
+from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
 
 FULL_FREQUENCIES = 7
 """Frequencies of the full model found for each nodal diameter: five families, the suspension
@@ -37,7 +39,11 @@ MOST_ENTRIES = 5e8
 """Largest number of entries (4 GB) in the shapes of a reduced model's modes."""
 
 
-@dataclass(frozen=True, kw_only=True)
+SHOWN_FAMILIES = ("suspension", "1F", "2F", "3F", "4F", "5F")
+"""Families of the bladed disk that a stage shows of itself."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Stage:
     """A bladed disk and a casing: in full, reduced, and with their modes named."""
 
@@ -46,7 +52,7 @@ class Stage:
     casing: CasingModel
     disk_frequencies: Frequencies  #: of the full bladed disk, as supported in the case
     reference_frequency: float  #: lowest of the full bladed disk with a free centre [rad/s]
-    reduction: Reduction  #: of the bladed disk
+    reduction: ReducedModes  #: of the bladed disk
     disk_family: tuple[str, ...]  #: of each of its modes
     frequency_error: dict[str, float]  #: largest relative one of the reduction, by family
     casing_modes: Modes  #: all of them; the casing is not reduced
@@ -54,6 +60,41 @@ class Stage:
     rotor: ReducedRotor  #: in all modes
     reduced_casing: ReducedCasing  #: in all modes
     kept: KeptModes  #: which of them a march has
+
+    def __repr__(self) -> str:
+        """The stage on one screen: bodies, symmetry, reduction, families, what a march has."""
+        sets = [f"{len(dofs)} {name}" for name, dofs in self.boundary_sets.items() if len(dofs)]
+        reduced = " + ".join([*sets, f"{self.reduction.kept} fixed-interface"]).replace("_", " ")
+        hertz, kept = self.reference_frequency / (2.0 * np.pi), self.kept
+        lines = {
+            "bladed disk": f"{len(self.rotor.tip_angle)} blades, {self.disk.model.mass:.4g} kg,"
+            f" {self.disk.structure.size} degrees of freedom; {self.symmetry['bladed_disk']}",
+            "casing": f"{self.casing.mesh.elements} elements, {self.casing.mass:.4g} kg,"
+            f" {self.casing.structure.size} degrees of freedom; {self.symmetry['casing']}",
+            "reference": f"{hertz:.4g} Hz, lowest of the bladed disk with a free centre",
+            "speed": f"{self.speed:.5g} rad/s, {self.speed / self.reference_frequency:.4g} times"
+            " the reference",
+            "reduced to": f"{reduced} = {self.reduction.modes.count}",
+            **{name: self._family(name) for name in SHOWN_FAMILIES if name in self.disk_family},
+            "marched": f"{len(kept.rotor)} modes of the bladed disk, {len(kept.casing)} of the"
+            f" casing{', coupled by springs' if kept.springs else ''}",
+        }
+        told = [f"{name:<13}{text}" for name, text in lines.items()]
+        return "\n  ".join([f'Stage "{self.case.title}"', *told])
+
+    def _family(self, name: str) -> str:
+        """Frequencies of a family, reduced, and how far from the full model's they are."""
+        here = np.array(self.disk_family) == name
+        hertz = self.reduction.modes.frequency[here] / (2.0 * np.pi)
+        low, high = f"{hertz.min():.4g}", f"{hertz.max():.4g}"
+        span = f"{low} Hz" if low == high else f"{low} to {high} Hz"
+        error = self.frequency_error.get(name)
+        return span if error is None else f"{span}, {100.0 * error:.2g} % off the full model"
+
+    @cached_property
+    def reduced(self) -> ReducedDisk:
+        """The reduced bladed disk as matrices with named degrees of freedom."""
+        return reduced_disk(self.case, self.disk, self.reduction, self.boundary_sets)
 
     @property
     def speed(self) -> float:

@@ -13,14 +13,14 @@ from stages import bladed_disk, disk_modes, tip_reference
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.modal.modes import families
-from bladewhirl.models.modal.reduction import Reduction, craig_bampton
+from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton
 
 
 def tips_and_centre(disk: BladedDiskModel) -> IntArray:
     return np.concatenate([disk.tip_radial, disk.tip_tangential, disk.centre])
 
 
-def reduce(disk: BladedDiskModel, count: int, *, dense: bool = False) -> Reduction:
+def reduce(disk: BladedDiskModel, count: int, *, dense: bool = False) -> ReducedModes:
     structure = replace(disk.structure, layout=None) if dense else disk.structure
     return craig_bampton(structure, tips_and_centre(disk), count, tip_reference(disk))
 
