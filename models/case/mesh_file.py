@@ -14,7 +14,6 @@ import numpy as np
 from pydantic import (
     BeforeValidator,
     Field,
-    PlainSerializer,
     PlainValidator,
     PrivateAttr,
     StrictStr,
@@ -41,31 +40,19 @@ def _path(value: object) -> str:
     return os.path.abspath(value)
 
 
-class LengthUnit(float):
-    """A unit of length [m] that knows how the user wrote it, as messages and files have it."""
-
-    given: object
-
-    def __new__(cls, metres: float, given: object) -> LengthUnit:
-        """The unit of so many metres."""
-        unit = super().__new__(cls, metres)
-        unit.given = given
-        return unit
-
-    def __getnewargs__(self) -> Any:
-        """Arguments that make a copy."""
-        return float(self), self.given
+def _metres(unit: str | float) -> float:
+    """A unit of length [m]: "mm" is "1 mm"."""
+    named = isinstance(unit, str) and re.match(r"\s*[A-Za-zµ]", unit)
+    return positive("unit", f"1 {unit}" if named else unit, "m")
 
 
-def _unit(value: object) -> LengthUnit:
-    """ "mm" is "1 mm"."""
-    if isinstance(value, LengthUnit):
-        return value
-    named = isinstance(value, str) and re.match(r"\s*[A-Za-zµ]", value)
+def _unit(value: Any) -> str | float:
+    """A unit of length as it was given, so that messages and files have it so."""
     try:
-        return LengthUnit(positive("unit", f"1 {value}" if named else value, "m"), value)
+        _metres(value)
     except CaseError as error:
         raise expectation(error.faults[0].expected) from None
+    return value  # type: ignore[no-any-return]
 
 
 class MeshSection(BeamSection):
@@ -85,8 +72,8 @@ class MeshTable(Table):
     file: Annotated[str, BeforeValidator(_path)] = Field(
         description="Gmsh's .msh, .vtu or Abaqus's .inp; its path from the case file's folder."
     )
-    unit: Annotated[float, PlainValidator(_unit), PlainSerializer(lambda unit: unit.given)] = Field(
-        default=LengthUnit(1.0, 1.0), description='Unit of length in the file, such as "mm" [m].'
+    unit: Annotated[str | float, PlainValidator(_unit)] = Field(
+        default=1.0, description='Unit of length in the file, such as "mm" [m].'
     )
     tips: StrictStr = Field(
         default="tips",
@@ -114,6 +101,11 @@ class MeshTable(Table):
     _tip_points: tuple[tuple[float, float], ...] = PrivateAttr(default=())
 
     @property
+    def metres(self) -> float:
+        """Unit of length in the file [m]."""
+        return _metres(self.unit)
+
+    @property
     def tip_points(self) -> tuple[tuple[float, float], ...]:
         """Points of the blade tips in blade order [m]."""
         return self._tip_points
@@ -139,7 +131,7 @@ class MeshTable(Table):
                 key = fault.key.removeprefix(f"{KEY}.")
                 yield Inconsistency(key, fault.expected, ("file",), fault.value)
         else:
-            self._tip_points = tuple((x, y) for x, y in (lines.points[tips] * self.unit).tolist())
+            self._tip_points = tuple((x, y) for x, y in (lines.points[tips] * self.metres).tolist())
 
     def lines(self) -> GroupedLines:
         """The lines of the file, with the groups that sections and tips ask for.
@@ -168,7 +160,7 @@ class MeshTable(Table):
             CaseError: there are none.
         """
         nodes = self.group_nodes(mesh, "tips")
-        angles = np.arctan2(*(mesh.points[nodes] * self.unit).T[::-1])
+        angles = np.arctan2(*(mesh.points[nodes] * self.metres).T[::-1])
         order = np.argsort(angles)
         # Of two tips as near as each other the one ahead: the small turn decides.
         first = int(np.argmin(np.abs(angles[order] - SAME_PLACE)))
@@ -192,7 +184,6 @@ class MeshTable(Table):
         """A fault at a key of the table."""
         values = {"file": _short(self.file), "sections": None}
         value = values.get(key, getattr(self, key))
-        value = value.given if isinstance(value, LengthUnit) else value
         return Fault(key=f"{KEY}.{key}", value=value, expected=expected)
 
     @property
@@ -215,7 +206,7 @@ class MeshTable(Table):
         tips = np.unique(mesh.node_groups.get(self.tips, np.zeros(0, np.int64)))
         bare = np.setdiff1d(tips, mesh.lines)
         if 0 < len(bare) < len(tips):
-            x, y = (mesh.points[bare[0]] * self.unit).tolist()
+            x, y = (mesh.points[bare[0]] * self.metres).tolist()
             yield self.fault(
                 "tips",
                 f"a line to every node of the group; {len(bare)} of {len(tips)} in {self.file_name}"

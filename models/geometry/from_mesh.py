@@ -45,7 +45,7 @@ def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
             bladed disk.
     """
     mesh = table.lines()
-    points = mesh.points * table.unit
+    points = mesh.points * table.metres
     faults = [*_double_parts(mesh)]
     if faults:
         raise CaseError(table.fault("file", expected) for expected in faults)
@@ -111,12 +111,12 @@ def _double_parts(mesh: GroupedLines) -> Iterator[str]:
 def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> LineProperties:
     count = len(mesh.lines)
     values = np.full((len(QUANTITIES), count), np.nan)
-    if table.unit == 1.0:  # what else would the file's numbers mean, and its moduli?
+    if table.metres == 1.0:  # what else would the file's numbers mean, and its moduli?
         for row, name in zip(values, QUANTITIES, strict=True):
             own = mesh.line_data.get(name, row)
             row[:] = np.where(np.isfinite(own), own, getattr(material, name, np.nan))
     changes = np.zeros_like(values)
-    if table.unit == 1.0:
+    if table.metres == 1.0:
         for row, name in zip(changes, CHANGES, strict=True):
             row[:] = np.nan_to_num(mesh.line_data.get(name, row))
     given = Counter[int]()
@@ -168,7 +168,7 @@ def _hung(table: MeshTable, mesh: GroupedLines) -> dict[str, Any]:
     except ValueError as error:
         raise CaseError([table.fault("file", str(error))]) from None
     for name, count in (("point masses", len(masses.node)), ("springs", len(joints.node))):
-        if count and table.unit != 1.0:
+        if count and table.metres != 1.0:
             expected = f'"m" for a file with {name}, which count in SI; {table.file_name} has some'
             raise CaseError([table.fault("unit", expected)])
     return {"masses": masses, "springs": joints, "links": rigid_links(mesh)}

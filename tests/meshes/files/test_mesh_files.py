@@ -58,11 +58,18 @@ def test_curved_lines_are_refused(name: str) -> None:
         read_line_mesh(FROM_GMSH / name)
 
 
-def test_curved_lines_of_vtk_are_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("kind", "message"),
+    [
+        ("line3", "1 curved cells of type line3"),
+        ("triangle", "lines only, found 1 cells of type tr"),
+    ],
+)
+def test_other_cells_of_vtk_are_refused(tmp_path: Path, kind: str, message: str) -> None:
     points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.1, 0.0]]
-    path = tmp_path / "curved.vtu"
-    meshio.vtu.write(path, meshio.Mesh(points, [("line3", [[0, 1, 2]])]))
-    with pytest.raises(MeshFileError, match="curved cells of type line3"):
+    path = tmp_path / "a.vtu"
+    meshio.vtu.write(path, meshio.Mesh(points, [("line", [[0, 1]]), (kind, [[0, 1, 2]])]))
+    with pytest.raises(MeshFileError, match=message):
         read_line_mesh(path)
 
 
@@ -219,14 +226,6 @@ def test_what_is_no_mesh_of_lines_is_said_in_one_line(
 def test_a_file_that_is_not_there(tmp_path: Path, suffix: str) -> None:
     with pytest.raises(MeshFileError, match=r"^a readable file \(No such file or directory\)$"):
         read_line_mesh(tmp_path / f"none{suffix}")
-
-
-def test_triangles_are_refused(tmp_path: Path) -> None:
-    points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.1, 0.0]]
-    mesh = meshio.Mesh(points, [("line", [[0, 1]]), ("triangle", [[0, 1, 2]])])
-    meshio.vtu.write(tmp_path / "a.vtu", mesh)
-    with pytest.raises(MeshFileError, match="lines only, found 1 cells of type triangle"):
-        read_line_mesh(tmp_path / "a.vtu")
 
 
 def test_two_groups_of_one_name_are_refused(tmp_path: Path) -> None:

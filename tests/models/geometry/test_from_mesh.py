@@ -449,7 +449,7 @@ def test_the_template_shows_a_mapping_on_one_line(tmp_path: Path) -> None:
     write_line_mesh(tmp_path / "a.msh", replace(lines, line_data={}))
     mesh = loads(f"[bladed_disk]\n{line}", file=f"{tmp_path}/case.toml").bladed_disk.mesh
     assert mesh is not None
-    assert (mesh.unit, [*mesh.sections]) == (1e-3, ["blades"])
+    assert (mesh.metres, [*mesh.sections]) == (1e-3, ["blades"])
 
 
 def test_the_document_shows_the_example() -> None:
