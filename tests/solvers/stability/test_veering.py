@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 import scipy.linalg as la
 import xarray as xr
-from typer.testing import CliRunner, Result
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
-from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.solvers.stability.veering import shaft_veering
-from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.modal.veering import clamping_shifts, suspension_frequency, veering
 
 
@@ -29,10 +24,6 @@ def stage(stiffness: float = 3.4e7) -> ModalStage:
 @cache
 def diagrams() -> xr.Dataset:
     return veering(stage(), stiffnesses=np.geomspace(1e4, 1e11, 30))
-
-
-def run(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(app, ["veering", *map(str, arguments)])
 
 
 def test_a_mass_on_a_spring_in_front_of_an_oscillator() -> None:
@@ -100,59 +91,3 @@ def test_a_full_dense_model_agrees_that_clamping_changes_one_nodal_diameter() ->
     free, clamped = np.sqrt(free[:46]), np.sqrt(clamped[:44])
     common = [f for f in free if np.isclose(clamped, f, rtol=1e-8).any()]
     assert len(common) == 40  # 2 x 22 modes of two families less the two pairs with k = 1
-
-
-def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "fan.toml").write_text(dumps_case(Case()), encoding="utf-8")
-    result = run("fan.toml", "--families", "3", "--stiffnesses", "1e6:1e9")
-    assert result.exit_code == 0, result.stderr
-    assert "Suspension pair at 2.527 ω₁." in result.stdout
-    folder = tmp_path / "fan-veering"
-    assert {path.name for path in folder.iterdir()} == {
-        f"{name}.{suffix}"
-        for name in ("families", "first-families", "shaft")
-        for suffix in ("png", "pdf", "nc")
-    }
-    with xr.open_dataset(folder / "shaft.nc") as data:
-        np.testing.assert_allclose(data["stiffness"][[0, -1]], [1e6, 1e9])
-    found = json.loads(run("fan.toml", "--json").stdout)
-    assert len(found["modes"]) == 2 * 12 * 12 + 1
-    assert found["modes"][0] == {
-        "centre": "free",
-        "family": "1F",
-        "nodal_diameter": 1,
-        "frequency_hz": pytest.approx(found["reference_frequency_hz"]),
-        "normalised": 1.0,
-    }
-
-
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        (["--families", "0"], "--families 0: expected a whole number of one or more"),
-        (["--stiffnesses", "0:1e9"], "--stiffnesses 0:1e9: expected a START above zero"),
-        (
-            ["--stiffnesses", "2e9:1e9"],
-            "--stiffnesses 2e9:1e9: expected a STOP above the START of 2e+09",
-        ),
-        (["--stiffnesses", "soft"], "--stiffnesses soft: expected START:STOP, two numbers"),
-    ],
-)
-def test_bad_input_is_one_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], line: str
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "fan.toml").write_text(dumps_case(Case()), encoding="utf-8")
-    result = run("fan.toml", *arguments)
-    assert (result.exit_code, result.stdout, result.stderr) == (2, "", f"{line}\n")
-    assert [path.name for path in tmp_path.iterdir()] == ["fan.toml"]
-
-
-def test_a_disk_with_fewer_families_than_asked_for(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    small = with_values(Case(), {"bladed_disk.blades": 3, "bladed_disk.elements_per_blade": 1})
-    (tmp_path / "small.toml").write_text(dumps_case(small), encoding="utf-8")
-    assert run("small.toml").exit_code == 0

@@ -1,0 +1,296 @@
+"""`bladewhirl modes`, `campbell` and `veering`: lists, tables, figures and films, bad input."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from PIL import Image, ImageSequence
+from stages import oracle
+from typer.testing import CliRunner, Result
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.template import dumps_case
+from bladewhirl.studies.commands.cli import app
+
+LITERATURE = ("--set", "bladed_disk.disk.thickness=0.01")
+SMALL = ("--set", "bladed_disk.blades=5", "--set", "bladed_disk.elements_per_blade=2")
+
+
+@pytest.fixture
+def case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The case of the fan stage in an empty folder, in which commands run."""
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "fan.toml"
+    path.write_text(dumps_case(Case()), encoding="utf-8")
+    return path
+
+
+def run(command: str, *arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, [command, *map(str, arguments)])
+
+
+def document(command: str, *arguments: str | Path) -> dict[str, Any]:
+    result = run(command, *arguments, "--json")
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)
+    assert isinstance(found, dict)
+    return found
+
+
+def test_lists_of_the_literature_stage_are_those_of_an_independent_program(case: Path) -> None:
+    found = document("modes", case, *LITERATURE, "--count", "92")
+    assert list(found) == ["bladed_disk", "bladed_disk_free", "bladed_disk_clamped", "casing"]
+    assert found["bladed_disk"] == found["bladed_disk_free"]
+    for name in ("free", "clamped"):
+        expected = oracle("disk_modes")[name]
+        modes = found[f"bladed_disk_{name}"]
+        assert len(modes) == 92
+        assert all(
+            set(mode) == {"frequency_hz", "normalised", "nodal_diameter", "family", "purity"}
+            for mode in modes
+        )
+        frequency = [mode["frequency_hz"] for mode in modes]
+        np.testing.assert_allclose(frequency, expected["frequency_hz"], rtol=1e-8)
+        assert [mode["nodal_diameter"] for mode in modes] == expected["nodal_diameter"]
+        assert [mode["family"] for mode in modes] == expected["family"]
+        lowest = oracle("disk_modes")["free"]["frequency_hz"][0]
+        np.testing.assert_allclose(
+            [mode["normalised"] for mode in modes], np.array(frequency) / lowest, rtol=1e-8
+        )
+        assert {mode["purity"] for mode in modes} == {1.0}
+    casing = [mode["frequency_hz"] for mode in found["casing"]]
+    assert len(casing) == 92
+    assert casing == sorted(casing)
+    assert [mode["family"] for mode in found["casing"][:3]] == ["rigid", "rigid", "1F"]
+
+
+def test_a_clamped_case_lists_its_own_modes_first_and_stays_normalised(case: Path) -> None:
+    free, clamped = document("modes", case), document("modes", case, "--set", "shaft.clamped=true")
+    assert clamped["bladed_disk"] == free["bladed_disk_clamped"]
+    assert clamped["bladed_disk_free"] == free["bladed_disk"]
+    assert len(free["bladed_disk"]) == 60
+    assert all(mode["family"] != "suspension" for mode in clamped["bladed_disk"])
+
+
+def test_fewer_modes_have_the_same_labels(case: Path) -> None:
+    few, many = document("modes", case, "--count", "5"), document("modes", case)
+    for name, modes in few.items():
+        assert modes == many[name][:5]
+
+
+def test_the_table_is_for_people(case: Path) -> None:
+    result = run("modes", case, "--count", "24")
+    assert result.exit_code == 0
+    assert "suspension" in result.stdout
+    assert "2.52666" in result.stdout
+    assert "Casing" in result.stdout
+
+
+def test_pictures_and_films(case: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "pictures"
+    result = run(
+        "modes",
+        case,
+        *SMALL,
+        "-o",
+        folder,
+        "--shapes",
+        "1F:0,1F:1,casing:rigid",
+        "--animate",
+        "1F:1",
+    )
+    assert result.exit_code == 0, result.stderr
+    assert {path.name for path in folder.iterdir()} == {
+        *(f"bladed-disk-shapes.{suffix}" for suffix in ("png", "pdf", "nc")),
+        *(f"casing-shapes.{suffix}" for suffix in ("png", "pdf", "nc")),
+        *(f"standard-scenario.{suffix}" for suffix in ("png", "pdf", "nc")),
+        *(f"inverted-scenario.{suffix}" for suffix in ("png", "pdf", "nc")),
+        "1F-1.gif",
+        "1F-1-vtk",
+    }
+    assert (folder / "1F-1-vtk" / "series.pvd").is_file()
+    with Image.open(folder / "1F-1.gif") as film:
+        assert sum(1 for _ in ImageSequence.Iterator(film)) == 48
+        assert film.info["loop"] == 0
+    refused = run("modes", case, *SMALL, "-o", folder)
+    assert (refused.exit_code, refused.stdout) == (2, "")
+    assert refused.stderr == f"{folder}: already exists; --overwrite writes into it\n"
+
+
+def test_a_clamped_centre_has_neither_suspension_nor_contact_scenario(
+    case: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "clamped"
+    folder.mkdir()
+    clamped = (*SMALL, "--set", "shaft.clamped=true")
+    result = run("modes", case, *clamped, "-o", folder, "--overwrite", "--no-films", "--json")
+    assert result.exit_code == 0, result.stderr
+    assert json.loads(result.stdout)["bladed_disk"]
+    assert not list(folder.glob("*scenario*"))
+    assert (folder / "bladed-disk-shapes.png").is_file()
+
+
+def test_a_folder_that_cannot_be_made(case: Path, tmp_path: Path) -> None:
+    result = run("modes", case, *SMALL, "-o", case)
+    assert (result.exit_code, result.stderr) == (2, f"{case}: expected a folder, found a file\n")
+    below = run("modes", case, *SMALL, "-o", case / "below", "--no-films")
+    assert below.exit_code == 2
+    assert "cannot be written" in below.stderr
+    assert len(below.stderr.splitlines()) == 1
+
+
+def test_numbers_beyond_double_precision_are_a_fault_of_the_case(case: Path) -> None:
+    result = run("modes", case, "--set", "bladed_disk.disk.thickness=1e-150")
+    assert result.exit_code == 2
+    assert "within reach of double precision" in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+
+
+def test_every_nodal_diameter_and_family_has_its_speed(case: Path) -> None:
+    """Held against Eq. (14) worked out from the frequencies of `bladewhirl modes`."""
+    found = document("campbell", case)
+    modes = document("modes", case, "--count", "400")
+
+    def frequencies(body: str, families: set[str]) -> dict[tuple[int, str], float]:
+        return {
+            (mode["nodal_diameter"], mode["family"]): mode["frequency_hz"]
+            for mode in modes[body]
+            if mode["family"] in families
+        }
+
+    rotor = frequencies("bladed_disk", {"suspension", *(f"{n}F" for n in range(1, 6))})
+    casing = frequencies("casing", {"rigid", "1F", "2F"})
+    expected = {
+        (k, family, wall): (frequency + wall_frequency) / k
+        for ((k, family), frequency), ((wall_k, wall), wall_frequency) in product(
+            rotor.items(), casing.items()
+        )
+        if k == wall_k and k > 0
+    }
+    rows = found["coincidences"]
+    speeds = {
+        (row["nodal_diameter"], row["rotor_family"], row["casing_family"]): row["speed_rpm"] / 60.0
+        for row in rows
+    }
+    assert len(speeds) == len(rows)
+    assert speeds == pytest.approx(expected, rel=1e-9)
+    assert {row["nodal_diameter"] for row in rows} == set(range(1, 12))
+    assert [row["speed"] for row in rows] == sorted(row["speed"] for row in rows)
+    reference = found["reference_frequency_hz"]
+    for row in rows:
+        assert row["speed"] * reference == pytest.approx(row["speed_rpm"] / 60.0)
+        assert row["in_operating_range"] == (0.6 <= row["speed"] <= 2.0)
+
+
+def test_a_clamped_centre_has_no_suspension_and_the_free_reference(case: Path) -> None:
+    free, clamped = (
+        document("campbell", case),
+        document("campbell", case, "--set", "shaft.clamped=true"),
+    )
+    assert clamped["reference_frequency_hz"] == free["reference_frequency_hz"]
+    assert {row["rotor_family"] for row in clamped["coincidences"]} == {
+        f"{n}F" for n in range(1, 6)
+    }
+
+
+def test_campbell_diagrams_and_table(case: Path, tmp_path: Path) -> None:
+    result = run("campbell", case, "--speeds", "0.5:2.7", "--operating", "1:1.2")
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout.splitlines()[-1] == "Wrote fan-campbell."
+    assert result.stdout.count("inside") == 2  # k = 1 at 1.055 and k = 4 at 1.116
+    assert "suspension" in result.stdout
+    assert "2.8077" not in result.stdout  # beyond the last speed
+    for frame, suffix in product(("rotating", "static"), ("png", "pdf", "nc")):
+        assert (tmp_path / "fan-campbell" / f"campbell-{frame}.{suffix}").stat().st_size > 1000
+    with xr.open_dataset(tmp_path / "fan-campbell" / "campbell-rotating.nc") as data:
+        on_rotor = data["mode_body"].values == "bladed-disk"
+        assert set(data["mode_family"].values[on_rotor]) == {"1F", "2F", "suspension"}
+        diameters = data["mode_nodal_diameter"].values[~on_rotor]
+        np.testing.assert_array_equal(np.sort(diameters), np.arange(1, 12))
+        np.testing.assert_allclose(data.attrs["operating_range"], (1.0, 1.2))
+    again = run("campbell", case)
+    assert (again.exit_code, again.stderr) == (
+        2,
+        "fan-campbell: already exists; --overwrite writes into it\n",
+    )
+
+
+def test_json_writes_nothing_unless_asked(case: Path, tmp_path: Path) -> None:
+    document("campbell", case)
+    assert [path.name for path in tmp_path.iterdir()] == [case.name]
+
+
+def test_veering_diagrams_and_document(case: Path, tmp_path: Path) -> None:
+    result = run("veering", case, "--families", "3", "--stiffnesses", "1e6:1e9")
+    assert result.exit_code == 0, result.stderr
+    assert "Suspension pair at 2.527 ω₁." in result.stdout
+    folder = tmp_path / "fan-veering"
+    assert {path.name for path in folder.iterdir()} == {
+        f"{name}.{suffix}"
+        for name in ("families", "first-families", "shaft")
+        for suffix in ("png", "pdf", "nc")
+    }
+    with xr.open_dataset(folder / "shaft.nc") as data:
+        np.testing.assert_allclose(data["stiffness"][[0, -1]], [1e6, 1e9])
+    found = document("veering", case)
+    assert len(found["modes"]) == 2 * 12 * 12 + 1
+    assert found["modes"][0] == {
+        "centre": "free",
+        "family": "1F",
+        "nodal_diameter": 1,
+        "frequency_hz": pytest.approx(found["reference_frequency_hz"]),
+        "normalised": 1.0,
+    }
+
+
+def test_veering_of_a_disk_with_fewer_families_than_asked_for(case: Path) -> None:
+    small = ("--set", "bladed_disk.blades=3", "--set", "bladed_disk.elements_per_blade=1")
+    assert run("veering", case, *small).exit_code == 0
+
+
+A_FAMILY = "expected a family of the bladed disk, 1F to 9F, suspension"
+BAD_INPUT = {
+    "modes --count 0": "--count 0: expected a whole number of one or more",
+    "modes --count -3": "--count -3: expected a whole number of one or more",
+    "modes --animate 1F:1": "--animate: for pictures; expected a folder for them, -o DIR",
+    "modes -o new --animate 1G:1": f"--animate 1G:1: {A_FAMILY}",
+    "modes -o new --animate suspensoin": f"--animate suspensoin: {A_FAMILY}"
+    " (did you mean suspension?)",
+    "modes -o new --animate 1F:3": "--animate 1F:3: expected a nodal diameter of 1F: 0, 1, 2",
+    "modes -o new --shapes 1F,": f'--shapes "": {A_FAMILY}',
+    "modes -o new --shapes casing:suspension": "--shapes casing:suspension: expected a family of the casing,"
+    " 1F to 4F, rigid",
+    "modes -o new --wave sideways": "--wave sideways: expected one of standing, forward, backward",
+    "modes -o new --animate 1F:0 --wave forward": "--wave forward: expected standing;"
+    " 1F:0 is no pair, it stands",
+    "campbell --speeds 3:1": "--speeds 3:1: expected a STOP above the START of 3",
+    "campbell --speeds 2:2": "--speeds 2:2: expected a STOP above the START of 2",
+    "campbell --speeds ''": "--speeds : expected START:STOP, two numbers",
+    "campbell --speeds 1": "--speeds 1: expected START:STOP, two numbers",
+    "campbell --speeds 0:1:5": "--speeds 0:1:5: expected START:STOP, two numbers",
+    "campbell --speeds 0:inf": "--speeds 0:inf: expected START:STOP with finite numbers",
+    "campbell --speeds -1:2": "--speeds -1:2: expected a START of zero or more",
+    "campbell --operating 2:0.6": "--operating 2:0.6: expected a STOP above the START of 2",
+    "campbell --families 0": "--families 0: expected a whole number of one or more",
+    "veering --families 0": "--families 0: expected a whole number of one or more",
+    "veering --stiffnesses 0:1e9": "--stiffnesses 0:1e9: expected a START above zero",
+    "veering --stiffnesses 2e9:1e9": "--stiffnesses 2e9:1e9: expected a STOP above the START"
+    " of 2e+09",
+    "veering --stiffnesses soft": "--stiffnesses soft: expected START:STOP, two numbers",
+}
+"""Words of a command line, and what is said of them."""
+
+
+@pytest.mark.parametrize(("words", "line"), BAD_INPUT.items())
+def test_bad_input_is_one_line(case: Path, tmp_path: Path, words: str, line: str) -> None:
+    command, *arguments = shlex.split(words)
+    result = run(command, case, *SMALL, *arguments)
+    assert (result.exit_code, result.stdout, result.stderr) == (2, "", f"{line}\n")
+    assert [path.name for path in tmp_path.iterdir()] == [case.name]
