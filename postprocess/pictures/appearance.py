@@ -58,12 +58,12 @@ def scene_colours(colouring: Colouring, levels: int) -> Array:
     return np.array([to_rgb(colour) for colour in [*own, *colouring.colours(levels)]])
 
 
-def newtons(force: float) -> str:
-    """A force with three figures in N, kN or MN."""
-    for unit, size in (("MN", 1e6), ("kN", 1e3)):
-        if force >= size:
-            return f"{force / size:.3g} {unit}"
-    return f"{force:.3g} N"
+def engineering(value: float, unit: str) -> str:
+    """A force or a stiffness with three figures, in units, thousands or millions of them."""
+    for prefix, size in (("M", 1e6), ("k", 1e3)):
+        if value >= size:
+            return f"{value / size:.3g} {prefix}{unit}"
+    return f"{value:.3g} {unit}"
 
 
 def contact_words(forces: Array) -> str:
@@ -72,7 +72,7 @@ def contact_words(forces: Array) -> str:
     touching = int(np.count_nonzero(size))
     if not touching:
         return "no contact"
-    return f"{touching} of {len(size)} blades touch\nlargest force {newtons(size.max())}"
+    return f"{touching} of {len(size)} blades touch\nlargest force {engineering(size.max(), 'N')}"
 
 
 def speed_words(dataset: xr.Dataset) -> str:

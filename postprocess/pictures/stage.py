@@ -17,7 +17,7 @@ from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.postprocess.fields.fields import Array
 from bladewhirl.postprocess.fields.moving_stage import moving_stage
 from bladewhirl.postprocess.fields.sections import rotor_sections
-from bladewhirl.postprocess.pictures.appearance import FAINT
+from bladewhirl.postprocess.pictures.appearance import FAINT, engineering
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import off_screen_plotter, pixels_of
 from bladewhirl.postprocess.pictures.render import WINDOW
@@ -173,7 +173,7 @@ def _shaft(dataset: xr.Dataset) -> Iterator[str]:
     yield ", ".join(["shaft: 2 springs", *_some(damped, "damper")])
     stiffness = _numbers(dataset, "shaft_stiffness")
     if np.unique(stiffness).size > 1:
-        yield "of " + " and ".join(_stiffness(each) for each in stiffness) + ","
+        yield "of " + " and ".join(engineering(each, "N/m") for each in stiffness) + ","
         static = str(dataset["shaft_frame"].values) == "static"
         yield "standing still" if static else "turning with the disk"
 
@@ -201,14 +201,6 @@ def _numbers(dataset: xr.Dataset, name: str) -> NDArray[Any]:
 def _some(which: NDArray[np.bool_], what: str) -> list[str]:
     number = int(np.count_nonzero(which))
     return [count(number, what)] if number else []
-
-
-def _stiffness(stiffness: float) -> str:
-    """A stiffness with three figures in N/m, kN/m or MN/m."""
-    for unit, size in (("MN/m", 1e6), ("kN/m", 1e3)):
-        if stiffness >= size:
-            return f"{stiffness / size:.3g} {unit}"
-    return f"{stiffness:.3g} N/m"
 
 
 def count(number: int, what: str) -> str:

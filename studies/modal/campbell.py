@@ -18,7 +18,7 @@ from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.solvers.stability.coincidence import coincidences
-from bladewhirl.studies.modal.modes import full_stage
+from bladewhirl.studies.modal.modes import full_stage, rows_of
 from bladewhirl.studies.runs.figures_folder import written_to
 
 Interval = tuple[float, float]
@@ -123,11 +123,10 @@ def coincidence_list(found: xr.Dataset) -> dict[str, Any]:
         "speed_rpm": "speed",
         "in_operating_range": "in_operating_range",
     }
-    columns = [found[name].values.tolist() for name in keys.values()]
     return {
         "reference_frequency_hz": found.attrs["reference_frequency_hz"],
         "operating_range": list(found.attrs["operating_range"]),
-        "coincidences": [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)],
+        "coincidences": rows_of(found, keys),
     }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -115,19 +116,16 @@ def _list_of(found: LabelledModes, body: str, centre: str, stage: ModalStage) ->
     }
     pattern = [_pattern(found, number) for number in range(found.count)]
     data = xr.Dataset(
-        {name: ("mode", value, described(name)) for name, value in values.items()},
+        {
+            name: ("mode", value, dict(zip(("units", "long_name"), VARIABLES[name], strict=True)))
+            for name, value in values.items()
+        },
         coords={name: ("mode", value) for name, value in names.items()}
         | {"pattern": ("mode", np.array(pattern, dtype=object))},
     ).set_index(mode=list(LEVELS))
     for name, meaning in LEVELS.items():
         data[name].attrs["long_name"] = meaning
     return data
-
-
-def described(name: str) -> dict[str, str]:
-    """Attributes of a variable of modes."""
-    unit, meaning = VARIABLES[name]
-    return {"units": unit, "long_name": meaning}
 
 
 def _pattern(found: LabelledModes, number: int) -> str:
@@ -156,12 +154,21 @@ def mode_lists(found: xr.Dataset, count: int) -> dict[str, list[dict[str, Any]]]
         "family": "family",
         "purity": "purity",
     }
-    listed = {}
-    for name, which in lists.items():
-        lowest = found.sel(which).isel(mode=slice(count))
-        columns = [lowest[variable].values.tolist() for variable in keys.values()]
-        listed[name] = [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)]
-    return listed
+    return {
+        name: rows_of(found.sel(which).isel(mode=slice(count)), keys)
+        for name, which in lists.items()
+    }
+
+
+def rows_of(data: xr.Dataset, keys: Mapping[str, str]) -> list[dict[str, Any]]:
+    """Variables over one dimension as a list for programs, under other names.
+
+    Args:
+        data: that holds them.
+        keys: names of the variables by those in the list.
+    """
+    columns = [data[variable].values.tolist() for variable in keys.values()]
+    return [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
 def print_modes(found: xr.Dataset, count: int) -> None:

@@ -17,7 +17,7 @@ from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.solvers.stability.veering import ShaftVeering, shaft_veering
-from bladewhirl.studies.modal.modes import full_stage, modes
+from bladewhirl.studies.modal.modes import full_stage, modes, rows_of
 from bladewhirl.studies.runs.figures_folder import written_to
 
 STIFFNESSES, DECADES = 241, 3
@@ -115,10 +115,9 @@ def veering_document(found: xr.Dataset) -> dict[str, Any]:
         "frequency_hz": "frequency",
         "normalised": "normalised_frequency",
     }
-    columns = [found[name].values.tolist() for name in keys.values()]
     return {
         "reference_frequency_hz": found.attrs["reference_frequency_hz"],
-        "modes": [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)],
+        "modes": rows_of(found, keys),
         "shaft": {
             "stiffness": found["stiffness"].values.tolist(),
             "normalised": found["normalised_branch_frequency"].values.tolist(),

@@ -265,8 +265,8 @@ BAD_INPUT = {
     " (did you mean suspension?)",
     "modes -o new --animate 1F:3": "--animate 1F:3: expected a nodal diameter of 1F: 0, 1, 2",
     "modes -o new --shapes 1F,": f'--shapes "": {A_FAMILY}',
-    "modes -o new --shapes casing:suspension": "--shapes casing:suspension: expected a family of the casing,"
-    " 1F to 4F, rigid",
+    "modes -o new --shapes casing:suspension": "--shapes casing:suspension: expected a"
+    " family of the casing, 1F to 4F, rigid",
     "modes -o new --wave sideways": "--wave sideways: expected one of standing, forward, backward",
     "modes -o new --animate 1F:0 --wave forward": "--wave forward: expected standing;"
     " 1F:0 is no pair, it stands",
