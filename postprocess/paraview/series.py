@@ -87,6 +87,21 @@ def export_vtk(
     hint = sampling_hint(dataset, records)
     if hint:
         logger.info(hint)
+    return write_series(
+        dataset, directory, records, rotating=rotating, surface=surface, progress=progress
+    )
+
+
+def write_series(
+    dataset: xr.Dataset,
+    directory: str | Path,
+    records: IntArray,
+    *,
+    rotating: bool = False,
+    surface: bool = False,
+    progress: Progress | None = None,
+) -> Path:
+    """Write the series of chosen records, see `export_vtk`; returns series.pvd's path."""
     parts, points = (surface_parts if surface else line_parts)(dataset, rotating)
     folder = Path(directory)
     series = SeriesWriter(folder=folder)
@@ -104,7 +119,7 @@ def export_vtk(
 
 
 Parts = Mapping[str, Callable[[IntArray], list[meshio.Mesh]]]
-"""What makes the meshes of each part at some records."""
+"""Functions that make the meshes of each part at some records."""
 
 
 def line_parts(dataset: xr.Dataset, rotating: bool) -> tuple[Parts, int]:

@@ -2,25 +2,14 @@
 
 from __future__ import annotations
 
-LARGE = (("G", 1e9), ("M", 1e6))
-"""Prefixes of stiffnesses and pressures, and the amounts from which they read better."""
-
-
-def length_unit(length: float) -> tuple[str, float]:
-    """Unit in which a length [m] reads well, and how many of it are a metre."""
-    return ("mm", 1e3) if length >= 1e-4 or length == 0 else ("µm", 1e6)
-
-
-def velocity_unit(velocity: float) -> tuple[str, float]:
-    """Unit in which a velocity [m/s] reads well, and how many of it are a metre per second."""
-    return ("m/s", 1.0) if velocity >= 0.1 or velocity == 0 else ("mm/s", 1e3)
-
-
-def time_unit(time: float) -> tuple[str, float]:
-    """Unit in which a time [s] reads well, and how many of it are a second."""
-    if time >= 0.1 or time == 0:
-        return "s", 1.0
-    return ("ms", 1e3) if time >= 1e-4 else ("µs", 1e6)
+HANDY: dict[str, tuple[tuple[float, str, float], ...]] = {
+    "m": ((1e-4, "mm", 1e3), (0.0, "µm", 1e6)),
+    "m/s": ((0.1, "m/s", 1.0), (0.0, "mm/s", 1e3)),
+    "s": ((0.1, "s", 1.0), (1e-4, "ms", 1e3), (0.0, "µs", 1e6)),
+    "N/m": ((1e9, "GN/m", 1e-9), (1e6, "MN/m", 1e-6), (0.0, "N/m", 1.0)),
+    "Pa": ((1e9, "GPa", 1e-9), (1e6, "MPa", 1e-6), (0.0, "Pa", 1.0)),
+}
+"""By SI unit: the amount from which a unit reads better than the next, and how many are one SI."""
 
 
 def handy_unit(amount: float, unit: str) -> tuple[str, float]:
@@ -28,17 +17,14 @@ def handy_unit(amount: float, unit: str) -> tuple[str, float]:
 
     Args:
         amount: zero or positive, in the SI unit.
-        unit: the SI unit; any but those of lengths, velocities, times, stiffnesses and pressures
-            stays.
+        unit: the SI unit; one that is not in `HANDY` stays.
     """
-    if unit == "m":
-        return length_unit(amount)
-    if unit == "m/s":
-        return velocity_unit(amount)
-    if unit == "s":
-        return time_unit(amount)
-    if unit in ("N/m", "Pa"):
-        for prefix, size in LARGE:
-            if amount >= size:
-                return prefix + unit, 1.0 / size
+    for least, handy, scale in HANDY.get(unit, ()):
+        if amount >= least or (amount == 0 and scale >= 1):
+            return handy, scale
     return unit, 1.0
+
+
+def length_unit(length: float) -> tuple[str, float]:
+    """Unit in which a length [m] reads well, and how many of it are a metre."""
+    return handy_unit(length, "m")

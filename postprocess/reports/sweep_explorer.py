@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.fields.fields import Array
 from bladewhirl.postprocess.plotting.style import SEQUENTIAL
-from bladewhirl.postprocess.reports.contact_explorer import buttons, plain_layout
+from bladewhirl.postprocess.reports.interactive import (
+    LEGEND_BELOW,
+    buttons,
+    colour_bar,
+    plain_layout,
+)
 from bladewhirl.postprocess.reports.page import Explorer
 from bladewhirl.postprocess.run.orbits import MILLI
 from bladewhirl.postprocess.run.regimes import CERTAINTY, rate_text
@@ -18,9 +23,6 @@ from bladewhirl.postprocess.sweep.axes import in_handy_units, is_wide, key_label
 from bladewhirl.postprocess.sweep.drawing import REGIME_COLOURS, line_label
 from bladewhirl.postprocess.sweep.frequency_map import DECADES, LINES
 from bladewhirl.postprocess.sweep.quantities import LINE, cell_edges
-
-if TYPE_CHECKING:
-    pass
 
 MOST_ROWS, MOST_COLUMNS = 500, 500
 """Frequencies and points of a map at most: of more, each cell is the largest of neighbours."""
@@ -79,7 +81,6 @@ def frequency_explorer(maps: xr.Dataset) -> Explorer:
         owner += [number] * len(own)
     limit = float(np.abs(cell_edges(maps["frequency"].values, logarithmic=False)).max())
     labels = [line_label(maps.isel({LINE: number})) for number in range(maps.sizes[LINE])]
-    shown = [[number == own for own in owner] for number in range(maps.sizes[LINE])]
     key = maps[str(maps.attrs["along"])]
     layout = plain_layout(
         xaxis=_key_axis(key),
@@ -88,9 +89,8 @@ def frequency_explorer(maps: xr.Dataset) -> Explorer:
             "range": [-limit, limit],
             "showgrid": False,
         },
-        legend={"orientation": "h", "y": -0.16, "yanchor": "top"},
-        updatemenus=[buttons(labels, shown)] if len(labels) > 1 else [],
-        template=None,
+        legend=LEGEND_BELOW,
+        updatemenus=buttons(labels, owner),
     )
     return Explorer(
         name="frequency-explorer",
@@ -134,9 +134,8 @@ def points_explorer(points: xr.Dataset) -> Explorer:
             "type": "log" if wide else "linear",
             **({} if wide else {"rangemode": "tozero"}),
         },
-        legend={"orientation": "h", "y": -0.16, "yanchor": "top"},
+        legend=LEGEND_BELOW,
         showlegend=True,
-        template=None,
     )
     return Explorer(
         name="points-explorer",
@@ -185,7 +184,6 @@ def regime_explorer(points: xr.Dataset, other: str) -> Explorer:
     layout = plain_layout(
         xaxis={**_key_axis(key), "showgrid": False},
         yaxis={**_key_axis(points[other]), "showgrid": False},
-        template=None,
     )
     return Explorer(
         name="regime-explorer",
@@ -217,8 +215,7 @@ def _map_traces(one: xr.Dataset, top: float, *, shown: bool) -> Sequence[Any]:
             zmax=top,
             colorscale=SEQUENTIAL,
             colorbar={
-                "title": {"text": "amplitude of the shaft [mm]", "side": "right"},
-                "thickness": 14,
+                **colour_bar("amplitude of the shaft [mm]"),
                 "tickvals": ticks.tolist(),
                 "ticktext": [f"{10.0**tick:g}" for tick in ticks],
             },

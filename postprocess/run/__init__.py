@@ -1,1 +1,1 @@
-"""What one run says: orbits, spectra, energies, contact, regime, summary."""
+"""Analyses of one run: orbits, spectra, energies, contact, regime, summary."""

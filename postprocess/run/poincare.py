@@ -11,7 +11,7 @@ from bladewhirl.postprocess.fields.fields import ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import late_part, window_label
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
-from bladewhirl.postprocess.plotting.units import length_unit, velocity_unit
+from bladewhirl.postprocess.plotting.units import handy_unit, length_unit
 from bladewhirl.postprocess.run.orbits import LONG_LINE, PALE, Frame, shaft_orbit
 
 
@@ -109,7 +109,7 @@ def plot_state_space(states: xr.Dataset) -> Figure:
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     late_from = late_part(states)["time"].values[0]
     length, to_length = length_unit(float(abs(states["place"]).max()))
-    rate, to_rate = velocity_unit(float(abs(states["velocity"]).max()))
+    rate, to_rate = handy_unit(float(abs(states["velocity"]).max()), "m/s")
     for axes, prefix, instant, mark, title in (
         (panels[0], "", "time", "-", "motion"),
         (panels[1], "section_", "revolution", ".", "every revolution"),

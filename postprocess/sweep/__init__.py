@@ -1,1 +1,1 @@
-"""What a sweep says: its dataset, what is kept of a point, maps and diagrams."""
+"""Analyses of a sweep: its dataset, digests of its points, maps and diagrams."""

@@ -1,4 +1,4 @@
-"""What the figures of sweeps have in common: looks and names of lines, regimes, panels."""
+"""Shared parts of the figures of sweeps: looks and names of lines, regimes, panels."""
 
 from __future__ import annotations
 
@@ -161,7 +161,7 @@ def chosen(count: int, most: int) -> list[int]:
 
 
 def left_out_note(count: int, most: int) -> str:
-    """What a title says of lines that are not drawn."""
+    """Words of a title for lines that are not drawn."""
     return f" ({most} of {count} lines, the others are in the data)" if count > most else ""
 
 
@@ -201,7 +201,7 @@ def panel_titles(data: xr.Dataset) -> list[str]:
 
 
 def panels_note(data: xr.Dataset, what: str) -> str:
-    """What a figure's title says of its panels ("panels", "rows"); see `panel_titles`."""
+    """Names of the keys whose values are the titles of "panels" or "rows"; see `panel_titles`."""
     return f"\n{what}: {line_keys(data)}" if len(other_keys(data)) > 1 else ""
 
 

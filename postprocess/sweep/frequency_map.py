@@ -155,7 +155,7 @@ def _columns(points: int) -> IntArray:
 
 
 def _position(dataset: xr.Dataset, key: str, line: int) -> dict[str, int]:
-    """Where a line of `along` lies in the dataset, whose values may be in any order."""
+    """Place of a line of `along` in the dataset, whose values may be in any order."""
     others = [name for name in swept(dataset) if name != key]
     place = np.unravel_index(line, [dataset.sizes[name] for name in others]) if others else ()
     return {

@@ -45,7 +45,7 @@ CLEAR_RANGE = 30.0
 """Ratio of the largest value to the median from which colours are logarithmic."""
 
 DOUBTFUL_HATCH, DOUBTFUL_COLOUR = "xxx", "#777777"
-"""Where a growth rate is too uncertain to tell its sign."""
+"""Look of cells whose growth rate is too uncertain to tell its sign."""
 
 DOUBTFUL = "growth rate within two standard errors of zero"
 

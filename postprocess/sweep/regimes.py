@@ -42,7 +42,7 @@ MOST_MARKED = 24
 """Columns, and rows, of cells up to which each has the mark of its regime."""
 
 HATCH = "//////"
-"""Where there is no result."""
+"""Of cells without a result."""
 
 Names = NDArray[np.str_]
 

@@ -44,22 +44,15 @@ def export(
     from bladewhirl.models.inputs.errors import writing
     from bladewhirl.postprocess.fields.fields import frame_records, sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
-    from bladewhirl.postprocess.paraview.series import export_vtk
+    from bladewhirl.postprocess.paraview.series import write_series
 
     window = parse_window(start, end)
     folder = output or (directory if directory.is_dir() else directory.parent) / VTK
     with options_of_window(), open_result(directory) as result:
         records = frame_records(result, frames, *window)
         with progress_bar(folder.name) as update, writing(folder):
-            index = export_vtk(
-                result,
-                folder,
-                frames=frames,
-                start=window[0],
-                end=window[1],
-                rotating=rotating,
-                surface=surface,
-                progress=update,
+            index = write_series(
+                result, folder, records, rotating=rotating, surface=surface, progress=update
             )
         first, last = result["time"].values[records[[0, -1]]]
         hint = sampling_hint(result, records)

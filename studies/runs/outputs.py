@@ -1,4 +1,4 @@
-"""What a run leaves beside its records: summary, figures and the ParaView series."""
+"""Outputs of a run beside its records: summary, figures and the ParaView series."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Window:
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """What a run left."""
+    """A finished run: its folder, end and summary."""
 
     directory: Path
     end_reason: str  #: "completed", "divergent" or "interrupted"
@@ -135,7 +135,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
     """Write the ParaView series; yields hints."""
     from bladewhirl.postprocess.fields.fields import ViewError, frame_records, sampling_hint
-    from bladewhirl.postprocess.paraview.series import export_vtk
+    from bladewhirl.postprocess.paraview.series import write_series
 
     if window.frames == 0:
         return
@@ -144,14 +144,7 @@ def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterat
     except ViewError as error:  # the run ended before the window
         yield f"no ParaView series: {error}"
         return
-    export_vtk(
-        result,
-        directory,
-        frames=window.frames,
-        start=window.start,
-        end=window.end,
-        rotating=window.rotating,
-    )
+    write_series(result, directory, records, rotating=window.rotating)
     hint = sampling_hint(result, records)
     if hint:
         yield f"{directory.name}: {hint} (--from, --to, --frames)"

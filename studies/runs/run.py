@@ -145,7 +145,9 @@ def run(
         for name, content in files.items():
             (directory / name).write_bytes(content)
         folder.write_provenance(directory, case)
-        report = march_to_file(prepared, directory / RESULT_NAME, progress)
+        report = march_to_file(
+            prepared, directory / RESULT_NAME, files[folder.CASE_NAME].decode(), progress
+        )
         done = write_outputs(directory, report, window)
         return replace(done, hints=(*stage_hints(prepared.stage), *done.hints))
     except OSError as error:
@@ -165,19 +167,19 @@ def _no_collection() -> Iterator[None]:
 
 
 def march_to_file(
-    prepared: Prepared, path: Path, progress: Progress | None = None, *, mesh_folder: str = ""
+    prepared: Prepared, path: Path, case_text: str, progress: Progress | None = None
 ) -> dict[str, float]:
     """March and record; returns what the march alone knows of its quality.
 
     Args:
         prepared: the case to march.
         path: of the result.
+        case_text: of the result, see `folder.portable_case`.
         progress: called with what is being done, steps done and steps in all.
-        mesh_folder: where a copy of the case's mesh file lies, as seen from the result.
     """
     timing, residual, unsolved = prepared.timing, 0.0, 0
     reason, message = EndReason.COMPLETED.value, ""
-    with Recorder(path, prepared.stage.arrays, _attributes(prepared, mesh_folder)) as recorder:
+    with Recorder(path, prepared.stage.arrays, _attributes(prepared, case_text)) as recorder:
         began = time.perf_counter()
         try:
             with _interrupt() as interrupted:
@@ -235,7 +237,7 @@ def _check_room(directory: Path, needed: int) -> None:
         )
 
 
-def _attributes(prepared: Prepared, mesh_folder: str) -> dict[str, Attribute]:
+def _attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
     stage = prepared.stage
     case = stage.case
     return {
@@ -255,7 +257,7 @@ def _attributes(prepared: Prepared, mesh_folder: str) -> dict[str, Attribute]:
                 stage.symmetry.items(), prepared.scheme.cyclic, strict=True
             )
         ),
-        "case": folder.portable_case(case, mesh_folder),
+        "case": case_text,
     }
 
 

@@ -21,6 +21,7 @@ from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.postprocess.fields.result import RESULT_NAME, open_result
 from bladewhirl.postprocess.sweep.dataset import Layout
 from bladewhirl.postprocess.sweep.digest import Digest, digest
+from bladewhirl.studies.runs.folder import portable_case
 from bladewhirl.studies.runs.run import march_to_file, prepare_stage
 from bladewhirl.studies.sweeps.axes import Value
 
@@ -103,7 +104,7 @@ def _march_point(work: Work, case: Case, name: str | None) -> Digest:
     folder = work.histories if name is not None else None
     with TemporaryDirectory(prefix=".point-", dir=folder) as scratch:
         path = Path(scratch) / RESULT_NAME
-        report = march_to_file(prepared, path, mesh_folder=os.pardir)
+        report = march_to_file(prepared, path, portable_case(case, os.pardir))
         with open_result(path) as result:
             kept = digest(result, report, work.layout)
         if name is not None:

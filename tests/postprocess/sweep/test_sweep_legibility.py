@@ -1,4 +1,4 @@
-"""What readers see of figures of sweeps: all on the canvas, units that read well, lines and marks
+"""Figures of sweeps as readers see them: all on the canvas, units that read well, lines and marks
 that are told apart without colour.
 """
 
@@ -59,7 +59,7 @@ def four(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def boxes(figure: Figure) -> dict[str, Bbox]:
-    """What is seen of each part of a figure: its panels with all their labels, legends, texts."""
+    """Boxes of each part of a figure: its panels with all their labels, legends, texts."""
     figure.draw_without_rendering()
     found = {f"legend {n}": part.get_window_extent() for n, part in enumerate(figure.legends)}
     found |= {text.get_text(): text.get_window_extent() for text in figure.texts}
