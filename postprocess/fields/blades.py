@@ -60,7 +60,7 @@ def _outward_line(points: Array, lines: IntArray, tip: int) -> int:
 
 
 def tip_recess(dataset: xr.Dataset) -> Array:
-    """How much nearer to the centre than the tip radius each tip ends at rest (blade,) [m]."""
+    """Shortfall of each tip at rest from the tip radius, negative beyond it, (blade,) [m]."""
     radius = float(dataset.attrs["tip_radius"])
     tips = np.linalg.norm(dataset["rotor_point"].values[dataset["tip_node"].values], axis=1)
     recess: Array = np.where(np.abs(radius - tips) > ROUNDING * radius, radius - tips, 0.0)

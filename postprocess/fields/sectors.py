@@ -17,7 +17,7 @@ SAME_PLACE = 1e-6
 
 @dataclass(frozen=True, kw_only=True)
 class Sectors:
-    """Which nodes are turned into each other by a sector's angle.
+    """Nodes that are turned into each other by a sector's angle.
 
     Node j of sector n is node j of sector 0 turned counter-clockwise by n sectors.
     """

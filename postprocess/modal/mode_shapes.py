@@ -104,9 +104,12 @@ class Outline:
 class DrawnShape:
     """A body in axes: grey at rest, deformed in the colours of its displacement."""
 
-    def __init__(self, axes: Axes, outline: Outline, *, largest: float, linewidth: float) -> None:
-        self._axes, self._outline, self.largest = axes, outline, largest
-        self._factor = DRAWN * outline.radius / largest
+    def __init__(
+        self, axes: Axes, outline: Outline, motion: FloatArray, *, linewidth: float
+    ) -> None:
+        """Prepare axes for all of a motion (..., modes), in a frame of fixed size."""
+        self._outline, self.largest = outline, outline.largest(motion)
+        self._factor = DRAWN * outline.radius / self.largest
         rest = LineCollection([*outline.rest], color=COLOURS["rest"], linewidth=0.5 * linewidth)
         axes.add_collection(rest)
         self.lines = LineCollection(
@@ -130,17 +133,13 @@ class DrawnShape:
         (self.centre,) = axes.plot(
             [], [], "o", color=COLOURS["k = 1"], zorder=3, markersize=size, label="centre displaced"
         )
-        axes.set(aspect="equal")
-        axes.set_axis_off()
-
-    def fit(self, coordinates: FloatArray) -> None:
-        """Take in the body in all of the motion (..., modes), in a frame of fixed size."""
-        reach = self._outline.radius
-        for instant in np.atleast_2d(coordinates):
-            drawn = self._outline.moved(instant, self._factor)
+        reach = outline.radius
+        for instant in np.atleast_2d(motion):
+            drawn = outline.moved(instant, self._factor)
             reach = max(reach, float(np.linalg.norm(drawn, axis=-1).max()))
         limits = (-MARGIN * reach, MARGIN * reach)
-        self._axes.set(xlim=limits, ylim=limits)
+        axes.set(aspect="equal", xlim=limits, ylim=limits)
+        axes.set_axis_off()
 
     def show(self, coordinates: FloatArray) -> None:
         """Draw the displacement of some modal coordinates, (modes,)."""
@@ -176,8 +175,7 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
             axes.set_axis_off()
             continue
         coordinates = np.eye(modes)[mode]
-        shape = DrawnShape(axes, outline, largest=outline.largest(coordinates), linewidth=0.8)
-        shape.fit(coordinates)
+        shape = DrawnShape(axes, outline, coordinates, linewidth=0.8)
         shape.show(coordinates)
         name = mode_title(
             str(data[f"{prefix}_family"].values[mode]),
@@ -227,7 +225,7 @@ def _pictures(data: xr.Dataset, body: Body) -> list[Pixels]:
     outline = Outline(data, body)
     figure = new_figure(width=GIF_SIZE, height=1.08 * GIF_SIZE)
     axes = figure.subplots()
-    shape = DrawnShape(axes, outline, largest=outline.largest(coordinates), linewidth=1.4)
+    shape = DrawnShape(axes, outline, coordinates, linewidth=1.4)
     frequency = float(data[f"{prefix}_frequency"].values[0])
     reference = float(data.attrs["reference_frequency"])
     note = f"{frequency / (2 * np.pi):.4g} Hz = {_digits(frequency / reference)} ω$_1$"
@@ -235,7 +233,6 @@ def _pictures(data: xr.Dataset, body: Body) -> list[Pixels]:
     canvas = FigureCanvasAgg(figure)
     figure.set_dpi(GIF_DPI)
     pictures = []
-    shape.fit(coordinates)
     for instant in coordinates:
         shape.show(instant)
         canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib's own

@@ -67,7 +67,7 @@ def engineering(value: float, unit: str) -> str:
 
 
 def contact_words(forces: Array) -> str:
-    """How many blades touch, and how hard, from forces (blade, 2) [N]."""
+    """Number of blades that touch, and the largest force, from forces (blade, 2) [N]."""
     size = np.linalg.norm(forces, axis=1)
     touching = int(np.count_nonzero(size))
     if not touching:
@@ -83,14 +83,14 @@ def speed_words(dataset: xr.Dataset) -> str:
 
 
 def enlargement(factor: float) -> str:
-    """How large displacements are drawn."""
+    """The exaggeration in words."""
     if factor == 1:
         return "true size"
     return f"displacement and clearance\ndrawn {factor:g} times as large"
 
 
 class ShaftTrail(NamedTuple):
-    """Where the centre was."""
+    """Places of the centre over time."""
 
     places: Array  #: in units of the circle's radius (record, 2)
     title: str  #: which says how large the circle is

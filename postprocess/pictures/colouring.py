@@ -1,4 +1,4 @@
-"""What the stage in a picture is coloured by: any field of a result, or the parts it consists of.
+"""Colouring of the stage in a picture: by any field of a result, or the parts it consists of.
 
 Values are true, whatever the exaggeration. They are given at both sides of beams and wall, since
 the strain of bending is not the same there.
@@ -47,7 +47,7 @@ PART_COLOURS = tuple(
 
 
 class Stations(NamedTuple):
-    """How finely beams and wall are cut."""
+    """Number of pieces that beams and wall are cut into."""
 
     per_line: int  #: pieces of a beam
     per_element: int  #: pieces of an element of the casing

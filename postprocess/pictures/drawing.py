@@ -38,9 +38,9 @@ from bladewhirl.postprocess.fields.fields import (
 from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.pictures.colouring import Field, Stations, colouring
 from bladewhirl.postprocess.pictures.symbols import (
-    CasingFittings,
-    RotorFittings,
-    ShaftFittings,
+    CasingSymbols,
+    RotorSymbols,
+    ShaftSymbols,
     Symbols,
     together,
 )
@@ -64,7 +64,7 @@ class Ribbon:
 
 @dataclass(frozen=True, kw_only=True)
 class Picture:
-    """What one record looks like. Lengths are as drawn, values are true."""
+    """The stage at one record. Lengths are as drawn, values are true."""
 
     time: float  #: [s]
     rotor: Ribbon
@@ -147,9 +147,9 @@ class Drawing:
                 dataset, self._stations, (self.exaggeration - 1.0) * recess
             )
         self.colouring = colouring(dataset, colour, records, Stations(BEAM_STATIONS, per_element))
-        self._on_rotor = RotorFittings(dataset, self.tip_radius)
-        self._shaft = ShaftFittings(dataset, self.tip_radius)
-        self._on_casing = CasingFittings(dataset, self.tip_radius)
+        self._on_rotor = RotorSymbols(dataset, self.tip_radius)
+        self._shaft = ShaftSymbols(dataset, self.tip_radius)
+        self._on_casing = CasingSymbols(dataset, self.tip_radius)
         away = np.angle(np.exp(1j * (self._on_casing.angles[:, None] - self._angle)))
         self._feet = np.argmin(np.abs(away), axis=1)
 

@@ -73,7 +73,7 @@ def off_screen_plotter(size: tuple[int, int]) -> Iterator[pyvista.Plotter]:
 
 
 def pixels_of(plotter: pyvista.Plotter) -> Pixels:
-    """What a plotter shows."""
+    """The picture of a plotter."""
     plotter.render()
     return np.array(plotter.screenshot(return_img=True), dtype=np.uint8)
 
@@ -96,7 +96,7 @@ def stage_view(
 
         scene = StageScene(plotter, drawing)
         panel = Panel(scene, dataset, note=note, trail=trail)
-        scene.look()
+        scene.aim()
 
         def picture(index: int | None) -> Pixels:
             if index is None:
@@ -118,7 +118,7 @@ def _missing(what: str) -> OffScreenError:
 
 
 def _has_driver(egl: ctypes.CDLL) -> bool:
-    """Whether EGL starts on at least one device, a graphics card or a software driver.
+    """See if EGL starts on at least one device, a graphics card or a software driver.
 
     Displays are left open: ending them would end those that VTK may hold in this process.
     """

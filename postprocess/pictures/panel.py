@@ -1,4 +1,4 @@
-"""What stands beside the stage in a picture: title, time, contact, colour scale, shaft's orbit."""
+"""The panel beside the stage in a picture: title, time, contact, colour scale, shaft's orbit."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ KEY_LETTERS, LINE_LETTERS = 27, 32
 
 
 class Panel:
-    """What the picture shows, in words, and the colour scale, right of the stage. With `trail`,
+    """The picture in words, and the colour scale, right of the stage. With `trail`,
     consecutive records, an inset shows the shaft's orbit through them.
     """
 

@@ -37,7 +37,7 @@ class StageScene:
 
     Works in any `pyvista.Plotter`, on a screen or off it. Colours are true values of the drawing's
     field in its unit. Without `marks`, shaft and first blade have no dots. Layers are a hair apart
-    in z, so look along z, as `look` does.
+    in z, so look along z, as `aim` does.
     """
 
     def __init__(self, plotter: pyvista.Plotter, drawing: Drawing, *, marks: bool = True) -> None:
@@ -132,7 +132,7 @@ class StageScene:
             mesh = self._add(4 * len(strokes), _stroke_quads(len(strokes)), layer=2, color=colour)
             _move(mesh, stroke_corners(strokes, width * self._size))
 
-    def look(self) -> None:
+    def aim(self) -> None:
         """Look along the axis, the stage in the left part of the window, at a fixed scale."""
         aside = self.place(0.5, 0.5)[0]
         self.plotter.enable_parallel_projection()
@@ -141,7 +141,7 @@ class StageScene:
         self.plotter.reset_camera_clipping_range()
 
     def place(self, across: float, up: float) -> Array:
-        """The point of the plane [m] that `look` shows at these shares of the window."""
+        """The point of the plane [m] that `aim` shows at these shares of the window."""
         width, height = self.plotter.window_size
         half = self._half_height * width / height
         middle = (1 - SQUARE) * half

@@ -80,7 +80,7 @@ def draw_stage(
         scene = StageScene(plotter, drawing, marks=False)
         _mark_sets(scene, node_sets)
         _describe(scene, dataset, node_sets)
-        scene.look()
+        scene.aim()
         picture = pixels_of(plotter)
     with replacing(target) as draft:
         imageio.imwrite(draft, picture)
@@ -150,7 +150,7 @@ def thickness_words(dataset: xr.Dataset, part: str) -> str:
 
 
 def holding_words(dataset: xr.Dataset) -> list[str]:
-    """What holds the bodies and hangs on them, in words; springs and dampers as they are drawn,
+    """Supports and attachments of both bodies in words; springs and dampers as they are drawn,
     those along the wall beside those across it.
     """
     lines = [*_shaft(dataset), "casing: " + (", ".join(_casing(dataset)) or "free")]
@@ -165,7 +165,7 @@ def holding_words(dataset: xr.Dataset) -> list[str]:
 
 
 def _shaft(dataset: xr.Dataset) -> Iterator[str]:
-    """What carries the centre."""
+    """Supports of the centre."""
     if int(dataset.attrs["clamped"]):
         yield "centre held"
         return
@@ -179,7 +179,7 @@ def _shaft(dataset: xr.Dataset) -> Iterator[str]:
 
 
 def _casing(dataset: xr.Dataset) -> Iterator[str]:
-    """What holds the casing."""
+    """Supports of the casing."""
     if float(dataset["casing_foundation"]) > 0:
         yield "elastic support"
     strut = _numbers(dataset, "support_kind").astype(str) == "strut"

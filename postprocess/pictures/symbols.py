@@ -57,8 +57,8 @@ class _Holders(NamedTuple):
     scale: float = 1.0  #: of their size
 
 
-class CasingFittings:
-    """What holds the casing, in static axes, with its feet on the wall's outer surface at
+class CasingSymbols:
+    """Supports of the casing, in static axes, with its feet on the wall's outer surface at
     `angles` (foot,).
     """
 
@@ -129,8 +129,8 @@ def _holders(dataset: xr.Dataset, radius: float) -> list[_Holders]:
     ]
 
 
-class RotorFittings:
-    """What hangs on the bladed disk, in rotating axes: springs between nodes, masses, links."""
+class RotorSymbols:
+    """Attachments of the bladed disk, in rotating axes: springs between nodes, masses, links."""
 
     def __init__(self, dataset: xr.Dataset, radius: float) -> None:
         self._size = radius
@@ -157,8 +157,8 @@ class RotorFittings:
         )
 
 
-class ShaftFittings:
-    """What carries the centre: springs along x and y, dampers along -x and -y, each of them in
+class ShaftSymbols:
+    """Supports of the centre: springs along x and y, dampers along -x and -y, each of them in
     axes of their own.
     """
 
@@ -212,7 +212,7 @@ def _optional(dataset: xr.Dataset, name: str, shape: tuple[int, ...]) -> IntArra
 
 
 def _positive(dataset: xr.Dataset, name: str, count: int) -> NDArray[np.bool_]:
-    """Which of a variable's first numbers are; none where a result does not have it."""
+    """A mask of the first numbers of a variable that are positive; none where it is missing."""
     found = dataset[name].values[:count] > 0 if name in dataset else np.zeros(count)
     return np.asarray(found, dtype=np.bool_)
 
@@ -287,5 +287,5 @@ KINDS = {
     "dampers": ("damper", _dashpots),
     "struts": ("strut or rigid link", _bars),
 }
-"""What is drawn by strokes from end to end: the name of one, and the function that makes them from
+"""Symbols drawn by strokes from end to end: the name of one, and the function that makes them from
 start (symbol, 2), end (symbol, 2) and half the width, (symbol,) or one of all."""

@@ -127,7 +127,7 @@ def _pack(
 
 
 def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Array]:
-    """What is drawn, by name [m]; that of lines (line, station, ...)."""
+    """Everything drawn, by name [m]; that of lines (line, station, ...)."""
     force = drawing.largest_force
     length = LONGEST_ARROW * size / MARGIN / force if force else 0.0
     return {
@@ -197,6 +197,6 @@ def _orbit(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
 
 
 def _members(dataset: xr.Dataset) -> list[str]:
-    """What each beam belongs to."""
+    """Name of the blade or part of each beam."""
     names, member = member_names(dataset)
     return [names[number] for number in member]

@@ -1,1 +1,1 @@
-"""What `modes`, `veering`, `campbell` and `stability` compute."""
+"""Modes, Campbell and veering diagrams, stability, contact scenarios: found, listed, drawn."""

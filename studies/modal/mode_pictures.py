@@ -34,7 +34,7 @@ PANELS = 6
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """What to draw; everything in it can be drawn."""
+    """Modes to picture and to film; everything in it can be drawn."""
 
     shapes: list[ChosenMode]
     films: list[tuple[ChosenMode, Wave]]
