@@ -8,8 +8,6 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import pytest
 from hypothesis import settings
 
-from bladewhirl.postprocess.pictures.offscreen import OffScreenError, require_off_screen
-
 # The same examples everywhere, and none judged by the clock.
 settings.register_profile("house", deadline=None, derandomize=True, database=None)
 settings.load_profile("house")
@@ -18,6 +16,8 @@ settings.load_profile("house")
 @pytest.fixture
 def can_draw() -> None:
     """Skips where the system has no OpenGL for VTK to draw with."""
+    from bladewhirl.postprocess.pictures.offscreen import OffScreenError, require_off_screen
+
     try:
         require_off_screen()
     except OffScreenError as error:

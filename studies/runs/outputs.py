@@ -85,8 +85,9 @@ class Run:
         console = Console(file=StringIO(), width=100, color_system=None)
         with console.capture() as captured:
             console.print(self)
-        hints = (f"Hint: {hint}." for hint in self.hints)
-        return "\n".join(line for line in (captured.get(), self.end_message, *hints) if line)
+        lines = [line.rstrip() for line in captured.get().splitlines()]
+        lines += [self.end_message, *(f"Hint: {hint}." for hint in self.hints)]
+        return "\n".join(filter(None, lines))
 
     def __fspath__(self) -> str:
         """Its folder, so that a run can be named wherever a folder can."""

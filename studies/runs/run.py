@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import gc
 import shutil
-import signal
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -35,6 +33,7 @@ from bladewhirl.solvers.march.recorder import (
     result_bytes,
 )
 from bladewhirl.studies.runs import folder
+from bladewhirl.studies.runs.interrupts import asked_to_stop
 from bladewhirl.studies.runs.outputs import Run, Window, write_outputs
 from bladewhirl.studies.runs.properties import MARCHES
 
@@ -182,7 +181,7 @@ def march_to_file(
     with Recorder(path, prepared.stage.arrays, _attributes(prepared, case_text)) as recorder:
         began = time.perf_counter()
         try:
-            with _interrupt() as interrupted:
+            with asked_to_stop() as interrupted:
                 for state, chunk, end in march(prepared.scheme, timing):
                     _check_room(path.parent, 0)
                     recorder.write(chunk)
@@ -270,26 +269,3 @@ def _divergence(prepared: Prepared, chunk: Chunk) -> str:
         f"blade {int(outward.argmax())} passed march.displacement_limit = {limit:g} m at "
         f"{chunk.time[-1]:.6g} s; {REMEDY}"
     )
-
-
-@contextmanager
-def _interrupt() -> Iterator[Callable[[], bool]]:
-    """Turn the first Ctrl-C into a question to ask; the second one is a KeyboardInterrupt again.
-
-    Only the main thread gets signals; elsewhere the answer stays False.
-    """
-    asked = threading.Event()
-    if threading.current_thread() is not threading.main_thread():
-        yield asked.is_set
-        return
-    before = signal.getsignal(signal.SIGINT)
-
-    def ask(number: int, frame: object) -> None:
-        asked.set()
-        signal.signal(signal.SIGINT, before)
-
-    signal.signal(signal.SIGINT, ask)
-    try:
-        yield asked.is_set
-    finally:
-        signal.signal(signal.SIGINT, before)

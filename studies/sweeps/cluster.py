@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import signal
 import uuid
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import chain, islice
-from multiprocessing import resource_tracker
 
 import dask
 from dask.system import CPU_COUNT
@@ -15,6 +13,7 @@ from distributed import Client, LocalCluster, as_completed
 from distributed.scheduler import KilledWorker
 
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.runs.interrupts import held_back
 from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work, march_group
 
 PATIENCE = "30s"
@@ -124,7 +123,7 @@ def local_cluster(workers: int) -> Iterator[LocalCluster]:
     dask can't end a cluster in order whose workers are still starting.
     """
     with dask.config.set(LOCAL):
-        with _interrupts_held():
+        with held_back():
             cluster = LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
@@ -134,14 +133,3 @@ def local_cluster(workers: int) -> Iterator[LocalCluster]:
             )
         with cluster:
             yield cluster
-
-
-@contextmanager
-def _interrupts_held() -> Iterator[None]:
-    """Let Ctrl-C wait; for ever in what is started here: a terminal sends it to all processes."""
-    resource_tracker.ensure_running()  # starting it later would let the signal through again
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -7,6 +7,7 @@ import synthetic_result as synthetic
 from PIL import Image
 from typer.testing import CliRunner
 
+import bladewhirl as bw
 from bladewhirl.studies.commands.cli import app
 
 RUNNER = CliRunner()
@@ -120,3 +121,26 @@ def test_no_run_there(tmp_path: Path) -> None:
     done = RUNNER.invoke(app, ["render", str(tmp_path)])
     assert done.exit_code == 2
     assert "result.nc: expected a result" in done.stderr
+
+
+@pytest.mark.usefixtures("can_draw")
+def test_from_python_the_name_says_what_is_drawn(run: Path, tmp_path: Path) -> None:
+    sheet = bw.render(run, tmp_path / "sheet.png", time=[0.1, 0.2])
+    with bw.open_result(run) as result:
+        still = bw.render(result, tmp_path / "still.png", time=0.1, colour="stress", orbit=True)
+        film = bw.render(result, tmp_path / "film.gif", frames=3, start=0.1, end=0.2)
+    with Image.open(sheet) as one, Image.open(still) as other, Image.open(film) as moving:
+        assert one.size != other.size
+        assert getattr(moving, "n_frames", 1) == 3
+
+
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [("film.gif", {"time": 0.1}), ("still.png", {"time": 0.1, "start": 0.0}), ("film.avi", {})],
+)
+def test_from_python_what_makes_no_sense_is_refused(
+    run: Path, tmp_path: Path, name: str, options: dict[str, float]
+) -> None:
+    with pytest.raises(bw.ViewError, match=name):
+        bw.render(run, tmp_path / name, **options)  # type: ignore[arg-type]
+    assert list(tmp_path.iterdir()) == []

@@ -152,6 +152,12 @@ def test_from_python_to_a_dataset(path: Path) -> None:
     assert len(told) > 2
     assert told == sorted(told)
     assert "5 frames over 4.3 revolutions" in run.hints[0]
+    screen = repr(run).splitlines()
+    assert len(screen) < 40
+    assert screen[0].split() == ["regime", "no-contact"]
+    assert "summary.json" in repr(run)
+    assert screen[-1] == f"Hint: {run.hints[0]}."
+    assert Path(run) == run.directory
     with run.open() as result:
         assert result["gap"].min() > 0.0
         assert shaft_orbit(result)["radius"].max() == 0.0  # nobody touched the shaft
