@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.studies.commands.options import (
     AsJson,
     CaseFile,
@@ -149,8 +150,6 @@ def _steps(text: str | None) -> list[float] | None:
     Raises:
         UserError: fewer than two different ones, or no times.
     """
-    from bladewhirl.models.inputs.errors import UserError
-
     if text is None:
         return None
     steps = {parse_time("--time-steps", word.strip()) or 0.0 for word in text.split(",")}
@@ -165,8 +164,6 @@ def _counts(text: str | None) -> list[int] | None:
     Raises:
         UserError: fewer than two different ones, or no whole numbers.
     """
-    from bladewhirl.models.inputs.errors import UserError
-
     if text is None:
         return None
     words = [word.strip() for word in text.split(",")]
@@ -183,7 +180,6 @@ def _check_values(case: Case, option: str, key: str, values: Sequence[float]) ->
         UserError: naming the option, not the key of the case that it does not go with.
     """
     from bladewhirl.models.case.file import with_values
-    from bladewhirl.models.inputs.errors import CaseError, UserError
 
     for value in values:
         try:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import typer
 from typer.core import TyperGroup
+
+from bladewhirl.models.inputs.errors import UserError
 
 ALL_FAILED = 1
 """A sweep without a single point done."""
@@ -27,11 +28,7 @@ class UserErrorGroup(TyperGroup):
         """Run the command."""
         try:
             return super().invoke(ctx)
-        except Exception as error:
-            # Looked up, not imported: where it is not loaded nothing can have raised it.
-            faults = sys.modules.get("bladewhirl.models.inputs.errors")
-            if faults is None or not isinstance(error, faults.UserError):
-                raise
+        except UserError as error:
             for line in error.lines:
                 typer.echo(line, err=True)
             raise typer.Exit(USER_ERROR) from None

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from bladewhirl.models.inputs.errors import writing
 from bladewhirl.studies.commands.options import (
     End,
     Rotating,
@@ -41,7 +42,6 @@ def export(
     radial_displacement, gap, contact_force (for Glyph), axial and bending strain and stress.
     An earlier series in the folder is replaced.
     """
-    from bladewhirl.models.inputs.errors import writing
     from bladewhirl.postprocess.fields.fields import frame_records, sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.paraview.series import write_series

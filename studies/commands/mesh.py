@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.studies.commands.options import Changes, Force
 
 if TYPE_CHECKING:
@@ -34,7 +35,6 @@ def mesh(
 
     from bladewhirl.meshes.files.groups import MeshFileError
     from bladewhirl.meshes.files.registry import left_out, write_line_mesh
-    from bladewhirl.models.inputs.errors import UserError, writing
 
     lines = _content(source, overrides or [])
     Console().print(*_listing(lines), sep="\n")
@@ -60,7 +60,6 @@ def _content(source: Path, overrides: list[str]) -> GroupedLines:
     from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.models.elements.build import case_beam_model
     from bladewhirl.models.geometry.mesh_data import grouped_lines
-    from bladewhirl.models.inputs.errors import UserError
 
     if source.suffix.lower() not in READERS:
         with faults_from(source, overrides):

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.studies.commands.options import Force
 
 
@@ -16,7 +17,6 @@ def new(
 ) -> None:
     """Write a case file with every key, its default and its meaning."""
     from bladewhirl.models.case.file import template
-    from bladewhirl.models.inputs.errors import UserError, writing
 
     if path.exists() and not force:
         raise UserError(f"{path}: already exists; --force overwrites it")

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from bladewhirl.models.inputs.errors import UserError
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -57,8 +59,6 @@ def refuse_both(scheduler: str | None, workers: int | None) -> None:
     Raises:
         UserError: they are.
     """
-    from bladewhirl.models.inputs.errors import UserError
-
     if scheduler is not None and workers is not None:
         raise UserError("--scheduler, --workers: expected one of them; a scheduler has its workers")
 
@@ -74,8 +74,6 @@ def parse_range(option: str, text: str) -> NDArray[np.float64]:
         UserError: anything else.
     """
     import numpy as np
-
-    from bladewhirl.models.inputs.errors import UserError
 
     numbers = "START:STOP:COUNT, two numbers and a whole number"
     ends, _, last = text.rpartition(":")
@@ -103,8 +101,6 @@ def parse_interval(option: str, text: str) -> tuple[float, float]:
 
 
 def _ends(option: str, text: str, ends: str, numbers: str) -> tuple[float, float]:
-    from bladewhirl.models.inputs.errors import UserError
-
     def fault(expected: str) -> UserError:
         return UserError(f"{option} {text}: expected {expected}")
 
@@ -127,8 +123,6 @@ def not_negative(option: str, value: float) -> None:
     Raises:
         UserError: naming the option and the value.
     """
-    from bladewhirl.models.inputs.errors import UserError
-
     if not (math.isfinite(value) and value >= 0.0):
         raise UserError(f"{option} {value:g}: expected a number of zero or more")
 
@@ -143,7 +137,6 @@ def parse_time(option: str, text: str | None) -> float | None:
     Raises:
         UserError: anything else.
     """
-    from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.models.inputs.units import to_si
 
     if text is None:
@@ -168,7 +161,6 @@ def options_of_window() -> Iterator[None]:
     Raises:
         UserError: the view's, with the options before it where its window is to blame.
     """
-    from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.postprocess.fields.fields import ViewError
 
     try:

@@ -5,9 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Protocol
+from functools import cache
+from typing import TYPE_CHECKING, Protocol
 
 import typer
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 TENTHS = 10
 """Lines that a short job has: one each time another tenth is done."""
@@ -33,6 +37,14 @@ class Update(Protocol):
         """
 
 
+@cache
+def _console() -> Console:
+    """Standard error, one for all bars: they stand below each other."""
+    from rich.console import Console
+
+    return Console(stderr=True)
+
+
 @contextmanager
 def progress_bar(label: str, *, lines: str = "") -> Iterator[Update]:
     """A bar that goes when its job ends.
@@ -43,9 +55,8 @@ def progress_bar(label: str, *, lines: str = "") -> Iterator[Update]:
             empty.
     """
     from rich import progress as bars
-    from rich.console import Console
 
-    console = Console(stderr=True)
+    console = _console()
     terminal = console.is_terminal
     log = ProgressLines(lines)
     with bars.Progress(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands.options import (
     End,
     RunFolder,
@@ -153,7 +154,6 @@ def _tell_film(result: xr.Dataset, target: Path, records: IntArray) -> None:
 
 def _targets(directory: Path, output: Path | None, kinds: list[str]) -> dict[str, Path]:
     """The files to write, by kind."""
-    from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.runs.folder import PICTURES
 
     if output is None:
@@ -172,8 +172,6 @@ def _targets(directory: Path, output: Path | None, kinds: list[str]) -> dict[str
 
 def _refuse(foreign: bool, options: Mapping[str, object], reason: str) -> None:
     """An option that would be passed over in silence is an error."""
-    from bladewhirl.models.inputs.errors import UserError
-
     given = [name for name, value in options.items() if value is not None]
     if foreign and given:
         raise UserError(f"{given[0]}: not for what is to be drawn; {reason}")

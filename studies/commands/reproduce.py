@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from bladewhirl.studies.commands.exits import interruptible
 from bladewhirl.studies.commands.options import Scheduler, Workers, refuse_both
-
-if TYPE_CHECKING:
-    from rich.console import Console
-
-    from bladewhirl.studies.paper.judge import Told
+from bladewhirl.studies.commands.progress import progress_bar
 
 FOLDER = Path("reproduction")
 """Folder of the results if none is named."""
@@ -69,11 +63,13 @@ def reproduce(
     from bladewhirl.studies.paper.judge import (
         REPEATS,
         Plan,
+        Told,
         chosen_claims,
         reproduce_claims,
         write_scorecard,
     )
     from bladewhirl.studies.paper.scorecard import scorecard_table
+    from bladewhirl.studies.sweeps.sweep import Watch
 
     refuse_both(scheduler, workers)
     changes = override_values(overrides or [])
@@ -86,7 +82,13 @@ def reproduce(
         speed_step=speed_step,
     )
     goes_on = f"the same command goes on with what is in {output}"
-    with _progress(Console(stderr=True)) as told, interruptible(goes_on):
+    with (
+        progress_bar("marches") as marches,
+        progress_bar("sweep over speed") as points,
+        interruptible(goes_on),
+    ):
+        watch = Watch(progress=lambda done, failed, total: points(done + failed, total))
+        told = Told(marches=marches, sweep=watch)
         card, evidence = reproduce_claims(
             plan, output, workers=workers, scheduler=scheduler, told=told
         )
@@ -97,33 +99,3 @@ def reproduce(
     else:
         Console().print(scorecard_table(card))
         typer.echo(f"Wrote {' and '.join(map(str, written))}.")
-
-
-@contextmanager
-def _progress(console: Console) -> Iterator[Told]:
-    """Marches and points of sweeps done and the time left, on a terminal."""
-    from rich import progress as bars
-
-    from bladewhirl.studies.paper.judge import Told
-    from bladewhirl.studies.sweeps.sweep import Watch
-
-    with bars.Progress(
-        bars.TextColumn("{task.description}"),
-        bars.BarColumn(),
-        bars.MofNCompleteColumn(),
-        bars.TimeRemainingColumn(),
-        bars.TextColumn("left"),
-        console=console,
-        transient=True,
-        disable=not console.is_terminal,
-    ) as bar:
-        marches = bar.add_task("marches", total=None)
-        sweep = bar.add_task("sweep over speed", total=None)
-        yield Told(
-            marches=lambda done, total: bar.update(marches, completed=done, total=total),
-            sweep=Watch(
-                progress=lambda done, failed, points: bar.update(
-                    sweep, completed=done + failed, total=points
-                )
-            ),
-        )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from bladewhirl.models.inputs.errors import CaseError, UserError, writing
 from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, print_json
 
 if TYPE_CHECKING:
@@ -44,7 +45,6 @@ def show(
     from rich.console import Console
 
     from bladewhirl.models.case.file import dumps_case, faults_from, read_case
-    from bladewhirl.models.inputs.errors import CaseError, UserError
     from bladewhirl.models.stage.build import time_step_faults
     from bladewhirl.models.stage.hints import stage_hints
     from bladewhirl.models.stage.stage import build_stage
@@ -76,7 +76,6 @@ def show(
 
 def _draw(stage: Stage, target: Path) -> None:
     """Draw the stage and say so, beside what is printed."""
-    from bladewhirl.models.inputs.errors import writing
     from bladewhirl.postprocess.pictures.stage import draw_stage, stage_at_rest
 
     at_rest = stage_at_rest(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands.exits import ALL_FAILED, interruptible
 from bladewhirl.studies.commands.options import (
     AsJson,
@@ -67,7 +68,6 @@ def sweep(
     same bits.
     """
     from bladewhirl.models.case.file import read_case
-    from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.sweeps.axes import parse_over
     from bladewhirl.studies.sweeps.sweep import Watch, resume_sweep, run_sweep
 
@@ -108,8 +108,6 @@ def _refuse_both(over: Iterable[str], overrides: Iterable[str]) -> None:
     Raises:
         UserError: naming both options and the key.
     """
-    from bladewhirl.models.inputs.errors import UserError
-
     swept = set(over)
     for override in overrides:
         key = override.partition("=")[0].strip()
@@ -133,8 +131,6 @@ def _refuse_with_resume(
     Raises:
         UserError: naming what is.
     """
-    from bladewhirl.models.inputs.errors import UserError
-
     options = {
         "CASE": case,
         "--over": over,
