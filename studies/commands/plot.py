@@ -25,10 +25,15 @@ def plot(
         list[str] | None,
         typer.Argument(
             metavar="NAME",
-            help="Figures, or all. Of a run:\n\n"
-            + "\n\n".join(captions(RUN_FIGURES))
-            + "\n\nOf a sweep:\n\n"
-            + "\n\n".join(captions(SWEEP_FIGURES)),
+            # Brackets would be taken for markup.
+            help="\n\n".join(
+                [
+                    "Figures, or all. Of a run:",
+                    *captions(RUN_FIGURES),
+                    "Of a sweep:",
+                    *captions(SWEEP_FIGURES),
+                ]
+            ).replace("[", r"\["),
             show_default=False,
         ),
     ] = None,

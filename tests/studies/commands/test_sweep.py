@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import h5py
@@ -156,6 +157,16 @@ def wait_for(condition: Callable[[], bool], process: subprocess.Popen[bytes]) ->
         time.sleep(0.01)
 
 
+def workers(process: subprocess.Popen[bytes]) -> list[psutil.Process]:
+    """Its workers, as far as they have started."""
+    found = []
+    for child in psutil.Process(process.pid).children(recursive=True):
+        with suppress(psutil.NoSuchProcess):  # it has just ended
+            if "spawn_main" in " ".join(child.cmdline()):
+                found.append(child)
+    return found
+
+
 def gone(children: list[psutil.Process]) -> bool:
     _, alive = psutil.wait_procs(children, timeout=60)
     return not alive
@@ -188,9 +199,7 @@ def test_an_ended_sweep_is_finished_with_the_same_bits(
 def test_ctrl_c_while_workers_start_is_one_line(tmp_path: Path) -> None:
     folder = tmp_path / "ended"
     process = start(folder, tmp_path, errors=subprocess.PIPE)
-    parent = psutil.Process(process.pid)
-    # Beside workers there is the process that tracks what they share.
-    wait_for(lambda: len(parent.children(recursive=True)) > 1, process)
+    wait_for(lambda: bool(workers(process)), process)
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does
     _, errors = process.communicate()
     assert process.returncode == 130
@@ -204,13 +213,7 @@ def test_a_killed_worker_costs_its_point_a_second_march(swept: Path, tmp_path: P
     folder = tmp_path / "worker"
     process = start(folder, tmp_path)
     wait_for(lambda: points_done(folder) >= 1, process)
-    workers = [
-        child
-        for child in psutil.Process(process.pid).children(recursive=True)
-        if "spawn_main" in " ".join(child.cmdline())
-    ]
-    assert workers
-    workers[0].kill()
+    workers(process)[0].kill()
     assert process.wait() == 0
     assert same_bits(swept, folder)
 
