@@ -173,19 +173,20 @@ def line_shapes(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array, Array]
 
 def ring_angles(dataset: xr.Dataset, per_element: int) -> Array:
     """Angles (casing_node * per_element,) [rad]: each casing element cut into equal arcs."""
-    first = dataset["casing_angle"].values
-    span = np.mod(np.roll(first, -1) - first, 2 * np.pi)
-    cuts = np.arange(per_element) / per_element
-    angle: Array = (first[:, None] + span[:, None] * cuts).ravel()
-    return angle
+    return station_angles(dataset, per_element)[:, :-1].ravel()
 
 
 def station_angles(dataset: xr.Dataset, per_element: int) -> Array:
     """Angles (casing_node, per_element + 1) [rad]: those cuts, with both ends of elements."""
-    first = dataset["casing_angle"].values
-    span = np.mod(np.roll(first, -1) - first, 2 * np.pi)
-    angle: Array = first[:, None] + span[:, None] * np.linspace(0.0, 1.0, per_element + 1)
+    cuts = np.linspace(0.0, 1.0, per_element + 1)
+    angle: Array = dataset["casing_angle"].values[:, None] + _arcs(dataset)[:, None] * cuts
     return angle
+
+
+def _arcs(dataset: xr.Dataset) -> Array:
+    """Angle that every casing element covers (casing_node,) [rad]."""
+    first = dataset["casing_angle"].values
+    return np.asarray(np.mod(np.roll(first, -1) - first, 2 * np.pi))
 
 
 def wall_rows(dataset: xr.Dataset, weights: Array) -> Array:
@@ -204,39 +205,24 @@ def wall_rows(dataset: xr.Dataset, weights: Array) -> Array:
 
 def element_lengths(dataset: xr.Dataset) -> Array:
     """Arc length of every casing element (casing_node,) [m]."""
-    first = dataset["casing_angle"].values
-    length: Array = dataset.attrs["casing_radius"] * np.mod(np.roll(first, -1) - first, 2 * np.pi)
+    length: Array = dataset.attrs["casing_radius"] * _arcs(dataset)
     return length
-
-
-def hermite_weights(dataset: xr.Dataset, angle: Array) -> tuple[IntArray, IntArray, Array]:
-    """First node, second node (point,) and weights (point, 4) of the cubic at the given angles.
-
-    The weights multiply value and slope d/ds of the first node, then of the second.
-    """
-    first = dataset["casing_angle"].values
-    inside = np.mod(angle - first[0], 2 * np.pi)
-    left = np.searchsorted(first - first[0], inside, side="right") - 1
-    right = (left + 1) % len(first)
-    span = np.mod(first[right] - first[left], 2 * np.pi)
-    length = span * dataset.attrs["casing_radius"]
-    x = (inside - (first[left] - first[0])) / span
-    weights = cubic_weights(x).T
-    weights[:, 1::2] *= length[:, None]
-    return left, right, weights
 
 
 def casing_rows(dataset: xr.Dataset, angle: Array) -> Array:
     """Radial (outward) and tangential (+theta) displacement at the angles (point,) for unit
     modal coordinates: (point, 2, casing_mode), by the casing's own cubic interpolation.
     """
-    left, right, weights = hermite_weights(dataset, angle)
+    node = dataset["casing_angle"].values
+    inside = np.mod(angle - node[0], 2 * np.pi)
+    left = np.searchsorted(node - node[0], inside, side="right") - 1
+    weights = cubic_weights((inside - (node[left] - node[0])) / _arcs(dataset)[left])
+    weights[1::2] *= element_lengths(dataset)[left]
     shape = dataset["casing_shape"].values
     pairs = shape.reshape(len(shape), 2, 2, -1)  # node, (w, u), (value, slope), mode
-    at_left = np.einsum("pk,pckm->pcm", weights[:, :2], pairs[left])
-    at_right = np.einsum("pk,pckm->pcm", weights[:, 2:], pairs[right])
-    rows: Array = at_left + at_right
-    return rows
+    at_left = np.einsum("kp,pckm->pcm", weights[:2], pairs[left])
+    at_right = np.einsum("kp,pckm->pcm", weights[2:], pairs[(left + 1) % len(node)])
+    return np.asarray(at_left + at_right)
 
 
 def casing_polar_field(
@@ -272,13 +258,8 @@ def casing_points(
 
 def clearance_at(dataset: xr.Dataset, angle: Array) -> Array:
     """Clearance (point,) [m] at static angles [rad], linear between the casing's nodes."""
-    left, right, _ = hermite_weights(dataset, angle)
-    node = dataset["casing_angle"].values
-    span = np.mod(node[right] - node[left], 2 * np.pi)
-    share = np.mod(angle - node[left], 2 * np.pi) / span
-    clearance = dataset["clearance"].values
-    between: Array = (1 - share) * clearance[left] + share * clearance[right]
-    return between
+    node, clearance = dataset["casing_angle"].values, dataset["clearance"].values
+    return np.asarray(np.interp(angle, node, clearance, period=2 * np.pi))
 
 
 def record_lengths(dataset: xr.Dataset) -> Array:

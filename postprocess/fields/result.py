@@ -48,25 +48,44 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
     Raises:
         ResultError: nothing there, not netCDF-4, not a result, or no record in it yet.
     """
-    path = Path(path)
-    file = path / RESULT_NAME if path.is_dir() else path
-    if not file.is_file():
-        raise ResultError(f"{file}: expected a result (or the folder of a run), found no such file")
-    try:
-        # HDF5 files without named dimensions get numbered ones, and are refused by check_result.
-        dataset = xr.open_dataset(file, engine="h5netcdf", decode_times=False, phony_dims="sort")
-    except (OSError, ValueError, KeyError) as error:
-        raise ResultError(
-            f"{file}: expected a netCDF-4 result, could not read it: {error}"
-        ) from None
+    dataset, file = open_file(path, RESULT_NAME, "a result")
     try:
         check_result(dataset, str(file))
     except ResultError:
         dataset.close()
         raise
-    opened = with_coordinates(dataset)
-    opened.set_close(dataset.close)
-    return opened
+    complete = with_coordinates(dataset)
+    complete.set_close(dataset.close)
+    return complete
+
+
+def open_file(
+    path: str | PathLike[str], name: str, kind: str, *, cache: bool = True
+) -> tuple[xr.Dataset, Path]:
+    """Open a netCDF-4 file of that name, or of the folder that holds it, unchecked; and its path.
+
+    Args:
+        path: of the file or the folder.
+        name: of the file in a folder.
+        kind: of file, for messages: "a result".
+        cache: keep what is read.
+
+    Raises:
+        ResultError: nothing there, or not netCDF-4.
+    """
+    file = Path(path) / name if Path(path).is_dir() else Path(path)
+    if not file.is_file():
+        raise ResultError(f"{file}: expected {kind} (or its folder), found no such file")
+    try:
+        # HDF5 files without named dimensions get numbered ones, and are refused when checked.
+        dataset = xr.open_dataset(
+            file, engine="h5netcdf", decode_times=False, phony_dims="sort", cache=cache
+        )
+    except (OSError, ValueError, KeyError) as error:
+        raise ResultError(
+            f"{file}: expected {kind} in netCDF-4, could not read it: {error}"
+        ) from None
+    return dataset, file
 
 
 def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:

@@ -1,4 +1,4 @@
-"""A march, asked what the claims ask: regime, whirl, contact side, energies, blades, casing."""
+"""Measures of a march that claims are judged by: regime, whirl, contact side, energies."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part, select_window
-from bladewhirl.postprocess.run.blade_contact import contact_classes
+from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
 from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.run.energies import strain_energies
 from bladewhirl.postprocess.run.orbits import Frame, Whirl, shaft_orbit, whirl
@@ -19,7 +19,7 @@ from bladewhirl.postprocess.run.regimes import Regime, classify
 from bladewhirl.postprocess.run.whirl import whirl_history
 
 HOLDERS = ("suspension", "k = 0", "k = 1", "other k", "rest")
-"""Who holds strain energy; "k" are nodal diameters of the first blade family."""
+"""Groups that hold strain energy; "k" are nodal diameters of the first blade family."""
 
 
 class Motion:
@@ -39,18 +39,10 @@ class Motion:
         """Strain energy [J] over time of each of `HOLDERS`, and `total`."""
         found = strain_energies(self.result)
         family = found["first_family"]
-        diameter = family["nodal_diameter"].values
-        parts = {
-            "suspension": found["suspension"].values,
-            "k = 0": family.values[:, diameter == 0].sum(axis=1),
-            "k = 1": family.values[:, diameter == 1].sum(axis=1),
-            "other k": family.values[:, diameter > 1].sum(axis=1),
-            "rest": found["rest"].values,
-            "total": found["total"].values,
-        }
-        return xr.Dataset(
-            {name: ("time", values) for name, values in parts.items()},
-            coords={"time": found["time"]},
+        k = family["nodal_diameter"]
+        groups = {"k = 0": k == 0, "k = 1": k == 1, "other k": k > 1}
+        return found.drop_dims("nodal_diameter").assign(
+            {name: family[:, own.values].sum("nodal_diameter") for name, own in groups.items()}
         )
 
     @cached_property
@@ -151,11 +143,8 @@ class Motion:
     @cached_property
     def blades(self) -> dict[str, int]:
         """How many blades are in permanent and intermittent contact in the last third, and free."""
-        classes = contact_classes(late_part(self.result))["contact_class"].values
-        return {
-            name: int(np.count_nonzero(classes == name))
-            for name in ("permanent", "intermittent", "free")
-        }
+        classes = contact_classes(late_part(self.result))["contact_class"]
+        return {name: int((classes == name).sum()) for name in CLASS_COLOURS}
 
     @property
     def touched(self) -> bool:

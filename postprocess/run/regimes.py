@@ -1,4 +1,4 @@
-"""What kind of motion a run ends in: divergent, no contact, damped or sustained.
+"""The kind of motion that a run ends in: divergent, no contact, damped or sustained.
 
 Divergence is the delicate one. A run may reach the displacement limit; short of that, growth must
 be told from ripple, from beating, from noise, from the onset of a load, and from a motion on its

@@ -6,7 +6,7 @@ where beams meet, no centrifugal stress. At a surface it is axial plus or minus 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -51,7 +51,7 @@ UNITS = {
     "largest_stress": "Pa",
     "smallest_stress": "Pa",
 }
-"""What is known of every member at every time."""
+"""Histories of every member, with their units."""
 
 
 class _Body(NamedTuple):
@@ -181,9 +181,8 @@ def _note_peaks(
 ) -> None:
     """Bring the extremes of all times up to date with those of a portion of records."""
     size = body.modulus * (np.abs(axial) + bending)
-    for column, (first, end) in zip(
-        range(columns.start, columns.stop), _ranges(starts, size.shape[1]), strict=True
-    ):
+    ranges = pairwise([*starts, size.shape[1]])
+    for column, (first, end) in enumerate(ranges, columns.start):
         own = size[:, first:end]
         at = np.unravel_index(int(np.argmax(own)), own.shape)
         if own[at] <= abs(peak["stress"][column]):
@@ -192,10 +191,6 @@ def _note_peaks(
         peak["stress"][column] = sign * own[at]
         peak["time"][column] = time[at[0]]
         peak["radius"][column] = np.linalg.norm(body.place[first:end][at[1:]])
-
-
-def _ranges(starts: IntArray, count: int) -> Iterator[tuple[int, int]]:
-    return zip(starts.tolist(), [*starts[1:].tolist(), count], strict=True)
 
 
 @styled

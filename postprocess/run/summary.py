@@ -32,7 +32,7 @@ MARCH_REPORT = (
     "wall_time",
     "us_per_step",
 )
-"""What the march alone knows."""
+"""Figures that the histories do not hold."""
 
 
 @dataclass(frozen=True, kw_only=True)

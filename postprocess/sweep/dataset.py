@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.result import ResultError, open_file
 from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT, index_values
 
 SWEEP_NAME = "sweep.nc"
@@ -80,7 +80,7 @@ class Layout:
 
     @property
     def bytes_per_point(self) -> int:
-        """What a point takes in the dataset [bytes]."""
+        """Size of a point in the dataset [bytes]."""
         return sum(
             np.dtype(variable.kind).itemsize * int(np.prod(self.shape(name), dtype=np.int64))
             for name, variable in SWEEP.items()
@@ -92,10 +92,6 @@ def flag(variable: str, meaning: str) -> int:
     return SWEEP[variable].labels.index(meaning)
 
 
-class SweepError(UserError):
-    """A path holds no sweep of bladewhirl."""
-
-
 def open_sweep(path: str | Path) -> xr.Dataset:
     """Open the dataset of a sweep, or of the folder that holds it; arrays are read when used.
 
@@ -105,20 +101,13 @@ def open_sweep(path: str | Path) -> xr.Dataset:
     of one. Close it, or use ``with``.
 
     Raises:
-        SweepError: nothing there, or not a sweep that this version reads.
+        ResultError: nothing there, or not a sweep that this version reads.
     """
-    path = Path(path)
-    file = path / SWEEP_NAME if path.is_dir() else path
-    if not file.is_file():
-        raise SweepError(f"{file}: expected a sweep (or its folder), found no such file")
-    try:
-        dataset = xr.open_dataset(file, engine="h5netcdf", decode_times=False, cache=False)
-    except (OSError, ValueError, KeyError) as error:
-        raise SweepError(f"{file}: expected a sweep, could not read it: {error}") from None
+    dataset, file = open_file(path, SWEEP_NAME, "a sweep", cache=False)
     fault = _fault(dataset)
     if fault:
         dataset.close()
-        raise SweepError(f"{file}: expected a sweep of bladewhirl, {fault}")
+        raise ResultError(f"{file}: expected a sweep of bladewhirl, {fault}")
     named = {
         name: (dataset[name].dims, np.array(variable.labels)[dataset[name].values])
         for name, variable in SWEEP.items()

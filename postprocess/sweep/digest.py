@@ -1,4 +1,4 @@
-"""What a sweep keeps of a run: spectrum, energies, regime, and histories thinned out."""
+"""Reduction of a run to what a sweep keeps of it: spectrum, energies, regime, thinned histories."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def complex_spectrum(motion: Array, step: float, frequency: Array) -> Array:
 
 
 def _late(dataset: xr.Dataset, orbit: xr.Dataset, layout: Layout) -> dict[str, object]:
-    """What is kept of the late motion, arrays padded to their room."""
+    """Measures of the late motion, arrays padded to their room."""
     late = late_motion(dataset, orbit)
     section = late["section"].values[-SECTIONS:]
     return {

@@ -170,7 +170,7 @@ def whirls(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 def contact_sides(dataset: xr.Dataset, key: str) -> xr.Dataset:
-    """Which side contact is on over the last third: how far the shaft leads it.
+    """Side of the contact over the last third: how far the shaft leads it.
 
     Args:
         dataset: from `open_sweep`.

@@ -47,7 +47,7 @@ class TestOpenResult:
     def test_not_netcdf(self, tmp_path: Path) -> None:
         file = tmp_path / "result.nc"
         file.write_text("regime = divergent")
-        with pytest.raises(ResultError, match=r"result\.nc: expected a netCDF-4 result"):
+        with pytest.raises(ResultError, match=r"result\.nc: expected a result in netCDF-4"):
             open_result(file)
 
     def test_hdf5_of_another_kind(self, tmp_path: Path) -> None:

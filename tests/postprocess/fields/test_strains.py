@@ -29,6 +29,7 @@ def rotor_under(load: str) -> xr.Dataset:
             "rotor_point": (("rotor_node", "axis"), disk.mesh.points),
             "rotor_line": (("rotor_line", "end"), disk.mesh.lines),
             "rotor_thickness": ("rotor_line", properties.thickness),
+            "rotor_thickness_change": ("rotor_line", np.zeros(len(properties.thickness))),
             "rotor_shape": (
                 ("rotor_node", "rotor_component", "rotor_mode"),
                 disk.cartesian(answer[:, None]),

@@ -8,7 +8,6 @@ import synthetic_result as synthetic
 import xarray as xr
 
 from bladewhirl.postprocess.fields.blades import line_blades, member_names
-from bladewhirl.postprocess.fields.result import ResultError
 from bladewhirl.postprocess.fields.strains import casing_strain_rows, rotor_strain_rows
 from bladewhirl.postprocess.run import stresses
 from bladewhirl.postprocess.run.stresses import plot_stress, stress_history
@@ -92,11 +91,6 @@ def test_labels_keep_out_of_the_panel_beside(result: xr.Dataset) -> None:
     assert right.get_ylabel() == "stress [GPa]"
     gap = 0.03 * figure.bbox.width
     assert right.yaxis.label.get_window_extent().x0 > left.get_window_extent().x1 + gap
-
-
-def test_an_old_result_is_told_so(result: xr.Dataset) -> None:
-    with pytest.raises(ResultError, match="rotor_young_modulus"):
-        stress_history(result.drop_vars("rotor_young_modulus"))
 
 
 class TestBlades:

@@ -10,7 +10,8 @@ import pytest
 from synthetic_result import synthetic_result
 from synthetic_sweep import LAYOUT, REPORT
 
-from bladewhirl.postprocess.sweep.dataset import SweepError, open_sweep
+from bladewhirl.postprocess.fields.result import ResultError
+from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.digest import digest
 from bladewhirl.postprocess.sweep.quantities import along
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
@@ -46,5 +47,5 @@ def test_speeds_in_rpm_stay_beside_si_and_the_ratio(folder: Path) -> None:
 def test_a_newer_format_is_refused(folder: Path) -> None:
     with h5py.File(folder / "sweep.nc", "r+") as file:
         file.attrs["format"] = SWEEP_FORMAT + 1
-    with pytest.raises(SweepError, match=r"sweep\.nc: expected .* format .* newer version"):
+    with pytest.raises(ResultError, match=r"sweep\.nc: expected .* format .* newer version"):
         open_sweep(folder)

@@ -26,10 +26,10 @@ from bladewhirl.models.case.case import Case, March
 from bladewhirl.models.case.excitation import Imbalance
 from bladewhirl.models.case.file import dumps_case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.fields.result import open_result
+from bladewhirl.postprocess.fields.result import ResultError, open_result
 from bladewhirl.postprocess.run.late_motion import late_motion
 from bladewhirl.postprocess.run.orbits import shaft_orbit
-from bladewhirl.postprocess.sweep.dataset import DONE, Layout, SweepError, open_sweep
+from bladewhirl.postprocess.sweep.dataset import DONE, Layout, open_sweep
 from bladewhirl.postprocess.sweep.figures import LEFT_BY_A_SWEEP
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.sweeps import cluster as sweep_cluster
@@ -342,7 +342,7 @@ def test_a_scheduler_that_is_not_there(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_what_is_no_sweep_is_refused(tmp_path: Path, swept: Path) -> None:
-    with pytest.raises(SweepError, match="no such file"):
+    with pytest.raises(ResultError, match="no such file"):
         open_sweep(tmp_path)
-    with pytest.raises(SweepError, match="no state"):
+    with pytest.raises(ResultError, match="no state"):
         open_sweep(swept / "histories" / "point_0.nc")
