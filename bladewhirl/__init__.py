@@ -35,7 +35,7 @@ Look
     and pages, `export_vtk` a series for ParaView, `report` one HTML page of a run or a sweep.
 Errors
     All that a user can put right is a `UserError`, whose `lines` name file, key, value and what
-    was expected: `CaseError`, `ResultError`, `SweepError`, `ViewError` (a time, window or file
+    was expected: `CaseError`, `ResultError`, `ViewError` (a time, window or file
     that makes no sense) and `OffScreenError` (nothing to draw pictures with).
 
 Names are loaded when first used. The command ``bladewhirl`` does the same from a shell.

@@ -34,7 +34,7 @@ ATTRIBUTES = ("speed", "reference_frequency", "casing_radius", "time_step", "rec
 
 
 class ResultError(UserError):
-    """A path holds no result of bladewhirl."""
+    """A path holds no result, or sweep, of bladewhirl."""
 
 
 def open_result(path: str | PathLike[str]) -> xr.Dataset:
