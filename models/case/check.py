@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import difflib
 from collections.abc import Iterator, Mapping, MutableMapping
+from functools import cache
 from itertools import takewhile
 from typing import Any, get_args
 
@@ -144,8 +145,8 @@ def _remove(tables: MutableMapping[str, Any], path: Path) -> bool:
     table: Any = tables
     keys = list(takewhile(lambda part: isinstance(part, str), path))
     for key in keys[:-1]:
-        table = table.get(key, {})
-    return table.pop(keys[-1], None) is not None
+        table = table.get(key) if isinstance(table, dict) else None
+    return isinstance(table, dict) and table.pop(keys[-1], None) is not None
 
 
 def _dotted(path: Path) -> str:
@@ -175,23 +176,25 @@ def _nearest(location: Path, path: Path, value: object) -> list[Path]:
     """
     name = str(path[-1])
     siblings = {key: (*path[:-1], key) for key in _table_at(location[:-1]).model_fields}
-    everywhere = {str(known[-1]): known for known in _known_keys(Case)}
-    close = [siblings[key] for key in difflib.get_close_matches(name, siblings, n=1)]
-    namesakes = [known for known in dict.fromkeys(_known_keys(Case)) if known[-1] == name]
+    everywhere = {str(known[-1]): known for known in _known_keys()}
     return (
-        close + namesakes
-        or _with_last_key(value)
+        [siblings[key] for key in difflib.get_close_matches(name, siblings, n=1)] + _called(name)
+        or _called(_last_key(value))
         or [everywhere[key] for key in difflib.get_close_matches(name, everywhere, n=1)]
         or [siblings[key] for key in difflib.get_close_matches(name, siblings, n=1, cutoff=NEAR)]
     )
 
 
-def _with_last_key(value: object) -> list[Path]:
-    """Known keys of the name that tables of a single key lead to; none for other values."""
+def _called(name: str | None) -> list[Path]:
+    return [known for known in _known_keys() if known[-1] == name]
+
+
+def _last_key(value: object) -> str | None:
+    """The key that tables of a single key lead to; None for other values."""
     name = None
     while isinstance(value, Mapping) and len(value) == 1:
         [(name, value)] = value.items()
-    return [known for known in dict.fromkeys(_known_keys(Case)) if known[-1] == name]
+    return name
 
 
 def _table_at(location: Path) -> type[Table]:
@@ -204,18 +207,22 @@ def _table_at(location: Path) -> type[Table]:
     return table
 
 
-def _known_keys(table: type[Table]) -> Iterator[Path]:
+@cache
+def _known_keys() -> tuple[Path, ...]:
+    """All keys of a case, each once."""
+    return tuple(dict.fromkeys(_keys_of(Case)))
+
+
+def _keys_of(table: type[Table]) -> Iterator[Path]:
     for name in table.model_fields:
         yield (name,)
         for inner in _tables_under(table, name):
-            yield from ((name, *path) for path in _known_keys(inner))
+            yield from ((name, *path) for path in _keys_of(inner))
 
 
 def _tables_under(table: type[Table], name: str) -> list[type[Table]]:
-    if name == "excitation":
-        return list(EXCITATIONS.values())
     field = table.model_fields.get(name)
-    return list(_tables_in(field.annotation)) if field is not None else []
+    return [] if field is None else list(_tables_in(field.annotation))
 
 
 def _tables_in(annotation: Any) -> Iterator[type[Table]]:

@@ -319,6 +319,11 @@ def test_all_faults_of_a_file_at_once(tmp_path: Path) -> None:
         ("casing.wall.x = 1", "expected a known key of [casing.wall]: width, thickness"),
         ("march = 3", "march = 3: expected a table, [march]"),
         ("casing.wall = 1", "casing.wall = 1: expected a table, [casing.wall]"),
+        ('bladed_disk = ["a"]', 'bladed_disk = ["a"]: expected a table, [bladed_disk]'),
+        (
+            'casing = { width = "120 mm", struts = [{ angle = 0.0, length = 0.1 }] }',
+            'casing.width = "120 mm": expected a known key; the nearest is ',
+        ),
     ],
 )
 def test_faults_name_the_key_and_what_was_expected(text: str, line: str) -> None:
