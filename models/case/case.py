@@ -23,6 +23,7 @@ from bladewhirl.models.case.excitation import (
     Imbalance,
     NoExcitation,
 )
+from bladewhirl.models.case.rotation import Rotation
 from bladewhirl.models.case.shaft import Shaft
 from bladewhirl.models.case.sketch import SketchTable
 from bladewhirl.models.inputs.table import Inconsistency, Table
@@ -44,6 +45,7 @@ __all__ = [
     "March",
     "Material",
     "Reduction",
+    "Rotation",
     "Shaft",
 ]
 
@@ -61,6 +63,7 @@ class Case(Table):
     material: Material = Material()
     bladed_disk: BladedDisk = BladedDisk()
     shaft: Shaft = Shaft()
+    rotation: Rotation = Rotation()
     casing: Casing = Casing()
     reduction: Reduction = Reduction()
     damping: Damping = Damping()
@@ -83,6 +86,7 @@ class Case(Table):
             "bladed disk": disk.summary,
             "material": self.material.summary,
             "shaft": self.shaft.summary,
+            "rotation": self.rotation.summary,
             "casing": self.casing.summary,
             "coupling": handy(self.coupling.stiffness, "N/m") if self.coupling.stiffness else "",
             "contact": f"friction {self.contact.friction:g}, {self.contact.sliding} sliding",

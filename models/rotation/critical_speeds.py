@@ -14,8 +14,9 @@ from __future__ import annotations
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.rotation import Effects
 from bladewhirl.models.rotation.eigenproblems import positive_speeds
-from bladewhirl.models.rotation.matrices import Effects, RotationMatrices
+from bladewhirl.models.rotation.matrices import RotationMatrices
 
 
 def synchronous_speeds(

@@ -14,13 +14,13 @@ adds no stiffness.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.rotation import Effects
 from bladewhirl.models.elements.assembly import LineAssembler, straight_beams
 from bladewhirl.models.elements.attachments import COMPONENTS, node_springs
 from bladewhirl.models.elements.bladed_disk import (
@@ -39,9 +39,6 @@ from bladewhirl.models.elements.forms import (
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.rotation.axial_force import axial_force
-
-Effects = Literal["none", "centrifugal", "full"]
-"""Rotation effects: none; tension, its stiffness and spin softening; those and Coriolis."""
 
 
 @dataclass(frozen=True, kw_only=True)

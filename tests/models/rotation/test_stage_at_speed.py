@@ -11,11 +11,12 @@ import scipy.linalg as la
 import scipy.sparse.linalg as spla
 from stages import bladed_disk, oracle
 
+from bladewhirl.models.case.rotation import Effects
 from bladewhirl.models.rotation.axial_force import axial_force
 from bladewhirl.models.rotation.critical_speeds import synchronous_speeds
 from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
 from bladewhirl.models.rotation.growth import speed_of_growth, static_displacement, tip_growth
-from bladewhirl.models.rotation.matrices import Effects, RotationMatrices, rotation_matrices
+from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
 from bladewhirl.models.rotation.whirl_modes import whirl_modes
 
 STAGES = ["0.01", "0.03"]
