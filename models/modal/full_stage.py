@@ -17,8 +17,10 @@ from bladewhirl.models.elements.build import (
 )
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
 from bladewhirl.models.modal.describe import stage_arrays
+from bladewhirl.models.modal.frequencies import lowest_frequencies
 from bladewhirl.models.modal.labels import LabelledModes, labelled_modes
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.rotation.at_speed import turning_disk
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +31,7 @@ class ModalStage:
     free_disk: BladedDiskModel
     clamped_disk: BladedDiskModel
     casing: CasingModel
-    reference_frequency: float  #: lowest of the bladed disk with a free centre [rad/s]
+    reference_frequency: float  #: lowest of the bladed disk with a free centre, at rest [rad/s]
     free_modes: LabelledModes
     clamped_modes: LabelledModes
     casing_modes: LabelledModes
@@ -77,14 +79,26 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
         free, clamped = case_bladed_disk(case, clamped=False), case_bladed_disk(case, clamped=True)
         casing = case_casing(case)
         tip = tip_in_sector(free)
+        reference = None
+        if case.rotation.effects != "none":
+            lowest = lowest_frequencies(free.structure, 1)
+            reference = lowest_frequency(free, (found[0] for found in lowest.values()))
+            free, clamped = _at_speed(case, free, reference), _at_speed(case, clamped, reference)
         free_modes = labelled_modes(free.structure, tip, "bladed-disk", count)
         return ModalStage(
             case=case,
             free_disk=free,
             clamped_disk=clamped,
             casing=casing,
-            reference_frequency=lowest_frequency(free, free_modes.frequency),
+            reference_frequency=reference or lowest_frequency(free, free_modes.frequency),
             free_modes=free_modes,
             clamped_modes=labelled_modes(clamped.structure, tip, "bladed-disk", count),
             casing_modes=labelled_modes(casing.structure, (RADIAL, TANGENTIAL), "casing", count),
         )
+
+
+def _at_speed(case: Case, at_rest: BladedDiskModel, reference: float) -> BladedDiskModel:
+    """A bladed disk with its rotation effects."""
+    turning = turning_disk(case, at_rest, reference, stiff=True)
+    assert turning is not None  # the case has effects
+    return turning.disk

@@ -62,7 +62,8 @@ def unbalance(stage: Stage) -> float:
 
     Where ``clearance_speed`` is given, the static answer to m e Omega^2 at that speed just brings
     a tip to the casing where its clearance is smallest. Where the centre stands on two equal
-    springs and all blades are of one length, that force is stiffness times clearance.
+    springs and all blades are of one length, that force is stiffness times clearance at rest; with
+    rotation effects tips also bend, and the stiffness is that at the speed given.
 
     Raises:
         ValueError: the case's excitation is no imbalance.
@@ -74,10 +75,17 @@ def unbalance(stage: Stage) -> float:
         return load.unbalance
     assert load.clearance_speed is not None  # the case has one of the two
     rotor = stage.rotor
-    outward = rotor.tip_radial @ (rotor.centre[X] / rotor.frequency**2)
-    room = stage.reduced_casing.clearance[:, 0].min() + rotor.tip_recess
-    reaching = outward > 0.0
     speed = load.clearance_speed.rad_per_s(stage.reference_frequency)
+    if stage.turning is None:
+        outward = rotor.tip_radial @ (rotor.centre[X] / rotor.frequency**2)
+        recess = rotor.tip_recess
+    else:
+        outward = stage.turning.tip_answer(X, speed)
+        recess = stage.disk.model.tip_recess
+        if stage.case.rotation.clearance == "cold":
+            recess = recess - stage.turning.growth_at(speed)
+    room = stage.reduced_casing.clearance[:, 0].min() + recess
+    reaching = outward > 0.0
     return float((room[reaching] / outward[reaching]).min() / speed**2)
 
 

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
@@ -27,6 +27,7 @@ from bladewhirl.models.modal.labels import mode_families
 from bladewhirl.models.modal.modes import Modes, structure_modes
 from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.rotation.at_speed import TurningDisk, turning_disk
 from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
 from bladewhirl.models.stage.kept_modes import KeptModes, kept_modes
 from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
@@ -60,6 +61,7 @@ class Stage:
     rotor: ReducedRotor  #: in all modes
     reduced_casing: ReducedCasing  #: in all modes
     kept: KeptModes  #: which of them a march has
+    turning: TurningDisk | None  #: the bladed disk at speed; None without rotation effects
 
     def __repr__(self) -> str:
         """The stage on one screen: bodies, symmetry, reduction, families, what a march has."""
@@ -137,12 +139,16 @@ def build_stage(case: Case) -> Stage:
             modes to keep that it does not have, or numbers that finite elements can't be made of.
     """
     with numbers_within_reach(case):
-        disk = case_bladed_disk(case, clamped=case.shaft.clamped)
-        _check_reduction(case, disk)
+        at_rest = case_bladed_disk(case, clamped=case.shaft.clamped)
+        _check_reduction(case, at_rest)
         casing = case_casing(case)
-        tip, wall = tip_in_sector(disk), (RADIAL, TANGENTIAL)
-        full = lowest_frequencies(disk.structure, FULL_FREQUENCIES)
-        reference = _reference_frequency(case, disk, full)
+        tip, wall = tip_in_sector(at_rest), (RADIAL, TANGENTIAL)
+        full = lowest_frequencies(at_rest.structure, FULL_FREQUENCIES)
+        reference = _reference_frequency(case, at_rest, full)
+        turning = turning_disk(case, at_rest, reference, stiff=True)
+        disk = at_rest if turning is None else turning.disk
+        if turning is not None:
+            full = lowest_frequencies(disk.structure, FULL_FREQUENCIES)
         reduction = craig_bampton(
             disk.structure,
             np.concatenate([*boundary_sets(disk).values()]),
@@ -153,7 +159,7 @@ def build_stage(case: Case) -> Stage:
         casing_modes = structure_modes(casing.structure, wall)
         disk_family = mode_families(disk.structure, reduction.modes, tip, "bladed-disk")
         casing_family = mode_families(casing.structure, casing_modes, wall, "casing")
-    rotor = _reduced_rotor(case, disk, reduction.modes)
+    rotor = _reduced_rotor(case, disk, reduction.modes, turning)
     reduced_casing = _reduced_casing(case, casing, casing_modes)
     return Stage(
         case=case,
@@ -173,6 +179,7 @@ def build_stage(case: Case) -> Stage:
             (rotor, reduction.modes.nodal_diameter, disk_family),
             (reduced_casing, casing_modes.nodal_diameter, casing_family),
         ),
+        turning=turning,
     )
 
 
@@ -197,7 +204,14 @@ def _reference_frequency(case: Case, disk: BladedDiskModel, full: Frequencies) -
     return lowest_frequency(disk, (found[0] for found in full.values()))
 
 
-def _reduced_rotor(case: Case, disk: BladedDiskModel, modes: Modes) -> ReducedRotor:
+def _reduced_rotor(
+    case: Case, disk: BladedDiskModel, modes: Modes, turning: TurningDisk | None
+) -> ReducedRotor:
+    """The bladed disk in its modes; a cold clearance is what growth leaves of it."""
+    recess = disk.model.tip_recess
+    if turning is not None and case.rotation.clearance == "cold":
+        recess = recess - turning.growth
+        _check_clearance(case, recess)
     centre = np.zeros((2, modes.count))
     centre[: len(disk.centre)] = modes.shapes[disk.centre]  # none when clamped
     return ReducedRotor(
@@ -208,11 +222,27 @@ def _reduced_rotor(case: Case, disk: BladedDiskModel, modes: Modes) -> ReducedRo
         centre=centre,
         tip_angle=disk.tip_angles,
         tip_radius=disk.model.tip_radius,
-        tip_recess=disk.model.tip_recess,
+        tip_recess=recess,
         column=disk.blade_columns(modes.column),
         dampers=np.sqrt(case.shaft.dampings)[:, None] * centre,
         anisotropy=0.0 if case.shaft.clamped else case.shaft.anisotropy,
     )
+
+
+def _check_clearance(case: Case, recess: FloatArray) -> None:
+    """Refuse tips that have grown into the casing.
+
+    Raises:
+        CaseError: by how much.
+    """
+    room = case.casing.clearance_profile.smallest + recess
+    if not room.min() > 0.0:
+        blade = int(room.argmin())
+        expected = (
+            f"room for the growth of the tips at march.speed: that of blade {blade} is"
+            f" {-room[blade]:.3g} m beyond the casing where it is narrowest"
+        )
+        raise CaseError([case_fault(case, "casing.clearance", expected)])
 
 
 def _reduced_casing(case: Case, casing: CasingModel, modes: Modes) -> ReducedCasing:

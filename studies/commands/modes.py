@@ -60,7 +60,10 @@ def modes(
     if output is None and unused:
         raise UserError(f"{unused[0]}: for pictures; expected a folder for them, -o DIR")
     check_figure_folder(output, overwrite=overwrite)
-    stage = study.stage_of_file(case, overrides)
+    if output is None:
+        stage = study.stage_of_file(case, overrides, "modes", "centrifugal")
+    else:
+        stage = study.stage_of_file(case, overrides, "pictures of modes")
     if output is not None:
         plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
     found = study.modes(stage)

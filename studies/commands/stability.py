@@ -91,7 +91,7 @@ def stability(
         folder = Path(f"{case.stem}-stability")
     check_figure_folder(folder, overwrite=overwrite)
     system = couple(
-        stage_of_file(case, overrides),
+        stage_of_file(case, overrides, "the stability of coupled modes"),
         modes=modes,
         damped=damped,
         with_pi=not no_pi,

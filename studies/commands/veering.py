@@ -57,7 +57,7 @@ def veering(
         raise UserError(f"--stiffnesses {stiffnesses}: expected a START above zero")
     folder = output if output is not None or json else Path(f"{case.stem}-veering")
     check_figure_folder(folder, overwrite=overwrite)
-    stage = stage_of_file(case, overrides)
+    stage = stage_of_file(case, overrides, "veering", "centrifugal")
     springs = study.spring_stiffnesses(stage.case, interval)
     found = study.veering(stage, families=families, stiffnesses=springs)
     if folder is not None:

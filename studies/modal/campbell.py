@@ -14,6 +14,7 @@ from rich.table import Table
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes
+from bladewhirl.models.rotation.at_speed import check_effects
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
 from bladewhirl.postprocess.plotting.style import save_figure
@@ -57,6 +58,7 @@ def campbell(
         CaseError: numbers that finite elements can't be made of.
     """
     stage = full_stage(case_or_stage)
+    check_effects(stage.case, "a Campbell diagram")
     rotor = _of_families(
         stage.disk_modes, {"suspension", *(f"{rank}F" for rank in range(1, families + 1))}
     )

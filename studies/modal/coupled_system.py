@@ -21,6 +21,7 @@ from bladewhirl.models.coupling.waves import CoupledWaves
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.mode_names import ALL, SIX, NamedModes, chosen_modes
 from bladewhirl.models.modal.full_stage import ModalStage
+from bladewhirl.models.rotation.at_speed import check_effects
 from bladewhirl.solvers.stability.floquet import wave_exponents
 from bladewhirl.solvers.stability.growth import Progress, eigenvalues, growth_rate
 
@@ -175,6 +176,7 @@ def couple(
         UserError: modes that the stage does not have or springs don't couple, one amplitude for
             modes of more than one nodal diameter, or a chart of a periodic system.
     """
+    check_effects(modal.case, "the stability of coupled modes")
     one_each = modal.casing.structure.is_cyclic and not np.any(
         modal.disk.blade_columns(modal.disk_modes.column) < 0
     )

@@ -14,6 +14,7 @@ from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
+from bladewhirl.models.rotation.at_speed import check_effects
 from bladewhirl.postprocess.fields.moving_stage import stage_dataset
 from bladewhirl.postprocess.modal.mode_shapes import animate_mode, mode_title, plot_mode_shapes
 from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion
@@ -76,6 +77,7 @@ def draw_modes(stage: ModalStage, plan: Plan, folder: Path) -> None:
     Raises:
         UserError: the folder or a file cannot be written.
     """
+    check_effects(stage.case, "pictures of modes")
     console = Console(stderr=True)
     quiet = not console.is_terminal
     with written_to(folder), Progress(console=console, transient=True, disable=quiet) as bar:

@@ -14,9 +14,11 @@ from rich.table import Table
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import faults_from, read_case
+from bladewhirl.models.case.rotation import Effects
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import is_first_of_pair
+from bladewhirl.models.rotation.at_speed import check_effects
 from bladewhirl.models.stage.stage import Stage
 
 LEVELS = {
@@ -44,12 +46,16 @@ def full_stage(case_or_stage: Case | Stage | ModalStage) -> ModalStage:
     return modal_stage(case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case)
 
 
-def stage_of_file(file: Path, overrides: list[str] | None) -> ModalStage:
+def stage_of_file(
+    file: Path, overrides: list[str] | None, what: str, *known: Effects
+) -> ModalStage:
     """Models and modes of a case file, checked.
 
     Args:
         file: the case.
         overrides: "KEY=VALUE" as given to --set.
+        what: the analysis that it is for, in words.
+        known: rotation effects that this knows.
 
     Raises:
         CaseError: all faults of the case, naming the file or --set.
@@ -57,6 +63,7 @@ def stage_of_file(file: Path, overrides: list[str] | None) -> ModalStage:
     values = overrides or []
     case = read_case(file, values)
     with faults_from(file, values):
+        check_effects(case, what, *known)
         return modal_stage(case)
 
 
@@ -85,6 +92,7 @@ def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
         CaseError: numbers that finite elements can't be made of.
     """
     stage = full_stage(case_or_stage)
+    check_effects(stage.case, "modes", "centrifugal")
     lists = (
         ("bladed-disk", "free", stage.free_modes),
         ("bladed-disk", "clamped", stage.clamped_modes),

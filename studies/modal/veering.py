@@ -13,6 +13,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
+from bladewhirl.models.rotation.at_speed import check_effects
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
 from bladewhirl.postprocess.plotting.style import save_figure
@@ -65,6 +66,7 @@ def veering(
             stand apart.
     """
     stage = full_stage(case_or_stage)
+    check_effects(stage.case, "veering", "centrifugal")
     springs = spring_stiffnesses(stage.case, None) if stiffnesses is None else stiffnesses
     branches = _over_shaft(stage, springs)
     reference = stage.reference_frequency

@@ -1,0 +1,107 @@
+"""The bladed disk of a case about the state in which it turns steadily."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.sparse.linalg as spla
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.case.rotation import Effects
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.rotation.growth import tip_growth
+from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
+
+
+@dataclass(frozen=True, kw_only=True)
+class TurningDisk:
+    """A bladed disk at the speed of rotation of its case."""
+
+    disk: BladedDiskModel  #: with K_Omega, and Coriolis forces if they count
+    matrices: RotationMatrices
+    omega: float  #: [rad/s]
+
+    @property
+    def growth(self) -> FloatArray:
+        """Radial growth of each tip [m], (blades,)."""
+        return self.growth_at(self.omega)
+
+    def growth_at(self, omega: float) -> FloatArray:
+        """Radial growth of each tip at another speed [rad/s]: [m], (blades,)."""
+        return tip_growth(self.disk, self.matrices, omega)
+
+    def tip_answer(self, axis: int, omega: float) -> FloatArray:
+        """Radial displacement of each tip by a steady force on the centre [m/N], (blades,).
+
+        Args:
+            axis: of the force in the rotating frame, 0 for x and 1 for y.
+            omega: speed of rotation [rad/s].
+        """
+        force = np.zeros(self.disk.structure.size)
+        force[self.disk.centre[axis]] = 1.0
+        answer = spla.spsolve(self.matrices.stiffness(omega).tocsc(), force)
+        return np.asarray(answer[self.disk.tip_radial])
+
+
+def check_effects(case: Case, what: str, *known: Effects) -> None:
+    """Refuse rotation effects that an analysis does not know.
+
+    Args:
+        case: with the effects.
+        what: the analysis, in words.
+        known: effects that it knows beside none.
+
+    Raises:
+        CaseError: the case has others.
+    """
+    if case.rotation.effects not in ("none", *known):
+        choice = " or ".join(f'"{each}"' for each in ("none", *known))
+        raise CaseError([case_fault(case, "rotation.effects", f"{choice} for {what}")])
+
+
+def turning_disk(
+    case: Case, at_rest: BladedDiskModel, reference: float, *, stiff: bool
+) -> TurningDisk | None:
+    """The bladed disk at the case's speed; None where the case has no rotation effects.
+
+    Args:
+        case: with the effects and the speed.
+        at_rest: its bladed disk.
+        reference: frequency that a normalised speed is relative to [rad/s].
+        stiff: whether it has to be stiff without Coriolis forces, even where they count.
+
+    Raises:
+        CaseError: a speed from the lowest critical one on, where it is not.
+    """
+    effects = case.rotation.effects
+    if effects == "none":
+        return None
+    omega = case.march.speed.rad_per_s(reference)
+    matrices = rotation_matrices(at_rest)
+    highest = lowest_critical_speed(matrices)
+    if abs(omega) >= highest and (stiff or effects == "centrifugal"):
+        expected = (
+            f"less than {highest / reference:.6g}, the critical speed from which on Coriolis"
+            " forces alone hold the bladed disk"
+        )
+        raise CaseError([case_fault(case, "march.speed", expected)])
+    disk = replace(at_rest, structure=matrices.at_speed(omega, effects))
+    return TurningDisk(disk=disk, matrices=matrices, omega=omega)
+
+
+def lowest_critical_speed(matrices: RotationMatrices) -> float:
+    """Lowest speed at which K_Omega is singular [rad/s]; inf if there is none."""
+    pulled = (matrices.mass - matrices.geometric).tocsc()
+    (share,) = spla.eigsh(
+        pulled,
+        k=1,
+        M=matrices.structure.stiffness.tocsc(),
+        which="LA",
+        return_eigenvectors=False,
+        v0=np.ones(matrices.structure.size),
+    )
+    return float(1.0 / np.sqrt(share)) if share > 0.0 else np.inf

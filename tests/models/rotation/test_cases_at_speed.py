@@ -1,0 +1,146 @@
+"""Cases whose bladed disk feels that it turns: stages, clearances, calibration, refusals."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from places import ROOT
+from stages import oracle
+from typer.testing import CliRunner
+
+from bladewhirl.models.case.case import Case, Rotation
+from bladewhirl.models.case.file import case_from, dumps_case, loads, with_values
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.loads import unbalance
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.studies.commands.cli import app
+
+THIN = oracle("rotation")["stages"]["0.01"]
+
+
+def turning(effects: str = "centrifugal", **tables: Any) -> Case:
+    """The stage of Table 1 at 1.05."""
+    return case_from(
+        {
+            "bladed_disk": {"disk": {"thickness": 0.01}},
+            "march": {"speed": 1.05},
+            "rotation": {"effects": effects},
+            **tables,
+        }
+    )
+
+
+def known(ratio: float) -> Any:
+    (row,) = [row for row in THIN["speeds"] if row["ratio"] == ratio]
+    return row
+
+
+def test_the_table_goes_to_a_file_and_back() -> None:
+    assert Case().rotation == Rotation(effects="none", clearance="hot")
+    case = turning(rotation={"effects": "full", "clearance": "cold"})
+    assert loads(dumps_case(case)) == case
+    assert "rotation     full, cold clearance" in repr(case)
+    assert "rotation" not in repr(Case())
+
+
+def test_tips_that_do_not_grow_have_no_cold_clearance() -> None:
+    with pytest.raises(CaseError, match='clearance = "cold": expected "hot", or rotation.effects'):
+        case_from({"rotation": {"clearance": "cold"}})
+
+
+@pytest.mark.parametrize("ratio", [1.05, 1.6])
+def test_the_reduction_at_speed(ratio: float) -> None:
+    """On a basis found with K_Omega, as accurate as the reference found such a basis to be."""
+    stage = build_stage(with_values(turning(), {"march.speed": ratio}))
+    found = stage.reduction.modes
+    for k, frequencies in known(ratio)["centrifugal"].items():
+        own = np.unique(np.round(found.frequency[found.nodal_diameter == int(k)], 9))[:1]
+        np.testing.assert_allclose(own / (2 * np.pi), frequencies[:1], rtol=5e-6)
+    assert stage.frequency_error["1F"] < 5e-6
+    assert max(stage.frequency_error[f] for f in ("1F", "suspension", "2F")) < 7e-4
+    assert stage.reference_frequency / (2 * np.pi) == pytest.approx(THIN["reference_hz"], rel=1e-8)
+
+
+def test_the_answer_to_a_steady_force_is_that_of_the_full_model() -> None:
+    rotor = build_stage(turning()).rotor
+    for ratio, centre, tip in THIN["steady_per_newton"]:
+        if ratio == 1.05:
+            answer = rotor.centre[0] / rotor.frequency**2
+            assert rotor.centre[0] @ answer == pytest.approx(centre, rel=1e-8)
+            assert np.abs(rotor.tip_radial @ answer).max() == pytest.approx(tip, rel=1e-8)
+
+
+def test_a_cold_clearance_is_what_growth_leaves() -> None:
+    hot, cold = (
+        build_stage(turning(rotation={"effects": "centrifugal", "clearance": state}))
+        for state in ("hot", "cold")
+    )
+    np.testing.assert_array_equal(hot.rotor.tip_recess, 0.0)
+    growth = known(1.05)["tip_growth_softened"]
+    np.testing.assert_allclose(cold.rotor.tip_recess, -growth, rtol=1e-8)
+    tight = {"rotation": {"effects": "centrifugal", "clearance": "cold"}}
+    with pytest.raises(CaseError, match="expected room for the growth of the tips at march.speed"):
+        build_stage(turning(**tight, casing={"clearance": 9e-5}))
+
+
+def test_imbalance_is_calibrated_with_the_stiffness_at_speed() -> None:
+    """The force that brings a tip out by the clearance, by its radial displacement."""
+    load = {"type": "imbalance", "clearance_speed": 1.05}
+    (tip,) = [tip for ratio, _, tip in THIN["steady_per_newton"] if ratio == 1.05]
+    for speed in (1.05, 0.5):  # of the march: that of the calibration counts
+        stage = build_stage(turning(excitation=load, march={"speed": speed}))
+        omega = 1.05 * stage.reference_frequency
+        assert unbalance(stage) == pytest.approx(1e-3 / tip / omega**2, rel=1e-8)
+    cold = {"effects": "centrifugal", "clearance": "cold"}
+    stage = build_stage(turning(excitation=load, rotation=cold))
+    room = 1e-3 - known(1.05)["tip_growth_softened"]
+    assert unbalance(stage) == pytest.approx(room / tip / omega**2, rel=1e-8)
+
+
+def test_without_effects_nothing_is_assembled_anew() -> None:
+    stage = build_stage(turning("none"))
+    assert stage.turning is None
+    assert stage.disk.structure.gyroscopic is None
+
+
+def test_a_march_without_coriolis_forces_alone() -> None:
+    contact_problem(build_stage(turning()))
+    with pytest.raises(CaseError, match='rotation.effects = "full": expected "none" or "centrif'):
+        contact_problem(build_stage(turning("full")))
+    with pytest.raises(CaseError, match=r"march.speed = 2.2: expected less than 2\.10802"):
+        build_stage(turning(march={"speed": 2.2}))
+
+
+@pytest.mark.parametrize(
+    ("command", "effects"),
+    [
+        (["campbell"], "centrifugal"),
+        (["stability"], "centrifugal"),
+        (["veering"], "full"),
+        (["modes"], "full"),
+        (["modes", "-o", "pictures"], "centrifugal"),
+        (["run", "-o", "run"], "full"),
+    ],
+)
+def test_what_is_not_known_at_speed_is_refused_in_one_line(
+    command: list[str], effects: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    file = str(ROOT / "examples" / "imbalance.toml")
+    done = CliRunner().invoke(app, [*command, file, "--set", f"rotation.effects={effects}"])
+    assert done.exit_code == 2
+    assert done.stderr.startswith(f'--set: rotation.effects = "{effects}": expected "none"')
+    assert done.stderr.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_modes_at_speed(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(dumps_case(turning()), encoding="utf-8")
+    done = CliRunner().invoke(app, ["modes", str(file), "--json", "--count", "2"])
+    assert done.exit_code == 0, done.output
+    assert f'"frequency_hz": {known(1.05)["centrifugal"]["1"][0]:.6f}' in done.stdout
