@@ -22,8 +22,14 @@ class Structure:
     node_dofs: IntArray  #: DoF of each node, (nodes, components); -1 where held
     layout: SectorLayout | None  #: its sectors; None where it has none
     held: FloatArray  #: fields v held at rest, v^T M x = 0, (size, constraints), often none
+    at_rest: Structure | None = None  #: where it turns: itself without rotation effects
     gyroscopic: sp.csr_array | None = None
     """Coriolis forces 2 Omega G by velocity, skew [N s/m, N s, N m s], (size, size)."""
+
+    @property
+    def elastic(self) -> sp.csr_array:
+        """Stiffness of strain alone, positive definite where the structure stands on springs."""
+        return self.stiffness if self.at_rest is None else self.at_rest.stiffness
 
     @property
     def size(self) -> int:

@@ -142,8 +142,26 @@ def mode_families(
         body: see `labelled_modes`.
     """
     if modes.is_cyclic or structure.layout is None:
-        return tuple(families(modes, body))
+        return tuple(_names(structure, modes, reference, body))
     return tuple(_families_of_twin(structure, modes, _tuned(structure, reference, body)))
+
+
+def _names(structure: Structure, modes: Modes, reference: tuple[int, int], body: Body) -> list[str]:
+    """Families of modes of alike sectors, or of none.
+
+    Those of a structure that turns keep their names at rest, by rank: over the speed, modes of one
+    nodal diameter do not cross.
+    """
+    if structure.at_rest is None:
+        return families(modes, body)
+    at_rest = labelled_modes(structure.at_rest, reference, body)
+    if structure.layout is not None and not structure.at_rest.is_cyclic:
+        at_rest = _tuned(structure.at_rest, reference, body)
+    names = {
+        column: iter([at_rest.family[i] for i in np.flatnonzero(at_rest.column == column)])
+        for column in np.unique(modes.column)
+    }
+    return [next(names[column]) for column in modes.column]
 
 
 def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> LabelledModes:
@@ -151,13 +169,16 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
     layout = structure.layout
     assert layout is not None  # both callers look
     squares, shares, columns, diameters, amplitudes = [], [], [], [], []
-    matrices = (structure.mass, structure.stiffness, structure.springs)
-    for k, (mass, stiffness, springs) in layout.blocks(*matrices):
+    matrices = (structure.mass, structure.stiffness, structure.springs, structure.elastic)
+    for k, (mass, stiffness, springs, elastic) in layout.blocks(*matrices):
         held = layout.basis(k).conj().T @ structure.held
         square, vectors = constrained_eigh(stiffness, mass, held)
         pair = is_pair(k, layout.sectors)
         vectors = align_phase(vectors, reference, pair=pair)
-        share = _in_springs(springs, vectors) / np.maximum(np.abs(square), np.finfo(float).tiny)
+        strain = square
+        if structure.at_rest is not None:
+            strain = np.einsum("im,im->m", vectors.conj(), elastic @ vectors).real
+        share = _in_springs(springs, vectors) / np.maximum(np.abs(strain), np.finfo(float).tiny)
         own = [2 * k - 1, 2 * k] if pair else [0 if k == 0 else layout.sectors - 1]
         squares.append(np.repeat(square, len(own)))
         shares.append(np.repeat(share, len(own)))
@@ -177,7 +198,7 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
     return LabelledModes(
         frequency=modes.frequency,
         nodal_diameter=modes.nodal_diameter,
-        family=tuple(families(modes, body)),
+        family=tuple(_names(structure, modes, reference, body)),
         purity=modes.purity,
         spring_share=modes.spring_share,
         column=modes.column,

@@ -138,7 +138,7 @@ def collect_modes(
         order = order[:count]
     square, shapes, column = square[order], shapes[:, order], column[order]
     frequency = np.sqrt(np.maximum(square, 0.0))
-    strain = np.einsum("im,im->m", shapes, structure.stiffness @ shapes)
+    strain = np.einsum("im,im->m", shapes, structure.elastic @ shapes)
     in_springs = np.einsum("im,im->m", shapes, structure.springs @ shapes)
     floor = np.finfo(float).tiny
     if structure.layout is None:

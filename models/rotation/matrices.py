@@ -66,7 +66,12 @@ class RotationMatrices:
         if effects == "none":
             return self.structure
         gyroscopic = sp.csr_array(2.0 * omega * self.coriolis) if effects == "full" else None
-        return replace(self.structure, stiffness=self.stiffness(omega), gyroscopic=gyroscopic)
+        return replace(
+            self.structure,
+            stiffness=self.stiffness(omega),
+            at_rest=self.structure,
+            gyroscopic=gyroscopic,
+        )
 
 
 def rotation_matrices(disk: BladedDiskModel) -> RotationMatrices:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -44,11 +45,13 @@ def test_the_table_goes_to_a_file_and_back() -> None:
     case = turning(rotation={"effects": "full", "clearance": "cold"})
     assert loads(dumps_case(case)) == case
     assert "rotation     full, cold clearance" in repr(case)
-    assert "rotation" not in repr(Case())
+    assert "\n  rotation " not in repr(Case())
 
 
 def test_tips_that_do_not_grow_have_no_cold_clearance() -> None:
-    with pytest.raises(CaseError, match='clearance = "cold": expected "hot", or rotation.effects'):
+    with pytest.raises(
+        CaseError, match=r'clearance = "cold": expected "hot", or rotation\.effects'
+    ):
         case_from({"rotation": {"clearance": "cold"}})
 
 
@@ -82,9 +85,9 @@ def test_a_cold_clearance_is_what_growth_leaves() -> None:
     np.testing.assert_array_equal(hot.rotor.tip_recess, 0.0)
     growth = known(1.05)["tip_growth_softened"]
     np.testing.assert_allclose(cold.rotor.tip_recess, -growth, rtol=1e-8)
-    tight = {"rotation": {"effects": "centrifugal", "clearance": "cold"}}
-    with pytest.raises(CaseError, match="expected room for the growth of the tips at march.speed"):
-        build_stage(turning(**tight, casing={"clearance": 9e-5}))
+    case = with_values(cold.case, {"casing.clearance": 9e-5})
+    with pytest.raises(CaseError, match="expected room for the growth of the tips"):
+        build_stage(case)
 
 
 def test_imbalance_is_calibrated_with_the_stiffness_at_speed() -> None:
@@ -109,9 +112,9 @@ def test_without_effects_nothing_is_assembled_anew() -> None:
 
 def test_a_march_without_coriolis_forces_alone() -> None:
     contact_problem(build_stage(turning()))
-    with pytest.raises(CaseError, match='rotation.effects = "full": expected "none" or "centrif'):
+    with pytest.raises(CaseError, match=r'rotation\.effects = "full": expected "none" or "c'):
         contact_problem(build_stage(turning("full")))
-    with pytest.raises(CaseError, match=r"march.speed = 2.2: expected less than 2\.10802"):
+    with pytest.raises(CaseError, match=r"march\.speed = 2\.2: expected less than 2\.10802"):
         build_stage(turning(march={"speed": 2.2}))
 
 
@@ -143,4 +146,6 @@ def test_modes_at_speed(tmp_path: Path) -> None:
     file.write_text(dumps_case(turning()), encoding="utf-8")
     done = CliRunner().invoke(app, ["modes", str(file), "--json", "--count", "2"])
     assert done.exit_code == 0, done.output
-    assert f'"frequency_hz": {known(1.05)["centrifugal"]["1"][0]:.6f}' in done.stdout
+    first, second = json.loads(done.stdout)["bladed_disk"]
+    assert first["frequency_hz"] == second["frequency_hz"]
+    assert first["frequency_hz"] == pytest.approx(known(1.05)["centrifugal"]["1"][0], rel=1e-8)
