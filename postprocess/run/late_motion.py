@@ -36,8 +36,7 @@ def late_motion(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
     turning = {frame: whirl(path, frame) for frame in FRAMES}
     sense = -1.0 if orbit.attrs["speed"] < 0 else 1.0
     radius = float(np.sqrt(np.mean(path["radius"].values ** 2)))
-    rates = whirl_history(path)["rate"].sel(frame="rotating").values
-    rates = rates[np.isfinite(rates)]
+    rates = whirl_history(path)["rate"].sel(frame="rotating").dropna("time").values
     hertz = {"units": "Hz"}
     rate = sense * turning["rotating"].rate if radius > 0 else np.nan
     scatter = rates.std() if len(rates) > 1 else np.nan

@@ -94,8 +94,8 @@ class Motion:
     @cached_property
     def late_whirl_rates(self) -> np.ndarray[Any, np.dtype[np.float64]]:
         """Whirl in the static frame in equal spans of the last third [rad/s]."""
-        rates = whirl_history(late_part(self.orbit))["rate"].sel(frame="static").values
-        return np.asarray(rates[np.isfinite(rates)])
+        rates = whirl_history(late_part(self.orbit))["rate"].sel(frame="static")
+        return np.asarray(rates.dropna("time").values)
 
     @cached_property
     def late_phase(self) -> xr.Dataset:

@@ -118,7 +118,7 @@ class TestPhase:
     )
     def test_the_side_of_contact_tells_the_scenario(self, side: float, scenario: str) -> None:
         result = self.pressed(side)
-        phases = contact_phase(result, shaft_orbit(result))
+        phases = contact_phase(result)
         assert phases.attrs["scenario"] == scenario
         lead = np.exp(1j * (phases.shaft_lead.values - side))
         # Mean direction of the contacts: better than the pitch of the blades, 0.29 rad.
@@ -143,20 +143,20 @@ class TestPhase:
 
     def test_phases_are_those_of_the_static_circle(self) -> None:
         result = synthetic.synthetic_result()
-        phases = contact_phase(result, shaft_orbit(result))
+        phases = contact_phase(result)
         turned = (synthetic.SPEED - 70.0) * result.time.values
         np.testing.assert_allclose(np.exp(1j * phases.shaft_phase), np.exp(1j * turned), atol=1e-12)
 
     def test_a_resting_shaft_has_no_phase(self) -> None:
         result = synthetic.synthetic_result(shaft_radius=0.0)
-        phases = contact_phase(result, shaft_orbit(result))
+        phases = contact_phase(result)
         assert phases.attrs["scenario"] == "at rest"
         assert np.isnan(phases.shaft_phase).all()
         assert "rests" in plot_contact_phase(phases).axes[0].get_title()
 
     def test_many_turns_are_drawn_at_their_end_only(self) -> None:
         result = self.pressed(0.0, records=8001)  # 80 rad/s less 70 for 8 s: 12.7 turns
-        upper, lower = plot_contact_phase(contact_phase(result, shaft_orbit(result))).axes
+        upper, lower = plot_contact_phase(contact_phase(result)).axes
         drawn = np.asarray(upper.lines[0].get_xdata())
         assert np.ptp(drawn) == pytest.approx(4 * 2 * np.pi / 10, rel=0.01)
         assert drawn[-1] == pytest.approx(8.0, abs=0.01)

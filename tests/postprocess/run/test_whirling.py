@@ -67,7 +67,7 @@ class TestWindows:
 
 class TestWhirlHistory:
     def test_a_circle_turns_at_its_rate_in_every_span(self) -> None:
-        whirls = whirl_history(shaft_orbit(synthetic.synthetic_result(records=2001)))
+        whirls = whirl_history(synthetic.synthetic_result(records=2001))
         assert whirls.sizes["time"] > 5
         np.testing.assert_allclose(whirls.rate.sel(frame="rotating"), RATE, rtol=1e-12)
         np.testing.assert_allclose(
@@ -78,8 +78,7 @@ class TestWhirlHistory:
         np.testing.assert_allclose(whirls.radius, 0.8e-3, rtol=1e-12)
 
     def test_forward_is_the_sense_of_rotation(self) -> None:
-        orbit = shaft_orbit(synthetic.synthetic_result(records=2001, speed=-20.0))
-        whirls = whirl_history(orbit)
+        whirls = whirl_history(synthetic.synthetic_result(records=2001, speed=-20.0))
         np.testing.assert_allclose(whirls.rate.sel(frame="rotating"), RATE, rtol=1e-12)
         np.testing.assert_array_equal(whirls.direction.sel(frame="rotating"), 1)
 
@@ -99,14 +98,14 @@ class TestWhirlHistory:
         np.testing.assert_allclose(whirls.rate.sel(frame="rotating"), expected, rtol=1e-10)
 
     def test_a_shaft_at_rest_has_neither_rate_nor_direction(self) -> None:
-        whirls = whirl_history(shaft_orbit(synthetic.synthetic_result(shaft_radius=0.0)))
+        whirls = whirl_history(synthetic.synthetic_result(shaft_radius=0.0))
         assert np.isnan(whirls.rate).all()
         assert not whirls.direction.any()
         plot_whirl_history(whirls)
 
     def test_the_figure_is_in_hertz_with_forward_upwards(self) -> None:
-        orbit = shaft_orbit(synthetic.synthetic_result(records=2001, speed=-20.0))
-        upper = plot_whirl_history(whirl_history(orbit)).axes[0]
+        whirls = whirl_history(synthetic.synthetic_result(records=2001, speed=-20.0))
+        upper = plot_whirl_history(whirls).axes[0]
         lines = {str(line.get_label()): line for line in upper.lines}
         drawn = np.asarray(lines["rotating frame"].get_ydata())
         np.testing.assert_allclose(drawn, 70 / (2 * np.pi))
