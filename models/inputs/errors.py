@@ -16,10 +16,14 @@ LONGEST_VALUE = 60
 class UserError(Exception):
     """A request that cannot be met; the command line prints `lines`, no traceback."""
 
+    def __str__(self) -> str:
+        """One line a fault."""
+        return "\n".join(self.lines)
+
     @property
     def lines(self) -> list[str]:
-        """The message, one line a fault."""
-        return [" ".join(str(self).split())]
+        """One line for each argument, a fault each."""
+        return [" ".join(str(fault).split()) for fault in self.args]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,10 +48,6 @@ class CaseError(UserError):
     def __init__(self, faults: Iterable[Fault]) -> None:
         self.faults = tuple(faults)
         super().__init__(self.faults)  # so that it can be pickled
-
-    def __str__(self) -> str:
-        """One line a fault."""
-        return "\n".join(self.lines)
 
     @property
     def lines(self) -> list[str]:

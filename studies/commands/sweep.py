@@ -80,7 +80,13 @@ def sweep(
 
         watch = Watch(planned=_tell_plan, progress=progress)
         if resume is not None:
-            _refuse_with_resume(resume, case, over, output, overrides, histories)
+            anew: dict[str, object] = {"CASE": case, "--over": over, "--output": output}
+            anew |= {"--set": overrides, "--histories": histories}
+            if any(anew.values()):
+                given = ", ".join(name for name, value in anew.items() if value)
+                raise UserError(
+                    f"--resume {resume}: expected no {given}; the folder knows its sweep"
+                )
             done = resume_sweep(resume, scheduler=scheduler, workers=workers, watch=watch)
         elif case is None or not over or output is None:
             raise UserError("sweep: expected CASE, --over KEY=VALUES and -o DIR, or --resume DIR")
@@ -116,31 +122,6 @@ def _refuse_both(over: Iterable[str], overrides: Iterable[str]) -> None:
                 f"--over {key}, --set {override}: expected one of them; --over gives {key} its"
                 " value at every point"
             )
-
-
-def _refuse_with_resume(
-    resume: Path,
-    case: Path | None,
-    over: list[str] | None,
-    output: Path | None,
-    overrides: list[str] | None,
-    histories: bool,
-) -> None:
-    """See that nothing is said anew of a sweep that has been begun.
-
-    Raises:
-        UserError: naming what is.
-    """
-    options = {
-        "CASE": case,
-        "--over": over,
-        "--output": output,
-        "--set": overrides,
-        "--histories": histories,
-    }
-    given = ", ".join(name for name, value in options.items() if value)
-    if given:
-        raise UserError(f"--resume {resume}: expected no {given}; the folder knows its sweep")
 
 
 def _report(done: Sweep, *, as_json: bool) -> None:

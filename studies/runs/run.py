@@ -37,17 +37,6 @@ from bladewhirl.studies.runs.interrupts import asked_to_stop
 from bladewhirl.studies.runs.outputs import Run, Window, write_outputs
 from bladewhirl.studies.runs.properties import MARCHES
 
-__all__ = [
-    "Activity",
-    "Prepared",
-    "Progress",
-    "Run",
-    "march_to_file",
-    "prepare",
-    "prepare_stage",
-    "run",
-]
-
 SPARE_BYTES = 4_000_000
 """Room on the disk that a march leaves: HDF5 can't close a file on a full disk in order."""
 

@@ -105,25 +105,16 @@ class Grid:
         refuse_faulty(faults)
 
 
-class FaultyPoints(UserError):
-    """Points of a sweep at which the case has faults."""
-
-    @property
-    def lines(self) -> list[str]:
-        """One line a point, the rest counted."""
-        return [str(line) for line in self.args]
-
-
 def refuse_faulty(faults: Sequence[str]) -> None:
     """Raise what is wrong with points, one line each, if anything is.
 
     Raises:
-        FaultyPoints: there are faults.
+        UserError: there are faults.
     """
     if faults:
         more = len(faults) - SHOWN_FAULTS
         rest = [f"{OVER}: {more} more points have faults"] if more > 0 else []
-        raise FaultyPoints(*faults[:SHOWN_FAULTS], *rest)
+        raise UserError(*faults[:SHOWN_FAULTS], *rest)
 
 
 def make_grid(case: Case, over: Mapping[str, Sequence[Value]], *, large: bool) -> Grid:

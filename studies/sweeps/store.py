@@ -12,14 +12,13 @@ import json
 import os
 import re
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import h5netcdf
 import h5py
 import numpy as np
-from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
@@ -97,7 +96,7 @@ def create(
     os.replace(unfinished, directory / SWEEP_NAME)
 
 
-class Store:
+class Store(AbstractContextManager["Store"]):
     """The dataset of a sweep, open for writing by the one process that may.
 
     Raises:
@@ -113,19 +112,11 @@ class Store:
             raise UserError(f"{path}: is in use; is the sweep still running?") from None
         except OSError as error:
             raise UserError(f"{path}: expected the dataset of a sweep ({error})") from None
-        self._state = np.asarray(self._h5["state"][()], dtype=np.int8).ravel()
-        self._failures = _read_failures(directory)
+        #: state of every point as written, (points,)
+        self.state = np.asarray(self._h5["state"][()], dtype=np.int8).ravel()
+        self.failures = _read_failures(directory)  #: reason of each failed point
 
-    def __enter__(self) -> Self:
-        """The store itself."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Close the file, whatever happened."""
         self._h5.close()
 
@@ -135,32 +126,17 @@ class Store:
         return np.asarray(self._h5["frequency"][()], dtype=np.float64)
 
     @property
-    def state(self) -> NDArray[np.int8]:
-        """State of every point when last written, (points,)."""
-        return self._state.copy()
-
-    @property
     def done(self) -> int:
         """Number of points done."""
-        return int(np.count_nonzero(self._state == DONE))
-
-    @property
-    def failed(self) -> int:
-        """Number of failed points."""
-        return len(self._failures)
-
-    @property
-    def failures(self) -> dict[int, str]:
-        """Reason of each failed point."""
-        return dict(self._failures)
+        return int(np.count_nonzero(self.state == DONE))
 
     def write(self, outcomes: Mapping[int, Outcome]) -> None:
         """Write the points of a group: all of what they hold first, then their states."""
         for point, outcome in outcomes.items():
             if isinstance(outcome, Failure):
-                self._failures[point] = outcome.reason
+                self.failures[point] = outcome.reason
                 continue
-            self._failures.pop(point, None)
+            self.failures.pop(point, None)
             index = np.unravel_index(point, self._grid.shape)
             for name, values in outcome.items():
                 self._h5[name][index] = values
@@ -168,18 +144,18 @@ class Store:
         self._write_failures()
         for point, outcome in outcomes.items():
             index = np.unravel_index(point, self._grid.shape)
-            self._state[point] = FAILED if isinstance(outcome, Failure) else DONE
-            self._h5["state"][index] = self._state[point]
+            self.state[point] = FAILED if isinstance(outcome, Failure) else DONE
+            self._h5["state"][index] = self.state[point]
         self._h5.flush()
 
     def _write_failures(self) -> None:
         path = self._directory / FAILURES_NAME
-        if not self._failures:
+        if not self.failures:
             path.unlink(missing_ok=True)
             return
         document = [
             {"point": point, **self._grid.values(point), "reason": reason}
-            for point, reason in sorted(self._failures.items())
+            for point, reason in sorted(self.failures.items())
         ]
         write_whole(path, json.dumps(document, indent=2, ensure_ascii=False) + "\n")
 

@@ -158,7 +158,7 @@ def _carry_out(
         # What is kept of a point has to fit the file, whatever this machine would have chosen.
         layout = replace(plan.layout, frequency=store.frequency)
         work = Work(case=dumps_case(plan.case), layout=layout, histories=str(histories))
-        state, marched = store.state, 0
+        state, marched = store.state.copy(), 0
         watch.progress(store.done, 0, plan.grid.size)
         first = next(plan.left(state), None)
         if first is not None:
@@ -166,12 +166,12 @@ def _carry_out(
         for outcomes in march_groups(work, plan.left(state), scheduler=scheduler, workers=workers):
             store.write(outcomes)
             marched += len(outcomes)
-            watch.progress(store.done, store.failed, plan.grid.size)
+            watch.progress(store.done, len(store.failures), plan.grid.size)
         swept = Sweep(
             directory=directory,
             points=plan.grid.size,
             done=store.done,
-            failures=store.failures,
+            failures=dict(store.failures),
             grid=plan.grid,
             wall_time=time.perf_counter() - began,
             marched=marched,

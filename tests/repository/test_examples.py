@@ -11,7 +11,7 @@ import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.modal.full_stage import modal_stage
-from bladewhirl.studies.runs.run import Run
+from bladewhirl.studies.runs.outputs import Run
 
 EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
 STAGE = ("material", "bladed_disk", "shaft", "casing", "reduction", "damping", "contact")

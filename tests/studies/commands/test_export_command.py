@@ -4,19 +4,11 @@ from pathlib import Path
 
 import pytest
 import pyvista
-import synthetic_result as synthetic
 from typer.testing import CliRunner
 
 from bladewhirl.studies.commands.cli import app
 
 RUNNER = CliRunner()
-
-
-@pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    directory = tmp_path_factory.mktemp("run")
-    synthetic.synthetic_result(elements=1).to_netcdf(directory / "result.nc", engine="h5netcdf")
-    return directory
 
 
 def test_a_window_as_lines(run: Path) -> None:

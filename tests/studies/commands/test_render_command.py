@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import pytest
-import synthetic_result as synthetic
 from PIL import Image
 from typer.testing import CliRunner
 
@@ -11,13 +10,6 @@ import bladewhirl as bw
 from bladewhirl.studies.commands.cli import app
 
 RUNNER = CliRunner()
-
-
-@pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    directory = tmp_path_factory.mktemp("run")
-    synthetic.synthetic_result(elements=1).to_netcdf(directory / "result.nc", engine="h5netcdf")
-    return directory
 
 
 @pytest.mark.usefixtures("can_draw")
