@@ -1,4 +1,4 @@
-"""Figures of a run or a sweep: functions that take a result and return a matplotlib Figure.
+"""Figures of runs, sweeps and modes: functions that take data and return a matplotlib Figure.
 
     import bladewhirl as bw
 
@@ -6,13 +6,14 @@
         figure = bw.plot.orbit(result, start=0.2)
         bw.save_figure(figure, "orbit")
 
-Each takes a result of `bw.open_result`, or a sweep of `bw.open_sweep` where its docstring says so,
-and the window of a run [s]. Names are those of `bladewhirl plot`, with _ for -.
+Most take a result of `bw.open_result`, or a sweep of `bw.open_sweep` where their docstring says so,
+and the window of a run [s]. Their names are those of `bladewhirl plot`, with _ for -. `campbell`,
+`veering` and `shaft_veering` take what `bw.campbell` and `bw.veering` return.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "bifurcation",
+    "campbell",
     "contact_classes",
     "contact_phase",
     "energy",
@@ -35,12 +37,14 @@ __all__ = [
     "regime",
     "regimes",
     "shaft_radius",
+    "shaft_veering",
     "spectrogram",
     "spectrogram_static",
     "spectrum",
     "spectrum_static",
     "state_space",
     "stress",
+    "veering",
     "whirl",
 ]
 
@@ -99,3 +103,26 @@ spectrum_static = _plot("spectrum-static")
 state_space = _plot("state-space")
 stress = _plot("stress")
 whirl = _plot("whirl")
+
+
+def campbell(found: xr.Dataset, frame: Literal["rotating", "static"] = "rotating") -> Figure:
+    """Campbell diagram, in rotating axes or as seen from the casing, of `bw.campbell(case)`."""
+    from bladewhirl.postprocess.modal.campbell import plot_campbell
+
+    return plot_campbell(found, frame)
+
+
+def veering(found: xr.Dataset, families: int | None = None) -> Figure:
+    """Frequencies over nodal diameter with both centres, of `bw.veering(case)`: the first
+    families, or all that it has.
+    """
+    from bladewhirl.postprocess.modal.veering import plot_families
+
+    return plot_families(found, families)
+
+
+def shaft_veering(found: xr.Dataset) -> Figure:
+    """Modes with one nodal diameter over the stiffness of the shaft, of `bw.veering(case)`."""
+    from bladewhirl.postprocess.modal.veering import plot_shaft_veering
+
+    return plot_shaft_veering(found)

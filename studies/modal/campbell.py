@@ -46,7 +46,7 @@ def campbell(
 
     Over `mode`, a pair given once: mode_frequency [Hz] and normalised_mode_frequency, with
     mode_body, mode_family and mode_nodal_diameter. `found.reset_index("coincidence")` goes into a
-    file; `plot_campbell` draws it.
+    file; `bladewhirl.plot.campbell` draws it.
 
     Args:
         case_or_stage: a case, or a stage of it; the centre is held as the case says.

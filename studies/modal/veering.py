@@ -53,7 +53,7 @@ def veering(
     branch_frequency [Hz], normalised_branch_frequency and branch_spring_share, the share of the
     strain energy in the shaft springs; over `branch` clamped_frequency [Hz], which each branch
     approaches, and normalised_clamped_frequency. `found.reset_index("mode")` goes into a file;
-    `plot_families` and `plot_shaft_veering` draw it.
+    `bladewhirl.plot.veering` and `shaft_veering` draw it.
 
     Args:
         case_or_stage: a case, or a stage of it.

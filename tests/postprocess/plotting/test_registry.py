@@ -34,8 +34,9 @@ def test_the_words_of_a_figure_read_well(kind: FigureKind) -> None:
 
 def test_every_figure_has_a_function_with_its_words() -> None:
     names = {name.replace("-", "_") for name in (*RUN_FIGURES, *SWEEP_FIGURES)}
-    assert set(bw.plot.__all__) == names
-    for name in names:
+    of_modes = {"campbell", "veering", "shaft_veering"}
+    assert set(bw.plot.__all__) == names | of_modes
+    for name in names | of_modes:
         function = getattr(bw.plot, name)
         assert function.__name__ == name
         assert function.__doc__

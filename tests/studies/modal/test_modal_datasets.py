@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -103,3 +104,12 @@ def test_a_case_and_its_reduced_stage_have_the_same_modes() -> None:
     clamped = bw.modes(case(**{"shaft.clamped": True}))
     assert clamped.attrs["centre"] == "clamped"
     np.testing.assert_array_equal(clamped.frequency, found()["modes"].frequency)
+
+
+def test_the_front_door_draws_them() -> None:
+    frames: tuple[Literal["rotating", "static"], ...] = ("rotating", "static")
+    for frame in frames:
+        (axes,) = bw.plot.campbell(found()["campbell"], frame).axes
+        assert axes.get_ylabel() == f"frequency / ω$_1$, {frame} frame [–]"
+    assert len(bw.plot.veering(found()["veering"], families=2).axes) == 1
+    assert bw.plot.shaft_veering(found()["veering"]).axes[0].get_xscale() == "log"
