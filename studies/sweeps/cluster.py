@@ -13,6 +13,7 @@ from distributed import Client, LocalCluster, as_completed
 from distributed.scheduler import KilledWorker
 
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.runs.folder import version
 from bladewhirl.studies.runs.interrupts import held_back
 from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work, march_group
 
@@ -49,7 +50,7 @@ def march_groups(
         workers: number of local ones; one a core when None.
 
     Raises:
-        UserError: the scheduler does not answer, or has no workers.
+        UserError: the scheduler does not answer, or its workers have another version.
     """
     waiting = iter(groups)
     count = workers or CPU_COUNT
@@ -94,6 +95,11 @@ def _in_flight(
         except KilledWorker:
             suspects.append(group)
             continue
+        except (ImportError, AttributeError) as error:  # those of a march become failures
+            raise UserError(
+                f"workers: expected bladewhirl {version()} there, too; its code could not be loaded"
+                f" ({error})"
+            ) from None
         finally:
             future.release()
         yield outcomes

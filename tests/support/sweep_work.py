@@ -30,3 +30,8 @@ def deadly_once(work: Work, group: Group) -> dict[int, Outcome]:
         mark.touch()
         os._exit(1)
     return {point: Failure(reason=f"point {point}") for point in group.points}
+
+
+def of_another_version(work: Work, group: Group) -> dict[int, Outcome]:
+    """Fails as a worker does that lacks the code of a group."""
+    raise ModuleNotFoundError("No module named 'old'")

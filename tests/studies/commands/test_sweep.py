@@ -249,6 +249,14 @@ def test_a_worker_that_dies_once_is_forgiven(
     assert found == {i: Failure(reason=f"point {i}") for i in range(6)}
 
 
+def test_workers_of_another_version_are_told_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sweep_cluster, "march_group", sweep_work.of_another_version)
+    with pytest.raises(UserError, match=r"workers: expected bladewhirl .*No module named 'old'"):
+        list(sweep_cluster.march_groups(work(tmp_path), GROUPS[:1], scheduler=None, workers=1))
+
+
 def test_failed_points_are_told_and_the_others_done(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
