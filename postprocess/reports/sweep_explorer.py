@@ -111,21 +111,23 @@ def points_explorer(points: xr.Dataset) -> Explorer:
 
     points = in_handy_units(points)
     key = points[str(points.attrs["along"])]
-    flat = _flat(points)
+    regime, words = points["regime"].values, _words(points)
+    place = np.broadcast_to(key.values, regime.shape)
+    radius = MILLI * points["shaft_radius_max"].values
     traces = [
         go.Scatter(
-            x=flat["key"][own],
-            y=flat["radius"][own],
+            x=place[own],
+            y=radius[own],
             mode="markers",
             name=f"{name} ({np.count_nonzero(own)})",
             marker={"color": colour, "symbol": SYMBOLS[name], "size": 9, "line": {"width": 1.5}},
-            text=flat["words"][own].tolist(),
+            text=words[own].tolist(),
             hovertemplate="%{text}<extra></extra>",
         )
         for name, colour in REGIME_COLOURS.items()
-        if (own := flat["regime"] == name).any()
+        if (own := regime == name).any()
     ]
-    spread = flat["radius"][flat["radius"] > 0]
+    spread = radius[radius > 0]
     wide = spread.size > 0 and is_wide(spread)
     layout = plain_layout(
         xaxis=_key_axis(key),
@@ -157,16 +159,14 @@ def regime_explorer(points: xr.Dataset, other: str) -> Explorer:
     points = in_handy_units(points)
     key = points[str(points.attrs["along"])]
     names = list(REGIME_COLOURS)
-    code = np.full(points["regime"].shape, np.nan)
-    for number, name in enumerate(names):
-        code[points["regime"].values == name] = number
+    regime = points["regime"].values
+    code = np.select([regime == name for name in names], range(len(names)), np.nan)
     share = np.linspace(0.0, 1.0, len(names) + 1)
     scale = [
         [float(edge), colour]
         for colour, low, high in zip(REGIME_COLOURS.values(), share[:-1], share[1:], strict=True)
         for edge in (low, high)
     ]
-    words = _flat(points)["words"].reshape(points["regime"].shape)
     # Heatmaps space their cells by the values; categories would hide how far apart they are.
     heat = go.Heatmap(
         x=key.values,
@@ -176,7 +176,7 @@ def regime_explorer(points: xr.Dataset, other: str) -> Explorer:
         zmax=len(names) - 0.5,
         colorscale=scale,
         colorbar={"tickvals": list(range(len(names))), "ticktext": names, "thickness": 14},
-        text=words.tolist(),
+        text=_words(points).tolist(),
         hovertemplate="%{text}<extra></extra>",
         xgap=1,
         ygap=1,
@@ -258,41 +258,32 @@ def _map_traces(one: xr.Dataset, top: float, *, shown: bool) -> Sequence[Any]:
     return traces
 
 
-def _flat(points: xr.Dataset) -> dict[str, Any]:
-    """Values of all points in one row, and words for each."""
-    key = str(points.attrs["along"])
-    shape = points["regime"].shape
-    place = np.broadcast_to(points[key].values, shape).ravel()
-    names = [line_label(points.isel({LINE: number})) for number in range(shape[0])]
-    column = {
-        name: points[name].values.ravel()
-        for name in ("regime", "growth_rate", "growth_error", "end_time", "touched", "state")
-    }
-    radius = MILLI * points["shaft_radius_max"].values.ravel()
-    own, unit = (str(points[key].attrs[name]) for name in ("long_name", "units"))
-    unit = "" if unit == "1" else f" {unit}"
-    words = []
-    for number, at in enumerate(place):
-        lines = [f"<b>{column['regime'][number]}</b>", f"{own} = {at:.6g}{unit}"]
-        lines += filter(None, [names[number // shape[1]]])
-        if column["state"][number] != "done":
-            lines[0] = f"<b>{column['state'][number]}</b>"
-        else:
-            rate, error = column["growth_rate"][number], column["growth_error"][number]
+def _words(points: xr.Dataset) -> Any:
+    """Words for every point, (line, key)."""
+    key = points[str(points.attrs["along"])]
+    names = [line_label(points.isel({LINE: number})) for number in range(points.sizes[LINE])]
+    unit = "" if key.attrs["units"] == "1" else f" {key.attrs['units']}"
+    words = np.empty(points["regime"].shape, dtype=object)
+    column = {str(name): points[name].values for name in points.data_vars}
+    for at in np.ndindex(words.shape):
+        own = {name: values[at] for name, values in column.items() if values.ndim == 2}
+        done = own["state"] == "done"
+        lines = [
+            f"<b>{own['regime'] if done else own['state']}</b>",
+            f"{key.attrs['long_name']} = {key.values[at[1]]:.6g}{unit}",
+            names[at[0]],
+        ]
+        if done:
+            rate, error = float(own["growth_rate"]), float(own["growth_error"])
             judged = f"{rate_text(rate, error)} 1/s" if np.isfinite(rate) else "not to be judged"
             lines += [
-                f"largest shaft displacement {radius[number]:.4g} mm",
+                f"largest shaft displacement {MILLI * own['shaft_radius_max']:.4g} mm",
                 f"growth rate {judged}",
-                f"blades that touched {column['touched'][number]:.0f}",
-                f"end {column['end_time'][number]:.4g} s",
+                f"blades that touched {own['touched']:.0f}",
+                f"end {own['end_time']:.4g} s",
             ]
-        words.append("<br>".join(lines))
-    return {
-        "key": place,
-        "radius": radius,
-        "regime": column["regime"],
-        "words": np.array(words, dtype=object),
-    }
+        words[at] = "<br>".join(filter(None, lines))
+    return words
 
 
 def _key_axis(values: xr.DataArray) -> dict[str, Any]:

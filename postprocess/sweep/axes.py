@@ -73,7 +73,7 @@ def key_axis(
     else:
         axes.set_xscale("log" if wide else "linear")
     axis.set_label_text(key_label(values))
-    limits = cell_edges(place, logarithmic=wide)[[0, -1]] if cells else _around(place, wide)
+    limits = edges_of(place)[[0, -1]] if cells else _around(place, wide)
     (axes.set_ylim if of_y else axes.set_xlim)(*limits)
     most = max(2, int(MOST_TICKS * share))
     if len(place) <= 2 * most:
@@ -81,6 +81,16 @@ def key_axis(
         axis.set_minor_locator(NullLocator())
         plain = ScalarFormatter(useOffset=False)
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}") if wide else plain)
+
+
+def key_edges(one: xr.Dataset) -> Array:
+    """Borders of cells around the values of the key that is gone along, (values + 1,)."""
+    return edges_of(one[str(one.attrs["along"])].values)
+
+
+def edges_of(place: Array) -> Array:
+    """Borders of cells around ascending values, (values + 1,), on the scale of their axis."""
+    return cell_edges(place, logarithmic=is_wide(place))
 
 
 def is_wide(values: Array) -> bool:

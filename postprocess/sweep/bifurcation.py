@@ -8,19 +8,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.fields import Array
-from bladewhirl.postprocess.plotting.legends import legends_below, set_title
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.units import length_unit
 from bladewhirl.postprocess.run.orbits import LONG_LINE
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, side_by_side
 from bladewhirl.postprocess.sweep.drawing import (
-    MOST_LINES,
     Line,
-    left_out_note,
+    label_figure,
     lines_group,
     lines_of,
 )
-from bladewhirl.postprocess.sweep.quantities import LINE, along
+from bladewhirl.postprocess.sweep.quantities import along
 
 PARTS = {
     "section_x": "x once a revolution",
@@ -74,8 +72,8 @@ def plot_bifurcation(found: xr.Dataset) -> Figure:
         axes.set_ylabel(f"{label} [{unit}]")
     key_axis(panels[-1], found)
     note = "; lines side by side at each value" if len(lines) > 1 else ""
-    set_title(figure, found.attrs["title"] + note + left_out_note(found.sizes[LINE], MOST_LINES))
-    legends_below(figure, lines_group(found, lines, "radius_peak", dashed=False))
+    own = lines_group(found, lines, "radius_peak", dashed=False)
+    label_figure(figure, found, own, note=note)
     return figure
 
 

@@ -9,15 +9,11 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.plotting.legends import Group, legends_below, set_title
-from bladewhirl.postprocess.plotting.style import FULL_WIDTH, SEQUENTIAL, new_figure, styled
+from bladewhirl.postprocess.plotting.style import SEQUENTIAL, styled
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, CLASS_HATCHES, PERMANENT
-from bladewhirl.postprocess.sweep.axes import in_handy_units, is_wide, key_axis
-from bladewhirl.postprocess.sweep.drawing import chosen, left_out_note, panel_titles, panels_note
-from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges
-
-MOST_ROWS = 4
-"""Lines in a figure that has a row for each."""
+from bladewhirl.postprocess.sweep.axes import key_edges
+from bladewhirl.postprocess.sweep.drawing import two_columns
+from bladewhirl.postprocess.sweep.quantities import along
 
 
 def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
@@ -55,31 +51,16 @@ def plot_blade_contacts(found: xr.Dataset) -> Figure:
     Args:
         found: from `blade_contacts`.
     """
-    found = in_handy_units(found)
-    titles = panel_titles(found)
-    shown = chosen(found.sizes[LINE], MOST_ROWS)
-    figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.05 * len(shown))
-    figure.set_layout_engine("constrained", wspace=0.08)
-    rows = figure.subplots(len(shown), 2, sharex=True, sharey="col", squeeze=False)
-    for number, (left, right) in zip(shown, rows, strict=True):
-        one = found.isel({LINE: number})
-        picture = _draw_shares(left, one)
-        _draw_counts(right, one)
-        if titles[number]:
-            left.set_title(titles[number], loc="left")
-    for axes in rows[-1]:
-        key_axis(axes, found, cells=True, share=0.5)
-    figure.colorbar(picture, ax=rows[:, 0].tolist(), label="time in contact [%]", pad=0.02)
-    note = left_out_note(found.sizes[LINE], MOST_ROWS) + panels_note(found, "rows")
-    set_title(figure, found.attrs["title"] + note)
-    entries = zip(*rows[0, 1].get_legend_handles_labels(), strict=True)
-    legends_below(figure, Group(list(entries)))
-    return figure
+    return two_columns(found, _draw_line, coloured=0, label="time in contact [%]")
+
+
+def _draw_line(left: Axes, right: Axes, one: xr.Dataset) -> QuadMesh:
+    _draw_counts(right, one)
+    return _draw_shares(left, one)
 
 
 def _draw_shares(axes: Axes, one: xr.Dataset) -> QuadMesh:
-    place = one[str(one.attrs["along"])].values
-    edges = cell_edges(place, logarithmic=is_wide(place))
+    edges = key_edges(one)
     blades = np.arange(one.sizes["blade"] + 1) - 0.5
     share = 100 * one["late_contact_share"].values.T
     axes.grid(False)
@@ -101,9 +82,8 @@ def _draw_shares(axes: Axes, one: xr.Dataset) -> QuadMesh:
 
 def _draw_counts(axes: Axes, one: xr.Dataset) -> None:
     """Numbers of blades, stacked; a gap where a point has no result."""
-    place = one[str(one.attrs["along"])].values
-    edges = cell_edges(place, logarithmic=is_wide(place))
-    below = np.zeros(len(place))
+    edges = key_edges(one)
+    below = np.zeros(len(edges) - 1)
     for name, colour in CLASS_COLOURS.items():
         count = one[name].fillna(0.0).values
         axes.bar(

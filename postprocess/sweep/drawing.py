@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import matplotlib
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from bladewhirl.postprocess.fields.fields import Array
-from bladewhirl.postprocess.plotting.legends import Group
+from bladewhirl.postprocess.plotting.legends import Group, legends_below, set_title
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, SEQUENTIAL, new_figure
+from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
 from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
 
 MOST_LINES = 8
 """Lines in a figure: more are not told apart."""
+
+MOST_ROWS = 4
+"""Lines in a figure that has a row for each."""
 
 MOST_PANELS = 6
 """Panels of a figure that has one for each line."""
@@ -152,6 +157,53 @@ def mark_entry(
     face = colour if filled else "white"
     drawn = Line2D([], [], color=colour, marker=mark, mfc=face, linestyle="none", markersize=4.0)
     return drawn, label
+
+
+def label_figure(figure: Figure, found: xr.Dataset, *groups: Group, note: str = "") -> None:
+    """Title a figure of `lines_of`, which says what is left out, and put legends below it.
+
+    Args:
+        figure: all else being drawn.
+        found: that is drawn.
+        groups: legends from the top.
+        note: after the title.
+    """
+    set_title(figure, found.attrs["title"] + note + left_out_note(found.sizes[LINE], MOST_LINES))
+    legends_below(figure, *groups)
+
+
+def two_columns(
+    found: xr.Dataset,
+    draw: Callable[[Axes, Axes, xr.Dataset], QuadMesh],
+    *,
+    coloured: int,
+    label: str,
+) -> Figure:
+    """A row of two panels for each line, of which one column is coloured, the other has a legend.
+
+    Args:
+        found: over (line, key).
+        draw: draws both panels of a line; returns what is coloured.
+        coloured: number of the coloured column.
+        label: of its colours.
+    """
+    found = in_handy_units(found)
+    titles, shown = panel_titles(found), chosen(found.sizes[LINE], MOST_ROWS)
+    figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.05 * len(shown))
+    figure.set_layout_engine("constrained", wspace=0.08)
+    rows = figure.subplots(len(shown), 2, sharex=True, sharey="col", squeeze=False)
+    for number, (left, right) in zip(shown, rows, strict=True):
+        picture = draw(left, right, found.isel({LINE: number}))
+        if titles[number]:
+            left.set_title(titles[number], loc="left")
+    for axes in rows[-1]:
+        key_axis(axes, found, cells=True, share=0.5)
+    figure.colorbar(picture, ax=rows[:, coloured].tolist(), label=label, pad=0.02)
+    note = left_out_note(found.sizes[LINE], MOST_ROWS) + panels_note(found, "rows")
+    set_title(figure, found.attrs["title"] + note)
+    entries = zip(*rows[0, 1 - coloured].get_legend_handles_labels(), strict=True)
+    legends_below(figure, Group(list(entries)))
+    return figure
 
 
 def chosen(count: int, most: int) -> list[int]:

@@ -10,27 +10,16 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.plotting.legends import Group, legends_below, set_title
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
-    FULL_WIDTH,
     SEQUENTIAL,
-    new_figure,
     styled,
 )
 from bladewhirl.postprocess.run.energies import FIRST_FAMILY, PLOT_DECADES
-from bladewhirl.postprocess.sweep.axes import in_handy_units, is_wide, key_axis
-from bladewhirl.postprocess.sweep.blades import MOST_ROWS
+from bladewhirl.postprocess.sweep.axes import key_edges
 from bladewhirl.postprocess.sweep.dataset import GROUP
-from bladewhirl.postprocess.sweep.drawing import (
-    DASHES,
-    MARKS,
-    chosen,
-    left_out_note,
-    panel_titles,
-    panels_note,
-)
-from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges
+from bladewhirl.postprocess.sweep.drawing import DASHES, MARKS, two_columns
+from bladewhirl.postprocess.sweep.quantities import along
 
 DIAMETER = "nodal_diameter"
 
@@ -77,30 +66,16 @@ def plot_point_energies(found: xr.Dataset) -> Figure:
     Args:
         found: from `point_energies`.
     """
-    found = in_handy_units(found)
-    titles = panel_titles(found)
-    shown = chosen(found.sizes[LINE], MOST_ROWS)
     top = float(found["total"].max()) or 1.0
     floor = top * 10**-PLOT_DECADES
-    figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.05 * len(shown))
-    figure.set_layout_engine("constrained", wspace=0.08)
-    rows = figure.subplots(len(shown), 2, sharex=True, sharey="col", squeeze=False)
-    for number, (left, right) in zip(shown, rows, strict=True):
-        one = found.isel({LINE: number})
+
+    def draw_line(left: Axes, right: Axes, one: xr.Dataset) -> QuadMesh:
         _draw_lines(left, one)
         left.set_yscale("log")
         left.set(ylim=(floor, 3 * top), ylabel="strain energy [J]")
-        picture = _draw_diameters(right, one, floor, top)
-        if titles[number]:
-            left.set_title(titles[number], loc="left")
-    for axes in rows[-1]:
-        key_axis(axes, found, cells=True, share=0.5)
-    figure.colorbar(picture, ax=rows[:, 1].tolist(), label=f"{FIRST_FAMILY} [J]", pad=0.02)
-    note = left_out_note(found.sizes[LINE], MOST_ROWS) + panels_note(found, "rows")
-    set_title(figure, found.attrs["title"] + note)
-    entries = zip(*rows[0, 0].get_legend_handles_labels(), strict=True)
-    legends_below(figure, Group(list(entries)))
-    return figure
+        return _draw_diameters(right, one, floor, top)
+
+    return two_columns(found, draw_line, coloured=1, label=f"{FIRST_FAMILY} [J]")
 
 
 def _draw_lines(axes: Axes, one: xr.Dataset) -> None:
@@ -132,15 +107,13 @@ def _draw_lines(axes: Axes, one: xr.Dataset) -> None:
 
 
 def _draw_diameters(axes: Axes, one: xr.Dataset, floor: float, top: float) -> QuadMesh:
-    place = one[str(one.attrs["along"])].values
-    edges = cell_edges(place, logarithmic=is_wide(place))
     diameters = one[DIAMETER].values
     energy = one["first_family"].values.T
     axes.grid(False)
     axes.set(ylabel="nodal diameter k")
     axes.locator_params(axis="y", integer=True)
     return axes.pcolormesh(
-        edges,
+        key_edges(one),
         np.append(diameters, len(diameters)) - 0.5,
         np.maximum(energy, floor),
         norm=LogNorm(floor, top),

@@ -22,7 +22,7 @@ from bladewhirl.postprocess.plotting.legends import Group, legends_below, set_ti
 from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL, styled
 from bladewhirl.postprocess.run.orbits import MILLI
 from bladewhirl.postprocess.run.spectra import LINE_DASHES
-from bladewhirl.postprocess.sweep.axes import in_handy_units, is_wide, key_axis
+from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edges
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.postprocess.sweep.drawing import (
     MOST_PANELS,
@@ -217,8 +217,7 @@ def plot_frequency_map(maps: xr.Dataset) -> Figure:
 def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
     """One map; returns what a colour bar needs."""
     key = str(one.attrs["along"])
-    place, floor = one[key].values, top * 10.0**-DECADES
-    edges = cell_edges(place, logarithmic=is_wide(place))
+    edges, floor = key_edges(one), top * 10.0**-DECADES
     heights = cell_edges(one["frequency"].values, logarithmic=False)
     picture = axes.pcolormesh(
         edges,

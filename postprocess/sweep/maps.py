@@ -26,16 +26,21 @@ from bladewhirl.postprocess.plotting.style import (
 from bladewhirl.postprocess.plotting.units import length_unit
 from bladewhirl.postprocess.run.regimes import CERTAINTY
 from bladewhirl.postprocess.sweep.axes import (
+    edges_of,
     in_handy_units,
-    is_wide,
     key_axis,
     linear_threshold,
     threshold_ticks,
 )
-from bladewhirl.postprocess.sweep.blades import MOST_ROWS
 from bladewhirl.postprocess.sweep.dataset import swept
-from bladewhirl.postprocess.sweep.drawing import chosen, left_out_note, panel_titles, panels_note
-from bladewhirl.postprocess.sweep.quantities import LINE, as_lines, cell_edges, in_order
+from bladewhirl.postprocess.sweep.drawing import (
+    MOST_ROWS,
+    chosen,
+    left_out_note,
+    panel_titles,
+    panels_note,
+)
+from bladewhirl.postprocess.sweep.quantities import LINE, as_lines, in_order
 from bladewhirl.postprocess.sweep.regimes import HATCH, draw_regimes, regime_entries
 
 DIVERGING = "PuOr_r"
@@ -98,7 +103,7 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     rows = figure.subplots(len(shown), columns, sharex=True, sharey=True, squeeze=False)
     across = str(maps.attrs["across"])
     beside, up = maps[str(maps.attrs["along"])].values, maps[across].values
-    x, y = _edges(beside), _edges(up)
+    x, y = edges_of(beside), edges_of(up)
     titles = panel_titles(maps)
     for number, row in zip(shown, rows, strict=True):
         draw_regimes(row[0], beside, up, maps["regime"].values[number])
@@ -179,10 +184,6 @@ def _cross_out(axes: Axes, x: Array, y: Array, cells: NDArray[np.bool_]) -> None
     )
     for collection in (pale, crosses):
         axes.add_collection(collection, autolim=False)
-
-
-def _edges(values: Array) -> Array:
-    return cell_edges(values, logarithmic=is_wide(values))
 
 
 def _of_magnitudes(values: Array) -> tuple[Normalize, Locator | None]:

@@ -13,28 +13,26 @@ from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
 from bladewhirl.postprocess.fields.fields import Array
-from bladewhirl.postprocess.plotting.legends import Group, legends_below, set_title
+from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.run.regimes import CERTAINTY
 from bladewhirl.postprocess.sweep.axes import (
+    edges_of,
     in_handy_units,
-    is_wide,
     key_axis,
     linear_threshold,
     threshold_ticks,
 )
 from bladewhirl.postprocess.sweep.drawing import (
-    MOST_LINES,
     REGIME_COLOURS,
     REGIME_MARKS,
     Line,
-    left_out_note,
+    label_figure,
     line_keys,
     lines_group,
     lines_of,
     mark_entry,
 )
-from bladewhirl.postprocess.sweep.quantities import LINE, cell_edges
 
 NOT_JUDGED = "no growth rate: the marches are too short to judge it, or at rest"
 
@@ -70,15 +68,12 @@ def plot_regimes(found: xr.Dataset) -> Figure:
     lower.axhline(0.0, color=COLOURS["total"], linewidth=0.6, zorder=1)
     lower.set_ylabel("growth rate [1/s]")
     key_axis(lower, found, cells=True)
-    set_title(
+    label_figure(
         figure,
-        f"{found.attrs['title']}, ± {CERTAINTY:g} standard errors"
-        + left_out_note(found.sizes[LINE], MOST_LINES),
-    )
-    legends_below(
-        figure,
+        found,
         Group(regime_entries(found["regime"].values)),
         lines_group(found, lines, "growth_rate", marked=False),
+        note=f", ± {CERTAINTY:g} standard errors",
     )
     return figure
 
@@ -111,7 +106,8 @@ def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
     axes.grid(False)
     axes.patch.set(hatch=HATCH, edgecolor=COLOURS["rest"])
     axes.pcolormesh(
-        *(cell_edges(middles, logarithmic=is_wide(middles)) for middles in (x, y)),
+        edges_of(x),
+        edges_of(y),
         np.ma.masked_less(codes, 0),
         cmap=ListedColormap(list(REGIME_COLOURS.values())),
         vmin=-0.5,

@@ -10,20 +10,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from bladewhirl.postprocess.plotting.legends import Group, legends_below, set_title
+from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.units import length_unit
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
 from bladewhirl.postprocess.sweep.drawing import (
-    MOST_LINES,
     Line,
     draw_marks,
-    left_out_note,
+    label_figure,
     lines_group,
     lines_of,
     mark_entry,
 )
-from bladewhirl.postprocess.sweep.quantities import LINE
 
 WIDE = 1e3
 """Ratio of the largest to the median displacement from which its axis is logarithmic."""
@@ -67,10 +65,10 @@ def plot_shaft_radius(radius: xr.Dataset) -> Figure:
             axes.set_ylim(bottom=0.0)
         axes.set_ylabel(f"{label} [{unit}]")
     key_axis(panels[1], radius)
-    set_title(figure, radius.attrs["title"] + left_out_note(radius.sizes[LINE], MOST_LINES))
     divergent = (radius["regime"] == "divergent").any()
     marks = [mark_entry("o", "divergent (open marks)", filled=False)] if divergent else []
-    legends_below(figure, Group(marks), lines_group(radius, lines, "shaft_radius_max"))
+    own = lines_group(radius, lines, "shaft_radius_max")
+    label_figure(figure, radius, Group(marks), own)
     return figure
 
 
@@ -94,12 +92,12 @@ def plot_whirls(found: xr.Dataset) -> Figure:
         axes.set_ylabel(f"{frame} frame [Hz]\n← backward  forward →")
         axes.margins(y=0.1)
     key_axis(panels[1], found)
-    set_title(figure, found.attrs["title"] + left_out_note(found.sizes[LINE], MOST_LINES))
     marks = [
         mark_entry("o", "clear direction (filled)"),
         mark_entry("o", "no clear direction (open)", filled=False),
     ]
-    legends_below(figure, Group(marks), lines_group(found, lines, "frequency"))
+    own = lines_group(found, lines, "frequency")
+    label_figure(figure, found, Group(marks), own)
     return figure
 
 
@@ -123,7 +121,6 @@ def plot_contact_sides(found: xr.Dataset) -> Figure:
     upper.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), ylabel="shaft leads [°]")
     lower.set(ylim=(0.0, 1.05), ylabel="steadiness")
     key_axis(lower, found)
-    set_title(figure, found.attrs["title"] + left_out_note(found.sizes[LINE], MOST_LINES))
     counts = {name: int((found["scenario"] == name).sum()) for name in (*SCENARIO_MARKS, *UNDRAWN)}
     marks = [
         mark_entry(mark, f"{name}: {counts[name]}", filled=filled)
@@ -136,8 +133,9 @@ def plot_contact_sides(found: xr.Dataset) -> Figure:
         if counts[name]
     ]
     within = (band, "where contact is standard")
-    legends_below(
+    label_figure(
         figure,
+        found,
         Group([within, *marks, *unmarked]),
         lines_group(found, lines, "shaft_lead", marked=False),
     )
