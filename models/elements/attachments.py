@@ -1,4 +1,4 @@
-"""What hangs on the nodes of a beam model, as matrices: point masses, springs, rigid links."""
+"""Matrices of all that hangs on the nodes of a beam model: point masses, springs, rigid links."""
 
 from __future__ import annotations
 

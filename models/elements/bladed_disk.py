@@ -43,7 +43,7 @@ class BladedDiskModel:
 
     @property
     def properties(self) -> LineProperties:
-        """What each line is made of."""
+        """Section and material of each line."""
         return self.model.properties
 
     @property

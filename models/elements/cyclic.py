@@ -90,7 +90,7 @@ def evenly_spaced(angles: FloatArray) -> bool:
 
 @dataclass(frozen=True, kw_only=True)
 class SectorLayout:
-    """Where the degrees of freedom of each sector and of the centre stand in a structure."""
+    """Places of the degrees of freedom of each sector and of the centre in a structure."""
 
     sector_dofs: IntArray  #: (sectors, DoF a sector), the same order in every sector, polar axes
     centre_dofs: IntArray  #: x, y, rotation of the centre node, (3,); -1 where there is none

@@ -1,4 +1,4 @@
-"""What every finite element structure of the package offers: matrices, DoF table, sectors."""
+"""Matrices, table of degrees of freedom and sectors of a finite element structure."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Structure:
 
     @property
     def symmetry(self) -> str:
-        """What was found, and the path that modes and reduction take."""
+        """Symmetry found, and the path that modes and reduction take."""
         if self.layout is None:
             return "no sectors: dense path"
         if not self.is_cyclic:

@@ -26,12 +26,12 @@ from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.sections.rectangular import Section
 
 OUTWARD, ALONG, ROTATION = range(3)
-"""What a support acts on at its foot: radially, tangentially, against rotation."""
+"""Components on which a support acts at its foot: radial, tangential, rotation."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Support:
-    """What holds the wall at an angle."""
+    """Spring or strut that holds the wall at an angle."""
 
     kind: Literal["spring", "strut"]
     angle: float  #: of the foot from +x [rad]

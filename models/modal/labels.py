@@ -10,7 +10,7 @@ nodal diameter that holds most of it, with that share as its purity.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -20,6 +20,7 @@ from bladewhirl.models.elements.cyclic import SectorLayout, is_pair
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.modal.modes import (
     Modes,
+    ModeTable,
     align_phase,
     constrained_eigh,
     families,
@@ -30,24 +31,14 @@ Body = Literal["bladed-disk", "casing"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class LabelledModes:
-    """Modes in ascending order of frequency, a degenerate pair cosine first."""
+class LabelledModes(ModeTable):
+    """Modes with their families, a degenerate pair cosine first."""
 
-    frequency: FloatArray  #: [rad/s], (modes,)
-    nodal_diameter: IntArray  #: that holds most of the mode, (modes,); -1 without sectors
     family: tuple[str, ...]  #: "1F", "2F", ..., "suspension", "rigid", (modes,)
-    purity: FloatArray  #: share of the nodal diameter in the mode, (modes,)
-    spring_share: FloatArray  #: share of the strain energy held by the springs, (modes,)
-    column: IntArray  #: column of the real DFT over sectors, (modes,); -1 without symmetry
     amplitudes: tuple[ComplexArray | FloatArray, ...]
     """Of each mode [kg^-1/2], in one sector (see `cyclic`); the field where column is -1."""
     layout: SectorLayout | None  #: sectors of the structure
     size: int  #: number of its free degrees of freedom
-
-    @property
-    def count(self) -> int:
-        """Number of modes."""
-        return len(self.frequency)
 
     def fields(self, chosen: IntArray) -> FloatArray:
         """Mass-normalised fields of some modes on the structure's free DoF, (size, chosen)."""
@@ -56,15 +47,8 @@ class LabelledModes:
 
     def expand(self, chosen: IntArray) -> Modes:
         """Some modes with their fields."""
-        return Modes(
-            frequency=self.frequency[chosen],
-            shapes=self.fields(chosen),
-            column=self.column[chosen],
-            nodal_diameter=self.nodal_diameter[chosen],
-            purity=self.purity[chosen],
-            spring_share=self.spring_share[chosen],
-            sectors=self.layout.sectors if self.layout else 0,
-        )
+        sectors = self.layout.sectors if self.layout else 0
+        return Modes(shapes=self.fields(chosen), sectors=sectors, **self.numbers(chosen))
 
     def find(self, family: str, nodal_diameter: int) -> IntArray:
         """Numbers of the modes of one family and nodal diameter, ascending."""
@@ -77,17 +61,12 @@ class LabelledModes:
 
     def take(self, chosen: IntArray | slice) -> LabelledModes:
         """Keep some modes."""
-        numbers = np.arange(self.count)[chosen]
-        return LabelledModes(
-            frequency=self.frequency[numbers],
-            nodal_diameter=self.nodal_diameter[numbers],
-            family=tuple(self.family[i] for i in numbers),
-            purity=self.purity[numbers],
-            spring_share=self.spring_share[numbers],
-            column=self.column[numbers],
-            amplitudes=tuple(self.amplitudes[i] for i in numbers),
-            layout=self.layout,
-            size=self.size,
+        kept = np.arange(self.count)[chosen]
+        return replace(
+            self,
+            family=tuple(self.family[i] for i in kept),
+            amplitudes=tuple(self.amplitudes[i] for i in kept),
+            **self.numbers(kept),
         )
 
     def _field(self, mode: int) -> FloatArray:
@@ -118,15 +97,11 @@ def labelled_modes(
     modes = structure_modes(structure, reference, count)
     family = mode_families(structure, modes, reference, body)
     return LabelledModes(
-        frequency=modes.frequency,
-        nodal_diameter=modes.nodal_diameter,
         family=family,
-        purity=modes.purity,
-        spring_share=modes.spring_share,
-        column=modes.column,
         amplitudes=tuple(modes.shapes.T),
         layout=structure.layout,
         size=structure.size,
+        **modes.numbers(),
     )
 
 
@@ -196,15 +171,11 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
         sectors=layout.sectors,
     )
     return LabelledModes(
-        frequency=modes.frequency,
-        nodal_diameter=modes.nodal_diameter,
         family=tuple(_names(structure, modes, reference, body)),
-        purity=modes.purity,
-        spring_share=modes.spring_share,
-        column=modes.column,
         amplitudes=tuple(amplitudes[i] for i in order),
         layout=layout,
         size=structure.size,
+        **modes.numbers(),
     )
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal
 
 import numpy as np
 import scipy.linalg as la
@@ -25,25 +25,35 @@ RIGID_FREQUENCY = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
-class Modes:
-    """Mass-normalised modes in ascending order of frequency.
-
-    On a cyclic structure degenerate modes come as cosine and sine, the cosine with its radial
-    reference displacement largest and positive in sector 0.
-    """
+class ModeTable:
+    """Numbers that every set of modes has, in ascending order of frequency."""
 
     frequency: FloatArray  #: [rad/s], (modes,)
-    shapes: FloatArray  #: fields on the structure's free DoF [kg^-1/2], (size, modes)
     column: IntArray  #: column of the real DFT over sectors, (modes,); -1 without symmetry
     nodal_diameter: IntArray  #: that holds most of the mode, (modes,); -1 without sectors
     purity: FloatArray  #: its share in the mode, mass-weighted, (modes,)
     spring_share: FloatArray  #: share of the strain energy held by the springs, (modes,)
-    sectors: int  #: number of sectors of the structure; 0 where it has none
 
     @property
     def count(self) -> int:
         """Number of modes."""
         return len(self.frequency)
+
+    def numbers(self, chosen: IntArray | slice = slice(None)) -> dict[str, Any]:
+        """The numbers of some modes, by name."""
+        return {each.name: getattr(self, each.name)[chosen] for each in fields(ModeTable)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Modes(ModeTable):
+    """Mass-normalised modes with their fields.
+
+    On a cyclic structure degenerate modes come as cosine and sine, the cosine with its radial
+    reference displacement largest and positive in sector 0.
+    """
+
+    shapes: FloatArray  #: fields on the structure's free DoF [kg^-1/2], (size, modes)
+    sectors: int  #: number of sectors of the structure; 0 where it has none
 
     @property
     def is_cyclic(self) -> bool:
@@ -52,15 +62,7 @@ class Modes:
 
     def take(self, chosen: IntArray | slice) -> Modes:
         """Keep some of the modes."""
-        return replace(
-            self,
-            frequency=self.frequency[chosen],
-            shapes=self.shapes[:, chosen],
-            column=self.column[chosen],
-            nodal_diameter=self.nodal_diameter[chosen],
-            purity=self.purity[chosen],
-            spring_share=self.spring_share[chosen],
-        )
+        return replace(self, shapes=self.shapes[:, chosen], **self.numbers(chosen))
 
 
 def structure_modes(
@@ -88,9 +90,9 @@ def _cyclic_modes(structure: Structure, reference: tuple[int, int], count: int |
         held = layout.basis(k).conj().T @ structure.held
         square, vectors = constrained_eigh(stiffness, mass, held, count)
         vectors = align_phase(vectors, reference, pair=is_pair(k, layout.sectors))
-        fields, column = layout.real_shapes(k, vectors)
+        shape, column = layout.real_shapes(k, vectors)
         squares.append(np.repeat(square, 2 if is_pair(k, layout.sectors) else 1))
-        shapes.append(fields)
+        shapes.append(shape)
         columns.append(column)
     return collect_modes(
         structure,

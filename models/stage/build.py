@@ -22,7 +22,7 @@ from bladewhirl.models.stage.stage import Stage
 
 
 def contact_problem(stage: Stage) -> ContactProblem:
-    """What to march.
+    """The contact problem of a stage.
 
     Raises:
         CaseError: all faults of `march_faults`, or loads beyond the largest float.

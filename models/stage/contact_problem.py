@@ -1,4 +1,4 @@
-"""What the contact march is given: two reduced bodies, loads, a contact law, a start. Arrays only.
+"""Arrays that define a contact march: two reduced bodies, loads, a contact law, a start.
 
 The rotor lives in its rotating frame, the casing in the static one. Both are mass-normalised
 modal models; their rows tell how the tips, the centre and the casing's nodes move. The bodies may

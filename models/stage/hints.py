@@ -1,4 +1,4 @@
-"""What a stage was perhaps not meant to be: too soft, or blades that are not among its tips."""
+"""Hints at a stage that was perhaps not meant: too soft, or blades that are not among its tips."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What sets a stage in motion: from the case's excitation and initial values to modal loads.
+"""Loads and start of a march in modes, from the case's excitation and initial values.
 
 Rotor loads are in rotating axes, which lie on the static ones at t = 0; casing loads in static
 axes.

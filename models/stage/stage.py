@@ -118,7 +118,7 @@ class Stage:
 
     @property
     def arrays(self) -> StageArrays:
-        """What a result needs to know of the stage, by the modes that a march has."""
+        """Description of the stage for a result, by the modes that a march has."""
         return stage_arrays(
             self.disk,
             self.reduction.modes.take(self.kept.rotor),

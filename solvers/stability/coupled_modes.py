@@ -12,7 +12,7 @@ sense of rotation, where arg(C) grows.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,7 @@ class CoupledMode:
 
 @dataclass(frozen=True, kw_only=True)
 class RadialShapes:
-    """What a unit coordinate does to shaft, tips and casing [kg^-1/2]; coordinates as in u."""
+    """Motion of shaft, tips and casing in unit coordinates [kg^-1/2]; coordinates as in u."""
 
     centre: FloatArray  #: x and y of the centre node, rotating axes, (2, size)
     tips: FloatArray  #: radial displacement of each tip, (tips, size)
@@ -190,16 +190,8 @@ def coupled_motion(
     if last <= 1e-12 * (np.abs(rotor[-1]) + np.abs(casing[-1])):
         raise ValueError(f"the mode at {mode.eigenvalue:.6g} 1/s does not change the clearance")
     scale = clearance / last
-    return CoupledMotion(
-        time=time,
-        nodal_diameter=k,
-        speed=mode.speed,
-        displacement=scale * u,
-        velocity=scale * velocity,
-        shaft=scale * motion.shaft,
-        rotor_wave=scale * rotor,
-        casing_wave=scale * casing,
-    )
+    moving = ("displacement", "velocity", "shaft", "rotor_wave", "casing_wave")
+    return replace(motion, **{name: scale * getattr(motion, name) for name in moving})
 
 
 def wave_coefficient(field: FloatArray, angle: FloatArray, k: int) -> ComplexArray:

@@ -29,7 +29,7 @@ NODES = 0.5 + np.sqrt(15.0) / 10.0 * np.array([-1.0, 0.0, 1.0])
 
 @dataclass(frozen=True, kw_only=True)
 class Floquet:
-    """What one period does to a linear system."""
+    """Change of a linear system's state over one period."""
 
     period: float  #: T [s]
     monodromy: FloatArray  #: (x, x') after one period from (x, x') before, (..., 2 n, 2 n)
@@ -104,7 +104,7 @@ def coupled_floquet(
         with_pi: keep the factor pi of Eq. (8).
 
     Returns:
-        what a turn does to the modes of each nodal diameter.
+        the change over a turn of the modes of each nodal diameter.
     """
 
     def over_one_turn(part: CouplingModes) -> Floquet:

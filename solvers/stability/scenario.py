@@ -34,7 +34,7 @@ SMALLEST = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Scenario:
-    """Where the clearance is smallest with respect to the shaft's displacement."""
+    """Place of the smallest clearance with respect to the shaft's displacement."""
 
     lead: float  #: angle of the shaft less that of the smallest clearance, (-pi, pi] [rad]
     steadiness: float  #: length of the mean direction of the lead: 1 when constant, 0 to 1

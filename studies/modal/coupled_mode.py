@@ -78,7 +78,7 @@ def motion_measures(motion: CoupledMotion) -> dict[str, tuple[float, dict[str, s
 
 
 def motion_dataset(motion: CoupledMotion, *, reference: float) -> xr.Dataset:
-    """What a coupled mode does in time, as measured from its fields.
+    """Phases and amplitudes of a coupled mode in time, as measured from its fields.
 
     Args:
         motion: of the coupled mode.

@@ -43,7 +43,7 @@ class WhirlingModes:
 
     @property
     def scenario(self) -> Scenario:
-        """Where contact is with respect to the shaft."""
+        """Place of contact with respect to the shaft."""
         return mode_scenario(shaft=self.shaft, rotor=self.rotor, casing=self.casing)
 
 
