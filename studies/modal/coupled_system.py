@@ -37,8 +37,8 @@ class System(ABC):
 
     @property
     @abstractmethod
-    def names(self) -> tuple[str, ...]:
-        """Names of the coupled modes, for tables."""
+    def modes(self) -> CouplingModes | CoupledWaves:
+        """The modes chosen, as the springs see them."""
 
     @abstractmethod
     def spectrum(self, omega: float, kappa: float) -> ComplexArray:
@@ -58,7 +58,7 @@ class System(ABC):
     def options(self) -> dict[str, object]:
         """Choices made, for reports."""
         return {
-            "modes": list(self.names),
+            "modes": list(self.modes.name),
             "damped": self.damped,
             "pi": self.with_pi,
             "amplitude": "physical" if self.physical else "paper",
@@ -84,11 +84,6 @@ class EvenSystem(System):
         return self.stage.modes
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the coupled modes."""
-        return self.modes.name
-
-    @property
     def six(self) -> CouplingModes:
         """The paper's six modes, with the amplitudes chosen."""
         six = self.whole.six_modes()
@@ -97,7 +92,7 @@ class EvenSystem(System):
     @property
     def is_six(self) -> bool:
         """Whether the modes chosen are the paper's six."""
-        return set(self.names) == {"casing k=1", "1F k=1", "suspension"}
+        return set(self.modes.name) == {"casing k=1", "1F k=1", "suspension"}
 
     def of_diameter(self, k: int) -> EvenSystem:
         """The modes of one nodal diameter."""
@@ -128,9 +123,9 @@ class WaveSystem(System):
     waves: CoupledWaves
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the coupled modes."""
-        return self.waves.name
+    def modes(self) -> CoupledWaves:
+        """The modes chosen."""
+        return self.waves
 
     def spectrum(self, omega: float, kappa: float) -> ComplexArray:
         """Eigenvalues in rotating axes, or Floquet exponents of a turn, see `System`."""
