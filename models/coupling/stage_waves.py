@@ -14,7 +14,7 @@ from bladewhirl.meshes.ring_mesh import U, W
 from bladewhirl.models.coupling.stage_modes import FAMILIES, SMALLEST_AMPLITUDE, is_radial
 from bladewhirl.models.coupling.waves import CoupledWaves
 from bladewhirl.models.elements.cyclic import evenly_spaced, wave_parts
-from bladewhirl.models.inputs.mode_names import ALL, SIX, NamedModes, chosen_modes
+from bladewhirl.models.inputs.mode_names import ALL, SIX, chosen_modes
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes
 
@@ -128,12 +128,7 @@ def _chosen(
         wanted = ("suspension", *FAMILIES) if modes == ALL else ("suspension", "1F")
         families = [name for name in wanted if name in disk.family]
         modes = ",".join([*families, "casing" if modes == ALL else "casing:1"])
-    return chosen_modes(
-        modes,
-        NamedModes(family=disk.family, nodal_diameter=disk.nodal_diameter),
-        NamedModes(family=casing.family, nodal_diameter=casing.nodal_diameter),
-        lowest,
-    )
+    return chosen_modes(modes, disk.named, casing.named, lowest)
 
 
 def _with_waves(

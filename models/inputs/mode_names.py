@@ -70,18 +70,6 @@ def parse_mode_names(text: str) -> tuple[ModeName, ...]:
     return tuple(_parsed(word.strip()) for word in text.split(","))
 
 
-def family_and_diameter(word: str) -> tuple[str, int | None]:
-    """Family and nodal diameter of one name, "casing" for the radial modes of the casing; the word
-    itself, which is no family, where it is no name.
-    """
-    try:
-        (name,) = parse_mode_names(word)
-    except ValueError:
-        return word, None
-    parts = (CASING if name.on_casing else None, name.family)
-    return ":".join(filter(None, parts)), name.nodal_diameter
-
-
 def mode_choice(value: Any) -> str:
     """Check the text of a choice, as a validator of a case's key."""
     phrase = '"all", "six" or modes by name such as "1F:1, suspension, casing:1"'

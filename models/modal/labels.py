@@ -18,6 +18,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import SectorLayout, is_pair
 from bladewhirl.models.elements.structure import Structure
+from bladewhirl.models.inputs.mode_names import NamedModes
 from bladewhirl.models.modal.modes import (
     Modes,
     ModeTable,
@@ -54,6 +55,11 @@ class LabelledModes(ModeTable):
         """Numbers of the modes of one family and nodal diameter, ascending."""
         named = np.array([name == family for name in self.family], dtype=np.bool_)
         return np.flatnonzero(named & (self.nodal_diameter == nodal_diameter))
+
+    @property
+    def named(self) -> NamedModes:
+        """Families and nodal diameters, to choose modes by."""
+        return NamedModes(family=self.family, nodal_diameter=self.nodal_diameter)
 
     def one_a_pair(self) -> IntArray:
         """Numbers of the modes without the sines of degenerate pairs, ascending."""

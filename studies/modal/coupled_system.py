@@ -19,7 +19,7 @@ from bladewhirl.models.coupling.stage_modes import StageModes, stage_modes
 from bladewhirl.models.coupling.stage_waves import coupled_waves, standing_obstacles
 from bladewhirl.models.coupling.waves import CoupledWaves
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.inputs.mode_names import ALL, SIX, NamedModes, chosen_modes
+from bladewhirl.models.inputs.mode_names import ALL, SIX, chosen_modes
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.rotation.at_speed import check_effects
 from bladewhirl.solvers.stability.floquet import wave_exponents
@@ -232,12 +232,7 @@ def _chosen(whole: StageModes, text: str) -> StageModes:
             raise UserError(f"--modes six: {error}") from None
     disk, casing = whole.modal.disk_modes, whole.modal.casing_modes
     try:
-        numbers = chosen_modes(
-            text,
-            NamedModes(family=disk.family, nodal_diameter=disk.nodal_diameter),
-            NamedModes(family=casing.family, nodal_diameter=casing.nodal_diameter),
-            whole.radial,
-        )
+        numbers = chosen_modes(text, disk.named, casing.named, whole.radial)
     except ValueError as error:
         raise UserError(f"--modes {error}") from None
     found = whole.among(*numbers)
