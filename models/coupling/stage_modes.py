@@ -11,10 +11,11 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
 from bladewhirl.meshes.ring_mesh import U, W
 from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings, body_coordinates
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.elements.cyclic import is_pair, wave_parts
 from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.models.modal.labels import LabelledModes
+from bladewhirl.models.modal.modes import ModeTable
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
 """Families of the bladed disk that are coupled, besides the suspension pair."""
@@ -25,6 +26,9 @@ have k^2 / (1 + k^2), so a half for k = 1; modes that stretch it have 1 / (1 + k
 
 SMALLEST_AMPLITUDE = 1e-9
 """Modes with a smaller share of the largest radial amplitude of their body are not coupled."""
+
+
+Fields = Callable[[IntArray], FloatArray]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,22 +110,10 @@ def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
     Raises:
         ValueError: modes without nodal diameter: the stage has no cyclic symmetry.
     """
-    disk, disk_modes = modal.disk, modal.disk_modes
-
-    def tips(numbers: IntArray) -> tuple[FloatArray, FloatArray]:
-        fields = disk_modes.fields(numbers)
-        return fields[disk.tip_radial], fields[disk.tip_tangential]
-
+    disk, wall = modal.disk_modes, modal.casing_modes
     found = coupled_entries(
-        RadialModes(
-            frequency=disk_modes.frequency,
-            nodal_diameter=disk_modes.nodal_diameter,
-            column=disk.blade_columns(disk_modes.column),
-            family=disk_modes.family,
-            angles=disk.tip_angles - disk.tip_angles[0],
-            motion=tips,
-        ),
-        casing_motion(modal.casing, modal.casing_modes),
+        tip_motion(modal.disk, disk, disk.family, disk.fields),
+        wall_motion(modal.casing, wall, wall.family, wall.fields),
         damping_ratio=damping_ratio,
     )
     return StageModes(modes=found.modes, family=found.family, number=found.number, modal=modal)
@@ -139,6 +131,11 @@ class RadialModes:
     motion: Callable[[IntArray], tuple[FloatArray, FloatArray]]
     """Radial and tangential displacement at these points of modes by number [kg^-1/2],
     (points, chosen) each."""
+
+    @property
+    def is_cyclic(self) -> bool:
+        """Whether each mode has one nodal diameter."""
+        return bool(np.all(self.column >= 0))
 
     def amplitudes(
         self, wanted: Sequence[bool] | BoolArray, *, radial_only: bool = False
@@ -177,7 +174,7 @@ def coupled_entries(
     Raises:
         ValueError: modes without nodal diameter: the stage has no cyclic symmetry.
     """
-    if rotor.column.min() < 0 or casing.column.min() < 0:
+    if not (rotor.is_cyclic and casing.is_cyclic):
         raise ValueError("coupling by nodal diameter needs a stage with cyclic symmetry")
     blades, elements = len(rotor.angles), len(casing.angles)
     coupled = {"suspension", *FAMILIES}
@@ -212,18 +209,46 @@ def coupled_entries(
     return CoupledEntries(modes=modes, family=family, number=numbers)
 
 
-def casing_motion(casing: CasingModel, modes: LabelledModes) -> RadialModes:
-    """The modes of a casing as the springs see them, from their fields."""
+def tip_motion(
+    disk: BladedDiskModel, modes: ModeTable, family: tuple[str, ...], fields: Fields
+) -> RadialModes:
+    """Modes of a bladed disk as the springs see them, full or reduced.
 
-    def motion(numbers: IntArray) -> tuple[FloatArray, FloatArray]:
-        nodal = casing.nodal(modes.fields(numbers))
+    Args:
+        disk: the finite element model.
+        modes: their numbers.
+        family: of each, (modes,).
+        fields: of modes by number, on the free degrees of freedom, (size, chosen).
+    """
+
+    def motion(chosen: IntArray) -> tuple[FloatArray, FloatArray]:
+        field = fields(chosen)
+        return field[disk.tip_radial], field[disk.tip_tangential]
+
+    return RadialModes(
+        frequency=modes.frequency,
+        nodal_diameter=modes.nodal_diameter,
+        column=disk.blade_columns(modes.column),
+        family=family,
+        angles=disk.tip_angles - disk.tip_angles[0],
+        motion=motion,
+    )
+
+
+def wall_motion(
+    casing: CasingModel, modes: ModeTable, family: tuple[str, ...], fields: Fields
+) -> RadialModes:
+    """Modes of a casing as the springs see them; see `tip_motion`."""
+
+    def motion(chosen: IntArray) -> tuple[FloatArray, FloatArray]:
+        nodal = casing.nodal(fields(chosen))
         return nodal[:, W], nodal[:, U]
 
     return RadialModes(
         frequency=modes.frequency,
         nodal_diameter=modes.nodal_diameter,
         column=modes.column,
-        family=modes.family,
+        family=family,
         angles=casing.mesh.angles,
         motion=motion,
     )

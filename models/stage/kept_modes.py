@@ -7,14 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import IntArray
-from bladewhirl.meshes.ring_mesh import U, W
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.coupling.stage_modes import CoupledEntries, RadialModes, coupled_entries
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.inputs.mode_names import NamedModes, chosen_modes
-from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,30 +24,25 @@ class KeptModes:
     springs: CouplingSprings | None  #: between modes kept; None without stiffness
 
 
-def kept_modes(
-    case: Case,
-    rotor: tuple[ReducedRotor, IntArray, tuple[str, ...]],
-    casing: tuple[ReducedCasing, IntArray, tuple[str, ...]],
-) -> KeptModes:
+def kept_modes(case: Case, rotor: RadialModes, casing: RadialModes) -> KeptModes:
     """Find the modes that `reduction.modes` asks for and the springs of `coupling`.
 
     Args:
         case: the case.
-        rotor: the bladed disk in all its modes, their nodal diameters and families.
-        casing: the same for the casing.
+        rotor: the bladed disk's modes, all of them.
+        casing: the casing's modes, all of them.
 
     Raises:
         CaseError: the stage does not have them, or springs that have nothing to couple.
     """
-    coupled = _coupled(rotor, casing)
-    radial = coupled.radial if coupled else {}
+    coupled = None
+    if rotor.is_cyclic and casing.is_cyclic:
+        coupled = coupled_entries(rotor, casing, damping_ratio=case.damping.ratio)
+    bodies = [NamedModes(nodal_diameter=b.nodal_diameter, family=b.family) for b in (rotor, casing)]
 
     def named(key: str, choice: str) -> tuple[IntArray, IntArray]:
-        of_bodies = [
-            NamedModes(nodal_diameter=k, family=family) for _, k, family in (rotor, casing)
-        ]
         try:
-            return chosen_modes(choice, of_bodies[0], of_bodies[1], radial)
+            return chosen_modes(choice, bodies[0], bodies[1], coupled.radial if coupled else {})
         except ValueError as error:
             raise CaseError([case_fault(case, key, f"modes of the stage ({error})")]) from None
 
@@ -88,34 +81,4 @@ def _springs(
     renumbered = np.where(entries.modes.on_casing, among[1], among[0])
     return replace(entries, number=renumbered).springs(
         case.coupling.stiffness, with_pi=case.coupling.pi
-    )
-
-
-def _coupled(
-    rotor: tuple[ReducedRotor, IntArray, tuple[str, ...]],
-    casing: tuple[ReducedCasing, IntArray, tuple[str, ...]],
-) -> CoupledEntries | None:
-    """All modes of the stage that springs could couple; None without cyclic symmetry."""
-    disk, disk_diameter, disk_family = rotor
-    wall, wall_diameter, wall_family = casing
-    if disk.column.min(initial=0) < 0 or wall.column.min(initial=0) < 0:
-        return None
-    return coupled_entries(
-        RadialModes(
-            frequency=disk.frequency,
-            nodal_diameter=disk_diameter,
-            column=disk.column,
-            family=disk_family,
-            angles=disk.tip_angle - disk.tip_angle[0],
-            motion=lambda chosen: (disk.tip_radial[:, chosen], disk.tip_tangential[:, chosen]),
-        ),
-        RadialModes(
-            frequency=wall.frequency,
-            nodal_diameter=wall_diameter,
-            column=wall.column,
-            family=wall_family,
-            angles=2.0 * np.pi * np.arange(len(wall.nodal)) / len(wall.nodal),
-            motion=lambda chosen: (wall.nodal[:, W, chosen], wall.nodal[:, U, chosen]),
-        ),
-        damping_ratio=float(disk.damping_ratio.max(initial=0.0)),
     )

@@ -10,6 +10,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.coupling.stage_modes import tip_motion, wall_motion
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import (
     case_bladed_disk,
@@ -176,8 +177,8 @@ def build_stage(case: Case) -> Stage:
         reduced_casing=reduced_casing,
         kept=kept_modes(
             case,
-            (rotor, reduction.modes.nodal_diameter, disk_family),
-            (reduced_casing, casing_modes.nodal_diameter, casing_family),
+            tip_motion(disk, reduction.modes, disk_family, lambda i: reduction.modes.shapes[:, i]),
+            wall_motion(casing, casing_modes, casing_family, lambda i: casing_modes.shapes[:, i]),
         ),
         turning=turning,
     )
