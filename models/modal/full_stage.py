@@ -16,16 +16,34 @@ from bladewhirl.models.elements.build import (
     tip_in_sector,
 )
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
+from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.modal.describe import stage_arrays
 from bladewhirl.models.modal.frequencies import lowest_frequencies
 from bladewhirl.models.modal.labels import LabelledModes, labelled_modes
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.modal.whirl_labels import whirl_families
 from bladewhirl.models.rotation.at_speed import turning_disk
+from bladewhirl.models.rotation.whirl_modes import DENSE_SIZE, WhirlModes, whirl_modes
+
+WHIRL_FAMILIES = 6
+"""Families of whirling modes that are found of a large bladed disk without symmetry."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Whirl:
+    """Modes of a bladed disk with Coriolis forces."""
+
+    modes: WhirlModes
+    family: tuple[str, ...]  #: of each, (modes,)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ModalStage:
-    """Bladed disk, with a free and with a clamped centre, and casing; nothing is reduced."""
+    """Bladed disk, with a free and with a clamped centre, and casing; nothing is reduced.
+
+    Where rotation effects are centrifugal, the modes are those at the case's speed; where they are
+    full, they are those at rest, beside the whirling modes at that speed.
+    """
 
     case: Case
     free_disk: BladedDiskModel
@@ -35,6 +53,13 @@ class ModalStage:
     free_modes: LabelledModes
     clamped_modes: LabelledModes
     casing_modes: LabelledModes
+    free_whirl: Whirl | None  #: of the bladed disk with a free centre; None without Coriolis
+    clamped_whirl: Whirl | None  #: the same with a clamped centre
+
+    @property
+    def speed(self) -> float:
+        """Speed of rotation of the case [rad/s], counter-clockwise."""
+        return self.case.march.speed.rad_per_s(self.reference_frequency)
 
     @property
     def disk(self) -> BladedDiskModel:
@@ -79,11 +104,16 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
         free, clamped = case_bladed_disk(case, clamped=False), case_bladed_disk(case, clamped=True)
         casing = case_casing(case)
         tip = tip_in_sector(free)
-        reference = None
+        reference: float | None = None
+        whirls: tuple[Whirl | None, Whirl | None] = (None, None)
         if case.rotation.effects != "none":
             lowest = lowest_frequencies(free.structure, 1)
             reference = lowest_frequency(free, (found[0] for found in lowest.values()))
-            free, clamped = _at_speed(case, free, reference), _at_speed(case, clamped, reference)
+            turning = [_at_speed(case, each, reference) for each in (free, clamped)]
+            if case.rotation.effects == "full":
+                whirls = _whirl(turning[0].structure, tip), _whirl(turning[1].structure, tip)
+            else:
+                free, clamped = turning
         free_modes = labelled_modes(free.structure, tip, "bladed-disk", count)
         return ModalStage(
             case=case,
@@ -94,11 +124,24 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
             free_modes=free_modes,
             clamped_modes=labelled_modes(clamped.structure, tip, "bladed-disk", count),
             casing_modes=labelled_modes(casing.structure, (RADIAL, TANGENTIAL), "casing", count),
+            free_whirl=whirls[0],
+            clamped_whirl=whirls[1],
         )
 
 
 def _at_speed(case: Case, at_rest: BladedDiskModel, reference: float) -> BladedDiskModel:
     """A bladed disk with its rotation effects."""
-    turning = turning_disk(case, at_rest, reference, stiff=True)
+    turning = turning_disk(case, at_rest, reference, stiff=False)
     assert turning is not None  # the case has effects
     return turning.disk
+
+
+def _whirl(structure: Structure, tip: tuple[int, int]) -> Whirl:
+    """Whirling modes, all of them where sectors are alike, else those of the lowest families."""
+    layout = structure.layout
+    if structure.is_cyclic or layout is None or structure.size <= DENSE_SIZE:
+        count = None
+    else:
+        count = WHIRL_FAMILIES * layout.sectors
+    modes = whirl_modes(structure, count)
+    return Whirl(modes=modes, family=whirl_families(structure, modes, tip))

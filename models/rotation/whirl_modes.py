@@ -42,6 +42,8 @@ class WhirlModes:
     frequency: FloatArray  #: positive, or zero where a mode only grows [rad/s], (modes,)
     growth: FloatArray  #: rate [1/s]; zero while K_Omega is positive definite, (modes,)
     nodal_diameter: IntArray  #: that holds most of it, (modes,); -1 without sectors
+    purity: FloatArray  #: share of the nodal diameter in it, (modes,)
+    spring_share: FloatArray  #: share of the strain energy held by the springs, (modes,)
     direction: tuple[Direction, ...]  #: in the rotating frame, (modes,)
     rank: IntArray
     """Number of its branch among those of its nodal diameter that travel the same way at rest, 0
@@ -74,6 +76,8 @@ class WhirlModes:
             frequency=self.frequency[chosen],
             growth=self.growth[chosen],
             nodal_diameter=self.nodal_diameter[chosen],
+            purity=self.purity[chosen],
+            spring_share=self.spring_share[chosen],
             direction=tuple(self.direction[i] for i in chosen),
             rank=self.rank[chosen],
             amplitudes=tuple(self.amplitudes[i] for i in chosen),
@@ -92,13 +96,21 @@ class WhirlModes:
 
     def static_direction(self, omega: float) -> tuple[Direction, ...]:
         """The way that each travels in the static frame at a speed of rotation [rad/s]."""
-        signed = self.static_frequency(omega)
-        return tuple(
-            "standing"
-            if own == "standing" or abs(w) <= SLOW * abs(omega)
-            else ("backward" if w > 0.0 else "forward")
-            for own, w in zip(self.direction, signed, strict=True)
-        )
+        standing = np.array([way == "standing" for way in self.direction])
+        return directions(np.where(standing, 0.0, self.static_frequency(omega)), omega)
+
+
+def directions(signed: FloatArray, omega: float) -> tuple[Direction, ...]:
+    """Ways that waves travel whose frequencies are positive backward [rad/s], zero if they stand.
+
+    Args:
+        signed: frequencies, (modes,).
+        omega: speed of rotation, that zero is measured by [rad/s].
+    """
+    return tuple(
+        "standing" if abs(w) <= SLOW * abs(omega) else ("backward" if w > 0.0 else "forward")
+        for w in signed
+    )
 
 
 def whirl_modes(structure: Structure, count: int | None = None) -> WhirlModes:
@@ -115,15 +127,25 @@ def whirl_modes(structure: Structure, count: int | None = None) -> WhirlModes:
     if layout is None or not structure.is_cyclic:
         modes = _plain_modes(structure, gyroscopic, count)
     else:
-        blocks = layout.blocks(structure.mass, structure.stiffness, gyroscopic)
-        modes = _joined([_block_modes(k, layout, *gyroscopic_eigen(*block)) for k, block in blocks])
+        matrices = structure.mass, structure.stiffness, gyroscopic
+        energies = structure.springs, structure.elastic
+        modes = _joined(
+            [
+                _block_modes(k, layout, block[:3], block[3:])
+                for k, block in layout.blocks(*matrices, *energies)
+            ]
+        )
     return modes.take(np.argsort(modes.frequency, kind="stable")[:count])
 
 
 def _block_modes(
-    k: int, layout: SectorLayout, w: ComplexArray, vectors: ComplexArray
+    k: int,
+    layout: SectorLayout,
+    matrices: tuple[ComplexArray, ...],
+    energies: tuple[ComplexArray, ...],
 ) -> WhirlModes:
-    """Modes of one nodal diameter from all eigenvalues of its block."""
+    """Modes of one nodal diameter, from mass, stiffness, Coriolis forces; springs, elasticity."""
+    w, vectors = gyroscopic_eigen(*matrices)
     size = len(vectors)
     rank = np.concatenate([np.arange(size)[::-1], np.arange(size)])  # w descends
     ways: list[Direction] = ["backward" if each > 0.0 else "forward" for each in w.real]
@@ -133,6 +155,8 @@ def _block_modes(
         frequency=np.abs(w.real),
         growth=-w.imag,
         nodal_diameter=np.full(len(w), k),
+        purity=np.ones(len(w)),
+        spring_share=_share(vectors, *energies),
         direction=tuple(ways),
         rank=rank,
         amplitudes=tuple(vectors.T),
@@ -149,14 +173,16 @@ def _plain_modes(structure: Structure, gyroscopic: sp.csr_array, count: int | No
         w, vectors = lowest_gyroscopic_eigen(*matrices, 2 * min(count + 1, structure.size - 2))
     kept = slice(0, len(w) // 2)
     w, vectors = w[kept], vectors[:, kept]
-    diameter = np.full(len(w), NO_COLUMN)
+    diameter, purity = np.full(len(w), NO_COLUMN), np.zeros(len(w))
     ways: list[Direction] = ["standing"] * len(w)
     if structure.layout is not None:
-        diameter, ways = travelling(vectors, structure.mass.diagonal(), structure.layout)
+        diameter, purity, ways = travelling(vectors, structure.mass.diagonal(), structure.layout)
     return WhirlModes(
         frequency=np.abs(w.real),
         growth=-w.imag,
         nodal_diameter=diameter,
+        purity=purity,
+        spring_share=_share(vectors, structure.springs, structure.elastic),
         direction=tuple(ways),
         rank=np.full(len(w), NO_COLUMN),
         amplitudes=tuple(vectors.T),
@@ -166,8 +192,8 @@ def _plain_modes(structure: Structure, gyroscopic: sp.csr_array, count: int | No
 
 def travelling(
     fields: ComplexArray, weights: FloatArray, layout: SectorLayout
-) -> tuple[IntArray, list[Direction]]:
-    """Nodal diameter that holds most of each field, and the way that it travels.
+) -> tuple[IntArray, FloatArray, list[Direction]]:
+    """Nodal diameter that holds most of each field, its share, and the way that the field travels.
 
     A mode of unlike sectors is made of waves both ways; it stands where neither prevails.
 
@@ -191,10 +217,14 @@ def travelling(
     diameter = held.argmax(axis=0)
     modes = np.arange(fields.shape[1])
     excess = (backward - forward)[diameter, modes] / held[diameter, modes]
-    return diameter, [
-        "standing" if abs(share) <= TRAVELS else ("backward" if share > 0.0 else "forward")
-        for share in excess
-    ]
+    return (
+        diameter,
+        held[diameter, modes] / held.sum(axis=0),
+        [
+            "standing" if abs(share) <= TRAVELS else ("backward" if share > 0.0 else "forward")
+            for share in excess
+        ],
+    )
 
 
 def _joined(parts: Sequence[WhirlModes]) -> WhirlModes:
@@ -204,7 +234,22 @@ def _joined(parts: Sequence[WhirlModes]) -> WhirlModes:
         frequency=np.concatenate([part.frequency for part in parts]),
         growth=np.concatenate([part.growth for part in parts]),
         nodal_diameter=np.concatenate([part.nodal_diameter for part in parts]),
+        purity=np.concatenate([part.purity for part in parts]),
+        spring_share=np.concatenate([part.spring_share for part in parts]),
         direction=tuple(way for part in parts for way in part.direction),
         rank=np.concatenate([part.rank for part in parts]),
         amplitudes=tuple(each for part in parts for each in part.amplitudes),
     )
+
+
+def _share(
+    vectors: ComplexArray,
+    springs: ComplexArray | sp.csr_array,
+    elastic: ComplexArray | sp.csr_array,
+) -> FloatArray:
+    """Share of the springs in the strain energy of each vector, (modes,)."""
+    held, whole = (
+        np.einsum("im,im->m", vectors.conj(), matrix @ vectors).real
+        for matrix in (springs, elastic)
+    )
+    return np.asarray(held / np.maximum(whole, np.finfo(np.float64).tiny))

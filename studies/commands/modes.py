@@ -61,7 +61,7 @@ def modes(
         raise UserError(f"{unused[0]}: for pictures; expected a folder for them, -o DIR")
     check_figure_folder(output, overwrite=overwrite)
     if output is None:
-        stage = study.stage_of_file(case, overrides, "modes", "centrifugal")
+        stage = study.stage_of_file(case, overrides, "modes", "centrifugal", "full")
     else:
         stage = study.stage_of_file(case, overrides, "pictures of modes")
     if output is not None:

@@ -15,10 +15,11 @@ from rich.table import Table
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import faults_from, read_case
 from bladewhirl.models.case.rotation import Effects
-from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.models.modal.full_stage import ModalStage, Whirl, modal_stage
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import is_first_of_pair
 from bladewhirl.models.rotation.at_speed import check_effects
+from bladewhirl.models.rotation.whirl_modes import Direction, WhirlModes, directions
 from bladewhirl.models.stage.stage import Stage
 
 LEVELS = {
@@ -79,7 +80,10 @@ def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
         found.frequency.sel(body="bladed-disk", centre="free", family="1F", nodal_diameter=1)
 
     gives two frequencies where blades are alike: both of a pair are there, the cosine first, as
-    `pattern` says (cosine, sine or single). `found.reset_index("mode")` goes into a file.
+    `pattern` says (cosine, sine or single). `direction` and `direction_static` say which way a wave
+    travels in the rotating and in the static frame at the case's speed: backward, forward or
+    standing. With Coriolis forces waves stand apart, and `pattern` is wave or single.
+    `found.reset_index("mode")` goes into a file.
 
     Args:
         case_or_stage: a case, or a stage of it.
@@ -92,10 +96,9 @@ def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
         CaseError: numbers that finite elements can't be made of.
     """
     stage = full_stage(case_or_stage)
-    check_effects(stage.case, "modes", "centrifugal")
     lists = (
-        ("bladed-disk", "free", stage.free_modes),
-        ("bladed-disk", "clamped", stage.clamped_modes),
+        ("bladed-disk", "free", stage.free_whirl or stage.free_modes),
+        ("bladed-disk", "clamped", stage.clamped_whirl or stage.clamped_modes),
         ("casing", "", stage.casing_modes),
     )
     return xr.concat(
@@ -107,12 +110,21 @@ def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
     )
 
 
-def _list_of(found: LabelledModes, body: str, centre: str, stage: ModalStage) -> xr.Dataset:
+def _list_of(
+    modes_found: LabelledModes | Whirl, body: str, centre: str, stage: ModalStage
+) -> xr.Dataset:
     """All modes of one body."""
+    found = modes_found.modes if isinstance(modes_found, Whirl) else modes_found
+    if isinstance(found, WhirlModes):
+        pattern = ["single" if way == "standing" else "wave" for way in found.direction]
+        ways = found.direction, found.static_direction(stage.speed)
+    else:
+        pattern = [_pattern(found, number) for number in range(found.count)]
+        ways = _ways_of_pairs(found, pattern, body, stage.speed)
     names = {
         "body": np.full(found.count, body, dtype=object),
         "centre": np.full(found.count, centre, dtype=object),
-        "family": np.array(found.family, dtype=object),
+        "family": np.array(modes_found.family, dtype=object),
         "nodal_diameter": found.nodal_diameter,
         "number": np.arange(1, found.count + 1),
     }
@@ -122,18 +134,34 @@ def _list_of(found: LabelledModes, body: str, centre: str, stage: ModalStage) ->
         "purity": found.purity,
         "spring_share": found.spring_share,
     }
-    pattern = [_pattern(found, number) for number in range(found.count)]
+    along = {"pattern": pattern, "direction": ways[0], "direction_static": ways[1]}
     data = xr.Dataset(
         {
             name: ("mode", value, dict(zip(("units", "long_name"), VARIABLES[name], strict=True)))
             for name, value in values.items()
         },
         coords={name: ("mode", value) for name, value in names.items()}
-        | {"pattern": ("mode", np.array(pattern, dtype=object))},
+        | {name: ("mode", np.array(value, dtype=object)) for name, value in along.items()},
     ).set_index(mode=list(LEVELS))
     for name, meaning in LEVELS.items():
         data[name].attrs["long_name"] = meaning
     return data
+
+
+def _ways_of_pairs(
+    found: LabelledModes, pattern: list[str], body: str, omega: float
+) -> tuple[tuple[Direction, ...], tuple[Direction, ...]]:
+    """Ways in the rotating and in the static frame that the waves of standing modes travel.
+
+    Both of a degenerate pair together make a wave backward and one forward in the body's own frame:
+    the first stands for the one, the second for the other.
+    """
+    sign = np.array([{"cosine": 1.0, "sine": -1.0}.get(each, 0.0) for each in pattern])
+    turned = np.where(sign == 0.0, 0.0, found.nodal_diameter * omega)
+    own = sign * found.frequency
+    if body == "casing":
+        return directions(own + turned, omega), directions(own, omega)
+    return directions(own, omega), directions(own - turned, omega)
 
 
 def _pattern(found: LabelledModes, number: int) -> str:
@@ -161,6 +189,8 @@ def mode_lists(found: xr.Dataset, count: int) -> dict[str, list[dict[str, Any]]]
         "nodal_diameter": "nodal_diameter",
         "family": "family",
         "purity": "purity",
+        "direction": "direction",
+        "direction_static": "direction_static",
     }
     return {
         name: rows_of(found.sel(which).isel(mode=slice(count)), keys)
@@ -200,10 +230,13 @@ def print_modes(found: xr.Dataset, count: int) -> None:
 
 def _table(lowest: xr.Dataset, title: str) -> Table:
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", title_style="bold")
-    table.add_column("mode", style="dim", justify="right")
-    table.add_column("family")
-    for name in ("k", "frequency [Hz]", "/ ω₁ [–]", "purity", "in springs"):
+    waves = "wave" in lowest["pattern"].values
+    table.add_column("mode", style="dim", justify="right", no_wrap=True)
+    table.add_column("family", no_wrap=True)
+    for name in ("k", "[Hz]" if waves else "frequency [Hz]", "/ ω₁ [–]", "purity", "in springs"):
         table.add_column(name, justify="right", no_wrap=True)
+    for name in ("rotating", "static") if waves else ():
+        table.add_column(name, no_wrap=True)
     for place in range(lowest.sizes["mode"]):
         mode = lowest.isel(mode=place)
         if mode["pattern"] == "sine":
@@ -218,6 +251,7 @@ def _table(lowest: xr.Dataset, title: str) -> Table:
             f"{float(mode['normalised_frequency']):.5f}",
             f"{float(mode['purity']):.3f}",
             _percent(float(mode["spring_share"])),
+            *(str(mode[way].values) for way in ("direction", "direction_static") if waves),
             style="green" if family == "suspension" else None,
         )
     return table

@@ -20,6 +20,7 @@ from bladewhirl.models.stage.loads import unbalance
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.studies.commands.cli import app
 
+WAYS = ("backward", "forward")
 THIN = oracle("rotation")["stages"]["0.01"]
 
 
@@ -124,7 +125,6 @@ def test_a_march_without_coriolis_forces_alone() -> None:
         (["campbell"], "centrifugal"),
         (["stability"], "centrifugal"),
         (["veering"], "full"),
-        (["modes"], "full"),
         (["modes", "-o", "pictures"], "centrifugal"),
         (["run", "-o", "run"], "full"),
     ],
@@ -141,11 +141,54 @@ def test_what_is_not_known_at_speed_is_refused_in_one_line(
     assert not list(tmp_path.iterdir())
 
 
-def test_modes_at_speed(tmp_path: Path) -> None:
-    file = tmp_path / "case.toml"
-    file.write_text(dumps_case(turning()), encoding="utf-8")
-    done = CliRunner().invoke(app, ["modes", str(file), "--json", "--count", "2"])
+def listed_modes(case: Case, folder: Path, *options: str) -> dict[str, Any]:
+    """What `bladewhirl modes --json` says."""
+    file = folder / "case.toml"
+    file.write_text(dumps_case(case), encoding="utf-8")
+    done = CliRunner().invoke(app, ["modes", str(file), "--json", *options])
     assert done.exit_code == 0, done.output
-    first, second = json.loads(done.stdout)["bladed_disk"]
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("ratio", "static"), [(1.05, ["backward", "forward"]), (2.5, ["forward", "forward"])]
+)
+def test_whirling_modes_are_listed(ratio: float, static: list[str], tmp_path: Path) -> None:
+    """1F and the suspension with k = 1; past the critical speed 1F's wave forward falls behind."""
+    case = with_values(turning("full"), {"march.speed": ratio})
+    listed = listed_modes(case, tmp_path)["bladed_disk"]
+    for k in ("0", "1", "2", "11"):
+        for way in ("backward", "forward"):
+            own = [m for m in listed if m["nodal_diameter"] == int(k)]
+            own = [m["frequency_hz"] for m in own if m["direction"] in (way, "standing")]
+            np.testing.assert_allclose(own[:2], known(ratio)[way][k][:2], rtol=1e-7)
+    first = [m for m in listed if m["nodal_diameter"] == 1 and m["family"] == "1F"]
+    rising = sorted(first[:2], key=lambda m: -m["frequency_hz"])
+    assert [m["direction_static"] for m in rising] == static
+    assert {m["direction"] for m in first[:2]} == ({"backward"} if ratio > 2.2 else set(WAYS))
+    pair = [m for m in listed if m["family"] == "suspension"]
+    assert [m["direction_static"] for m in pair if m["direction"] == "backward"] == ["backward"]
+    standing = [m for m in listed if m["nodal_diameter"] in (0, 11)]
+    assert {m["direction_static"] for m in standing} == {"standing"}
+
+
+def test_modes_of_unlike_sectors_whirl_too(tmp_path: Path) -> None:
+    """A stage that is hardly mistuned has nearly the modes of the tuned one, by names and ways."""
+    blades = {"blades": 6, "elements_per_blade": 4, "disk": {"thickness": 0.01}}
+    tuned = turning("full", bladed_disk=blades)
+    unlike = {"stiffness": [1.0, 1.0 + 1e-7, 1.0, 1.0, 1.0, 1.0]}
+    lists = [
+        listed_modes(case, tmp_path, "--count", "12")["bladed_disk"]
+        for case in (tuned, with_values(tuned, {"bladed_disk.mistuning": unlike}))
+    ]
+    for one, other in zip(*lists, strict=True):
+        assert one["frequency_hz"] == pytest.approx(other["frequency_hz"], rel=1e-6)
+        assert one["family"] == other["family"]
+        assert one["direction"] == other["direction"]
+
+
+def test_modes_at_speed(tmp_path: Path) -> None:
+    first, second = listed_modes(turning(), tmp_path, "--count", "2")["bladed_disk"]
     assert first["frequency_hz"] == second["frequency_hz"]
     assert first["frequency_hz"] == pytest.approx(known(1.05)["centrifugal"]["1"][0], rel=1e-8)
