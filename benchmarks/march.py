@@ -1,7 +1,7 @@
 """Speed of the contact march as ratios that any machine can give: `python benchmarks/march.py`.
 
 Three things are timed in turn, in one process: the compiled kernel with everything on (contact,
-ledger, a record every 100 steps), the same algorithm in vectorised NumPy (`numpy_march`), and as
+ledger, a record every 100 steps), the same march in plain NumPy (`Reference`), and as
 a floor the two dense products that a step would need without symmetry, compiled: 44 x 156 for the
 tips, 80 x 160 for the casing's nodes. All run on the paper's stage in three states:
 
@@ -23,7 +23,6 @@ from pathlib import Path
 
 import numpy as np
 from numba import njit
-from numpy_march import NumpyMarch
 from rich.console import Console
 from rich.table import Table
 
@@ -32,6 +31,7 @@ from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference, CentralDifferenceState
+from bladewhirl.solvers.march.reference import Reference, ReferenceState
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 TIME_STEP = 1e-6  # s
@@ -58,21 +58,22 @@ class Setting:
         whole = chunk.step[-1] - chunk.step[0]
         return float(chunk.contact_steps[1:].sum() / whole)
 
-    def numpy(self) -> NumpyMarch:
-        """The same march in NumPy."""
+    def numpy(self) -> tuple[Reference, ReferenceState]:
+        """The same march in NumPy, and where it begins: a step later."""
         every = CentralDifference(self.problem, TIME_STEP, 1)
         _, chunk, _ = every.advance(self.state, 2)
         before, now = np.hstack([chunk.rotor_displacement, chunk.casing_displacement])
-        return NumpyMarch(self.problem, TIME_STEP, before, now, int(chunk.step[1]))
+        plain = Reference(self.problem, TIME_STEP, RECORD_EVERY)
+        return plain, replace(plain.init(), step=int(chunk.step[1]), before=before, now=now)
 
     def difference(self) -> float:
         """Largest difference between kernel and NumPy over a stretch, by the largest value."""
         every = CentralDifference(self.problem, TIME_STEP, 1)
-        plain = self.numpy()
-        plain.advance(COMPARED_STEPS, 1)
+        plain, begin = self.numpy()
+        _, expected, _ = plain.advance(begin, COMPARED_STEPS, 1)
         _, chunk, _ = every.advance(self.state, COMPARED_STEPS + 1)
         ours = np.hstack([chunk.rotor_displacement, chunk.casing_displacement])[1:]
-        theirs = np.array([record[0] for record in plain.records])
+        theirs = np.hstack([expected.rotor_displacement, expected.casing_displacement])
         return float(np.abs(ours - theirs).max() / np.abs(theirs).max())
 
 
@@ -148,7 +149,8 @@ def main() -> None:
     products(1)  # compiles
     rows = [(setting, setting.difference(), setting.kernel(KERNEL_STEPS)) for setting in settings()]
     for setting, difference, contacts in rows:
-        numpy_march = partial(setting.numpy().advance, record_every=RECORD_EVERY)
+        plain, begin = setting.numpy()
+        numpy_march = partial(plain.advance, begin)
         times = np.array(
             [
                 (

@@ -1,12 +1,6 @@
-"""What batching and cores do for sweeps: `python benchmarks/sweep.py [--workers 2]`.
+"""What cores do for sweeps: `python benchmarks/sweep.py [--workers 2]`.
 
-The first table tells what a core would gain by marching eight speeds together, one a lane of a
-register (`batched_march`). Runs have the step without contact in common: it is timed alone and
-batched, from one state, and the gaps compared. In contact each run has other tips to solve for;
-there the time batched is the time alone less what the common part saves. The kernel's time alone
-holds its ledger and records, the batched one does not, so the ratios are upper bounds.
-
-The second table is the scaling over cores. Points of a sweep of the imbalance case, between 0.95
+Points of a sweep of the imbalance case, between 0.95
 and 1.15, are marched by the workers that `bladewhirl sweep` uses: one of them alone, then all at a
 time, in turn, in one session. Each turn gives every working process the same points, so that none
 waits for one with more contact. What is timed is all that a point costs (stage, march, analysis),
@@ -20,76 +14,20 @@ from __future__ import annotations
 
 import argparse
 import time
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-from batched_march import BatchedMarch
 from dask.system import CPU_COUNT
 from distributed import Client, LocalCluster
-from march import OUT_OF_REACH, RECORD_EVERY, TIME_STEP, microseconds, settings
 from rich.console import Console
 from rich.table import Table
 
 from bladewhirl.models.case.file import dumps_case, read_case
-from bladewhirl.solvers.kernel.vectors import LANES
-from bladewhirl.solvers.march.central_difference import CentralDifference, CentralDifferenceState
 from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.plan import Plan, plan_sweep
 from bladewhirl.studies.sweeps.points import Failure, Group, Work, march_group
 
-ALONE_STEPS, BATCHED_STEPS, COMPARED_STEPS = 2000, 600, 200
-OPENED = 1000.0  # times the clearance keep casing and tips apart
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
-
-
-def batching(repeat: int) -> Table:
-    """Cost of a speed-step alone and batched, best of so many interleaved timings."""
-    rich = next(setting for setting in settings() if setting.name == "half of the blades")
-    casing = rich.problem.casing
-    free = replace(
-        rich.problem,
-        loads=(),
-        displacement_limit=OUT_OF_REACH,
-        casing=replace(casing, clearance=OPENED * casing.clearance),
-    )
-    speeds = free.speed * np.linspace(0.95, 1.05, LANES)
-    moving = rich.state.arrays.rotor, rich.state.arrays.casing
-
-    def alone(record_every: int) -> tuple[CentralDifference, CentralDifferenceState]:
-        problem = replace(free, speed=float(speeds[-1]))
-        scheme = CentralDifference(problem, TIME_STEP, record_every)
-        start = scheme.init()
-        arrays = start.arrays._replace(rotor=moving[0], casing=moving[1])
-        return scheme, replace(start, arrays=arrays)
-
-    together = BatchedMarch(free, speeds, TIME_STEP, moving)
-    together.advance(0, COMPARED_STEPS)
-    scheme, state = alone(1)
-    _, chunk, _ = scheme.advance(state, COMPARED_STEPS + 1)
-    change = np.abs(chunk.gap[-1] - OPENED * casing.clearance[0, 0]).max()
-    difference = np.abs(chunk.gap[-1] - together.gap[:, -1]).max() / change
-    scheme, state = alone(RECORD_EVERY)
-    times = [
-        (
-            microseconds(lambda steps: scheme.advance(state, steps), ALONE_STEPS),
-            microseconds(lambda steps: together.advance(0, steps), BATCHED_STEPS) / LANES,
-            microseconds(rich.kernel, ALONE_STEPS),
-        )
-        for _ in range(repeat)
-    ]
-    common, batched, contact = np.min(times, axis=0)
-    table = Table(
-        "a speed-step [µs]", "alone", f"{LANES} batched", "alone / batched", "gaps differ by",
-        box=None,
-    )  # fmt: skip
-    for name, one, many, differ in (
-        ("no contact", common, batched, f"{difference:.0e}"),
-        (rich.name, contact, contact - common + batched, ""),
-    ):
-        table.add_row(name, f"{one:.2f}", f"{many:.2f}", f"{one / many:.2f}", differ)
-    return table
 
 
 def planned(duration: float, points: int) -> Plan:
@@ -139,9 +77,7 @@ def main() -> None:
     parser.add_argument("--points", type=int, default=2, help="of each worker in a turn")
     parser.add_argument("--duration", type=float, default=0.5, help="of each march [s]")
     parser.add_argument("--turns", type=int, default=3)
-    parser.add_argument("--repeat", type=int, default=100, help="timings of the first table")
     given = parser.parse_args()
-    Console().print(batching(given.repeat))
     plan = planned(given.duration, max(2, given.points))
     with (
         LocalCluster(

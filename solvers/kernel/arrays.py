@@ -1,4 +1,4 @@
-"""Arrays that the compiled march works on, and the numbers that address them."""
+"""Arrays that the compiled march works on, bundled by stage of a step, and what addresses them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,15 @@ STEP_CONTACTS, LCP_FAILURES, LCP_PIVOTS, CONTACT_STEPS = 0, 1, 2, 3
 LOAD_END, LOAD_RAMP, LOAD_FREQUENCY, LOAD_PHASE = 0, 1, 2, 3
 
 
-class Body(NamedTuple):
+class Slots(NamedTuple):
+    """Rows of a body's state that hold x_{n-1}, x_n, x_{n+1}; they turn with each step."""
+
+    old: int
+    now: int
+    new: int
+
+
+class BodyArrays(NamedTuple):
     """Modal recurrence of one body; flat arrays of rows * columns entries, zero where padded."""
 
     a: Array  #: multiplies x_n
@@ -27,27 +35,10 @@ class Body(NamedTuple):
     loaded: Array  #: registers of each pattern that are not zero, then -1, (patterns, most + 1)
 
 
-class Dampers(NamedTuple):
-    """Dampers at points of both bodies."""
+class RotorArrays(NamedTuple):
+    """Recurrence, evaluation of the blade tips, and the parts of W that the rotor gives."""
 
-    rotor: Array  #: G, motion of each damper times the root of its strength, (dampers, entries)
-    rotor_solve: Array  #: (2 dt + G c G^T)^-1, (dampers, dampers)
-    casing: Array
-    casing_solve: Array
-
-
-class KindArrays(NamedTuple):
-    """One array for each kind of nodal value: w, w', u, u'."""
-
-    w: Array
-    w_slope: Array
-    u: Array
-    u_slope: Array
-
-
-class Rotor(NamedTuple):
-    """Evaluation of the blade tips, and the constant parts of W that the rotor gives."""
-
+    body: BodyArrays
     radial: Array  #: weights, (rows, columns)
     tangential: Array  #: weights with the radial shape, (rows, columns)
     crossed: Array  #: weights with the tangential shape, (rows, columns)
@@ -55,31 +46,51 @@ class Rotor(NamedTuple):
     cross_shape: Array  #: the same for the tangential direction
     spread: Array  #: shape by tip, (tips, columns)
     drag_spread: Array  #: what friction is spread with: the same, or cross_shape by tip
-    half: int  #: columns from one to its partner, see `Layout`
+    half: int  #: columns from one to its partner, see `Arrangement`
     shared: bool  #: whether friction is spread as the normal force is
     w: Array  #: r c (r + mu s t)^T for s = -1, 0, 1, by column, (3 tips, tips)
     position: Array  #: angle of each tip in elements of the casing, (padded tips,)
     recess: Array  #: of each tip at rest, on top of the clearance, (padded tips,)
 
 
-class Casing(NamedTuple):
-    """Evaluation of the casing's nodal values w, w', u, u'."""
+class NodalField(NamedTuple):
+    """Evaluation of one displacement of the casing, w or u, and of its slope at the nodes."""
 
-    weight: Array  #: (4, rows, columns)
-    shape: KindArrays  #: (columns, padded nodes) each
+    weight: Array  #: of the values, (rows, columns)
+    slope_weight: Array
+    half: int  #: columns from one to that which its sum goes to, see `column_sums`
+    slope_half: int
+    shape: Array  #: (columns, padded nodes)
+    slope_shape: Array
+    spread: Array  #: shape by node, (nodes, columns)
+    slope_spread: Array
+    start: Array  #: what is added: nodal clearance and its slope, or zero, (2, padded nodes)
+
+
+class CasingArrays(NamedTuple):
+    """Recurrence, evaluation of the nodes, and the parts of W that the casing gives."""
+
+    body: BodyArrays
+    radial: NodalField
+    tangential: NodalField
     fold: Array  #: shape on a quarter of the circle, see `_folded_fields`; without rows if unused
-    spread: KindArrays  #: shape by node, (nodes, columns) each
-    half: int  #: columns from one to its partner, see `Layout`
-    shared: bool  #: whether all kinds have one shape
+    half: int  #: columns from one to its partner, see `Arrangement`
+    shared: bool  #: whether all nodal values have one shape
     compliance: Array  #: blocks of 4 x 4 for s = -1, 0, 1, see `_delassus`, flat
     spacing: int  #: blocks from one element to the next
-    clearance: Array  #: nodal clearance and its slope, node 0 again, (2, padded nodes)
-    no_clearance: Array  #: zeros of the same shape
     nodes: int
     element_length: float  #: [m]
 
 
-class Springs(NamedTuple):
+class SpringEnds(NamedTuple):
+    """Modes of one body that the springs move."""
+
+    place: Array  #: among the body's flat entries, (modes,)
+    wave: Array  #: wave of each: twice its harmonic, and one more for a sine
+    amplitude: Array  #: of each at the springs [kg^-1/2]
+
+
+class SpringArrays(NamedTuple):
     """Springs between the bodies, by nodal diameter (harmonic).
 
     A wave is the cosine or sine part of a body's radial displacement in one harmonic. Springs under
@@ -88,17 +99,27 @@ class Springs(NamedTuple):
 
     nodal_diameter: Array  #: of each harmonic, (harmonics,)
     factor: Array  #: stiffness f_k kappa of each wave [N/m], (waves,)
-    rotor_place: Array  #: coupled modes among the flat entries of the rotor, (modes,)
-    rotor_wave: Array  #: wave of each: twice its harmonic, and one more for a sine
-    rotor_amplitude: Array  #: of each at the springs [kg^-1/2]
-    casing_place: Array
-    casing_wave: Array
-    casing_amplitude: Array
+    rotor: SpringEnds
+    casing: SpringEnds
     angle_per_step: float  #: turn of the rotor a step [rad]
 
 
-class March(NamedTuple):
-    """Scalars of a march."""
+class DamperEnds(NamedTuple):
+    """Dampers at points of one body."""
+
+    rows: Array  #: G, motion of each damper times the root of its strength, (dampers, entries)
+    solve: Array  #: (2 dt + G c G^T)^-1, (dampers, dampers)
+
+
+class DamperArrays(NamedTuple):
+    """Dampers at points of both bodies."""
+
+    rotor: DamperEnds
+    casing: DamperEnds
+
+
+class MarchNumbers(NamedTuple):
+    """Numbers of a march that belong to no body, and its loads over time."""
 
     time_step: float  #: [s]
     elements_per_step: float  #: turn of the rotor a step, in casing elements
@@ -129,8 +150,10 @@ class Records(NamedTuple):
     """Rows written at record steps."""
 
     step: Array  #: (records,)
-    rotor: Array  #: (records, 2, entries): displacement, velocity
+    rotor: Array  #: displacement, (records, entries)
+    rotor_velocity: Array
     casing: Array
+    casing_velocity: Array
     gap: Array  #: (records, tips)
     impulse: Array
     drag: Array
@@ -140,36 +163,61 @@ class Records(NamedTuple):
     work: Array  #: (records, WORKS)
 
 
-class Scratch(NamedTuple):
-    """Working arrays of one march."""
+class FieldScratch(NamedTuple):
+    """Sums by column, nodal fields and what tips make of them."""
 
-    columns: Array  #: sums by column, see `advance`, (4, columns)
-    forces: Array  #: contact forces by column: rotor normal, friction, casing w, w', u, u'
-    nodal: Array  #: values and slopes of a nodal field, (2, padded nodes)
-    tip: Array  #: radial, tangential, scratch, place in elements, (4, padded tips)
-    gap: Array  #: free gap, gap after the correction [m], (2, padded tips)
-    hermite: Array  #: weights of each tip on its element: w, w', w, w', (4, padded tips)
+    rotor: Array  #: sums by column of the rotor, (columns,)
+    value: Array  #: sums by column of nodal values of the casing, (columns,)
+    slope: Array
+    nodal: Array  #: nodal values of the casing's field, node 0 again, (padded nodes,)
+    nodal_slope: Array
+    moved: Array  #: displacement over a step, rotor and casing, (2, entries)
+    at: Array  #: place of each tip in elements, (padded tips,)
     element: Array  #: element under each tip, (tips,)
-    difference: Array  #: displacement over a step, rotor and casing, (2, entries)
-    load: Array  #: amplitude of each load pattern, (patterns,)
-    rows: Array  #: rows that a product takes, (2 tips,)
-    factor: Array  #: and with what factors, (6, 2 tips)
+    hermite: Array  #: weights of each tip on its element: w, w', w, w', (4, padded tips)
+    radial: Array  #: of each tip [m], (padded tips,)
+    tangential: Array
+    other: Array  #: scratch of the tips, (padded tips,)
+    free_gap: Array  #: without contact [m], (padded tips,)
+    gap: Array  #: after the correction [m], (padded tips,)
+
+
+class ContactScratch(NamedTuple):
+    """W of the active tips, its solution, and the forces that follow."""
+
+    sign: Array  #: direction of sliding, (tips,)
+    multiplier: Array  #: [N], (tips,)
     active: Array  #: tips of the active set, (tips,)
     known: Array  #: tips and senses that ``on_rotor`` stands for, (2, tips)
     on_rotor: Array  #: the rotor's part of W of the active tips, by column, (tips, padded tips)
     ends: Array  #: Hermite weights by active tip, (4 padded tips,)
-    solve: Array  #: W by column, then a right-hand side, (tips + 1, padded tips)
+    system: Array  #: W by column, then a right-hand side, (tips + 1, padded tips)
     others: Array  #: 1 off the diagonal, 0 on it, (tips, padded tips)
     diagonal: Array  #: W_jj of the active tips, (tips,)
     solution: Array  #: (tips,)
-    multiplier: Array  #: [N], (tips,)
-    sign: Array  #: direction of sliding, (tips,)
-    work: Array  #: of the contact forces over this step [J], (2,)
     tableau: Array  #: of Lemke's method, (tips, 2 tips + 2)
     basis: Array  #: of Lemke's method, (tips,)
-    rotor_waves: Array  #: at the last step and at this, (2, waves)
-    casing_waves: Array
-    stretch: Array  #: of the springs, by angle and displacement as in `_stretches`, (4, waves)
-    spring_force: Array  #: on the waves of rotor and casing, (2, waves)
+    rows: Array  #: rows that a product takes, (2 tips,)
+    factor: Array  #: and with what factors, (6, 2 tips)
+    columns: Array  #: forces by column: casing w, w', u, u', rotor normal, friction, (6, columns)
+    work: Array  #: of the contact forces over this step [J], (2,)
+
+
+class SpringScratch(NamedTuple):
+    """Waves at the springs, their stretch and forces."""
+
+    rotor: Array  #: waves at the last step and at this, by its parity, (2, waves)
+    casing: Array
+    stretch: Array  #: by angle and displacement as in `_stretch`, (4, waves)
+    force: Array  #: on the waves of rotor and casing, (2, waves)
+
+
+class Scratch(NamedTuple):
+    """Working arrays of one march."""
+
+    fields: FieldScratch
+    contact: ContactScratch
+    springs: SpringScratch
+    amplitude: Array  #: of each load pattern, (patterns,)
     stroke: Array  #: of each damper over two steps, (most dampers,)
     damper_force: Array  #: phi on rotor and casing, (2, most dampers)

@@ -7,8 +7,16 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from bladewhirl.solvers.kernel.arrays import LCP_FAILURES, LCP_PIVOTS
-from bladewhirl.solvers.kernel.compilation import COMPILE, Array
+from bladewhirl.solvers.kernel.arrays import (
+    LCP_FAILURES,
+    LCP_PIVOTS,
+    CasingArrays,
+    ContactScratch,
+    FieldScratch,
+    RotorArrays,
+    State,
+)
+from bladewhirl.solvers.kernel.compilation import APART, COMPILE, Array
 from bladewhirl.solvers.kernel.vectors import (
     HALF,
     LANES,
@@ -21,7 +29,6 @@ from bladewhirl.solvers.kernel.vectors import (
     plain,
     splat,
     splat_half,
-    store_half_row,
     store_row,
     totals,
 )
@@ -38,25 +45,23 @@ def _sense(sign: float) -> int:
 
 
 @njit(**COMPILE)
-def _take_rotor(
-    active: Array, size: int, rotor_w: Array, sign: Array, known: Array, on_rotor: Array
-) -> None:
+def _take_rotor(rotor_w: Array, c: ContactScratch, size: int) -> None:
     """The rotor's part of W of the active tips; mostly it is there already from the last step."""
-    tips = known.shape[1]
-    same = known[0, size] < 0 if size < tips else True
+    tips = c.known.shape[1]
+    same = c.known[0, size] < 0 if size < tips else True
     for n in range(size):
-        j = active[n]
-        same = same and known[0, n] == j and known[1, n] == _sense(sign[j])
+        j = c.active[n]
+        same = same and c.known[0, n] == j and c.known[1, n] == _sense(c.sign[j])
     if same:
         return
     for n in range(tips):
-        known[0, n] = -1
+        c.known[0, n] = -1
     for n in range(size):
-        j = active[n]
-        sense = _sense(sign[j])
-        known[0, n], known[1, n] = j, sense
-        for m in range(on_rotor.shape[1]):
-            on_rotor[n, m] = rotor_w[sense * tips + j, active[m]] if m < size else 0.0
+        j = c.active[n]
+        sense = _sense(c.sign[j])
+        c.known[0, n], c.known[1, n] = j, sense
+        for m in range(c.on_rotor.shape[1]):
+            c.on_rotor[n, m] = rotor_w[sense * tips + j, c.active[m]] if m < size else 0.0
 
 
 @njit(**COMPILE)
@@ -70,127 +75,106 @@ def _moved(compliance: Array, r: int, n0: Any, n1: Any, n2: Any, n3: Any, end: A
 
 
 @njit(**COMPILE)
-def _delassus(
-    active: Array,
-    size: int,
-    compliance: Array,
-    spacing: int,
-    on_rotor: Array,
-    sign: Array,
-    nodes: int,
-    hermite: Array,
-    element: Array,
-    ends: Array,
-    under: Array,
-    w: Array,
-    diagonal: Array,
-) -> None:
-    """W of the active tips by column: w[n, m] is the gap of the m-th per multiplier of the n-th.
+def _delassus(casing: CasingArrays, f: FieldScratch, c: ContactScratch, size: int) -> None:
+    """W of the active tips by column: [n, m] is the gap of the m-th per multiplier of the n-th.
 
     The casing's part is n_i^T C (n_j + mu s t_j), four nodal values n at either end: four rows of
     four in ``compliance`` for each sense of sliding s and each pair of elements or, where only
     their distance counts (``spacing`` is one), for each distance.
     """
     block = HALF * HALF
+    compliance, w, ends = casing.compliance, c.system, c.ends
     padded = -(-size // HALF) * HALF
     for m in range(padded):
-        j = active[m] if m < size else 0
-        under[m] = block * spacing * element[j]
+        j = c.active[m] if m < size else 0
+        c.rows[m] = block * casing.spacing * f.element[j]
         for k in range(HALF):
-            ends[HALF * m + k] = hermite[k, j] if m < size else 0.0
+            ends[HALF * m + k] = f.hermite[k, j] if m < size else 0.0
     senses = len(compliance) // 3
     for n in range(size):
-        j = active[n]
-        first = block * (nodes - element[j] if spacing == 1 else element[j])
-        first += senses * _sense(sign[j])
-        n0, n1 = splat_half(hermite[0, j]), splat_half(hermite[1, j])
-        n2, n3 = splat_half(hermite[2, j]), splat_half(hermite[3, j])
+        j = c.active[n]
+        first = block * (casing.nodes - f.element[j] if casing.spacing == 1 else f.element[j])
+        first += senses * _sense(c.sign[j])
+        n0, n1 = splat_half(f.hermite[0, j]), splat_half(f.hermite[1, j])
+        n2, n3 = splat_half(f.hermite[2, j]), splat_half(f.hermite[3, j])
         for m in range(0, padded, HALF):
             e = HALF * m
-            a = _moved(compliance, first + under[m], n0, n1, n2, n3, load_half(ends, e))
+            one = _moved(compliance, first + c.rows[m], n0, n1, n2, n3, load_half(ends, e))
             e += HALF
-            b = _moved(compliance, first + under[m + 1], n0, n1, n2, n3, load_half(ends, e))
+            two = _moved(compliance, first + c.rows[m + 1], n0, n1, n2, n3, load_half(ends, e))
             e += HALF
-            c = _moved(compliance, first + under[m + 2], n0, n1, n2, n3, load_half(ends, e))
+            three = _moved(compliance, first + c.rows[m + 2], n0, n1, n2, n3, load_half(ends, e))
             e += HALF
-            d = _moved(compliance, first + under[m + 3], n0, n1, n2, n3, load_half(ends, e))
-            store_half_row(w, n, m, add(totals(a, b, c, d), load_half_row(on_rotor, n, m)))
+            four = _moved(compliance, first + c.rows[m + 3], n0, n1, n2, n3, load_half(ends, e))
+            on_casing = totals(one, two, three, four)
+            store_row(w, n, m, add(on_casing, load_half_row(c.on_rotor, n, m)))
         if padded % LANES != 0:
-            store_half_row(w, n, padded, splat_half(0.0))
-        diagonal[j] = w[n, n]
+            store_row(w, n, padded, splat_half(0.0))
+        c.diagonal[j] = w[n, n]
 
 
 @njit(**COMPILE)
-def _eliminate(size: int, w: Array, others: Array, solution: Array) -> bool:
-    """Solve a system given by columns, the right-hand side last; destroys them.
+def _eliminate(c: ContactScratch, size: int) -> bool:
+    """Solve a system given by columns, the right-hand side last; destroys it.
 
     By Gauss and Jordan: a column's registers are taken whole, so that the rows above the pivot
     come free and nothing is left to substitute. W is positive definite but for friction, so
     pivots stay on the diagonal; where one nearly vanishes the answer is False and the caller has
     another method.
     """
-    largest = 0.0
+    w, largest = c.system, 0.0
     for k in range(size):
         largest = max(largest, abs(w[k, k]))
     for k in range(size):
         if not abs(w[k, k]) > SINGULAR * largest:
             return False
-        solution[k] = 1.0 / w[k, k]
-        inverse = splat(-solution[k])
+        c.solution[k] = 1.0 / w[k, k]
+        inverse = splat(-c.solution[k])
         for i in range(0, size, LANES):
-            ratio = mul(mul(load_row(w, k, i), load_row(others, k, i)), inverse)
+            ratio = mul(mul(load_row(w, k, i), load_row(c.others, k, i)), inverse)
             for j in range(k + 1, size + 1):
                 store_row(w, j, i, fma(ratio, splat(w[j, k]), load_row(w, j, i)))
     for k in range(size):
-        solution[k] *= w[size, k]
+        c.solution[k] *= w[size, k]
     return True
 
 
 @njit(**COMPILE)
 def _active_multipliers(
-    gap: Array,
-    size: int,
-    active: Array,
-    held: Array,
-    w: Array,
-    others: Array,
-    solution: Array,
-    multiplier: Array,
-    one_by_one: bool,
+    gap: Array, held: Array, c: ContactScratch, size: int, one_by_one: bool
 ) -> int:
     """Multipliers that close the gaps of the active tips, negative ones let go.
-
-    ``w`` holds W of the active tips by column and is destroyed.
 
     Returns:
         number of tips let go (they leave ``held``; none means done), or -1 for a singular W.
     """
     for i in range(0, size, LANES):
-        store_row(w, size, i, splat(0.0))
+        store_row(c.system, size, i, splat(0.0))
     for i in range(size):
-        w[size, i] = -gap[active[i]]
-    if not _eliminate(size, w, others, solution):
+        c.system[size, i] = -gap[c.active[i]]
+    if not _eliminate(c, size):
         return -1
-    for j in range(len(multiplier)):
-        multiplier[j] = 0.0
+    for j in range(len(c.multiplier)):
+        c.multiplier[j] = 0.0
     released = 0
     for i in range(size):
-        if solution[i] < 0.0:
+        if c.solution[i] < 0.0:
             if released == 0 or not one_by_one:
-                held[active[i]] = 0.0
+                held[c.active[i]] = 0.0
             released += 1
         else:
-            multiplier[active[i]] = solution[i]
+            c.multiplier[c.active[i]] = c.solution[i]
     return released
 
 
-@njit(**COMPILE)
-def _lemke(gap: Array, w: Array, t: Array, basis: Array, multiplier: Array) -> bool:
+@njit(**APART)
+def _lemke(gap: Array, c: ContactScratch) -> bool:
     """Solve the complementarity problem by Lemke's method; singular W is no obstacle.
 
     The tableau holds w - M z - z0 = q, scaled, one row a basic variable. Variables are numbered
     0..n-1 for w (gaps), n..2n-1 for z (multipliers), 2n for the covering variable z0.
     """
+    w, t, basis, multiplier = c.system, c.tableau, c.basis, c.multiplier
     tips = len(multiplier)
     cover = 2 * tips
     gap_scale, w_scale = 0.0, 0.0
@@ -238,7 +222,7 @@ def _lemke(gap: Array, w: Array, t: Array, basis: Array, multiplier: Array) -> b
     return False
 
 
-@njit(**COMPILE)
+@njit(**APART)
 def _gauss_seidel(gap: Array, w: Array, multiplier: Array) -> None:
     """Projected Gauss-Seidel from the multipliers at hand, for what Lemke's method gave up."""
     tips = len(multiplier)
@@ -257,45 +241,26 @@ def _gauss_seidel(gap: Array, w: Array, multiplier: Array) -> None:
 
 
 @njit(**COMPILE)
-def complementarity_residual(
-    scale: float, free_gap: Array, gap: Array, diagonal: Array, multiplier: Array
-) -> float:
+def complementarity_residual(scale: float, f: FieldScratch, c: ContactScratch) -> float:
     """max |min(g_j, W_jj lambda_j)| / max(clearance, max |g_p|), g recomputed."""
     worst = 0.0
-    for j in range(len(multiplier)):
-        scale = max(scale, abs(free_gap[j]))
-        if multiplier[j] > 0.0:
-            worst = max(worst, abs(min(gap[j], diagonal[j] * multiplier[j])))
+    for j in range(len(c.multiplier)):
+        scale = max(scale, abs(f.free_gap[j]))
+        if c.multiplier[j] > 0.0:
+            worst = max(worst, abs(min(f.gap[j], c.diagonal[j] * c.multiplier[j])))
         else:
-            worst = max(worst, -gap[j])
+            worst = max(worst, -f.gap[j])
     return worst / scale if scale > 0.0 else worst
 
 
-@njit(**COMPILE)
+@njit(**APART)
 def contact_multipliers(
     trial: int,
-    gap: Array,
-    active: Array,
-    held: Array,
-    compliance: Array,
-    spacing: int,
-    rotor_w: Array,
-    sign: Array,
-    nodes: int,
-    hermite: Array,
-    element: Array,
-    known: Array,
-    on_rotor: Array,
-    ends: Array,
-    index: Array,
-    solve: Array,
-    others: Array,
-    diagonal: Array,
-    solution: Array,
-    tableau: Array,
-    basis: Array,
-    multiplier: Array,
-    count: Array,
+    rotor: RotorArrays,
+    casing: CasingArrays,
+    state: State,
+    f: FieldScratch,
+    c: ContactScratch,
 ) -> tuple[int, int]:
     """Multipliers of the active set; tips they would hold back are let go.
 
@@ -304,28 +269,23 @@ def contact_multipliers(
     Returns:
         number of this trial (LAST_TRIAL when it was all tips) and of the active tips.
     """
-    tips, together, released, size = len(multiplier), False, 1, plain(0)
+    tips, together, released, size = len(c.multiplier), False, 1, plain(0)
     while released > 0 or together:
         size = plain(0)
         for j in range(tips):
-            if together or held[j] > 0.0:
-                active[size] = j
+            if together or state.held[j] > 0.0:
+                c.active[size] = j
                 size += 1
-        _take_rotor(active, size, rotor_w, sign, known, on_rotor)
-        _delassus(
-            active, size, compliance, spacing, on_rotor, sign, nodes, hermite, element, ends,
-            index, solve, diagonal,
-        )  # fmt: skip
+        _take_rotor(rotor.w, c, size)
+        _delassus(casing, f, c, size)
         if together:
-            if not _lemke(gap, solve, tableau, basis, multiplier):
-                count[LCP_FAILURES] += 1
-                _gauss_seidel(gap, solve, multiplier)
+            if not _lemke(f.free_gap, c):
+                state.counts[LCP_FAILURES] += 1
+                _gauss_seidel(f.free_gap, c.system, c.multiplier)
             return LAST_TRIAL, size
-        released = _active_multipliers(
-            gap, size, active, held, solve, others, solution, multiplier, trial > MENDED_TOGETHER
-        )
+        released = _active_multipliers(f.free_gap, state.held, c, size, trial > MENDED_TOGETHER)
         trial += released > 0
-        count[LCP_PIVOTS] += released > 0
+        state.counts[LCP_PIVOTS] += released > 0
         together = released < 0 or (released == 0 and trial > MENDED_TOGETHER + 4 * tips)
     return trial, size
 

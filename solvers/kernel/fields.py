@@ -1,7 +1,7 @@
 """Compiled evaluation of fields: tips, casing nodes, gaps, sliding.
 
 Modal coordinates are first summed over rows with weights, giving one number a column, and the
-columns are then spread over tips or casing nodes by a shape; see `kernel`.
+columns are then spread over tips or casing nodes by a shape; see `step`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,14 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from bladewhirl.solvers.kernel.compilation import COMPILE, Array
+from bladewhirl.solvers.kernel.arrays import (
+    CasingArrays,
+    FieldScratch,
+    NodalField,
+    RotorArrays,
+    Slots,
+)
+from bladewhirl.solvers.kernel.compilation import APART, COMPILE, Array
 from bladewhirl.solvers.kernel.vectors import (
     LANES,
     add,
@@ -75,23 +82,15 @@ def combine_rows(rows: Array, factor: Array, out: Array) -> None:
 
 
 @njit(**COMPILE)
-def _folded_fields(
-    fold: Array,
-    values: Array,
-    slopes: Array,
-    half: int,
-    nodes: int,
-    start: Array,
-    value: Array,
-    slope: Array,
-) -> None:
-    """`nodal_fields` of an even number of nodes, four nodes at a time.
+def _folded_fields(casing: CasingArrays, start: Array, f: FieldScratch) -> None:
+    """`_nodal_field` of an even number of nodes, four nodes at a time.
 
     The nodes n, N/2 - n, N/2 + n and N - n share their cosines and sines but for signs, which
     the parity of the harmonic decides. Rows of ``fold``: cosines of even harmonics, of odd ones,
     sines of even, of odd, and the cosine of N/2, which stands in the place of a sine.
     """
-    used, middle = len(fold) // 4, nodes // 2
+    fold, values, slopes, half = casing.fold, f.value, f.slope, casing.half
+    used, middle = len(fold) // 4, casing.nodes // 2
     for i in range(0, fold.shape[1], LANES):
         ce, co, se, so = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
         de, do, te, to = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
@@ -105,8 +104,8 @@ def _folded_fields(
             so, to = fma(odd, splat(values[y]), so), fma(odd, splat(slopes[y]), to)
         last, x = load_row(fold, 4 * used, i), half + used - 1
         ce, de = fma(last, splat(values[x]), ce), fma(last, splat(slopes[x]), de)
-        _unfold(ce, co, se, so, i, middle, start, plain(0), value)
-        _unfold(de, do, te, to, i, middle, start, plain(1), slope)
+        _unfold(ce, co, se, so, i, middle, start, plain(0), f.nodal)
+        _unfold(de, do, te, to, i, middle, start, plain(1), f.nodal_slope)
 
 
 @njit(**COMPILE)
@@ -132,26 +131,16 @@ def _unfold(
     store(out, x, add(reverse(sub(near, turned)), load_row(start, row, x)))
 
 
-@njit(**COMPILE)
-def nodal_fields(
-    fold: Array,
-    value_shape: Array,
-    slope_shape: Array,
-    values: Array,
-    slopes: Array,
-    half: int,
-    nodes: int,
-    start: Array,
-    value: Array,
-    slope: Array,
-) -> None:
-    """Values and slopes of a field at the casing's nodes, plus ``start``; node 0 comes again."""
-    if len(fold) > 0:
-        _folded_fields(fold, values, slopes, half, nodes, start, value, slope)
+@njit(**APART)
+def _nodal_field(casing: CasingArrays, field: NodalField, f: FieldScratch) -> None:
+    """Values and slopes of a field at the casing's nodes from its columns; node 0 comes again."""
+    if len(casing.fold) > 0:
+        _folded_fields(casing, field.start, f)
         return
-    combine_rows(value_shape, values, value)
-    combine_rows(slope_shape, slopes, slope)
-    value[nodes], slope[nodes] = value[0], slope[0]
+    combine_rows(field.shape, f.value, f.nodal)
+    combine_rows(field.slope_shape, f.slope, f.nodal_slope)
+    value, slope, start = f.nodal, f.nodal_slope, field.start
+    value[casing.nodes], slope[casing.nodes] = value[0], slope[0]
     for i in range(0, start.shape[1], LANES):
         store(value, i, add(load(value, i), load_row(start, 0, i)))
         store(slope, i, add(load(slope, i), load_row(start, 1, i)))
@@ -159,38 +148,68 @@ def nodal_fields(
 
 @njit(**COMPILE)
 def place_tips(
-    position: Array,
-    shift: float,
-    nodes: int,
-    length: float,
-    hermite: Array,
-    element: Array,
+    rotor: RotorArrays,
+    casing: CasingArrays,
+    elements_per_metre: float,
+    turned: float,
+    x: Array,
+    slots: Slots,
+    f: FieldScratch,
 ) -> None:
-    """Find the element under each tip and its Hermite weights."""
+    """Find the element under each tip and its Hermite weights.
+
+    Args:
+        rotor: evaluation of the tips.
+        casing: number and length of elements.
+        elements_per_metre: that a tip moves on by its tangential displacement; 0 if it doesn't.
+        turned: turn of the rotor in elements.
+        x: slots of the rotor.
+        slots: of x_{n+1}.
+        f: gets place, element and weights.
+    """
+    for j in range(0, len(f.at), LANES):
+        store(f.at, j, load(rotor.position, j))
+    if elements_per_metre != 0.0:
+        tip_tangential(rotor, x, slots.new, f)
+        for j in range(len(f.element)):
+            f.at[j] += elements_per_metre * f.tangential[j]
+    nodes, length = casing.nodes, casing.element_length
     turn = 1.0 / nodes
-    for j in range(len(element)):
-        at = position[j] + shift
+    for j in range(len(f.element)):
+        at = f.at[j] + turned
         at -= nodes * np.floor(at * turn)
         start = np.floor(at)
         xi = at - start
         rest = 1.0 - xi
         # Rounding may put a tip on node `nodes`, which is node 0 again; a displacement beyond all
         # bounds, which ends the march, puts it anywhere.
-        element[j] = int(start) if 0.0 <= start < nodes else 0
-        hermite[0, j] = rest * rest * (1.0 + 2.0 * xi)
-        hermite[1, j] = length * xi * rest * rest
-        hermite[2, j] = xi * xi * (3.0 - 2.0 * xi)
-        hermite[3, j] = -length * xi * xi * rest
+        f.element[j] = int(start) if 0.0 <= start < nodes else 0
+        f.hermite[0, j] = rest * rest * (1.0 + 2.0 * xi)
+        f.hermite[1, j] = length * xi * rest * rest
+        f.hermite[2, j] = xi * xi * (3.0 - 2.0 * xi)
+        f.hermite[3, j] = -length * xi * xi * rest
 
 
 @njit(**COMPILE)
-def _on_tips(value: Array, slope: Array, hermite: Array, element: Array, out: Array) -> bool:
+def sum_radial(
+    rotor: RotorArrays, casing: CasingArrays, x: Array, y: Array, slots: Slots, f: FieldScratch
+) -> None:
+    """Columns of u_r of the tips and of w and w' of the casing, at x_{n+1}."""
+    column_sums(rotor.radial, x, slots.new, plain(0), f.rotor)
+    field = casing.radial
+    column_sums(field.weight, y, slots.new, field.half, f.value)
+    column_sums(field.slope_weight, y, slots.new, field.slope_half, f.slope)
+
+
+@njit(**COMPILE)
+def _on_tips(f: FieldScratch, out: Array) -> bool:
     """Value of a nodal Hermite field under each tip; False, and no further, at a NaN.
 
     Leaving the loop early also keeps the compiler from vector gathers, which are slower here.
     """
-    for j in range(len(element)):
-        e = element[j]
+    hermite, value, slope = f.hermite, f.nodal, f.nodal_slope
+    for j in range(len(f.element)):
+        e = f.element[j]
         at_tip = (hermite[0, j] * value[e] + hermite[1, j] * slope[e]) + (
             hermite[2, j] * value[e + 1] + hermite[3, j] * slope[e + 1]
         )
@@ -202,97 +221,72 @@ def _on_tips(value: Array, slope: Array, hermite: Array, element: Array, out: Ar
 
 @njit(**COMPILE)
 def close_gaps(
-    value: Array,
-    slope: Array,
-    hermite: Array,
-    element: Array,
-    radial: Array,
-    recess: Array,
-    limit: float,
-    gap: Array,
+    rotor: RotorArrays, casing: CasingArrays, limit: float, f: FieldScratch, gap: Array
 ) -> bool:
-    """Gap of each tip from nodal gaps and its u_r; whether all |u_r| keep the limit."""
-    if not _on_tips(value, slope, hermite, element, gap):
+    """Gap of each tip from the columns of u_r, w and w'; whether all |u_r| keep the limit."""
+    combine_rows(rotor.shape, f.rotor, f.radial)
+    _nodal_field(casing, casing.radial, f)
+    if not _on_tips(f, gap):
         return False
-    within, tips = 0, len(element)
+    within, tips = 0, len(f.element)
     for j in range(tips):
-        gap[j] += recess[j] - radial[j]
-        within += abs(radial[j]) <= limit  # False for NaN
+        gap[j] += rotor.recess[j] - f.radial[j]
+        within += abs(f.radial[j]) <= limit  # False for NaN
     return within == tips
 
 
-@njit(**COMPILE)
-def tip_tangential(
-    tangential: Array,
-    crossed: Array,
-    shape: Array,
-    cross_shape: Array,
-    slots: Array,
-    slot: int,
-    columns: Array,
-    out: Array,
-    scratch: Array,
-) -> None:
+@njit(**APART)
+def tip_tangential(rotor: RotorArrays, x: Array, slot: int, f: FieldScratch) -> None:
     """Tangential displacement of each tip."""
-    column_sums(tangential, slots, slot, plain(0), columns)
-    combine_rows(shape, columns, out)
-    column_sums(crossed, slots, slot, plain(0), columns)
-    combine_rows(cross_shape, columns, scratch)
-    for j in range(0, len(out), LANES):
-        store(out, j, add(load(out, j), load(scratch, j)))
+    column_sums(rotor.tangential, x, slot, plain(0), f.rotor)
+    combine_rows(rotor.shape, f.rotor, f.tangential)
+    column_sums(rotor.crossed, x, slot, plain(0), f.rotor)
+    combine_rows(rotor.cross_shape, f.rotor, f.other)
+    for j in range(0, len(f.tangential), LANES):
+        store(f.tangential, j, add(load(f.tangential, j), load(f.other, j)))
 
 
 @njit(**COMPILE)
-def step_difference(slots: Array, later: int, earlier: int, out: Array, row: int) -> None:
-    """Modal coordinates of a slot less those of an earlier one, into a row."""
-    for i in range(0, slots.shape[1], LANES):
-        store_row(out, row, i, sub(load_row(slots, later, i), load_row(slots, earlier, i)))
-
-
-@njit(**COMPILE)
-def casing_tangential(
-    weight: Array,
-    slope_weight: Array,
-    fold: Array,
-    shape: Array,
-    slope_shape: Array,
-    half: int,
-    slots: Array,
-    slot: int,
-    values: Array,
-    slopes: Array,
-    nodes: int,
-    start: Array,
-    value: Array,
-    slope: Array,
-    hermite: Array,
-    element: Array,
-    out: Array,
-) -> None:
-    """Tangential displacement of the casing under each tip."""
-    column_sums(weight, slots, slot, half, values)
-    column_sums(slope_weight, slots, slot, plain(0), slopes)
-    nodal_fields(fold, shape, slope_shape, values, slopes, half, nodes, start, value, slope)
-    _on_tips(value, slope, hermite, element, out)
+def _step_difference(x: Array, slots: Slots, out: Array, row: int) -> None:
+    """x_n - x_{n-1} of a body, into a row."""
+    for i in range(0, x.shape[1], LANES):
+        store_row(out, row, i, sub(load_row(x, slots.now, i), load_row(x, slots.old, i)))
 
 
 @njit(**COMPILE)
 def sliding_signs(
-    blade: Array, casing: Array, wheel_speed: float, time_step: float, sign: Array
+    rotor: RotorArrays,
+    casing: CasingArrays,
+    wheel_speed: float,
+    time_step: float,
+    x: Array,
+    y: Array,
+    slots: Slots,
+    f: FieldScratch,
+    sign: Array,
 ) -> None:
     """Direction of sliding at each tip, from the tangential displacements over the last step."""
+    field = casing.tangential
+    _step_difference(x, slots, f.moved, plain(0))
+    _step_difference(y, slots, f.moved, plain(1))
+    tip_tangential(rotor, f.moved, plain(0), f)
+    column_sums(field.weight, f.moved, plain(1), field.half, f.value)
+    column_sums(field.slope_weight, f.moved, plain(1), field.slope_half, f.slope)
+    _nodal_field(casing, field, f)
+    _on_tips(f, f.other)
     for j in range(len(sign)):
-        sign[j] = np.sign(wheel_speed + (blade[j] - casing[j]) / time_step)
+        sign[j] = np.sign(wheel_speed + (f.tangential[j] - f.other[j]) / time_step)
 
 
 @njit(**COMPILE)
 def keeps_limit(
-    tangential: Array, tips: int, nodal_gap: Array, clearance: Array, nodes: int, limit: float
+    rotor: RotorArrays, casing: CasingArrays, limit: float, x: Array, slots: Slots, f: FieldScratch
 ) -> bool:
     """Whether tips tangentially, and the casing radially, keep the displacement limit."""
+    tip_tangential(rotor, x, slots.new, f)
     within = True
-    for j in range(tips):
-        within = within and abs(tangential[j]) <= limit
-    for i in range(nodes):
-        within = within and abs(nodal_gap[i] - clearance[0, i]) <= limit
+    for j in range(len(f.element)):
+        within = within and abs(f.tangential[j]) <= limit
+    for i in range(casing.nodes):
+        within = within and abs(f.nodal[i] - casing.radial.start[0, i]) <= limit
     return within

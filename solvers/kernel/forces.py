@@ -13,8 +13,15 @@ from bladewhirl.solvers.kernel.arrays import (
     U_SLOPE,
     W_KIND,
     W_SLOPE,
+    CasingArrays,
+    ContactScratch,
+    FieldScratch,
+    MarchNumbers,
+    RotorArrays,
+    Slots,
+    State,
 )
-from bladewhirl.solvers.kernel.compilation import COMPILE, Array
+from bladewhirl.solvers.kernel.compilation import APART, COMPILE, Array
 from bladewhirl.solvers.kernel.fields import partner_columns
 from bladewhirl.solvers.kernel.vectors import (
     LANES,
@@ -34,16 +41,7 @@ from bladewhirl.solvers.kernel.vectors import (
 
 @njit(**COMPILE)
 def tip_forces(
-    active: Array,
-    size: int,
-    multiplier: Array,
-    sign: Array,
-    friction: float,
-    nodes: int,
-    hermite: Array,
-    element: Array,
-    index: Array,
-    factor: Array,
+    size: int, friction: float, nodes: int, f: FieldScratch, c: ContactScratch
 ) -> tuple[bool, float]:
     """Forces of the active tips and on the casing's nodes next to them, two for each tip.
 
@@ -52,17 +50,17 @@ def tip_forces(
     Returns:
         whether tips slide in different senses, and the ratio of drag to push where they don't.
     """
-    mixed, ratio = False, 0.0
+    mixed, ratio, factor = False, 0.0, c.factor
     for m in range(size):
-        j = active[m]
-        push, slides, e = multiplier[j], friction * sign[j], element[j]
+        j = c.active[m]
+        push, slides, e = c.multiplier[j], friction * c.sign[j], f.element[j]
         mixed = mixed or (m > 0 and slides != ratio)
         ratio = slides
         factor[PUSH, m], factor[DRAG, m] = -push, -push * slides
         for end in range(2):
             n = 2 * m + end
-            index[n] = e + end if e + end < nodes else 0
-            value, slope = push * hermite[2 * end, j], push * hermite[2 * end + 1, j]
+            c.rows[n] = e + end if e + end < nodes else 0
+            value, slope = push * f.hermite[2 * end, j], push * f.hermite[2 * end + 1, j]
             factor[W_KIND, n], factor[W_SLOPE, n] = value, slope
             factor[U_KIND, n], factor[U_SLOPE, n] = slides * value, slides * slope
     return mixed, ratio
@@ -108,17 +106,8 @@ def _spread_two(
 
 
 @njit(**COMPILE)
-def rotor_columns(
-    spread: Array,
-    drag_spread: Array,
-    shared: bool,
-    mixed: bool,
-    ratio: float,
-    active: Array,
-    factor: Array,
-    size: int,
-    half: int,
-    columns: Array,
+def _rotor_columns(
+    rotor: RotorArrays, size: int, mixed: bool, ratio: float, c: ContactScratch
 ) -> tuple[int, float]:
     """Forces on the tips by column.
 
@@ -126,108 +115,96 @@ def rotor_columns(
         row of ``columns`` that friction is a multiple of, and the multiple: where all tips slide
         in one sense it is the normal force's.
     """
-    _spread(spread, active, factor, plain(PUSH), size, half, columns)
-    if shared and not mixed:
+    _spread(rotor.spread, c.active, c.factor, plain(PUSH), size, rotor.half, c.columns)
+    if rotor.shared and not mixed:
         return PUSH, ratio
-    _spread(drag_spread, active, factor, plain(DRAG), size, half, columns)
+    _spread(rotor.drag_spread, c.active, c.factor, plain(DRAG), size, rotor.half, c.columns)
     return DRAG, 1.0
 
 
 @njit(**COMPILE)
-def casing_columns(
-    w_spread: Array,
-    w_s_spread: Array,
-    u_spread: Array,
-    u_s_spread: Array,
-    shared: bool,
-    mixed: bool,
-    ratio: float,
-    index: Array,
-    factor: Array,
-    count: int,
-    half: int,
-    columns: Array,
+def _casing_columns(
+    casing: CasingArrays, size: int, mixed: bool, ratio: float, c: ContactScratch
 ) -> tuple[int, float]:
     """The same on the casing's nodes; friction is a multiple of two rows, the first given."""
-    if shared:
-        _spread_two(w_spread, index, factor, plain(W_KIND), count, half, columns)
+    radial, tangential, half, count = casing.radial, casing.tangential, casing.half, 2 * size
+    rows, factor, columns = c.rows, c.factor, c.columns
+    if casing.shared:
+        _spread_two(radial.spread, rows, factor, plain(W_KIND), count, half, columns)
         if not mixed:
             return W_KIND, ratio
-        _spread_two(u_spread, index, factor, plain(U_KIND), count, half, columns)
+        _spread_two(tangential.spread, rows, factor, plain(U_KIND), count, half, columns)
     else:
-        _spread(w_spread, index, factor, plain(W_KIND), count, half, columns)
-        _spread(w_s_spread, index, factor, plain(W_SLOPE), count, half, columns)
-        _spread(u_spread, index, factor, plain(U_KIND), count, half, columns)
-        _spread(u_s_spread, index, factor, plain(U_SLOPE), count, half, columns)
+        _spread(radial.spread, rows, factor, plain(W_KIND), count, half, columns)
+        _spread(radial.slope_spread, rows, factor, plain(W_SLOPE), count, half, columns)
+        _spread(tangential.spread, rows, factor, plain(U_KIND), count, half, columns)
+        _spread(tangential.slope_spread, rows, factor, plain(U_SLOPE), count, half, columns)
     return U_KIND, 1.0
 
 
-@njit(**COMPILE)
+@njit(**APART)
 def correct_rotor(
-    c: Array,
-    force: Array,
-    dragging: int,
+    rotor: RotorArrays,
+    size: int,
+    mixed: bool,
     ratio: float,
-    half: int,
-    radial: Array,
-    tangential: Array,
-    crossed: Array,
-    slots: Array,
-    old: int,
-    new: int,
-    work: Array,
-    out: Array,
+    x: Array,
+    slots: Slots,
+    f: FieldScratch,
+    c: ContactScratch,
 ) -> None:
-    """Add contact forces, given by column, to x_{n+1}; their work, and the new radial columns.
+    """Add contact forces to x_{n+1}; their work, and the new columns of u_r.
 
-    Friction is ``ratio`` times row ``dragging`` of ``force``.
+    Args:
+        rotor: what is corrected.
+        size: number of active tips.
+        mixed: whether they slide in different senses.
+        ratio: of drag to push where they don't.
+        x: slots of the rotor.
+        slots: of x_{n-1} and x_{n+1}.
+        f: gets the columns.
+        c: has the forces, gets their work.
     """
-    rows, columns = radial.shape
-    on_normal, on_shear, slides = splat(0.0), splat(0.0), splat(ratio)
+    dragging, slide = _rotor_columns(rotor, size, mixed, ratio, c)
+    rows, columns = rotor.radial.shape
+    on_normal, on_shear, slides = splat(0.0), splat(0.0), splat(slide)
     for h in range(0, columns, LANES):
-        push, drag = load_row(force, PUSH, h), mul(slides, load_row(force, dragging, h))
-        cross = mul(slides, load_row(force, dragging, half + h))
+        push, drag = load_row(c.columns, PUSH, h), mul(slides, load_row(c.columns, dragging, h))
+        cross = mul(slides, load_row(c.columns, dragging, rotor.half + h))
         column = splat(0.0)
         for m in range(rows):
             i = m * columns + h
-            weight = load_row(radial, m, h)
+            weight = load_row(rotor.radial, m, h)
             normal = mul(push, weight)
-            shear = fma(drag, load_row(tangential, m, h), mul(cross, load_row(crossed, m, h)))
-            x = fma(load(c, i), add(normal, shear), load_row(slots, new, i))
-            store_row(slots, new, i, x)
-            moved = sub(x, load_row(slots, old, i))
-            on_normal = fma(moved, normal, on_normal)
-            on_shear = fma(moved, shear, on_shear)
-            column = fma(weight, x, column)
-        store(out, h, column)
-    work[0] = 0.5 * total(on_normal)
-    work[1] = 0.5 * total(on_shear)
+            tangential, crossed = load_row(rotor.tangential, m, h), load_row(rotor.crossed, m, h)
+            shear = fma(drag, tangential, mul(cross, crossed))
+            moved = fma(load(rotor.body.c, i), add(normal, shear), load_row(x, slots.new, i))
+            store_row(x, slots.new, i, moved)
+            change = sub(moved, load_row(x, slots.old, i))
+            on_normal = fma(change, normal, on_normal)
+            on_shear = fma(change, shear, on_shear)
+            column = fma(weight, moved, column)
+        store(f.rotor, h, column)
+    c.work[0] = 0.5 * total(on_normal)
+    c.work[1] = 0.5 * total(on_shear)
 
 
-@njit(**COMPILE)
+@njit(**APART)
 def correct_casing(
-    c: Array,
-    force: Array,
-    dragging: int,
+    casing: CasingArrays,
+    size: int,
+    mixed: bool,
     ratio: float,
-    half: int,
-    w_weight: Array,
-    w_s_weight: Array,
-    u_weight: Array,
-    u_s_weight: Array,
-    slots: Array,
-    old: int,
-    new: int,
-    work: Array,
-    values: Array,
-    slopes: Array,
+    y: Array,
+    slots: Slots,
+    f: FieldScratch,
+    c: ContactScratch,
 ) -> None:
-    """Add contact forces, given by column, to x_{n+1}; their work, and the columns of w and w'.
-
-    Friction is ``ratio`` times rows ``dragging`` and the next of ``force``.
-    """
-    rows, columns = w_weight.shape
-    on_normal, on_shear, slides = splat(0.0), splat(0.0), splat(ratio)
+    """The same for the casing, and the columns of w and w'; work is added to the rotor's."""
+    dragging, slide = _casing_columns(casing, size, mixed, ratio, c)
+    radial, tangential, half, force = casing.radial, casing.tangential, casing.half, c.columns
+    rows, columns = radial.weight.shape
+    on_normal, on_shear, slides = splat(0.0), splat(0.0), splat(slide)
     for h in range(0, columns, LANES):
         on_w, on_w_s = load_row(force, W_KIND, h), load_row(force, W_SLOPE, half + h)
         on_u = mul(slides, load_row(force, dragging, half + h))
@@ -235,43 +212,33 @@ def correct_casing(
         value, slope = splat(0.0), splat(0.0)
         for m in range(rows):
             i = m * columns + h
-            w, w_s = load_row(w_weight, m, h), load_row(w_s_weight, m, h)
-            normal = fma(on_w, w, mul(on_w_s, w_s))
-            shear = fma(on_u, load_row(u_weight, m, h), mul(on_u_s, load_row(u_s_weight, m, h)))
-            x = fma(load(c, i), add(normal, shear), load_row(slots, new, i))
-            store_row(slots, new, i, x)
-            moved = sub(x, load_row(slots, old, i))
-            on_normal = fma(moved, normal, on_normal)
-            on_shear = fma(moved, shear, on_shear)
-            value, slope = fma(w, x, value), fma(w_s, x, slope)
-        store(values, h, value)
-        store(slopes, partner_columns(h, half), slope)
-    work[0] += 0.5 * total(on_normal)
-    work[1] += 0.5 * total(on_shear)
+            w, w_s = load_row(radial.weight, m, h), load_row(radial.slope_weight, m, h)
+            u, u_s = load_row(tangential.weight, m, h), load_row(tangential.slope_weight, m, h)
+            normal, shear = fma(on_w, w, mul(on_w_s, w_s)), fma(on_u, u, mul(on_u_s, u_s))
+            moved = fma(load(casing.body.c, i), add(normal, shear), load_row(y, slots.new, i))
+            store_row(y, slots.new, i, moved)
+            change = sub(moved, load_row(y, slots.old, i))
+            on_normal = fma(change, normal, on_normal)
+            on_shear = fma(change, shear, on_shear)
+            value, slope = fma(w, moved, value), fma(w_s, moved, slope)
+        store(f.value, h, value)
+        store(f.slope, partner_columns(h, half), slope)
+    c.work[0] += 0.5 * total(on_normal)
+    c.work[1] += 0.5 * total(on_shear)
 
 
 @njit(**COMPILE)
-def account_contact(
-    multiplier: Array,
-    sign: Array,
-    friction: float,
-    time_step: float,
-    impulse: Array,
-    drag: Array,
-    touched: Array,
-    held: Array,
-    count: Array,
-) -> None:
+def account_contact(march: MarchNumbers, state: State, c: ContactScratch) -> None:
     """Book the impulses of an accepted step with contact."""
     contacts = 0
-    for j in range(len(multiplier)):
-        held[j] = 0.0
-        if multiplier[j] > 0.0:
-            held[j] = 1.0
+    for j in range(len(c.multiplier)):
+        state.held[j] = 0.0
+        if c.multiplier[j] > 0.0:
+            state.held[j] = 1.0
             contacts += 1
-            pressed = multiplier[j] * time_step
-            impulse[j] += pressed
-            drag[j] += friction * sign[j] * pressed
-            touched[j] += 1.0
-    count[STEP_CONTACTS] = contacts
-    count[CONTACT_STEPS] += 1
+            pressed = c.multiplier[j] * march.time_step
+            state.impulse[j] += pressed
+            state.drag[j] += march.friction * c.sign[j] * pressed
+            state.touched[j] += 1.0
+    state.counts[STEP_CONTACTS] = contacts
+    state.counts[CONTACT_STEPS] += 1

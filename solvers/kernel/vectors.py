@@ -25,6 +25,7 @@ from numba.extending import (
     intrinsic,
     lower_builtin,
     lower_getattr,
+    lower_getattr_generic,
     models,
     register_model,
     type_callable,
@@ -57,37 +58,89 @@ _FULL, _HALF = _LanesType(LANES), _LanesType(HALF)
 
 
 class _BareType(types.Type):
+    """A vector or matrix."""
+
     def __init__(self, dtype, ndim):
         self.dtype, self.ndim = dtype, ndim
+        self.members = [
+            ("data", types.CPointer(dtype)),
+            *((f"size{axis}", types.intp) for axis in range(ndim)),
+        ]
         super().__init__(name=f"bare{ndim}({dtype})")
 
 
+class _BundleType(types.Type):
+    """A named tuple."""
+
+    def __init__(self, kind):
+        self.members = [
+            (name, _bare_type(item)) for name, item in zip(kind.fields, kind, strict=True)
+        ]
+        super().__init__(name=f"bundle({', '.join(str(item) for _, item in self.members)})")
+
+
 @register_model(_BareType)
+@register_model(_BundleType)
 class _BareModel(models.StructModel):
     def __init__(self, manager, kind):
-        sizes = [(f"size{axis}", types.intp) for axis in range(kind.ndim)]
-        super().__init__(manager, kind, [("data", types.CPointer(kind.dtype)), *sizes])
+        super().__init__(manager, kind, kind.members)
+
+    def traverse(self, builder):
+        """Nothing that references are counted to."""
+        return []
+
+
+def _bare_type(kind):
+    if isinstance(kind, types.BaseNamedTuple):
+        return _BundleType(kind)
+    return _BareType(kind.dtype, kind.ndim) if isinstance(kind, types.Array) else kind
+
+
+def _bare_value(context, builder, kind, value):
+    if isinstance(kind, types.BaseNamedTuple):
+        items = {
+            name: _bare_value(context, builder, item, builder.extract_value(value, i))
+            for i, (name, item) in enumerate(zip(kind.fields, kind, strict=True))
+        }
+    elif isinstance(kind, types.Array):
+        view = context.make_array(kind)(context, builder, value)
+        sizes = cgutils.unpack_tuple(builder, view.shape)
+        items = {"data": view.data} | {f"size{axis}": size for axis, size in enumerate(sizes)}
+    else:
+        return value
+    out = cgutils.create_struct_proxy(_bare_type(kind))(context, builder)
+    for name, item in items.items():
+        setattr(out, name, item)
+    return out._getvalue()
 
 
 @intrinsic
-def bare(typing_context, array):
-    """A C-contiguous vector or matrix as a bare address and its sizes.
+def bare(typing_context, bundle):
+    """A named tuple with its C-contiguous vectors and matrices as bare addresses and sizes.
 
-    It is indexed as arrays are, by indices that are not negative. As an argument it takes two or
-    three words where an array takes seven or ten, and nothing counts references to it (a count
+    They are indexed as arrays are, by indices that are not negative. As an argument each takes two
+    or three words where an array takes seven or ten, and nothing counts references to it (a count
     is an atomic operation, some ten of which cost as much as a product): the caller must keep
-    the array alive.
+    the arrays alive. Tuples within tuples are seen to; anything else stays as it is.
     """
 
     def generate(context, builder, signature, arguments):
-        view = context.make_array(signature.args[0])(context, builder, arguments[0])
-        out = cgutils.create_struct_proxy(signature.return_type)(context, builder)
-        out.data = view.data
-        for axis in range(signature.args[0].ndim):
-            setattr(out, f"size{axis}", builder.extract_value(view.shape, axis))
-        return out._getvalue()
+        return _bare_value(context, builder, signature.args[0], arguments[0])
 
-    return _BareType(array.dtype, array.ndim)(array), generate
+    return _bare_type(bundle)(bundle), generate
+
+
+@infer_getattr
+class _BundleAttributes(AttributeTemplate):
+    key = _BundleType
+
+    def generic_resolve(self, kind, name):
+        return dict(kind.members).get(name)
+
+
+@lower_getattr_generic(_BundleType)
+def _lower_member(context, builder, kind, bundle, name):
+    return builder.extract_value(bundle, [*dict(kind.members)].index(name))
 
 
 def _item(builder, kind, array, indices):
@@ -246,12 +299,6 @@ def store_row(typing_context, array, row, i, value):
 
 
 @intrinsic
-def store_half_row(typing_context, array, row, i, value):
-    """Write a half register to a row of a matrix."""
-    return types.void(array, types.intp, types.intp, value), _storer
-
-
-@intrinsic
 def splat(typing_context, value):
     """The same double in all LANES lanes."""
     return _FULL(types.float64), _splatter(LANES)
@@ -274,34 +321,20 @@ def fma(typing_context, a, b, c):
     return a(a, b, c), generate
 
 
-@intrinsic
-def add(typing_context, a, b):
-    """a + b."""
+def _arithmetic(instruction):
+    """An operation on two registers, lane by lane."""
 
-    def generate(context, builder, signature, arguments):
-        return builder.fadd(arguments[0], arguments[1])
+    @intrinsic
+    def operation(typing_context, a, b):
+        def generate(context, builder, signature, arguments):
+            return getattr(builder, instruction)(*arguments)
 
-    return a(a, b), generate
+        return a(a, b), generate
 
-
-@intrinsic
-def sub(typing_context, a, b):
-    """a - b."""
-
-    def generate(context, builder, signature, arguments):
-        return builder.fsub(arguments[0], arguments[1])
-
-    return a(a, b), generate
+    return operation
 
 
-@intrinsic
-def mul(typing_context, a, b):
-    """a * b."""
-
-    def generate(context, builder, signature, arguments):
-        return builder.fmul(arguments[0], arguments[1])
-
-    return a(a, b), generate
+add, sub, mul = _arithmetic("fadd"), _arithmetic("fsub"), _arithmetic("fmul")
 
 
 @intrinsic

@@ -11,16 +11,14 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel import arrays as kernel_arrays
 from bladewhirl.solvers.kernel.step import advance
-from bladewhirl.solvers.march.layout import aligned_copy
+from bladewhirl.solvers.march.arrangement import aligned_copy
 from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
 from bladewhirl.solvers.march.packing import (
     make_scratch,
-    pack_body,
     pack_casing,
     pack_dampers,
     pack_rotor,
     pack_springs,
-    scheme_inverse,
 )
 
 
@@ -67,91 +65,54 @@ class CentralDifference:
     ) -> None:
         check_time_step(problem, time_step)
         self._problem, self._time_step, self._record_every = problem, time_step, record_every
-        rotor, casing = problem.rotor, problem.casing
-        self.cyclic = (cyclic and rotor.by_harmonics, cyclic and casing.by_harmonics)
-        self._rotor_layout, self._rotor = pack_rotor(
-            rotor,
-            scheme_inverse(rotor.frequency, rotor.damping_ratio, time_step),
-            len(casing.nodal),
-            problem.friction,
-            cyclic=self.cyclic[0],
+        self.cyclic = (
+            cyclic and problem.rotor.by_harmonics,
+            cyclic and problem.casing.by_harmonics,
         )
-        self._casing_layout, self._casing = pack_casing(
-            casing,
-            scheme_inverse(casing.frequency, casing.damping_ratio, time_step),
-            problem.friction,
-            cyclic=self.cyclic[1],
-        )
-        rotor_loads = _stack([load.rotor for load in problem.loads], len(rotor.frequency))
-        casing_loads = _stack([load.casing for load in problem.loads], len(casing.frequency))
-        self._rotor_body = pack_body(
-            rotor.frequency,
-            rotor.damping_ratio,
-            rotor_loads,
-            self._rotor_layout,
-            time_step,
-        )
-        self._casing_body = pack_body(
-            casing.frequency,
-            casing.damping_ratio,
-            casing_loads,
-            self._casing_layout,
-            time_step,
-        )
-        self._dampers = pack_dampers(
-            rotor.dampers,
-            casing.dampers,
-            (self._rotor_body, self._casing_body),
-            (self._rotor_layout, self._casing_layout),
-            time_step,
-        )
-        self._springs = pack_springs(
-            problem.springs,
-            rotor,
-            self._rotor_layout,
-            self._casing_layout,
-            problem.speed * time_step,
-        )
+        rotor, self._rotor = pack_rotor(problem, time_step, cyclic=self.cyclic[0])
+        casing, self._casing = pack_casing(problem, time_step, cyclic=self.cyclic[1])
+        self._arrangements = rotor, casing
+        bodies = self._rotor.body, self._casing.body
+        self._dampers = pack_dampers(problem, bodies, self._arrangements, time_step)
+        self._springs = pack_springs(problem, self._arrangements, time_step)
         signed = problem.sliding == "signed"
-        self._wheel_speed = rotor.tip_radius * problem.speed if signed else None
-        self._march = _march_scalars(problem, time_step)
+        self._wheel_speed = problem.rotor.tip_radius * problem.speed if signed else None
+        self._march = _march_numbers(problem, time_step)
 
     def init(self) -> CentralDifferenceState:
         """State at t = 0; x_{-1} is consistent with initial velocity and acceleration."""
         problem, start, dt = self._problem, self._problem.start, self._time_step
-        factors = np.array(
+        amplitudes = np.array(
             [np.cos(load.phase) * (load.ramp <= 0.0) * (load.end > 0.0) for load in problem.loads]
         )
-        tips = len(problem.rotor.tip_angle)
-        springs = initial_spring_forces(problem)
+        pulls = initial_spring_forces(problem)
         slots = []
-        for frequency, ratio, dampers, loads, layout, x, v, pull in (
+        for body, loads, arrangement, x, v, pull in (
             (
-                problem.rotor.frequency,
-                problem.rotor.damping_ratio,
-                problem.rotor.dampers,
+                problem.rotor,
                 [load.rotor for load in problem.loads],
-                self._rotor_layout,
+                self._arrangements[0],
                 start.rotor,
                 start.rotor_velocity,
-                springs[0],
+                pulls[0],
             ),
             (
-                problem.casing.frequency,
-                problem.casing.damping_ratio,
-                problem.casing.dampers,
+                problem.casing,
                 [load.casing for load in problem.loads],
-                self._casing_layout,
+                self._arrangements[1],
                 start.casing,
                 start.casing_velocity,
-                springs[1],
+                pulls[1],
             ),
         ):
-            force = factors @ _stack(loads, len(frequency)) + pull
-            drag = 2.0 * ratio * frequency * v + dampers.T @ (dampers @ v)
-            acceleration = force - frequency**2 * x - drag
+            force = amplitudes @ np.reshape(loads, (len(loads), len(x))) + pull
+            drag = 2.0 * body.damping_ratio * body.frequency * v + body.dampers.T @ (
+                body.dampers @ v
+            )
+            acceleration = force - body.frequency**2 * x - drag
             before = x - dt * v + 0.5 * dt**2 * acceleration
-            slots.append(layout.pack(np.array([before, x, np.zeros_like(x)])))
+            slots.append(arrangement.pack(np.array([before, x, np.zeros_like(x)])))
+        tips = len(problem.rotor.tip_angle)
         return CentralDifferenceState(
             step=0,
             arrays=kernel_arrays.State(
@@ -179,19 +140,11 @@ class CentralDifference:
         arrays = kernel_arrays.State(*(aligned_copy(array) for array in state.arrays))
         records = self._make_records(steps // every + 2)
         scratch = make_scratch(
-            self._rotor,
-            self._casing,
-            len(self._problem.rotor.tip_angle),
-            len(self._problem.loads),
-            (self._rotor_layout, self._casing_layout),
-            self._springs,
-            self._dampers,
+            self._rotor, self._casing, self._arrangements, self._springs, self._dampers
         )
         status, reached, written = advance(
             self._rotor,
             self._casing,
-            self._rotor_body,
-            self._casing_body,
             self._springs,
             self._dampers,
             self._wheel_speed,
@@ -209,10 +162,13 @@ class CentralDifference:
 
     def _make_records(self, count: int) -> kernel_arrays.Records:
         tips = len(self._problem.rotor.tip_angle)
+        rotor, casing = self._arrangements
         return kernel_arrays.Records(
             step=np.zeros(count, dtype=np.int64),
-            rotor=np.zeros((count, 2, self._rotor_layout.entries)),
-            casing=np.zeros((count, 2, self._casing_layout.entries)),
+            rotor=np.zeros((count, rotor.entries)),
+            rotor_velocity=np.zeros((count, rotor.entries)),
+            casing=np.zeros((count, casing.entries)),
+            casing_velocity=np.zeros((count, casing.entries)),
             gap=np.zeros((count, tips)),
             impulse=np.zeros((count, tips)),
             drag=np.zeros((count, tips)),
@@ -224,15 +180,14 @@ class CentralDifference:
 
     def _chunk(self, records: kernel_arrays.Records, written: int) -> Chunk:
         kept = kernel_arrays.Records(*(array[:written] for array in records))
-        rotor = self._rotor_layout.unpack(kept.rotor)
-        casing = self._casing_layout.unpack(kept.casing)
+        rotor, casing = self._arrangements
         return Chunk(
             step=kept.step,
             time=kept.step * self._time_step,
-            rotor_displacement=rotor[:, 0],
-            rotor_velocity=rotor[:, 1],
-            casing_displacement=casing[:, 0],
-            casing_velocity=casing[:, 1],
+            rotor_displacement=rotor.unpack(kept.rotor),
+            rotor_velocity=rotor.unpack(kept.rotor_velocity),
+            casing_displacement=casing.unpack(kept.casing),
+            casing_velocity=casing.unpack(kept.casing_velocity),
             gap=kept.gap,
             contact_impulse=kept.impulse,
             friction_impulse=kept.drag,
@@ -282,15 +237,11 @@ def initial_spring_forces(problem: ContactProblem) -> tuple[FloatArray, FloatArr
     return rotor + (swing * (centre @ start.rotor)) @ centre, casing
 
 
-def _stack(loads: list[FloatArray], modes: int) -> FloatArray:
-    return np.array(loads).reshape(len(loads), modes)
-
-
-def _march_scalars(problem: ContactProblem, dt: float) -> kernel_arrays.March:
+def _march_numbers(problem: ContactProblem, dt: float) -> kernel_arrays.MarchNumbers:
     rotor, casing = problem.rotor, problem.casing
     per_radian = len(casing.nodal) / (2.0 * np.pi)
     loads = [[load.end, load.ramp, load.frequency, load.phase] for load in problem.loads]
-    return kernel_arrays.March(
+    return kernel_arrays.MarchNumbers(
         time_step=dt,
         elements_per_step=problem.speed * dt * per_radian,
         friction=problem.friction,

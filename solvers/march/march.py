@@ -80,6 +80,8 @@ StateT = TypeVar("StateT", bound=MarchState)
 class Scheme(Protocol[StateT]):
     """A time-stepping scheme, factorised for one problem and one time step."""
 
+    cyclic: tuple[bool, bool]  #: whether rotor and casing are marched harmonic by harmonic
+
     def init(self) -> StateT:
         """State at t = 0."""
 

@@ -2,34 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.coupling.springs import CouplingSprings
-from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
+from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing
 from bladewhirl.solvers.kernel.arrays import (
     U_KIND,
     U_SLOPE,
     W_KIND,
     W_SLOPE,
-    Body,
-    Casing,
-    Dampers,
-    KindArrays,
-    Rotor,
+    BodyArrays,
+    CasingArrays,
+    ContactScratch,
+    DamperArrays,
+    DamperEnds,
+    FieldScratch,
+    NodalField,
+    RotorArrays,
     Scratch,
-    Springs,
+    SpringArrays,
+    SpringEnds,
+    SpringScratch,
 )
 from bladewhirl.solvers.kernel.vectors import HALF, LANES
-from bladewhirl.solvers.march.layout import (
+from bladewhirl.solvers.march.arrangement import (
     FIT,
+    Arrangement,
     Harmonics,
-    Layout,
     aligned,
     aligned_copy,
-    dense_layout,
+    dense_arrangement,
     padded,
 )
 
@@ -41,15 +44,15 @@ def _lengthened(values: FloatArray) -> FloatArray:
     return out
 
 
-def _by_column(shape: FloatArray, layout: Layout) -> FloatArray:
+def _by_column(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
     """Shape (points, columns) as (columns to the last in use, padded points)."""
-    used = layout.half + layout.parts * layout.used
+    used = arrangement.half + arrangement.parts * arrangement.used
     out = aligned((used, padded(len(shape))))
     out[:, : len(shape)] = shape[:, :used].T
     return out
 
 
-def _folded(shape: FloatArray, layout: Layout) -> FloatArray:
+def _folded(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
     """Shape (nodes, columns) on a quarter of the circle, as the kernel's `_folded_fields` has it.
 
     No rows where the kernel cannot fold: without parity, or on so few nodes that whole registers
@@ -57,13 +60,13 @@ def _folded(shape: FloatArray, layout: Layout) -> FloatArray:
     """
     nodes = len(shape)
     width = padded(nodes // 4 + 1)
-    if layout.parts == 1 or width - 1 > nodes // 2:
+    if arrangement.parts == 1 or width - 1 > nodes // 2:
         return aligned((0, LANES))
     own = shape[:width]
-    last = own[:, layout.half + layout.used - 1]
-    rows = own[:, np.concatenate([layout.columns_of(part) for part in range(2)])].T
-    rows = rows.reshape(2, 2, layout.used, width).transpose(1, 0, 2, 3).reshape(-1, width)
-    rows[3 * layout.used - 1] = 0.0
+    last = own[:, arrangement.half + arrangement.used - 1]
+    rows = own[:, np.concatenate([arrangement.columns_of(part) for part in range(2)])].T
+    rows = rows.reshape(2, 2, arrangement.used, width).transpose(1, 0, 2, 3).reshape(-1, width)
+    rows[3 * arrangement.used - 1] = 0.0
     return aligned_copy(np.vstack([rows, last]))
 
 
@@ -73,26 +76,23 @@ def _by_sliding(pressed: FloatArray, dragged: FloatArray, friction: float) -> Fl
 
 
 def pack_rotor(
-    rotor: ReducedRotor,
-    inverse: FloatArray,
-    casing_nodes: int,
-    friction: float,
-    *,
-    cyclic: bool,
-) -> tuple[Layout, Rotor]:
+    problem: ContactProblem, dt: float, *, cyclic: bool
+) -> tuple[Arrangement, RotorArrays]:
     """Arrange the rotor.
 
     Args:
-        rotor: reduced rotor.
-        inverse: inverse of the scheme's diagonal for each mode [s2], (modes,).
-        casing_nodes: number of casing elements, the unit of the tips' positions.
-        friction: Coulomb coefficient.
-        cyclic: whether to use its DFT columns.
+        problem: what is marched.
+        dt: time step [s].
+        cyclic: whether to use the DFT columns of the rotor's modes.
+
+    Raises:
+        ValueError: modes that do not follow their DFT columns.
     """
+    rotor = problem.rotor
     tips, modes = rotor.tip_radial.shape
     if cyclic:
         harmonics = Harmonics(tips, fold=False, unit=HALF)
-        layout = harmonics.layout(harmonics.place[rotor.column])
+        arrangement = harmonics.arrangement(harmonics.place[rotor.column])
         radial, across = harmonics.amplitudes(rotor.tip_radial, rotor.column)
         if not np.abs(across).max(initial=0.0) <= FIT * np.abs(radial).max(initial=0.0):
             raise ValueError(
@@ -100,37 +100,39 @@ def pack_rotor(
             )
         tangential, crossed = harmonics.amplitudes(rotor.tip_tangential, rotor.column)
         shape, cross_shape = harmonics.shape, harmonics.crossed
-        dragged = shape
     else:
-        layout = dense_layout(modes)
+        arrangement = dense_arrangement(modes)
         radial, tangential, crossed = np.ones(modes), np.zeros(modes), np.ones(modes)
-        shape = np.zeros((tips, layout.columns))
-        cross_shape = np.zeros((tips, layout.columns))
+        shape = np.zeros((tips, arrangement.columns))
+        cross_shape = np.zeros((tips, arrangement.columns))
         shape[:, :modes], cross_shape[:, :modes] = rotor.tip_radial, rotor.tip_tangential
-        dragged = cross_shape
-    grid = (layout.rows, layout.columns)
-    on_tips = aligned_copy(shape)
+    inverse = scheme_inverse(rotor.frequency, rotor.damping_ratio, dt)
     weighted, weighted_tangential = rotor.tip_radial * inverse, rotor.tip_tangential * inverse
-    return layout, Rotor(
-        radial=layout.pack(radial).reshape(grid),
-        tangential=layout.pack(tangential).reshape(grid),
-        crossed=layout.pack(crossed).reshape(grid),
-        shape=_by_column(shape, layout),
-        cross_shape=_by_column(cross_shape, layout),
-        spread=on_tips,
-        drag_spread=on_tips if dragged is shape else aligned_copy(dragged),
-        half=layout.half,
+    spread = aligned_copy(shape)
+    loads = [load.rotor for load in problem.loads]
+    return arrangement, RotorArrays(
+        body=pack_body(rotor.frequency, rotor.damping_ratio, loads, arrangement, dt),
+        radial=arrangement.grid(radial),
+        tangential=arrangement.grid(tangential),
+        crossed=arrangement.grid(crossed),
+        shape=_by_column(shape, arrangement),
+        cross_shape=_by_column(cross_shape, arrangement),
+        spread=spread,
+        drag_spread=spread if cyclic else aligned_copy(cross_shape),
+        half=arrangement.half,
         shared=cyclic,
         w=_by_sliding(
-            weighted @ rotor.tip_radial.T, weighted_tangential @ rotor.tip_radial.T, friction
+            weighted @ rotor.tip_radial.T,
+            weighted_tangential @ rotor.tip_radial.T,
+            problem.friction,
         ).reshape(3 * tips, tips),
-        position=_lengthened(rotor.tip_angle * casing_nodes / (2.0 * np.pi)),
+        position=_lengthened(rotor.tip_angle * len(problem.casing.nodal) / (2.0 * np.pi)),
         recess=_lengthened(rotor.tip_recess),
     )
 
 
-def _cyclic_casing(casing: ReducedCasing) -> tuple[Layout, FloatArray, list[FloatArray]]:
-    """Layout, weights (4, modes) and shapes of a cyclic casing, by kind of nodal value.
+def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, FloatArray]:
+    """Arrangement, weights (4, modes) by kind of nodal value, and shape of a cyclic casing.
 
     w and u' of a mode follow its column, w' and u the partner; so a single harmonic's mode of w'
     and u stands in the partner's place.
@@ -156,27 +158,22 @@ def _cyclic_casing(casing: ReducedCasing) -> tuple[Layout, FloatArray, list[Floa
         weights.append(np.where(single, np.where(out_of_place, 0.0, own), right))
     place = harmonics.place[column]
     place = np.where(odd, (place + harmonics.half) % (2 * harmonics.half), place)
-    return harmonics.layout(place), np.array(weights), [harmonics.shape] * len(weights)
+    return harmonics.arrangement(place), np.array(weights), harmonics.shape
 
 
-def pack_casing(
+def _compliance(
     casing: ReducedCasing, inverse: FloatArray, friction: float, *, cyclic: bool
-) -> tuple[Layout, Casing]:
-    """Arrange the casing; see `pack_rotor`."""
+) -> FloatArray:
+    """Four nodal values under a tip for a unit force of another, by sense of sliding and elements.
+
+    Blocks of 4 x 4, (3, elements, elements, 4, 4); cyclic: (3, 2 elements, 4, 4), by the distance
+    of two elements from -nodes to nodes - 1.
+    """
     nodes, kinds, modes = casing.nodal.shape
-    if cyclic:
-        layout, weight, shapes = _cyclic_casing(casing)
-    else:
-        layout = dense_layout(modes)
-        weight = np.ones((kinds, modes))
-        shapes = [np.zeros((nodes, layout.columns)) for _ in range(kinds)]
-        for kind, shape in enumerate(shapes):
-            shape[:, :modes] = casing.nodal[:, kind]
     forces = casing.nodal.reshape(nodes * kinds, modes) * inverse
     rows = casing.nodal[:, :2].reshape(2 * nodes, modes)
     response = (forces @ rows.T).reshape(nodes, kinds, nodes, 2)
     ends = np.column_stack([np.arange(nodes), np.roll(np.arange(nodes), -1)])
-    # Four nodal values (two ends) moved by four normal or four tangential nodal forces.
     pressed, dragged = (
         response[ends][:, :, force]
         .reshape(nodes, 4, nodes, 2)[:, :, ends]
@@ -185,26 +182,50 @@ def pack_casing(
         for force in ([W_KIND, W_SLOPE], [U_KIND, U_SLOPE])
     )
     blocks = _by_sliding(pressed, dragged, friction)
-    if cyclic:  # by the distance of two elements, from -nodes to nodes - 1
-        blocks = np.tile(blocks[:, :, 0], (1, 2, 1, 1))
+    return np.tile(blocks[:, :, 0], (1, 2, 1, 1)) if cyclic else blocks
+
+
+def pack_casing(
+    problem: ContactProblem, dt: float, *, cyclic: bool
+) -> tuple[Arrangement, CasingArrays]:
+    """Arrange the casing; see `pack_rotor`."""
+    casing = problem.casing
+    nodes, kinds, modes = casing.nodal.shape
+    if cyclic:
+        arrangement, weight, shape = _cyclic_casing(casing)
+        # One array for all kinds: less memory to go through.
+        shapes, spreads = [_by_column(shape, arrangement)] * kinds, [aligned_copy(shape)] * kinds
+    else:
+        arrangement = dense_arrangement(modes)
+        weight = np.ones((kinds, modes))
+        wide = np.zeros((kinds, nodes, arrangement.columns))
+        wide[:, :, :modes] = casing.nodal.transpose(1, 0, 2)
+        shape = wide[0]
+        shapes, spreads = [_by_column(w, arrangement) for w in wide], [*map(aligned_copy, wide)]
     clearance = aligned((2, padded(nodes + 1)))
     clearance[:, : nodes + 1] = casing.clearance[np.append(np.arange(nodes), 0)].T
-
-    def by_kind(make: Callable[[FloatArray], FloatArray]) -> list[FloatArray]:
-        """One array for all kinds where they share their shape: less memory to go through."""
-        return [make(shapes[0])] * kinds if cyclic else [make(shape) for shape in shapes]
-
-    return layout, Casing(
-        weight=layout.pack(weight).reshape(kinds, layout.rows, layout.columns),
-        shape=KindArrays(*by_kind(lambda shape: _by_column(shape, layout))),
-        fold=_folded(shapes[0], layout),
-        spread=KindArrays(*by_kind(aligned_copy)),
-        half=layout.half,
+    weights, half = [arrangement.grid(w) for w in weight], arrangement.half
+    radial, tangential = (
+        NodalField(
+            weights[v], weights[s], *halves, shapes[v], shapes[s], spreads[v], spreads[s], start
+        )
+        for v, s, halves, start in (
+            (W_KIND, W_SLOPE, (0, half), clearance),
+            (U_KIND, U_SLOPE, (half, 0), aligned(clearance.shape)),
+        )
+    )
+    inverse = scheme_inverse(casing.frequency, casing.damping_ratio, dt)
+    blocks = _compliance(casing, inverse, problem.friction, cyclic=cyclic)
+    loads = [load.casing for load in problem.loads]
+    return arrangement, CasingArrays(
+        body=pack_body(casing.frequency, casing.damping_ratio, loads, arrangement, dt),
+        radial=radial,
+        tangential=tangential,
+        fold=_folded(shape, arrangement),
+        half=half,
         shared=cyclic,
         compliance=aligned_copy(blocks.reshape(-1)),
         spacing=1 if cyclic else nodes if nodes > 1 else 0,  # one node: there is one block
-        clearance=clearance,
-        no_clearance=aligned(clearance.shape),
         nodes=nodes,
         element_length=casing.element_length,
     )
@@ -213,109 +234,106 @@ def pack_casing(
 def pack_body(
     frequency: FloatArray,
     damping_ratio: FloatArray,
-    loads: FloatArray,
-    layout: Layout,
+    loads: list[FloatArray],
+    arrangement: Arrangement,
     dt: float,
-) -> Body:
+) -> BodyArrays:
     """Modal recurrence of one body.
 
     Args:
         frequency: [rad/s], (modes,).
         damping_ratio: (modes,).
-        loads: modal forces of the load patterns, (patterns, modes).
-        layout: arrangement of the body's modes.
+        loads: modal force of each load pattern, (modes,) each.
+        arrangement: of the body's modes.
         dt: time step [s].
     """
     inverse = scheme_inverse(frequency, damping_ratio, dt)
     decay = damping_ratio * frequency / dt
-    return Body(
-        a=layout.pack(inverse * (2.0 / dt**2 - frequency**2)),
-        b=layout.pack(inverse * (decay - 1.0 / dt**2)),
-        c=layout.pack(inverse),
-        stiffness=layout.pack(frequency**2),
-        damping=layout.pack(2.0 * damping_ratio * frequency),
-        load=layout.pack(loads),
-        loaded=_registers_in_use(layout.pack(loads)),
+    load = arrangement.pack(np.reshape(loads, (len(loads), len(frequency))))
+    return BodyArrays(
+        a=arrangement.pack(inverse * (2.0 / dt**2 - frequency**2)),
+        b=arrangement.pack(inverse * (decay - 1.0 / dt**2)),
+        c=arrangement.pack(inverse),
+        stiffness=arrangement.pack(frequency**2),
+        damping=arrangement.pack(2.0 * damping_ratio * frequency),
+        load=load,
+        loaded=_registers_in_use(load),
     )
 
 
 def pack_dampers(
-    rotor: FloatArray,
-    casing: FloatArray,
-    bodies: tuple[Body, Body],
-    layouts: tuple[Layout, Layout],
+    problem: ContactProblem,
+    bodies: tuple[BodyArrays, BodyArrays],
+    arrangements: tuple[Arrangement, Arrangement],
     dt: float,
-) -> Dampers | None:
-    """Damping at points of both bodies; None without any.
+) -> DamperArrays | None:
+    """Dampers at points of rotor and casing; None without any.
 
     Args:
-        rotor: rows G of the rotor's damping G^T G [s^-1/2], (dampers, modes).
-        casing: the same for the casing.
+        problem: what is marched.
         bodies: rotor and casing.
-        layouts: arrangement of the modes of each.
+        arrangements: of the modes of each.
         dt: time step [s].
     """
-    packed = []
-    for rows, body, layout in zip((rotor, casing), bodies, layouts, strict=True):
-        strong = layout.pack(rows[rows.any(axis=1)])  # those without strength only cost time
-        packed += [
-            strong,
-            np.linalg.inv(2.0 * dt * np.eye(len(strong)) + strong * body.c @ strong.T),
-        ]
-    return Dampers(*packed) if any(map(len, packed)) else None
+    ends = []
+    given = (problem.rotor.dampers, problem.casing.dampers)
+    for rows, body, arrangement in zip(given, bodies, arrangements, strict=True):
+        strong = arrangement.pack(rows[rows.any(axis=1)])  # those without strength only cost time
+        solve = np.linalg.inv(2.0 * dt * np.eye(len(strong)) + strong * body.c @ strong.T)
+        ends.append(DamperEnds(strong, solve))
+    return DamperArrays(*ends) if any(len(end.rows) for end in ends) else None
 
 
 def pack_springs(
-    springs: CouplingSprings | None,
-    carried: ReducedRotor,
-    rotor: Layout,
-    casing: Layout,
-    angle_per_step: float,
-) -> Springs | None:
+    problem: ContactProblem, arrangements: tuple[Arrangement, Arrangement], dt: float
+) -> SpringArrays | None:
     """Springs between the bodies and under the shaft, by harmonic; None without any.
 
     Args:
-        springs: between the bodies; None for bodies without.
-        carried: the rotor, which knows what carries its centre.
-        rotor: arrangement of the rotor's modes.
-        casing: arrangement of the casing's modes.
-        angle_per_step: turn of the rotor a step [rad].
+        problem: what is marched.
+        arrangements: of the modes of rotor and casing.
+        dt: time step [s].
     """
-    between = _springs_between(springs, rotor, casing, angle_per_step)
-    if carried.anisotropy == 0.0:
-        return between if springs is not None else None
-    first, modes = len(between.factor), np.arange(len(carried.frequency))
-    return between._replace(
-        nodal_diameter=np.append(between.nodal_diameter, 1.0),
-        factor=np.append(between.factor, [carried.anisotropy, -carried.anisotropy]),
-        rotor_place=np.append(between.rotor_place, np.tile(rotor.entry[modes], 2)),
-        rotor_wave=np.append(between.rotor_wave, np.repeat([first, first + 1], len(modes))),
-        rotor_amplitude=np.append(between.rotor_amplitude, carried.centre),
+    rotor, anisotropy = problem.rotor, problem.rotor.anisotropy
+    if problem.springs is None and anisotropy == 0.0:
+        return None
+    springs = _springs_between(problem.springs, arrangements, problem.speed * dt)
+    if anisotropy == 0.0:
+        return springs
+    first, modes = len(springs.factor), len(rotor.frequency)
+    ends = springs.rotor
+    return springs._replace(
+        nodal_diameter=np.append(springs.nodal_diameter, 1.0),
+        factor=np.append(springs.factor, [anisotropy, -anisotropy]),
+        rotor=SpringEnds(
+            place=np.append(ends.place, np.tile(arrangements[0].entry, 2)),
+            wave=np.append(ends.wave, np.repeat([first, first + 1], modes)),
+            amplitude=np.append(ends.amplitude, rotor.centre),
+        ),
     )
 
 
 def _springs_between(
-    springs: CouplingSprings | None, rotor: Layout, casing: Layout, angle_per_step: float
-) -> Springs:
-    none = np.zeros(0, dtype=np.int64)
+    springs: CouplingSprings | None,
+    arrangements: tuple[Arrangement, Arrangement],
+    angle_per_step: float,
+) -> SpringArrays:
     if springs is None:
-        empty = np.zeros(0)
-        return Springs(empty, empty, none, none, empty, none, none, empty, angle_per_step)
+        none = np.zeros(0, dtype=np.int64)
+        ends = SpringEnds(none, none, np.zeros(0))
+        return SpringArrays(np.zeros(0), np.zeros(0), ends, ends, angle_per_step)
     modes, harmonics = springs.modes, np.array(springs.modes.harmonics)
-    harmonic = np.searchsorted(harmonics, modes.nodal_diameter)[modes.entry]
-    wave = 2 * harmonic + modes.is_sine
-    on_rotor, rotor_modes = springs.coordinates(on_casing=False)
-    on_casing, casing_modes = springs.coordinates(on_casing=True)
-    amplitude = modes.amplitude[modes.entry]
-    return Springs(
+    wave = 2 * np.searchsorted(harmonics, modes.nodal_diameter)[modes.entry] + modes.is_sine
+    both = []
+    for arrangement, on_casing in zip(arrangements, (False, True), strict=True):
+        coordinates, numbers = springs.coordinates(on_casing=on_casing)
+        amplitude = modes.amplitude[modes.entry][coordinates]
+        both.append(SpringEnds(arrangement.entry[numbers], wave[coordinates], amplitude))
+    return SpringArrays(
         nodal_diameter=harmonics.astype(np.float64),
         factor=np.repeat(springs.factors, 2),
-        rotor_place=rotor.entry[rotor_modes],
-        rotor_wave=wave[on_rotor],
-        rotor_amplitude=amplitude[on_rotor],
-        casing_place=casing.entry[casing_modes],
-        casing_wave=wave[on_casing],
-        casing_amplitude=amplitude[on_casing],
+        rotor=both[0],
+        casing=both[1],
         angle_per_step=angle_per_step,
     )
 
@@ -335,49 +353,60 @@ def scheme_inverse(frequency: FloatArray, damping_ratio: FloatArray, dt: float) 
 
 
 def make_scratch(
-    rotor: Rotor,
-    casing: Casing,
-    tips: int,
-    loads: int,
-    layouts: tuple[Layout, Layout],
-    springs: Springs | None,
-    dampers: Dampers | None,
+    rotor: RotorArrays,
+    casing: CasingArrays,
+    arrangements: tuple[Arrangement, Arrangement],
+    springs: SpringArrays | None,
+    dampers: DamperArrays | None,
 ) -> Scratch:
     """Working arrays for one march."""
-    harmonics = len(springs.nodal_diameter) if springs is not None else 0
-    strokes = max(len(dampers.rotor), len(dampers.casing)) if dampers is not None else 0
+    waves = len(springs.factor) if springs is not None else 0
+    strokes = max(len(dampers.rotor.rows), len(dampers.casing.rows)) if dampers is not None else 0
     # Columns, the first half of them once more, and what the last register runs over.
-    columns = padded(max(layout.columns + layout.half + LANES for layout in layouts))
-    wide = len(rotor.position)
+    columns = padded(max(a.columns + a.half + LANES for a in arrangements))
+    tips, wide, nodes = len(rotor.spread), len(rotor.position), casing.radial.start.shape[1]
     return Scratch(
-        columns=aligned((3, columns)),
-        forces=aligned((6, columns)),
-        nodal=aligned((2, casing.clearance.shape[1])),
-        tip=aligned((4, wide)),
-        gap=aligned((2, wide)),
-        hermite=aligned((4, wide)),
-        element=np.zeros(tips, dtype=np.int64),
-        difference=aligned((2, max(layouts[0].entries, layouts[1].entries))),
-        load=np.zeros(loads),
-        rows=np.zeros(2 * wide, dtype=np.int64),
-        factor=aligned((6, 2 * wide)),
-        active=np.zeros(tips, dtype=np.int64),
-        known=np.zeros((2, tips), dtype=np.int64),
-        on_rotor=aligned((tips, wide)),
-        ends=aligned(HALF * wide),
-        solve=aligned((tips + 1, wide)),
-        others=aligned_copy(1.0 - np.eye(tips, wide)),
-        diagonal=np.zeros(tips),
-        solution=np.zeros(tips),
-        multiplier=np.zeros(tips),
-        sign=np.zeros(tips),
-        work=np.zeros(2),
-        tableau=np.zeros((tips, 2 * tips + 2)),
-        basis=np.zeros(tips, dtype=np.int64),
-        rotor_waves=np.zeros((2, 2 * harmonics)),
-        casing_waves=np.zeros((2, 2 * harmonics)),
-        stretch=np.zeros((4, 2 * harmonics)),
-        spring_force=np.zeros((2, 2 * harmonics)),
+        fields=FieldScratch(
+            rotor=aligned(columns),
+            value=aligned(columns),
+            slope=aligned(columns),
+            nodal=aligned(nodes),
+            nodal_slope=aligned(nodes),
+            moved=aligned((2, max(a.entries for a in arrangements))),
+            at=aligned(wide),
+            element=np.zeros(tips, dtype=np.int64),
+            hermite=aligned((4, wide)),
+            radial=aligned(wide),
+            tangential=aligned(wide),
+            other=aligned(wide),
+            free_gap=aligned(wide),
+            gap=aligned(wide),
+        ),
+        contact=ContactScratch(
+            sign=np.zeros(tips),
+            multiplier=np.zeros(tips),
+            active=np.zeros(tips, dtype=np.int64),
+            known=np.zeros((2, tips), dtype=np.int64),
+            on_rotor=aligned((tips, wide)),
+            ends=aligned(HALF * wide),
+            system=aligned((tips + 1, wide)),
+            others=aligned_copy(1.0 - np.eye(tips, wide)),
+            diagonal=np.zeros(tips),
+            solution=np.zeros(tips),
+            tableau=np.zeros((tips, 2 * tips + 2)),
+            basis=np.zeros(tips, dtype=np.int64),
+            rows=np.zeros(2 * wide, dtype=np.int64),
+            factor=aligned((6, 2 * wide)),
+            columns=aligned((6, columns)),
+            work=np.zeros(2),
+        ),
+        springs=SpringScratch(
+            rotor=np.zeros((2, waves)),
+            casing=np.zeros((2, waves)),
+            stretch=np.zeros((4, waves)),
+            force=np.zeros((2, waves)),
+        ),
+        amplitude=np.zeros(len(rotor.body.load)),
         stroke=np.zeros(strokes),
         damper_force=np.zeros((2, strokes)),
     )

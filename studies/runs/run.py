@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -21,8 +21,7 @@ from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.models.stage.stage import Stage, build_stage
-from bladewhirl.solvers.march.central_difference import CentralDifference
-from bladewhirl.solvers.march.march import Chunk, EndReason, march
+from bladewhirl.solvers.march.march import Chunk, EndReason, Scheme, march
 from bladewhirl.solvers.march.recorder import (
     INTERRUPTED,
     RESULT_NAME,
@@ -32,6 +31,7 @@ from bladewhirl.solvers.march.recorder import (
     description_bytes,
     result_bytes,
 )
+from bladewhirl.solvers.march.scheme import make_scheme
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.runs.interrupts import asked_to_stop
 from bladewhirl.studies.runs.outputs import Run, Window, write_outputs
@@ -59,7 +59,7 @@ class Prepared:
     stage: Stage
     problem: ContactProblem
     timing: Timing
-    scheme: CentralDifference
+    scheme: Scheme[Any]
 
 
 def prepare(case: Case) -> Prepared:
@@ -80,7 +80,7 @@ def prepare_stage(stage: Stage) -> Prepared:
     problem, case = contact_problem(stage), stage.case
     timing = case.march.timing
     with numbers_within_reach(case):
-        scheme = CentralDifference(problem, timing.time_step, timing.record_every)
+        scheme = make_scheme(problem, timing.time_step, timing.record_every)
         begin = scheme.init()
     with _no_collection():  # compiles, so that the march's clock does not count it
         scheme.advance(begin, 0)

@@ -19,7 +19,7 @@ BENCHMARKS = ROOT / "benchmarks"
         (
             "sweep.py",
             ["--workers", "1", "--points", "1", "--duration", "0.01", "--turns", "1"],
-            ["8 batched", "efficiency"],
+            ["per step of a worker", "efficiency"],
         ),
     ],
 )

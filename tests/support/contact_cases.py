@@ -23,6 +23,7 @@ from bladewhirl.models.stage.contact_problem import (
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference, CentralDifferenceState
 from bladewhirl.solvers.march.march import Chunk, EndReason
+from bladewhirl.solvers.march.reference import Reference
 
 FAR = 1e3
 """A displacement limit out of reach [m]."""
@@ -93,6 +94,14 @@ def run(
     """March, and record x_0 .. x_steps every so many steps."""
     scheme = CentralDifference(given, dt, every, cyclic=cyclic)
     return scheme.advance(scheme.init(), steps + 1)
+
+
+def run_reference(
+    given: ContactProblem, dt: float, steps: int, *, dampers_feel_contact: bool = False
+) -> Chunk:
+    """x_0 .. x_steps by the march in plain NumPy."""
+    scheme = Reference(given, dt, 1, dampers_feel_contact=dampers_feel_contact)
+    return scheme.advance(scheme.init(), steps + 1)[1]
 
 
 def ledger_residual(chunk: Chunk) -> float:

@@ -7,9 +7,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from contact_cases import one_tip, problem, run
+from contact_cases import one_tip, problem, run, run_reference
 from places import ROOT
-from plain_march import plain_march
 from stages import observed_order
 
 from bladewhirl.meshes.line_mesh import FloatArray
@@ -51,9 +50,9 @@ def pushed(damping: float) -> ContactProblem:
 @cache
 def reference(damping: float, dt: float) -> FloatArray:
     """Displacement of the blade [m] where dampers feel contact at once."""
-    found = plain_march(pushed(damping), dt, round(END / dt), dampers_feel_contact=True)
-    assert (found.multiplier > 0.0).any()
-    return np.asarray(found.rotor[:, 0])
+    found = run_reference(pushed(damping), dt, round(END / dt), dampers_feel_contact=True)
+    assert found.contact_impulse.any()
+    return np.asarray(found.rotor_displacement[:, 0])
 
 
 def difference(damping: float, dt: float) -> float:

@@ -17,7 +17,7 @@ FIT = 1e-9  # largest relative misfit of a cyclic body's rows to its DFT columns
 
 
 @dataclass(frozen=True, kw_only=True)
-class Layout:
+class Arrangement:
     """Where each mode stands in a (rows, columns) arrangement.
 
     On a cyclic body each column has a partner ``half`` columns on, or back: the sine of a cosine
@@ -48,6 +48,10 @@ class Layout:
         packed[..., self.entry] = values
         return packed
 
+    def grid(self, values: FloatArray) -> FloatArray:
+        """The same of one value a mode as (rows, columns)."""
+        return self.pack(values).reshape(self.rows, self.columns)
+
     def unpack(self, packed: FloatArray) -> FloatArray:
         """Read the values of modes back, (..., modes)."""
         return np.ascontiguousarray(packed[..., self.entry])
@@ -58,10 +62,10 @@ def padded(size: int, unit: int = LANES) -> int:
     return -(-size // unit) * unit
 
 
-def dense_layout(modes: int) -> Layout:
+def dense_arrangement(modes: int) -> Arrangement:
     """One row, a column a mode."""
     used = max(modes, 1)
-    return Layout(rows=1, columns=padded(used, PAIR), entry=np.arange(modes), used=used)
+    return Arrangement(rows=1, columns=padded(used, PAIR), entry=np.arange(modes), used=used)
 
 
 def _couples(points: int, parity: int | None) -> list[tuple[int, ...]]:
@@ -131,14 +135,14 @@ class Harmonics:
             )
         return own, other
 
-    def layout(self, place: IntArray) -> Layout:
+    def arrangement(self, place: IntArray) -> Arrangement:
         """Arrangement with each mode in the column given, (modes,), rows by rank."""
         columns = 2 * self.half
         rank = np.zeros(len(place), dtype=np.int64)
         for c in range(columns):
             own = place == c
             rank[own] = np.arange(np.count_nonzero(own))
-        return Layout(
+        return Arrangement(
             rows=int(rank.max(initial=0)) + 1,
             columns=columns,
             entry=rank * columns + place,

@@ -1,0 +1,375 @@
+"""The contact march in plain NumPy, one step at a time: the reference for the compiled one.
+
+Written from the definitions: every product is dense, the rows of B_N and B_T are built for each
+step from the place of each tip on the casing, springs are summed up over angles, and the
+complementarity problem is solved by trying active sets, all of them if need be. The scheme and its
+stages are those of `solvers.kernel.step`; with A = M / dt^2 + D / (2 dt)
+
+    predict   A x_p = f_n - K_n x_n + 2 M / dt^2 x_n + (D / (2 dt) - M / dt^2) x_{n-1}
+    look      g_p = clearance + B_N x_p
+    solve     0 <= lambda  perp  g_p + W lambda >= 0     W = B_N^T c (B_N + mu B_T S)
+    correct   x_{n+1} = x_p + c (B_N + mu B_T S) lambda
+
+D holds the dampers at points too; c is the inverse of A without them, since they feel what a
+contact force changes from the next step on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg as la
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
+
+CHECK_EVERY = 100
+"""Steps between looks at displacements other than the tips' radial ones."""
+
+
+class Step(NamedTuple):
+    """What leads to x_{n+1}; forces are modal, (modes,)."""
+
+    after: FloatArray  #: x_{n+1}
+    gap: FloatArray  #: at x_{n+1} [m], (tips,)
+    multiplier: FloatArray  #: [N], (tips,)
+    friction: FloatArray  #: mu s lambda [N], (tips,)
+    force: FloatArray  #: f_n
+    pressed: FloatArray  #: B_N^T lambda
+    dragged: FloatArray  #: mu B_T^T S lambda
+    damped: FloatArray  #: of the dampers at points
+    residual: float  #: of complementarity, see `CentralDifference`
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReferenceState:
+    """State between two steps; modes of the rotor stand before those of the casing."""
+
+    step: int  #: n
+    before: FloatArray  #: x_{n-1}, (modes,)
+    now: FloatArray  #: x_n
+    gap: FloatArray  #: smallest gap of each tip since the last record [m], (tips,)
+    impulse: FloatArray  #: since the last record [N s], (tips,)
+    drag: FloatArray  #: friction impulse since the last record [N s], (tips,)
+    touched: FloatArray  #: steps with contact since the last record, (tips,)
+    contacts: int  #: at the last step
+    work: FloatArray  #: external, normal, friction, damping, parametric [J], (5,)
+    statistics: Statistics
+
+
+class Reference:
+    """The scheme of `CentralDifference`, step by step the same, for reading and comparing.
+
+    Args:
+        problem: what to march.
+        time_step: [s]
+        record_every: steps between records.
+        dampers_feel_contact: within the step, which the compiled march doesn't do.
+
+    Raises:
+        ValueError: a time step at or above the critical one.
+    """
+
+    def __init__(
+        self,
+        problem: ContactProblem,
+        time_step: float,
+        record_every: int,
+        *,
+        dampers_feel_contact: bool = False,
+    ) -> None:
+        check_time_step(problem, time_step)
+        self.cyclic = (False, False)
+        rotor, casing, dt = problem.rotor, problem.casing, time_step
+        self._problem, self._dt, self._record_every = problem, dt, record_every
+        self._rotor_modes = len(rotor.frequency)
+        frequency = np.concatenate([rotor.frequency, casing.frequency])
+        ratio = np.concatenate([rotor.damping_ratio, casing.damping_ratio])
+        self._stiffness, self._damping = frequency**2, 2.0 * ratio * frequency
+        self._dampers = la.block_diag(rotor.dampers, casing.dampers)
+        diagonal = 1.0 / dt**2 + self._damping / (2.0 * dt)
+        self._inverse = np.linalg.inv(
+            np.diag(diagonal) + self._dampers.T @ self._dampers / (2.0 * dt)
+        )
+        self._compliance = self._inverse if dampers_feel_contact else np.diag(1.0 / diagonal)
+
+    def init(self) -> ReferenceState:
+        """State at t = 0; x_{-1} is consistent with initial velocity and acceleration."""
+        start, dt = self._problem.start, self._dt
+        x = np.concatenate([start.rotor, start.casing])
+        v = np.concatenate([start.rotor_velocity, start.casing_velocity])
+        lost = self._damping * v + self._dampers.T @ (self._dampers @ v)
+        acceleration = self._force(0) - lost - self._stiffness * x - self._spring_force(0, x)
+        normal, _, clearance = self._rows(x, 0)
+        none = np.zeros(len(clearance))
+        return ReferenceState(
+            step=0,
+            before=x - dt * v + 0.5 * dt**2 * acceleration,
+            now=x,
+            gap=clearance + normal @ x,
+            impulse=none,
+            drag=none,
+            touched=none,
+            contacts=0,
+            work=np.zeros(5),
+            statistics=Statistics(
+                steps=0, contact_steps=0, complementarity_residual=0.0, pivots=0, lcp_failures=0
+            ),
+        )
+
+    def advance(
+        self, state: ReferenceState, steps: int, record_every: int | None = None
+    ) -> tuple[ReferenceState, Chunk, EndReason | None]:
+        """Do that many steps, recording at multiples of ``record_every`` (its own if None).
+
+        The state given stays as it was.
+        """
+        every = self._record_every if record_every is None else record_every
+        records: list[tuple[ReferenceState, FloatArray, float]] = []
+        for _ in range(steps):
+            step = self._step(state)
+            within = self._keeps_limit(step.after, state.step + 1)
+            if state.step % every == 0 or not within:
+                later, interval = (step.after, 2.0) if within else (state.now, 1.0)
+                velocity = (later - state.before) / (interval * self._dt)
+                records.append((state, velocity, self._energy(state)))
+                none = np.zeros_like(state.gap)
+                state = replace(state, gap=none + np.inf, impulse=none, drag=none, touched=none)
+            if not within:
+                return state, self._chunk(records), EndReason.DIVERGENT
+            state = self._account(state, step)
+        return state, self._chunk(records), None
+
+    def _step(self, state: ReferenceState) -> Step:
+        """Predict, look, solve, correct."""
+        dt, n, x, before = self._dt, state.step, state.now, state.before
+        force = self._force(n)
+        restoring = self._stiffness * x + self._spring_force(n, x)
+        inertia = 2.0 / dt**2 * x + (self._damping / (2.0 * dt) - 1.0 / dt**2) * before
+        held = self._dampers.T @ (self._dampers @ before) / (2.0 * dt)
+        free = self._inverse @ (force - restoring + inertia + held)
+        damped = self._dampers.T @ (self._dampers @ (free - before)) / (2.0 * dt)
+        normal, tangential, clearance = self._rows(free, n + 1)
+        slides = self._problem.friction * self._sliding(tangential, x - before)
+        free_gap = clearance + normal @ free
+        response = self._compliance @ (normal + slides[:, None] * tangential).T
+        delassus = normal @ response
+        multiplier = complementary(free_gap, delassus)
+        after = free + response @ multiplier
+        gap = clearance + normal @ after
+        smaller = np.minimum(gap, np.diag(delassus) * multiplier)
+        violated = np.where(multiplier > 0.0, np.abs(smaller), np.maximum(-gap, 0.0)).max()
+        scale = max(self._problem.casing.clearance[:, 0].min(), np.abs(free_gap).max())
+        return Step(
+            after=after,
+            gap=gap,
+            multiplier=multiplier,
+            friction=slides * multiplier,
+            force=force,
+            pressed=multiplier @ normal,
+            dragged=(slides * multiplier) @ tangential,
+            damped=damped,
+            residual=float(violated / scale) if multiplier.any() and scale > 0.0 else 0.0,
+        )
+
+    def _account(self, state: ReferenceState, step: Step) -> ReferenceState:
+        """State after an accepted step."""
+        dt, n, before, x = self._dt, state.step, state.before, state.now
+        moved, touching = 0.5 * (step.after - before), step.multiplier > 0.0
+        turned = self._spring_force(n, x) - self._spring_force(n - 1, x)
+        lost = moved @ (self._damping * moved) / dt + moved @ step.damped
+        done = [moved @ step.force, moved @ step.pressed, moved @ step.dragged, lost]
+        before_it = state.statistics
+        return ReferenceState(
+            step=n + 1,
+            before=x,
+            now=step.after,
+            gap=np.minimum(state.gap, step.gap),
+            impulse=state.impulse + dt * step.multiplier,
+            drag=state.drag + dt * step.friction,
+            touched=state.touched + touching,
+            contacts=int(touching.sum()),
+            work=state.work + np.array([*done, 0.5 * before @ turned]),
+            statistics=replace(
+                before_it,
+                steps=n + 1,
+                contact_steps=before_it.contact_steps + bool(touching.any()),
+                complementarity_residual=max(before_it.complementarity_residual, step.residual),
+            ),
+        )
+
+    def _energy(self, state: ReferenceState) -> float:
+        """E_{n-1/2} = v^T v / 2 + x_{n-1}^T K_{n-1} x_n / 2 with v = (x_n - x_{n-1}) / dt."""
+        v = (state.now - state.before) / self._dt
+        restoring = self._stiffness * state.now + self._spring_force(state.step - 1, state.now)
+        return float(0.5 * v @ v + 0.5 * state.before @ restoring)
+
+    def _force(self, n: int) -> FloatArray:
+        """Modal force of the loads at step n."""
+        total = np.zeros(len(self._stiffness))
+        for load in self._problem.loads:
+            total += load_factor(load, n * self._dt) * np.concatenate([load.rotor, load.casing])
+        return total
+
+    def _spring_force(self, n: int, x: FloatArray) -> FloatArray:
+        """K*_n x of the springs between the bodies and under the shaft."""
+        if self._problem.springs is None and self._problem.rotor.anisotropy == 0.0:
+            return np.zeros_like(x)
+        return np.asarray(spring_stiffness(self._problem, n * self._dt) @ x)
+
+    def _rows(self, x: FloatArray, n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """B_N and B_T of the tips at step n, (tips, modes) each, and the clearance with recess.
+
+        ``x`` tells where the tips stand if they follow their tangential displacement.
+        """
+        problem, rotor, casing = self._problem, self._problem.rotor, self._problem.casing
+        angle = rotor.tip_angle + problem.speed * n * self._dt
+        if problem.tip_rotation:
+            angle = angle + rotor.tip_tangential @ x[: self._rotor_modes] / rotor.tip_radius
+        nodes, length = len(casing.nodal), casing.element_length
+        at = np.mod(angle * nodes / (2.0 * np.pi), nodes)
+        first = np.floor(at).astype(np.int64) % nodes
+        xi = at - np.floor(at)
+        weights = np.array(
+            [
+                1.0 - 3.0 * xi**2 + 2.0 * xi**3,
+                length * (xi - 2.0 * xi**2 + xi**3),
+                3.0 * xi**2 - 2.0 * xi**3,
+                length * (xi**3 - xi**2),
+            ]
+        )  # of value and slope at the first node of the element, then at the second
+
+        def under(values: FloatArray) -> FloatArray:
+            ends = np.concatenate([values[first], values[(first + 1) % nodes]], axis=1)
+            return np.asarray(np.einsum("kt,tk...->t...", weights, ends))
+
+        normal = np.hstack([-rotor.tip_radial, under(casing.nodal[:, :2])])
+        tangential = np.hstack([-rotor.tip_tangential, under(casing.nodal[:, 2:])])
+        return normal, tangential, under(casing.clearance) + rotor.tip_recess
+
+    def _sliding(self, tangential: FloatArray, moved: FloatArray) -> FloatArray:
+        """Direction of sliding of each tip, from the motion over the last step."""
+        problem = self._problem
+        speed = np.full(len(tangential), problem.speed)
+        if problem.sliding == "signed":
+            # A blade that moves forward makes the tangential row's motion negative.
+            speed = problem.rotor.tip_radius * problem.speed - tangential @ moved / self._dt
+        return np.asarray(np.sign(speed))
+
+    def _keeps_limit(self, x: FloatArray, n: int) -> bool:
+        """Whether displacements at step n are such as small displacements are meant for."""
+        rotor, limit = self._problem.rotor, self._problem.displacement_limit
+        own, casing = np.split(x, [self._rotor_modes])
+        looked_at = [rotor.tip_radial @ own]
+        if n % CHECK_EVERY == 0:
+            looked_at += [rotor.tip_tangential @ own, self._problem.casing.nodal[:, 0] @ casing]
+        return bool(np.all(np.abs(np.concatenate(looked_at)) <= limit))  # False for NaN
+
+    def _chunk(self, records: list[tuple[ReferenceState, FloatArray, float]]) -> Chunk:
+        states = [state for state, _, _ in records]
+        modes, tips = len(self._stiffness), len(self._problem.rotor.tip_angle)
+        step = np.array([state.step for state in states], dtype=np.int64)
+        x = np.reshape([state.now for state in states], (len(states), modes))
+        v = np.reshape([velocity for _, velocity, _ in records], (len(states), modes))
+        gap, impulse, drag, touched = (
+            np.reshape([getattr(state, name) for state in states], (len(states), tips))
+            for name in ("gap", "impulse", "drag", "touched")
+        )
+        work = np.reshape([state.work for state in states], (len(states), 5))
+        return Chunk(
+            step=step,
+            time=np.asarray(step * self._dt, dtype=np.float64),
+            rotor_displacement=x[:, : self._rotor_modes],
+            rotor_velocity=v[:, : self._rotor_modes],
+            casing_displacement=x[:, self._rotor_modes :],
+            casing_velocity=v[:, self._rotor_modes :],
+            gap=gap,
+            contact_impulse=impulse,
+            friction_impulse=drag,
+            contact_steps=touched.astype(np.int64),
+            contacts=np.array([state.contacts for state in states], dtype=np.int64),
+            energy=np.array([energy for _, _, energy in records]),
+            external_work=work[:, 0],
+            normal_work=work[:, 1],
+            friction_work=work[:, 2],
+            damping_work=work[:, 3],
+            coupling_work=work[:, 4],
+        )
+
+
+def load_factor(load: Load, time: float) -> float:
+    """Amplitude of a load pattern."""
+    if time >= load.end:
+        return 0.0
+    rise = 0.5 - 0.5 * np.cos(np.pi * time / load.ramp) if time < load.ramp else 1.0
+    return float(rise * np.cos(load.frequency * time + load.phase))
+
+
+def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
+    """lambda with 0 <= lambda perp gap + W lambda >= 0.
+
+    The active set begins with the tips that penetrate; then tips that it pulls leave and tips that
+    it shuts join. Where that leads to no end, W being singular, all sets are tried, small ones
+    first.
+
+    Raises:
+        ArithmeticError: no active set is complementary.
+    """
+    tips, tolerance = len(gap), 1e-12 * np.abs(gap).max()
+    held = gap < 0.0
+    for _ in range(2 * tips):
+        multiplier, after, complete = _closed(gap, delassus, np.flatnonzero(held), tolerance)
+        if complete:
+            return multiplier
+        held = np.where(held, multiplier >= 0.0, after < -tolerance)
+    for size in range(tips + 1):
+        for subset in combinations(range(tips), size):
+            chosen = np.array(subset, dtype=np.int64)
+            multiplier, _, complete = _closed(gap, delassus, chosen, tolerance)
+            if complete:
+                return multiplier
+    raise ArithmeticError("no active set is complementary")
+
+
+def _closed(
+    gap: FloatArray, delassus: FloatArray, chosen: IntArray, tolerance: float
+) -> tuple[FloatArray, FloatArray, bool]:
+    """Multipliers that close the gaps of some tips, all gaps then, and whether that is allowed."""
+    multiplier = np.zeros(len(gap))
+    if chosen.size:
+        part = delassus[np.ix_(chosen, chosen)]
+        multiplier[chosen] = np.linalg.lstsq(part, -gap[chosen], rcond=None)[0]
+    after = gap + delassus @ multiplier
+    complete = multiplier.min() >= 0.0 and after.min() >= -tolerance
+    return multiplier, after, bool(complete and np.abs(after[chosen]).max(initial=0.0) <= tolerance)
+
+
+def spring_stiffness(problem: ContactProblem, time: float) -> FloatArray:
+    """K* of all springs over the modes of both bodies at a time: Eq. (8), angle by angle."""
+    m, springs = len(problem.rotor.frequency), problem.springs
+    stiffness = np.zeros((m + len(problem.casing.frequency),) * 2)
+    turn = problem.speed * time
+    to_static = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    moved = to_static @ problem.rotor.centre  # of the centre along the static axes
+    stiffness[:m, :m] = problem.rotor.anisotropy * (
+        np.outer(moved[0], moved[0]) - np.outer(moved[1], moved[1])
+    )
+    if springs is None:
+        return stiffness
+    modes = springs.modes
+    angles = np.linspace(0.0, 2.0 * np.pi, 4 * (max(modes.harmonics) + 1), endpoint=False)
+    stretch = np.zeros((len(angles), len(stiffness)))
+    for entry, number in enumerate(springs.number):
+        on_casing = bool(modes.on_casing[entry])
+        phase = modes.nodal_diameter[entry] * (angles if on_casing else angles - turn)
+        place, way = (m + number, 1.0) if on_casing else (number, -1.0)
+        stretch[:, place] += way * modes.amplitude[entry] * np.cos(phase)
+        if modes.paired[entry]:
+            stretch[:, place + 1] += way * modes.amplitude[entry] * np.sin(phase)
+    per_radian = springs.kappa * (1.0 if springs.with_pi else 1.0 / np.pi)
+    stiffness += per_radian * 2.0 * np.pi / len(angles) * stretch.T @ stretch
+    return stiffness

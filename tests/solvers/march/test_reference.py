@@ -1,0 +1,109 @@
+"""The compiled march against the reference in plain NumPy, step for step, on all kinds of stage."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import pytest
+from contact_cases import random_problem, stage_problem
+from places import EXAMPLES
+
+from bladewhirl.models.case.file import read_case
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.solvers.march.march import Chunk, EndReason
+from bladewhirl.solvers.march.reference import Reference
+from bladewhirl.solvers.march.scheme import KERNEL, make_scheme
+
+TOLERANCE = {"contact_impulse": 1e-7, "friction_impulse": 1e-7, "coupling_work": 1e-6}
+"""Contact magnifies rounding; the impulses of single steps, and small sums, show it most."""
+
+
+def thrown(given: ContactProblem, outward: float) -> ContactProblem:
+    """Blades thrown outward so that they touch the casing within the steps marched."""
+    random = np.random.default_rng(0)
+    wanted = outward * (1.0 + 0.5 * random.normal(size=len(given.rotor.tip_angle)))
+    velocity = np.linalg.lstsq(given.rotor.tip_radial, wanted, rcond=None)[0]
+    start = replace(given.start, rotor_velocity=np.asarray(velocity, dtype=float))
+    return replace(given, start=start)
+
+
+def assert_same(found: Chunk, expected: Chunk) -> None:
+    for field in fields(Chunk):
+        exact = getattr(expected, field.name)
+        size = np.abs(exact).max() * TOLERANCE.get(field.name, 1e-9)
+        np.testing.assert_allclose(
+            getattr(found, field.name), exact, rtol=0.0, atol=size, err_msg=field.name
+        )
+
+
+STAGES: dict[str, tuple[str, dict[str, Any]]] = {
+    "casing distortion, clamped": ("casing_distortion", {}),
+    "imbalance, free centre": ("imbalance", {}),
+    "signed friction, tips that turn": ("imbalance", {"sliding": "signed", "tip_rotation": True}),
+    "backward": ("casing_distortion", {"sliding": "signed", "speed": -0.5}),
+    "springs and truncated modes": ("coupled_modes", {}),
+    "shroud": ("shrouded_fan", {}),
+    "mistuned": ("mistuned_blades", {}),
+    "unequal bearings with dampers": ("unequal_bearings", {}),
+}
+
+
+@pytest.mark.parametrize("kind", STAGES)
+@pytest.mark.parametrize("cyclic", [True, False])
+def test_every_kind_of_stage_marches_as_the_reference(kind: str, cyclic: bool) -> None:
+    name, changes = STAGES[kind]
+    case = read_case(EXAMPLES / f"{name}.toml", [])
+    given = thrown(replace(contact_problem(build_stage(case)), **changes), 40.0)
+    dt, steps = min(1e-6, 0.5 * given.critical_time_step), 120
+    fast, plain = CentralDifference(given, dt, 1, cyclic=cyclic), Reference(given, dt, 1)
+    state, chunk, end = fast.advance(fast.init(), steps)
+    reached, expected, reason = plain.advance(plain.init(), steps)
+    assert end is reason
+    assert expected.contact_impulse.any()
+    assert_same(chunk, expected)
+    assert reached.statistics.contact_steps == state.statistics.contact_steps
+    assert reached.statistics.complementarity_residual < 1e-10
+
+
+@pytest.mark.parametrize("every", [1, 7])
+def test_records_and_resuming_are_those_of_the_compiled_march(every: int) -> None:
+    given, dt = random_problem(5), 1e-4
+    fast, plain = CentralDifference(given, dt, every), Reference(given, dt, every)
+    _, chunk, _ = fast.advance(fast.init(), 150)
+    _, expected, _ = plain.advance(plain.init(), 150)
+    assert_same(chunk, expected)
+    middle, first, _ = plain.advance(plain.init(), 60)
+    _, rest, _ = plain.advance(middle, 90)
+    for field in fields(Chunk):
+        joined = np.concatenate([getattr(first, field.name), getattr(rest, field.name)])
+        np.testing.assert_array_equal(joined, getattr(expected, field.name))
+
+
+def test_divergence_ends_alike() -> None:
+    base = stage_problem(5, 8)
+    load = Load(rotor=1e7 * base.rotor.tip_radial.sum(axis=0), casing=base.casing.nodal[0, 0])
+    given, dt = replace(base, loads=(load,)), 0.5 * base.critical_time_step
+    fast, plain = CentralDifference(given, dt, 50), Reference(given, dt, 50)
+    state, chunk, end = fast.advance(fast.init(), 2000)
+    reached, expected, reason = plain.advance(plain.init(), 2000)
+    assert end is reason is EndReason.DIVERGENT
+    assert state.step == reached.step
+    np.testing.assert_array_equal(chunk.step, expected.step)
+    np.testing.assert_allclose(chunk.rotor_velocity, expected.rotor_velocity, rtol=1e-6, atol=1e-6)
+
+
+def test_the_environment_chooses(monkeypatch: pytest.MonkeyPatch) -> None:
+    given, dt = random_problem(5), 1e-4
+    monkeypatch.delenv(KERNEL, raising=False)
+    assert isinstance(make_scheme(given, dt, 1), CentralDifference)
+    monkeypatch.setenv(KERNEL, "reference")
+    assert isinstance(make_scheme(given, dt, 1), Reference)
+    monkeypatch.setenv(KERNEL, "slow")
+    with pytest.raises(UserError, match=r"BLADEWHIRL_KERNEL: .*got 'slow'"):
+        make_scheme(given, dt, 1)
