@@ -106,6 +106,7 @@ def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
     ).assign_attrs(
         title="natural modes",
         centre="clamped" if stage.case.shaft.clamped else "free",
+        rotation_effects=stage.case.rotation.effects,
         reference_frequency_hz=stage.reference_frequency / (2.0 * np.pi),
     )
 
@@ -173,6 +174,8 @@ def _pattern(found: LabelledModes, number: int) -> str:
 def mode_lists(found: xr.Dataset, count: int) -> dict[str, list[dict[str, Any]]]:
     """The lowest modes of each body, ascending; both of a degenerate pair are listed.
 
+    With rotation effects the way is told that each travels in both frames.
+
     Args:
         found: from `modes`.
         count: of each list.
@@ -189,9 +192,9 @@ def mode_lists(found: xr.Dataset, count: int) -> dict[str, list[dict[str, Any]]]
         "nodal_diameter": "nodal_diameter",
         "family": "family",
         "purity": "purity",
-        "direction": "direction",
-        "direction_static": "direction_static",
     }
+    if found.attrs["rotation_effects"] != "none":
+        keys |= {"direction": "direction", "direction_static": "direction_static"}
     return {
         name: rows_of(found.sel(which).isel(mode=slice(count)), keys)
         for name, which in lists.items()
