@@ -1,7 +1,7 @@
 """The scheme that a march is made with: the compiled one, or the reference if the environment asks.
 
-`BLADEWHIRL_KERNEL=reference bladewhirl run ...` marches in plain NumPy, several hundred times slower
-and without anything compiled: to tell a fault of the compiled march from one of the model.
+`BLADEWHIRL_KERNEL=reference bladewhirl run ...` marches in plain NumPy, several hundred times
+slower and without anything compiled: to tell a fault of the compiled march from one of the model.
 """
 
 from __future__ import annotations
