@@ -22,7 +22,7 @@ from bladewhirl.models.modal.frequencies import lowest_frequencies
 from bladewhirl.models.modal.labels import LabelledModes, labelled_modes
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.whirl_labels import whirl_families
-from bladewhirl.models.rotation.at_speed import turning_disk
+from bladewhirl.models.rotation.at_speed import TurningDisk, turning_disk
 from bladewhirl.models.rotation.whirl_modes import DENSE_SIZE, WhirlModes, whirl_modes
 
 WHIRL_FAMILIES = 6
@@ -53,6 +53,7 @@ class ModalStage:
     free_modes: LabelledModes
     clamped_modes: LabelledModes
     casing_modes: LabelledModes
+    turning: TurningDisk | None  #: as the case has it; None without rotation effects
     free_whirl: Whirl | None  #: of the bladed disk with a free centre; None without Coriolis
     clamped_whirl: Whirl | None  #: the same with a clamped centre
 
@@ -105,15 +106,17 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
         casing = case_casing(case)
         tip = tip_in_sector(free)
         reference: float | None = None
+        turning: TurningDisk | None = None
         whirls: tuple[Whirl | None, Whirl | None] = (None, None)
         if case.rotation.effects != "none":
             lowest = lowest_frequencies(free.structure, 1)
             reference = lowest_frequency(free, (found[0] for found in lowest.values()))
-            turning = [_at_speed(case, each, reference) for each in (free, clamped)]
+            both = [_at_speed(case, each, reference) for each in (free, clamped)]
+            turning = both[int(case.shaft.clamped)]
             if case.rotation.effects == "full":
-                whirls = _whirl(turning[0].structure, tip), _whirl(turning[1].structure, tip)
+                whirls = _whirl(both[0].disk.structure, tip), _whirl(both[1].disk.structure, tip)
             else:
-                free, clamped = turning
+                free, clamped = both[0].disk, both[1].disk
         free_modes = labelled_modes(free.structure, tip, "bladed-disk", count)
         return ModalStage(
             case=case,
@@ -124,16 +127,17 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
             free_modes=free_modes,
             clamped_modes=labelled_modes(clamped.structure, tip, "bladed-disk", count),
             casing_modes=labelled_modes(casing.structure, (RADIAL, TANGENTIAL), "casing", count),
+            turning=turning,
             free_whirl=whirls[0],
             clamped_whirl=whirls[1],
         )
 
 
-def _at_speed(case: Case, at_rest: BladedDiskModel, reference: float) -> BladedDiskModel:
+def _at_speed(case: Case, at_rest: BladedDiskModel, reference: float) -> TurningDisk:
     """A bladed disk with its rotation effects."""
     turning = turning_disk(case, at_rest, reference, stiff=False)
     assert turning is not None  # the case has effects
-    return turning.disk
+    return turning
 
 
 def _whirl(structure: Structure, tip: tuple[int, int]) -> Whirl:

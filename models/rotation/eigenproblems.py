@@ -8,7 +8,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 from numpy.typing import NDArray
 
-from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 
 Matrix = NDArray[np.inexact]
 """Dense, real or complex, (n, n)."""
@@ -29,20 +29,36 @@ def gyroscopic_eigen(
     Returns:
         w descending by their real part (2 n,), vectors with p^H M p = 1, (n, 2 n).
     """
-    size = len(mass)
-    inverse = _inverse_root(mass)
+    matrix, momenta, hermitian = _linearised(mass, stiffness, gyroscopic)
+    w, fields = la.eigh(matrix) if hermitian else la.eig(matrix)
+    vectors = momenta @ fields[: len(mass)]
+    vectors /= np.sqrt(np.einsum("im,ij,jm->m", vectors.conj(), mass, vectors).real)
+    order = _descending(w)
+    return w[order].astype(np.complex128), vectors[:, order]
+
+
+def gyroscopic_frequencies(mass: Matrix, stiffness: Matrix, gyroscopic: Matrix) -> ComplexArray:
+    """The w of `gyroscopic_eigen` alone, (2 n,)."""
+    matrix, _, hermitian = _linearised(mass, stiffness, gyroscopic)
+    w = la.eigvalsh(matrix) if hermitian else la.eigvals(matrix)
+    return np.asarray(w[_descending(w)].astype(np.complex128))
+
+
+def _linearised(mass: Matrix, stiffness: Matrix, gyroscopic: Matrix) -> tuple[Matrix, Matrix, bool]:
+    """Matrix with the eigenvalues w, what gives fields from the first half of its eigenvectors, and
+    whether it is Hermitian: while the stiffness is positive definite. Else signs alone disturb it.
+    """
+    size, inverse = len(mass), _inverse_root(mass)
     turned = 1j * inverse @ gyroscopic @ inverse.conj().T
     square, axes = la.eigh(_hermitian(inverse @ stiffness @ inverse.conj().T))
     root = np.diag(np.sqrt(np.abs(square)))
-    lower = np.hstack([root, np.zeros((size, size))])
     upper = np.hstack([axes.conj().T @ turned @ axes, root * np.sign(square)])
-    solve = la.eigh if square[0] > 0.0 else la.eig
-    w, fields = solve(np.vstack([upper, lower]))
-    momenta = axes @ fields[:size]
-    vectors = inverse.conj().T @ momenta
-    vectors /= np.sqrt(np.einsum("im,ij,jm->m", vectors.conj(), mass, vectors).real)
-    order = np.lexsort([w.imag, -w.real])
-    return w[order].astype(np.complex128), vectors[:, order]
+    matrix = np.vstack([upper, np.hstack([root, np.zeros((size, size))])])
+    return matrix, inverse.conj().T @ axes, bool(square[0] > 0.0)
+
+
+def _descending(w: ComplexArray) -> IntArray:
+    return np.lexsort([w.imag, -w.real])
 
 
 def damped_eigenvalues(
@@ -87,7 +103,7 @@ def lowest_gyroscopic_eigen(
     inverted, states = spla.eigs(operator, k=count, v0=np.ones(2 * size, dtype=np.complex128))
     w, vectors = 1.0 / inverted, states[size:]
     vectors = vectors / np.sqrt(np.einsum("im,im->m", vectors.conj(), mass @ vectors).real)
-    order = np.lexsort([w.imag, -w.real])
+    order = _descending(w)
     return w[order], vectors[:, order]
 
 

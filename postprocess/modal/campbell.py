@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
 from bladewhirl.solvers.stability.coincidence import frequency_in_other_frame
 
@@ -65,11 +65,14 @@ def drawn_part(data: xr.Dataset) -> xr.Dataset:
     }
     casing = ~on_rotor & [frequency[i] == lowest.get(int(k[i])) for i in range(len(k))]
     met = [lowest.get(int(number)) for number in data["nodal_diameter"].values]
-    return data.isel(
-        mode=rotor | casing,
-        coincidence=np.isin(data["family"].values, families)
+    shown = {
+        "mode": rotor | casing,
+        "coincidence": np.isin(data["family"].values, families)
         & (data["casing_frequency"].values == met),
-    )
+    }
+    if "branch" in data.dims:
+        shown["branch"] = np.isin(data["branch_family"].values, families)
+    return data.isel(shown)
 
 
 @styled
@@ -82,6 +85,9 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     Where a ray would fall below zero, its wave travels the other way: that part is left out in the
     rotating frame, as in Fig. 8, and faint in the static one. Circles mark coincidences, those of
     the first family and the suspension with their k.
+
+    A bladed disk that feels that it turns has branches instead: waves that travel backward at rest
+    full, forward ones thin. Dotted lines are multiples of the speed, crosses critical speeds.
 
     Args:
         data: from `campbell`, of which `drawn_part` is drawn.
@@ -99,20 +105,64 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     seen = (met_at >= first) & (met_at <= last)
     modes = data["normalised_mode_frequency"].values
     body, k = data["mode_body"].values, data["mode_nodal_diameter"].values
+    turning = "branch" in data.dims
     highest = modes[body == level].max() if frame == "rotating" else meets[seen].max(initial=1.0)
     top = HEADROOM * float(highest)
     axes.set(xlim=(first, last), ylim=(0.0, top))
     speed = np.linspace(first, last, 2001)
     # Rays first, and of each body those with one nodal diameter last, so that they lie on top.
+    if turning:
+        _draw_branches(axes, data, frame)
+        orders = np.unique(k[body != "casing"])
+        _draw_engine_orders(axes, data, orders[orders > 0], frame)
     for mode in np.lexsort((k == 1, body == level)):
+        if turning and body[mode] != "casing":
+            continue
         y = np.full_like(speed, modes[mode])
         if body[mode] != level:
             y = frequency_in_other_frame(modes[mode], k[mode], speed)
         _draw_mode(axes, speed, y, data.isel(mode=mode), turned=frame == "static")
     _mark_coincidences(axes, data, meets, seen & (meets <= top))
+    axes.set(xlim=(first, last), ylim=(0.0, top))
     axes.set(xlabel=SPEED_AXIS, ylabel=f"frequency / ω$_1$, {frame} frame [–]")
-    figure.legend(handles=_legend(data), loc="outside upper center", ncols=3, columnspacing=1.0)
+    figure.legend(
+        handles=_legend(data, frame), loc="outside upper center", ncols=3, columnspacing=1.0
+    )
     return figure
+
+
+def _draw_branches(axes: Axes, data: xr.Dataset, frame: Frame) -> None:
+    """Waves on a bladed disk that feels that it turns, over the speed."""
+    speed = data["line_speed"].values
+    signed = data["branch_frequency"].values / data.attrs["reference_frequency_hz"]
+    for row, k, family, way in zip(
+        signed,
+        data["branch_nodal_diameter"].values,
+        data["branch_family"].values,
+        data["branch_direction"].values,
+        strict=True,
+    ):
+        first = int(k) == 1
+        name = "suspension" if family == "suspension" else ("k = 1" if first else "other k")
+        axes.plot(
+            speed,
+            np.abs(row if frame == "rotating" else row - k * speed),
+            color=COLOURS[name],
+            linewidth=(1.2 if first else 0.7) * (1.0 if way == "backward" else 0.6),
+            alpha=1.0 if way == "backward" else 0.6,
+            zorder=3 if first else 2,
+        )
+
+
+def _draw_engine_orders(axes: Axes, data: xr.Dataset, orders: IntArray, frame: Frame) -> None:
+    """Multiples of the speed in the rotating frame, and critical speeds."""
+    speed, critical = data["line_speed"].values, data["critical_speed"].values
+    height = np.zeros(len(critical))
+    if frame == "static":
+        height = critical * data["critical_nodal_diameter"].values
+    for order in orders if frame == "rotating" else ():
+        axes.plot(speed, order * speed, ":", color=COLOURS["rest"], linewidth=0.5, zorder=1)
+    axes.plot(critical, height, "x", color=COLOURS["contact"], clip_on=False, zorder=6)
 
 
 def _mark_coincidences(axes: Axes, data: xr.Dataset, meets: FloatArray, shown: BoolArray) -> None:
@@ -163,7 +213,7 @@ def _draw_mode(
         )
 
 
-def _legend(data: xr.Dataset) -> list[Line2D | Patch]:
+def _legend(data: xr.Dataset, frame: Frame) -> list[Line2D | Patch]:
     lines: list[tuple[str, Literal["-", "--"], float, str]] = [
         ("k = 1", "-", 1.2, "disk, k = 1"),
         ("other k", "-", 0.7, "disk, other k"),
@@ -173,6 +223,16 @@ def _legend(data: xr.Dataset) -> list[Line2D | Patch]:
     ]
     if "suspension" not in data["mode_family"].values:
         del lines[2]
+    turning: list[Line2D | Patch] = []
+    if "branch" in data.dims:
+        order = Line2D([], [], color=COLOURS["rest"], linestyle=":", label="engine order")
+        turning = [
+            Line2D([], [], color=COLOURS["other k"], linewidth=0.5, alpha=0.6, label="forward"),
+            *([order] if frame == "rotating" else []),
+            Line2D(
+                [], [], color=COLOURS["contact"], linestyle="none", marker="x", label="critical"
+            ),
+        ]
     return [
         *(
             Line2D([], [], color=COLOURS[name], linestyle=style, linewidth=width, label=label)
@@ -180,4 +240,5 @@ def _legend(data: xr.Dataset) -> list[Line2D | Patch]:
         ),
         Line2D([], [], color=COLOURS["total"], label="coincidence of k", **RING),
         Patch(color=SHADE, label="operating range"),
+        *turning,
     ]

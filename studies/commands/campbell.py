@@ -54,7 +54,7 @@ def campbell(
         raise UserError(f"--families {families}: expected a whole number of one or more")
     folder = output if output is not None or json else Path(f"{case.stem}-campbell")
     check_figure_folder(folder, overwrite=overwrite)
-    stage = stage_of_file(case, overrides, "a Campbell diagram")
+    stage = stage_of_file(case, overrides, "a Campbell diagram", "centrifugal", "full")
     found = study.campbell(stage, families=families, speeds=shown, operating=operated)
     if folder is not None:
         study.draw_campbell(found, folder)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,11 @@ from rich.table import Table
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes
-from bladewhirl.models.rotation.at_speed import check_effects
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.solvers.stability.coincidence import coincidences
+from bladewhirl.studies.modal.campbell_at_speed import at_speed, disk_waves, meetings, names_of
 from bladewhirl.studies.modal.modes import full_stage, rows_of
 from bladewhirl.studies.runs.figures_folder import written_to
 
@@ -58,10 +59,8 @@ def campbell(
         CaseError: numbers that finite elements can't be made of.
     """
     stage = full_stage(case_or_stage)
-    check_effects(stage.case, "a Campbell diagram")
-    rotor = _of_families(
-        stage.disk_modes, {"suspension", *(f"{rank}F" for rank in range(1, families + 1))}
-    )
+    chosen = {"suspension", *(f"{rank}F" for rank in range(1, families + 1))}
+    rotor = _of_families(stage.disk_modes, chosen)
     casing = _of_families(stage.casing_modes, set(CASING_FAMILIES))
     found = coincidences(
         rotor_frequency=rotor.frequency,
@@ -69,18 +68,23 @@ def campbell(
         casing_frequency=casing.frequency,
         casing_nodal_diameter=casing.nodal_diameter,
     )
-    reference = stage.reference_frequency
+    rotor_frequency = rotor.frequency[found.rotor]
+    reference, moving = stage.reference_frequency, xr.Dataset()
+    if stage.turning is not None:
+        own, names = disk_waves(stage, stage.turning), names_of(stage.disk_modes)
+        found, rotor_frequency = meetings(own, rotor, casing, names, speeds[1] * reference)
+        moving = at_speed(stage, stage.turning, own, names, chosen, speeds)
     normalised = found.speed / reference
     frequency = np.concatenate([rotor.frequency, casing.frequency])
     body = np.repeat(np.array(["bladed-disk", "casing"], dtype=object), [rotor.count, casing.count])
     hertz, one = {"units": "Hz"}, {"units": "1"}
     speed = {"long_name": "coincidence speed, Eq. (14)"}
     met = "coincidence"
-    return xr.Dataset(
+    diagram = xr.Dataset(
         {
             "normalised_speed": (met, normalised, one | speed),
             "speed": (met, found.speed * 30.0 / np.pi, {"units": "rpm"} | speed),
-            "rotor_frequency": (met, rotor.frequency[found.rotor] / (2.0 * np.pi), hertz),
+            "rotor_frequency": (met, rotor_frequency / (2.0 * np.pi), hertz),
             "casing_frequency": (met, casing.frequency[found.casing] / (2.0 * np.pi), hertz),
             "in_operating_range": (
                 met,
@@ -107,6 +111,7 @@ def campbell(
             "operating_range": operating,
         },
     ).set_index(coincidence=["family", "casing_family", "nodal_diameter"])
+    return diagram.merge(moving).assign_attrs(moving.attrs)
 
 
 def coincidence_list(found: xr.Dataset) -> dict[str, Any]:
@@ -129,6 +134,29 @@ def coincidence_list(found: xr.Dataset) -> dict[str, Any]:
         "reference_frequency_hz": found.attrs["reference_frequency_hz"],
         "operating_range": list(found.attrs["operating_range"]),
         "coincidences": rows_of(found, keys),
+        **(_speeds_at_speed(found) if "branch" in found.dims else {}),
+    }
+
+
+def _speeds_at_speed(found: xr.Dataset) -> dict[str, Any]:
+    """What else JSON tells of a bladed disk that feels that it turns."""
+    rpm = 60.0 * found.attrs["reference_frequency_hz"]
+
+    def listed(kind: str) -> list[dict[str, Any]]:
+        columns = (found[f"{kind}_{part}"].values for part in ("speed", "nodal_diameter", "family"))
+        return [
+            {"ratio": float(ratio), "rpm": rpm * float(ratio), "k": int(k), "family": str(family)}
+            for ratio, k, family in zip(*columns, strict=True)
+        ]
+
+    return {
+        "rotation_effects": found.attrs["rotation_effects"],
+        "critical_speeds": listed("critical"),
+        "engine_orders": listed("engine_order"),
+        "clearance_gone": {
+            "ratio": found.attrs["clearance_gone"],
+            "rpm": rpm * found.attrs["clearance_gone"],
+        },
     }
 
 
@@ -163,6 +191,23 @@ def print_coincidences(found: xr.Dataset) -> None:
             )
     console = Console()
     console.print(table if table.row_count else f"No coincidence from {first:g} to {last:g}.")
+    if "branch" in found.dims:
+        for line in _lines_at_speed(found):
+            console.print(line)
+
+
+def _lines_at_speed(found: xr.Dataset) -> Iterator[str]:
+    """Critical speeds, and the speed at which growth takes the clearance, in words."""
+    told = _speeds_at_speed(found)
+    for each in told["critical_speeds"]:
+        yield (
+            f"Critical speed {each['ratio']:.5f} ω₁ = {each['rpm']:.1f} rpm: {each['family']},"
+            f" k = {each['k']}."
+        )
+    if not told["critical_speeds"]:
+        yield f"No critical speed up to {found.attrs['speeds'][1]:g} ω₁."
+    gone = told["clearance_gone"]
+    yield (f"Growth takes the cold clearance at {gone['ratio']:.4f} ω₁ = {gone['rpm']:.1f} rpm.")
 
 
 def draw_campbell(found: xr.Dataset, folder: Path) -> None:

@@ -122,7 +122,6 @@ def test_a_march_without_coriolis_forces_alone() -> None:
 @pytest.mark.parametrize(
     ("command", "effects"),
     [
-        (["campbell"], "centrifugal"),
         (["stability"], "centrifugal"),
         (["veering"], "full"),
         (["modes", "-o", "pictures"], "centrifugal"),

@@ -13,10 +13,10 @@ from stages import bladed_disk, oracle
 
 from bladewhirl.models.case.rotation import Effects
 from bladewhirl.models.rotation.axial_force import axial_force
-from bladewhirl.models.rotation.critical_speeds import synchronous_speeds
 from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
 from bladewhirl.models.rotation.growth import speed_of_growth, static_displacement, tip_growth
 from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
+from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.rotation.whirl_modes import whirl_modes
 
 STAGES = ["0.01", "0.03"]
@@ -92,12 +92,12 @@ def test_growth_and_forces(stage: str, ratio: float) -> None:
 def test_critical_speeds_and_crossings(stage: str) -> None:
     row, matrices = known(stage), turning(stage)
     reference = 2 * np.pi * row["reference_hz"]
-    first = synchronous_speeds(matrices, 1, 0)[0]
+    first = waves(matrices, 1, "full").synchronous(0)[0]
     assert first / reference == pytest.approx(row["critical_speed"], rel=1e-8)
     for each in row["engine_orders"]:
         k = each["k"]
         for effects, key in KEYS.items():
-            found = synchronous_speeds(matrices, k, k, effects)[0] / reference
+            found = waves(matrices, k, effects).synchronous(k)[0] / reference
             assert found == pytest.approx(each[key], rel=1e-8), (k, effects)
     room = speed_of_growth(bladed_disk(disk_thickness=float(stage)), matrices, 1e-3)
     assert room / reference == pytest.approx(row["growth_of_1mm"], rel=1e-8)
@@ -141,3 +141,30 @@ def test_answer_to_a_constant_force_on_the_shaft(stage: str) -> None:
         answer = spla.spsolve(matrices.stiffness(omega).tocsc(), force)
         assert answer[disk.centre[0]] == pytest.approx(centre, rel=1e-8)
         assert np.abs(answer[disk.tip_radial]).max() == pytest.approx(tip, rel=1e-8)
+
+
+@pytest.mark.parametrize("effects", ["none", "centrifugal", "full"])
+def test_speeds_at_which_a_casing_wave_is_met(effects: Effects) -> None:
+    """Each branch meets k Omega - omega_c where it has that frequency."""
+    structure, reference = turning("0.01").structure, 2 * np.pi * known("0.01")["reference_hz"]
+    assert structure.layout is not None
+    for k, casing in ((1, 14.0), (2, 160.0), (3, 450.0)):
+        found = waves(turning("0.01"), k, effects)
+        speeds = found.meeting(casing, 3.0 * reference)
+        assert len(speeds)
+        for speed in speeds:
+            frequency = k * speed - casing
+            nearest = np.abs(found.frequencies(speed) - frequency).min()
+            assert nearest < 1e-7 * frequency
+        if effects == "none":
+            (mass, stiffness) = found.mass, found.stiffness
+            rest = np.sqrt(la.eigvalsh(stiffness, mass)) + casing
+            np.testing.assert_allclose(speeds, rest[rest < 3.0 * k * reference] / k, rtol=1e-9)
+        assert found.rank(speeds[0], k * speeds[0] - casing) == (0, True)
+
+
+def test_past_its_critical_speed_a_forward_wave_is_met_as_a_backward_one() -> None:
+    found = waves(turning("0.01"), 1, "full")
+    omega = 2.5 * 2 * np.pi * known("0.01")["reference_hz"]
+    lowest = found.frequencies(omega).real
+    assert found.rank(omega, lowest[lowest > 0.0].min()) == (0, False)

@@ -1,0 +1,117 @@
+"""Waves of one nodal diameter on a turning bladed disk over the speed, and where others meet them.
+
+A wave exp(i (k theta + w t)) at Omega has -w^2 M + 2 i w Omega G + K + Omega^2 (K_G1 - M_t)
+singular. Branches w(Omega) of one nodal diameter do not cross, so a branch is known by its rank: of
+those that travel backward at rest 0 for the lowest, and likewise of those that travel forward.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.case.rotation import Effects
+from bladewhirl.models.rotation.eigenproblems import gyroscopic_frequencies, positive_speeds
+from bladewhirl.models.rotation.matrices import RotationMatrices
+
+REAL = 1e-6
+"""Share of a speed up to which an imaginary part is rounding."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Waves:
+    """Matrices of one nodal diameter, (n, n)."""
+
+    nodal_diameter: int
+    mass: ComplexArray  #: M
+    stiffness: ComplexArray  #: K at rest
+    coriolis: ComplexArray  #: G, zero without Coriolis forces
+    softening: ComplexArray  #: K_G1 - M_t
+
+    def frequencies(self, omega: float) -> ComplexArray:
+        """All w at a speed [rad/s], descending: n backward at rest, then n forward, (2 n,)."""
+        stiffness = self.stiffness + omega**2 * self.softening
+        return gyroscopic_frequencies(self.mass, stiffness, 2.0 * omega * self.coriolis)
+
+    def rank(self, omega: float, frequency: float) -> tuple[int, bool]:
+        """Rank of the branch nearest to a frequency at a speed, and whether it is a backward one.
+
+        Args:
+            omega: speed of rotation [rad/s].
+            frequency: w, positive backward [rad/s].
+        """
+        nearest = int(np.abs(self.frequencies(omega) - frequency).argmin())
+        size = len(self.mass)
+        return (size - 1 - nearest, True) if nearest < size else (nearest - size, False)
+
+    def synchronous(self, order: int) -> FloatArray:
+        """Speeds at which w = order Omega, ascending [rad/s], (waves,).
+
+        K p = Omega^2 (m^2 M + M_t - 2 i m G - K_G1) p, a Hermitian eigenproblem. Order 0 gives
+        the critical speeds of a load that turns with the disk, as an imbalance does: there the
+        branches that travel forward at rest end, in their order. Order k gives the backward waves
+        that stand still on the casing.
+        """
+        pulled = order**2 * self.mass - 2j * order * self.coriolis - self.softening
+        return positive_speeds(self.stiffness, pulled)[0]
+
+    def meeting(self, casing_frequency: float, highest: float) -> FloatArray:
+        """Speeds at which a backward wave has w = k Omega - omega_c, ascending [rad/s], (waves,).
+
+        There a wave that travels forward on the casing keeps pace with it, Eq. (14) at speed. With
+        w put in, the eigenproblem is quadratic in Omega.
+
+        Args:
+            casing_frequency: omega_c of the wave on the casing [rad/s].
+            highest: speed that is looked at [rad/s].
+        """
+        k, size = self.nodal_diameter, len(self.mass)
+        twice = 2j * self.coriolis
+        second = k * twice - k**2 * self.mass + self.softening
+        first = casing_frequency * (2.0 * k * self.mass - twice)
+        zeroth = self.stiffness - casing_frequency**2 * self.mass
+        root = la.cholesky(self.stiffness, lower=True)
+        inverse = la.solve_triangular(root, np.eye(size), lower=True)
+        second, first, zeroth = (
+            inverse @ each @ inverse.conj().T
+            for each in (highest**2 * second, highest * first, zeroth)
+        )
+        # For highest / Omega, of which those that are looked at are the largest.
+        left = np.vstack([np.hstack([-first, -second]), np.eye(size, 2 * size)])
+        over, under = la.eigvals(
+            left, la.block_diag(zeroth, np.eye(size)), homogeneous_eigvals=True
+        )
+        sure = np.abs(over) > np.finfo(np.float64).eps * np.abs(under)
+        found = highest * under[sure] / over[sure]
+        speeds = np.sort(found[np.abs(found.imag) <= REAL * np.abs(found)].real)
+        met = (speeds > 0.0) & (speeds <= highest) & (k * speeds > casing_frequency)
+        return np.asarray(speeds[met])
+
+
+def waves(matrices: RotationMatrices, nodal_diameter: int, effects: Effects) -> Waves:
+    """Matrices of one nodal diameter of a bladed disk of equal sectors.
+
+    Raises:
+        ValueError: its sectors are not equal.
+    """
+    structure = matrices.structure
+    if not structure.is_cyclic or structure.layout is None:
+        raise ValueError("waves of one nodal diameter need equal sectors")
+    basis = structure.layout.basis(nodal_diameter)
+    turning, full = effects != "none", effects == "full"
+
+    def block(matrix: sp.csr_array) -> ComplexArray:
+        return np.asarray((basis.conj().T @ matrix @ basis).toarray())
+
+    softening, coriolis = block(matrices.geometric - matrices.mass), block(matrices.coriolis)
+    return Waves(
+        nodal_diameter=nodal_diameter,
+        mass=block(structure.mass),
+        stiffness=block(structure.stiffness),
+        coriolis=coriolis if full else np.zeros_like(coriolis),
+        softening=softening if turning else np.zeros_like(softening),
+    )

@@ -1,0 +1,137 @@
+"""Campbell diagrams of a bladed disk that feels that it turns."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+from stages import oracle
+from typer.testing import CliRunner
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import case_from, dumps_case, with_values
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.modal.campbell import plot_campbell
+from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.modal.campbell import campbell, coincidence_list
+
+KNOWN = oracle("rotation")["stages"]["0.01"]
+
+
+def stage_case(effects: str = "full") -> Case:
+    return case_from(
+        {
+            "bladed_disk": {"disk": {"thickness": 0.01}},
+            "rotation": {"effects": effects},
+            "march": {"speed": 1.05},
+        }
+    )
+
+
+@cache
+def diagram(effects: str = "full") -> xr.Dataset:
+    return campbell(stage_case(effects), families=2, speeds=(0.0, 2.5))
+
+
+def test_critical_speeds_and_engine_orders_are_listed() -> None:
+    found = coincidence_list(diagram())
+    (critical,) = found["critical_speeds"]
+    assert critical["ratio"] == pytest.approx(KNOWN["critical_speed"], rel=1e-7)
+    assert critical["rpm"] == pytest.approx(critical["ratio"] * 60.0 * KNOWN["reference_hz"])
+    assert (critical["k"], critical["family"]) == (1, "1F")
+    orders = {(row["k"], row["family"]): row["ratio"] for row in found["engine_orders"]}
+    for row in KNOWN["engine_orders"]:
+        assert orders[row["k"], "1F"] == pytest.approx(row["full"], rel=1e-7)
+    assert found["clearance_gone"]["ratio"] == pytest.approx(KNOWN["growth_of_1mm"], rel=1e-7)
+
+
+def test_without_coriolis_forces_waves_do_not_part() -> None:
+    found = diagram("centrifugal")
+    orders = {
+        (row["k"], row["family"]): row["ratio"] for row in coincidence_list(found)["engine_orders"]
+    }
+    for row in KNOWN["engine_orders"]:
+        assert orders[row["k"], "1F"] == pytest.approx(row["no_coriolis"], rel=1e-7)
+    backward = found.branch_frequency[(found.branch_direction == "backward").values]
+    forward = found.branch_frequency[(found.branch_direction == "forward").values]
+    stiff = (found.line_speed < 2.1).values
+    np.testing.assert_allclose(backward.values[:, stiff], -forward.values[:, stiff], rtol=1e-9)
+
+
+def test_branches_have_the_frequencies_of_the_stage_at_speed() -> None:
+    found = diagram()
+    for row in KNOWN["speeds"]:
+        if row["ratio"] in (0.5, 2.5):  # which are among the speeds of the lines
+            here = found.sel(line_speed=row["ratio"], method="nearest")
+            for k in (2, 5):
+                for way in ("backward", "forward"):
+                    own = (found.branch_nodal_diameter == k) & (found.branch_direction == way)
+                    own &= found.branch_family == "1F"
+                    (frequency,) = np.abs(here.branch_frequency.values[own.values])
+                    assert frequency == pytest.approx(row[way][str(k)][0], rel=1e-7)
+            grown = float(here.tip_growth)
+            assert grown == pytest.approx(row["tip_growth_softened"], rel=1e-7)
+
+
+def test_coincidences_lie_on_the_branches() -> None:
+    """At k Omega - omega_c, later than at rest: tension stiffens the blades."""
+    found, at_rest = diagram(), campbell(stage_case("none"), families=2)
+    for family, k in (("1F", 1), ("1F", 2), ("1F", 4)):
+        casing = "rigid" if k == 1 else "1F"
+        one = found.sel(family=family, casing_family=casing, nodal_diameter=k)
+        other = at_rest.sel(family=family, casing_family=casing, nodal_diameter=k)
+        assert float(one.normalised_speed.item()) > float(other.normalised_speed.item()) * 1.01
+        hertz = float(one.speed.item()) / 60.0
+        met = k * hertz - float(one.casing_frequency.item())
+        assert float(one.rotor_frequency.item()) == pytest.approx(met, rel=1e-12)
+        branch = (found.branch_nodal_diameter == k) & (found.branch_direction == "backward")
+        branch &= found.branch_family == family
+        line = found.branch_frequency.values[branch.values][0]
+        expected = np.interp(one.normalised_speed.item(), found.line_speed.values, line)
+        assert met == pytest.approx(expected, rel=1e-3)
+
+
+def texts(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def test_the_figures_tell_branches_and_critical_speeds() -> None:
+    rotating, static = (plot_campbell(diagram(), frame) for frame in ("rotating", "static"))
+    assert {"forward", "engine order", "critical"} <= set(texts(rotating))
+    assert "engine order" not in texts(static)
+    (cross,) = [line for line in rotating.axes[0].lines if line.get_marker() == "x"]
+    np.testing.assert_allclose(np.asarray(cross.get_xdata()), KNOWN["critical_speed"], rtol=1e-7)
+    np.testing.assert_array_equal(np.asarray(cross.get_ydata()), 0.0)
+    at_rest = texts(plot_campbell(campbell(stage_case("none"), families=2), "rotating"))
+    assert not {"forward", "critical"} & set(at_rest)
+
+
+def test_the_command_says_it_in_words_and_as_json(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(dumps_case(stage_case()), encoding="utf-8")
+
+    def run(*options: str) -> str:
+        done = CliRunner().invoke(app, ["campbell", str(file), "--families", "1", *options])
+        assert done.exit_code == 0, done.output
+        return done.stdout
+
+    found: dict[str, Any] = json.loads(run("--json"))
+    assert [row["family"] for row in found["critical_speeds"]] == ["1F"]
+    told = run("-o", str(tmp_path / "out"))
+    assert "Critical speed 2.10802 ω₁ = 4832.4 rpm: 1F, k = 1." in told
+    assert "Growth takes the cold clearance at 3.4042 ω₁" in told
+    assert "No critical speed up to 2 ω₁." in run("-o", str(tmp_path / "low"), "--speeds", "0:2")
+    with xr.open_dataset(tmp_path / "out" / "campbell-rotating.nc") as data:
+        assert set(data["branch_family"].values) == {"1F", "suspension"}
+
+
+def test_unlike_sectors_are_refused() -> None:
+    blades = {"stiffness": [1.0] * 21 + [1.01]}
+    with pytest.raises(UserError, match="campbell: expected equal sectors"):
+        campbell(with_values(stage_case("centrifugal"), {"bladed_disk.mistuning": blades}))
