@@ -1,7 +1,12 @@
 """The bladed disk reduced to its tips, its centre and fixed-interface modes, as plain matrices.
 
-M q'' + D q' + K q = f in rotating axes. The march has the modes of these matrices; whoever builds
-a solver, an observer or a circuit of their own wants the matrices, and degrees of freedom by name.
+M q'' + D q' + K q = f in rotating axes; with rotation effects K is that at speed, and Coriolis
+forces G q' may join. The basis is found with the stiffness at speed: with Coriolis forces the
+first N frequencies of Table 1 are then within 6e-5 of the full model's at 1.05 and 4e-4
+at 2.5; on the basis at rest they are within 1e-4 and 1.2e-3.
+
+The march has the modes of these matrices; whoever builds a solver, an observer or a circuit of
+their own wants the matrices, and degrees of freedom by name.
 """
 
 from __future__ import annotations
@@ -16,6 +21,7 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton_basis
+from bladewhirl.models.rotation.eigenproblems import gyroscopic_frequencies
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,7 +39,11 @@ class ReducedDisk:
     names: tuple[str, ...]  #: "tip 3 radial", "centre x", "fixed-interface 12", (size,)
     mass: FloatArray  #: [kg] among displacements, (size, size)
     stiffness: FloatArray  #: [N/m] among displacements, (size, size)
-    damping: FloatArray  #: modal damping and the shaft's dampers [N s/m], (size, size)
+    damping: FloatArray
+    """Modal damping and the shaft's dampers [N s/m], (size, size). With Coriolis forces it is that
+    of the modes at rest; it turns with the disk and can feed waves past their critical speed."""
+    gyroscopic: FloatArray | None
+    """Coriolis forces by velocity, skew [N s/m], (size, size); None where they don't count."""
     basis: FloatArray  #: free degrees of freedom of the finite element model, (full size, size)
     disk: BladedDiskModel  #: the finite element model
 
@@ -48,7 +58,10 @@ class ReducedDisk:
 
     @property
     def frequencies(self) -> FloatArray:
-        """Natural frequencies [rad/s], ascending, (size,)."""
+        """Natural frequencies [rad/s], ascending, of waves where Coriolis forces count, (size,)."""
+        if self.gyroscopic is not None:
+            w = gyroscopic_frequencies(self.mass, self.stiffness, self.gyroscopic)
+            return np.sort(np.abs(w.real))[::2]  # each is there with both signs
         squares = la.eigvalsh(self.stiffness, self.mass)
         return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
 
@@ -73,6 +86,8 @@ class ReducedDisk:
         import xarray as xr
 
         matrices = {"mass": "kg", "stiffness": "N/m", "damping": "N s/m"}
+        if self.gyroscopic is not None:
+            matrices["gyroscopic"] = "N s/m"
         return xr.Dataset(
             {
                 name: (
@@ -103,7 +118,13 @@ def reduced_disk(
     mass = basis.T @ (structure.mass @ basis)
     stiffness = basis.T @ (structure.stiffness @ basis)
     mass, stiffness = 0.5 * (mass + mass.T), 0.5 * (stiffness + stiffness.T)
-    squares, vectors = la.eigh(stiffness, mass)
+    gyroscopic, damped = None, stiffness
+    if structure.gyroscopic is not None:
+        gyroscopic = basis.T @ (structure.gyroscopic @ basis)
+        gyroscopic = 0.5 * (gyroscopic - gyroscopic.T)
+        damped = basis.T @ (structure.elastic @ basis)
+        damped = 0.5 * (damped + damped.T)
+    squares, vectors = la.eigh(damped, mass)
     held = mass @ vectors
     rates = 2.0 * case.damping.ratio * np.sqrt(np.maximum(squares, 0.0))
     damping = (held * rates) @ held.T
@@ -120,6 +141,7 @@ def reduced_disk(
         mass=mass,
         stiffness=stiffness,
         damping=damping,
+        gyroscopic=gyroscopic,
         basis=basis,
         disk=disk,
     )

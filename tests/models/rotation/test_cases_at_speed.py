@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 from bladewhirl.models.case.case import Case, Rotation
 from bladewhirl.models.case.file import case_from, dumps_case, loads, with_values
 from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.loads import unbalance
 from bladewhirl.models.stage.stage import build_stage
@@ -103,6 +104,24 @@ def test_imbalance_is_calibrated_with_the_stiffness_at_speed() -> None:
     stage = build_stage(turning(excitation=load, rotation=cold))
     room = 1e-3 - known(1.05)["tip_growth_softened"]
     assert unbalance(stage) == pytest.approx(room / tip / omega**2, rel=1e-8)
+
+
+def test_reduced_matrices_with_coriolis_forces() -> None:
+    """Waves of the reduced model, and what internal damping does to the slowest of them."""
+    reduced, row = build_stage(turning("full")).reduced, known(1.05)
+    assert reduced.gyroscopic is not None
+    assert abs(reduced.gyroscopic + reduced.gyroscopic.T).max() == 0.0
+    waves = [row[way][str(k)][0] for k in range(1, 11) for way in ("backward", "forward")]
+    waves += [row["backward"][str(k)][0] for k in (0, 11)]
+    found = reduced.frequencies[:22] / (2 * np.pi)
+    np.testing.assert_allclose(found, sorted(waves), rtol=7e-5)
+    damped, _ = damped_eigenvalues(
+        reduced.mass, reduced.damping + reduced.gyroscopic, reduced.stiffness
+    )
+    (growth,) = [growth for ratio, growth, _ in THIN["growth_rates_xi_0.005"] if ratio == 1.05]
+    assert damped.real.max() == pytest.approx(growth, rel=2e-4)
+    assert "gyroscopic" in reduced.to_xarray()
+    assert "gyroscopic" not in build_stage(turning()).reduced.to_xarray()
 
 
 def test_without_effects_nothing_is_assembled_anew() -> None:
