@@ -30,7 +30,7 @@ from .postprocess.run.poincare import poincare_map as poincare_map
 from .postprocess.run.spectra import shaft_spectrogram as shaft_spectrogram
 from .postprocess.run.spectra import shaft_spectrum as shaft_spectrum
 from .postprocess.run.stresses import stress_history as stress_history
-from .postprocess.run.whirl import whirl_history as whirl_history
+from .postprocess.run.whirl_history import whirl_history as whirl_history
 from .postprocess.sweep.dataset import open_sweep as open_sweep
 from .studies.convergence.study import convergence as convergence
 from .studies.modal.campbell import campbell as campbell

@@ -21,7 +21,7 @@ from bladewhirl.postprocess.plotting.style import (
     new_figure,
     styled,
 )
-from bladewhirl.postprocess.run.orbits import FRAMES, whirl
+from bladewhirl.postprocess.run.whirl import FRAMES, whirl
 
 MILLI, MICRO = 1e3, 1e6
 
@@ -53,9 +53,8 @@ def plot_orbits(orbit: xr.Dataset) -> Figure:
         axes.plot(*path.T, color=COLOURS["rotor"], linewidth=0.6)
         for record in np.linspace(0.0, len(path) - 1.0, ARROWS + 1).astype(np.int64)[1:]:
             axes.annotate("", path[record], path[record - 1], arrowprops=ARROW)
-        found = whirl(orbit, frame)
         axes.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge), xlabel="x [µm]")
-        axes.set_title(f"{frame} frame\n{found.direction}, {abs(found.rate) / (2 * np.pi):.3g} Hz")
+        axes.set_title(f"{frame} frame\n{whirl(orbit, frame).text}")
     panels[0].set_ylabel("y [µm]")
     return figure
 

@@ -19,9 +19,10 @@ from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_clas
 from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.run.energies import strain_energies
 from bladewhirl.postprocess.run.figures import RunFigures
-from bladewhirl.postprocess.run.orbits import MILLI, whirl
+from bladewhirl.postprocess.run.orbits import MILLI
 from bladewhirl.postprocess.run.regimes import classify
 from bladewhirl.postprocess.run.summary import MARCH_REPORT, summarise, summary_rows
+from bladewhirl.postprocess.run.whirl import FRAMES, whirl
 
 LATE = "over the last third"
 """The time of a whirl and a contact scenario."""
@@ -183,10 +184,9 @@ def _glance(
             f"{radius / share:.3g} times the clearance" if share else "",
         ),
     ]
-    for frame in ("rotating", "static"):
-        seen = whirl(late, frame)
-        rate = f"{abs(seen.rate) / (2 * np.pi):.3g} Hz, " if seen.direction != "none" else ""
-        found.append((f"whirl, {frame} frame", seen.direction, rate + LATE))
+    for frame in FRAMES:
+        direction, _, rate = whirl(late, frame).text.partition(", ")
+        found.append((f"whirl, {frame} frame", direction, ", ".join(filter(None, [rate, LATE]))))
     found.append(
         (
             "blades that touched",

@@ -19,7 +19,7 @@ from bladewhirl.postprocess.run.family_energies import (
     mean_energies,
 )
 from bladewhirl.postprocess.run.growth import amplitude_growth
-from bladewhirl.postprocess.run.orbits import Frame, shaft_orbit
+from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.postprocess.run.poincare import state_space
 from bladewhirl.postprocess.run.spectra import (
     modal_lines,
@@ -28,7 +28,8 @@ from bladewhirl.postprocess.run.spectra import (
     with_lines,
 )
 from bladewhirl.postprocess.run.stresses import stress_history
-from bladewhirl.postprocess.run.whirl import whirl_history
+from bladewhirl.postprocess.run.whirl import Frame
+from bladewhirl.postprocess.run.whirl_history import whirl_history
 
 
 class RunFigures:

@@ -10,9 +10,9 @@ from bladewhirl.postprocess.fields.fields import Array, ViewError
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run.blade_contact import contact_classes
 from bladewhirl.postprocess.run.contact_side import contact_phase
-from bladewhirl.postprocess.run.orbits import FRAMES, whirl
 from bladewhirl.postprocess.run.poincare import poincare_map
-from bladewhirl.postprocess.run.whirl import whirl_history
+from bladewhirl.postprocess.run.whirl import FRAMES, whirl
+from bladewhirl.postprocess.run.whirl_history import whirl_history
 
 
 def late_motion(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
@@ -34,11 +34,9 @@ def late_motion(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
     late, path = late_part(dataset), late_part(orbit)
     phases = contact_phase(late, path)
     turning = {frame: whirl(path, frame) for frame in FRAMES}
-    sense = -1.0 if orbit.attrs["speed"] < 0 else 1.0
     radius = float(np.sqrt(np.mean(path["radius"].values ** 2)))
     rates = whirl_history(path)["rate"].sel(frame="rotating").dropna("time").values
     hertz = {"units": "Hz"}
-    rate = sense * turning["rotating"].rate if radius > 0 else np.nan
     scatter = rates.std() if len(rates) > 1 else np.nan
     if path.sizes["time"] > 1:
         share = contact_classes(late)["share"].values
@@ -48,7 +46,7 @@ def late_motion(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
         {
             "late_radius": ((), radius, {"units": "m"}),
             **{f"whirl_{frame}": ((), turning[frame].direction) for frame in FRAMES},
-            "whirl_frequency": ((), rate / (2 * np.pi), hertz),
+            "whirl_frequency": ((), turning["rotating"].rate / (2 * np.pi), hertz),
             "whirl_scatter": ((), scatter / (2 * np.pi), hertz),
             "scenario": ((), phases.attrs["scenario"].replace(" ", "-")),
             "shaft_lead": ((), phases.attrs["lead"], {"units": "rad"}),

@@ -13,10 +13,11 @@ from bladewhirl.postprocess.fields.windows import late_part, select_window
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
 from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.run.energies import strain_energies
-from bladewhirl.postprocess.run.orbits import Frame, Whirl, shaft_orbit, whirl
+from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.postprocess.run.poincare import poincare_map
 from bladewhirl.postprocess.run.regimes import Regime, classify
-from bladewhirl.postprocess.run.whirl import whirl_history
+from bladewhirl.postprocess.run.whirl import Frame, Whirl, whirl
+from bladewhirl.postprocess.run.whirl_history import whirl_history
 
 HOLDERS = ("suspension", "k = 0", "k = 1", "other k", "rest")
 """Groups that hold strain energy; "k" are nodal diameters of the first blade family."""
@@ -93,7 +94,7 @@ class Motion:
 
     @cached_property
     def late_whirl_rates(self) -> np.ndarray[Any, np.dtype[np.float64]]:
-        """Whirl in the static frame in equal spans of the last third [rad/s]."""
+        """Whirl in the static frame in equal spans of the last third, forward positive [rad/s]."""
         rates = whirl_history(late_part(self.orbit))["rate"].sel(frame="static")
         return np.asarray(rates.dropna("time").values)
 

@@ -1,7 +1,6 @@
 """The orbit of the shaft's centre in rotating and in static axes, and which way it whirls."""
 
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -15,16 +14,7 @@ from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import in_window, late_part
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
 from bladewhirl.postprocess.plotting.units import length_unit
-
-Direction = Literal["forward", "backward", "none"]
-Frame = Literal["rotating", "static"]
-FRAMES: tuple[Frame, Frame] = ("rotating", "static")
-
-CLEAR_SHARE = 0.2
-"""Share of the motion that must go one way round before a whirl is given a direction."""
-
-LEAST_TURN = 0.1
-"""Turns about the origin that a motion must make before its whirl is given a direction."""
+from bladewhirl.postprocess.run.whirl import FRAMES, whirl
 
 LONG_LINE = 5000
 """Points above which a line is a picture inside a PDF: such files would grow unwieldy."""
@@ -49,14 +39,6 @@ ARROW = {
     "shrinkB": 0.0,
 }
 MILLI = 1e3
-
-
-@dataclass(frozen=True, kw_only=True)
-class Whirl:
-    """Mean turning of an orbit about the origin."""
-
-    rate: float  #: positive counter-clockwise [rad/s]
-    direction: Direction  #: forward: in the sense of rotation (+theta at standstill)
 
 
 def shaft_orbit(
@@ -103,29 +85,6 @@ def shaft_orbit(
     )
 
 
-def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
-    """Mean rate of turning over the records given, each weighted by its radius squared.
-
-    The rate is the sum of x cross v over the sum of r^2: for a circle its angular frequency, and
-    between the frames it differs by the speed exactly. The direction is "none" where less than a
-    fifth of the motion goes round (a straight or a fixed line), or less than a tenth of a turn
-    is made.
-    """
-    place, velocity = orbit[frame].values, orbit[f"{frame}_velocity"].values
-    around = place[:, 0] * velocity[:, 1] - place[:, 1] * velocity[:, 0]
-    size = np.sum(place**2)
-    if size == 0:
-        return Whirl(rate=0.0, direction="none")
-    rate = float(np.sum(around) / size)
-    moved = np.sum(np.hypot(*place.T) * np.hypot(*velocity.T))
-    time = orbit["time"].values
-    turns = abs(rate) * (time[-1] - time[0]) / (2 * np.pi)
-    if abs(np.sum(around)) < CLEAR_SHARE * moved or turns < LEAST_TURN:
-        return Whirl(rate=rate, direction="none")
-    sense = -1.0 if orbit.attrs["speed"] < 0 else 1.0
-    return Whirl(rate=rate, direction="forward" if sense * rate > 0 else "backward")
-
-
 @styled
 def plot_orbit(orbit: xr.Dataset) -> Figure:
     """Draw an orbit from `shaft_orbit` in rotating and static axes, side by side.
@@ -149,7 +108,7 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
             axes.add_patch(Circle((0, 0), scale * clearance, fill=False, **CLEARANCE_LINE))
         _draw_path(axes, scale * orbit[frame].values)
         _draw_turn(axes, _last_turn(scale * late[frame].values), edge)
-        axes.set_title(f"{frame} frame\n{_sense(whirl(late, frame))}")
+        axes.set_title(f"{frame} frame\n{whirl(late, frame).text}")
     panels[0].set_ylabel(f"y [{unit}]")
     if not tiny:
         panels[0].plot([], [], label="clearance", **CLEARANCE_LINE)
@@ -157,12 +116,6 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
     outside = f"\n(the clearance, {MILLI * clearance:.3g} mm, is far outside)" if tiny else ""
     figure.suptitle(f"orbit of the shaft, {speed_label(orbit)}{outside}")
     return figure
-
-
-def _sense(found: Whirl) -> str:
-    if found.direction == "none":
-        return "no whirl"
-    return f"{found.direction}, {abs(found.rate) / (2 * np.pi):.3g} Hz"
 
 
 def _draw_path(axes: Axes, place: Array) -> None:

@@ -12,7 +12,8 @@ from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import late_part, window_label
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
 from bladewhirl.postprocess.plotting.units import handy_unit, length_unit
-from bladewhirl.postprocess.run.orbits import LONG_LINE, PALE, Frame, shaft_orbit
+from bladewhirl.postprocess.run.orbits import LONG_LINE, PALE, shaft_orbit
+from bladewhirl.postprocess.run.whirl import Frame
 
 
 def poincare_map(

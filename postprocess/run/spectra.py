@@ -30,7 +30,8 @@ from bladewhirl.postprocess.plotting.style import (
     styled,
 )
 from bladewhirl.postprocess.run.energies import FIRST_FAMILY, SUSPENSION
-from bladewhirl.postprocess.run.orbits import MILLI, Frame, shaft_orbit
+from bladewhirl.postprocess.run.orbits import MILLI, shaft_orbit
+from bladewhirl.postprocess.run.whirl import Frame
 
 FEWEST_RECORDS = 16
 """Records without which a spectrum says nothing."""

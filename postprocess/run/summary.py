@@ -12,14 +12,26 @@ from rich.table import Table
 
 from bladewhirl.postprocess.fields.fields import Array
 from bladewhirl.postprocess.fields.result import reduce_modes
+from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run.energies import FIRST_FAMILY, strain_energies
 from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.postprocess.run.regimes import RegimeName, classify
+from bladewhirl.postprocess.run.whirl import FRAMES, Frame, ripple, strongest_lines, whirl
 
 EnergyHolders = TypedDict(
     "EnergyHolders", {"suspension": float, "1F": dict[str, float], "rest": float}
 )
 """Strain energies [J]; the first family's by nodal diameter, named as in JSON ("0", "1", ...)."""
+
+
+class LineOfWhirl(TypedDict):
+    rotating: float
+    static: float
+    share: float
+
+
+"""A line of the shaft's spectrum: its frequency in both frames [Hz], forward positive, and its
+share of the mean square."""
 
 LARGE_DISPLACEMENT = 0.3
 """Share of the tip radius from which linear bending of a blade is off by a tenth."""
@@ -35,6 +47,17 @@ MARCH_REPORT = (
 """Figures that the histories do not hold."""
 
 
+class WhirlFigures(TypedDict):
+    """What `Summary` has of the whirl."""
+
+    whirl_frequency_rotating: float | None
+    whirl_frequency_static: float | None
+    whirl_frequency_error: float | None
+    whirl_lines: list[LineOfWhirl]
+    ripple_rms: float
+    ripple_frequency: float | None
+
+
 @dataclass(frozen=True, kw_only=True)
 class Summary:
     """A run in figures; the fields are the keys of `summary.json`."""
@@ -47,6 +70,14 @@ class Summary:
     end_time: float  #: [s]
     shaft_radius_max: float  #: over the records [m]
     shaft_radius_final: float  #: [m]
+    whirl_frequency_rotating: float | None
+    """Net turns a second about the bearing's centre over the last third [Hz], forward positive,
+    in rotating axes; None where no single rate exists, see `whirl.whirl`."""
+    whirl_frequency_static: float | None  #: the same in static axes [Hz]
+    whirl_frequency_error: float | None  #: standard error of both [Hz]
+    whirl_lines: list[LineOfWhirl]  #: strongest of the two-sided spectrum over the last third
+    ripple_rms: float  #: motion about its mean place in rotating axes, last third [m]
+    ripple_frequency: float | None  #: net turns a second of it about that place [Hz]
     tip_displacement_max: float  #: of any blade tip, in any direction, over the records [m]
     strain_energy_max: float  #: bladed disk with its shaft springs, over the records [J]
     strain_energy_final: EnergyHolders  #: [J]
@@ -81,7 +112,8 @@ def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary
     if missing:
         raise ValueError(f"march report: expected {', '.join(MARCH_REPORT)}; lacks {missing}")
     energies = strain_energies(dataset)
-    radius = shaft_orbit(dataset)["radius"].values
+    orbit = shaft_orbit(dataset)
+    radius = orbit["radius"].values
     regime = classify(dataset, energies["total"].values)
     steps = int(march_report["steps"])
     contact_steps = dataset["contact_steps"].sum("time").values
@@ -94,6 +126,7 @@ def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary
         end_time=float(dataset["time"][-1]),
         shaft_radius_max=float(radius.max()),
         shaft_radius_final=float(radius[-1]),
+        **_whirl_figures(orbit),
         tip_displacement_max=_largest_tip_displacement(dataset),
         strain_energy_max=float(energies["total"].max()),
         strain_energy_final=_holders(energies.isel(time=-1)),
@@ -150,12 +183,24 @@ def summary_rows(summary: Summary) -> dict[str, str]:
     def part(energy: float) -> str:
         return f"{energy:.4g} J ({100 * energy / total:.1f} %)" if total else "0 J"
 
+    def turning(frame: Frame, frequency: float | None) -> str:
+        if frequency is not None:
+            way = "forward" if frequency > 0 else "backward"
+            known = 2 * (summary.whirl_frequency_error or 0.0)
+            return f"{way}, {abs(frequency):.4g} ± {known:.1g} Hz over the last third"
+        lines = [f"{line['share']:.0%} at {line[frame]:.3g} Hz" for line in summary.whirl_lines]
+        return ": ".join(filter(None, ["no single rate", ", ".join(lines)]))
+
     return {
         "regime": summary.regime,
         "because": summary.regime_criterion.rpartition("Here: ")[2],
         "end time": f"{summary.end_time:.6g} s, {summary.end_reason}",
         "shaft radius, largest": f"{1e3 * summary.shaft_radius_max:.4g} mm",
         "shaft radius, final": f"{1e3 * summary.shaft_radius_final:.4g} mm",
+        "whirl, rotating frame": turning("rotating", summary.whirl_frequency_rotating),
+        "whirl, static frame": turning("static", summary.whirl_frequency_static),
+        "ripple about the mean place": f"{1e3 * summary.ripple_rms:.3g} mm (rms)"
+        + (f", {summary.ripple_frequency:.4g} Hz" if summary.ripple_frequency else ""),
         "tip displacement, largest": f"{1e3 * summary.tip_displacement_max:.4g} mm",
         "strain energy, largest": f"{summary.strain_energy_max:.4g} J",
         "strain energy, final": f"{total:.4g} J",
@@ -197,6 +242,26 @@ def displacement_hints(summary: Summary, tip_radius: float) -> tuple[str, ...]:
         f"tips moved up to {summary.tip_displacement_max:.3g} m, and from about {limit:.2g} m on "
         "a linear model is off by a tenth or more: take the kind of motion from it, not its size",
     )
+
+
+def _whirl_figures(orbit: xr.Dataset) -> WhirlFigures:
+    late = late_part(orbit)
+    rotating, static = (whirl(late, frame) for frame in FRAMES)
+    size, about = ripple(late, "rotating")
+    carried = abs(float(orbit.attrs["speed"])) / (2 * np.pi)
+    return {
+        "whirl_frequency_rotating": rotating.frequency,
+        "whirl_frequency_static": static.frequency,
+        "whirl_frequency_error": (
+            float(rotating.error / (2 * np.pi)) if np.isfinite(rotating.error) else None
+        ),
+        "whirl_lines": [
+            {"rotating": line.frequency, "static": line.frequency + carried, "share": line.share}
+            for line in strongest_lines(late, "rotating")
+        ],
+        "ripple_rms": size,
+        "ripple_frequency": about.frequency,
+    }
 
 
 def _largest_tip_displacement(dataset: xr.Dataset) -> float:

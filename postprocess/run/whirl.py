@@ -1,130 +1,191 @@
-"""Direction and rate of the shaft's whirl as time goes on."""
+"""The whirl of the shaft: its net turns about the bearing's centre, and its strongest lines.
+
+A whirl has a frequency where its phase has net turns: the slope of the unwrapped angle about the
+bearing's centre. The mean of x cross v over that of r^2 is not one: a small fast component enters
+it with its own rate times its amplitude squared. Frequencies are positive for forward motion, in
+the sense of rotation (+theta at standstill).
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Literal
+
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from scipy.stats import linregress
 
-from bladewhirl.postprocess.fields.fields import Array, IntArray
-from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.windows import few_time_ticks, span_means, span_starts
-from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
-from bladewhirl.postprocess.plotting.units import length_unit
-from bladewhirl.postprocess.run.orbits import CLEAR_SHARE, FRAMES, LEAST_TURN, Frame, shaft_orbit
+from bladewhirl.postprocess.fields.fields import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.windows import evenly_spaced, span_starts
 
-PERIODS = 2.0
-"""Least length of a span, in periods of the reference frequency: ripple is averaged away."""
+Direction = Literal["forward", "backward", "none"]
+Frame = Literal["rotating", "static"]
+FRAMES: tuple[Frame, Frame] = ("rotating", "static")
 
-MOST_SPANS = 40
-"""Spans that a run is cut into at most."""
+LEAST_TURN = 0.1
+"""Turns about the origin that a motion must make before its whirl is given a direction."""
 
-LOOK = {"rotating": ("-", "o", "rotor"), "static": ("--", "s", "casing")}
-"""Line, marker and colour of each frame."""
+CERTAINTY = 2.0
+"""Standard errors that a rate must be away from zero."""
+
+SPANS = 10
+"""Spans whose rates tell how well the rate of all of them is known."""
+
+DOUBTFUL = 0.5 * np.pi
+"""Angle between two records from which on they may lie on either side of the centre [rad]."""
+
+MOST_LINES, LEAST_SHARE, LOBE = 3, 0.02, 2
+"""Lines of a spectrum that are told, the least share of each, and half the width of one, in
+resolutions of the Hann window."""
+
+FEWEST_RECORDS = 16
+"""Records without which a spectrum says nothing."""
 
 
-def whirl_history(
-    result: xr.Dataset, *, start: float | None = None, end: float | None = None
-) -> xr.Dataset:
-    """Mean rate and direction of the whirl in equal spans of time, in both frames.
+@dataclass(frozen=True, kw_only=True)
+class Whirl:
+    """Net turns of an orbit about the bearing's centre; forward is positive."""
 
-    The rate is that of `orbits.whirl`, the sum of x cross v over the sum of r^2 in the span, and
-    so is the rule by which a direction is clear enough to be given.
+    rate: float  #: slope of the unwrapped angle [rad/s]; nan at rest
+    error: float  #: standard error of it [rad/s]; nan where too short to tell
+    goes_round: bool  #: the rate is one: the angle goes on by more than it swings to and fro
+
+    @property
+    def direction(self) -> Direction:
+        """Which way round it goes: forward is in the sense of rotation."""
+        if not self.goes_round:
+            return "none"
+        return "forward" if self.rate > 0 else "backward"
+
+    @property
+    def frequency(self) -> float | None:
+        """Net turns a second [Hz], forward positive; None where no single rate exists."""
+        return self.rate / (2 * np.pi) if self.goes_round else None
+
+    @property
+    def text(self) -> str:
+        """Direction, frequency and `CERTAINTY` standard errors of it, in words."""
+        if self.frequency is None:
+            return "no whirl"
+        wide = CERTAINTY * self.error / (2 * np.pi)
+        known = f" ± {wide:.1g}" if wide > 5e-4 * abs(self.frequency) else ""
+        return f"{self.direction}, {abs(self.frequency):.3g}{known} Hz"
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpectralLine:
+    """A line of the two-sided spectrum of an orbit."""
+
+    frequency: float  #: [Hz], forward positive
+    share: float  #: of the mean square of the displacement
+
+
+def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
+    """Net turns about the bearing's centre over the records given.
+
+    The rate is the slope of a straight line through the unwrapped angle; between the frames it
+    differs by the speed exactly. Its error is that of the mean of the slopes in ten equal spans,
+    so it counts how the rate wanders rather than how many records there are. There is no single
+    rate where the angle turns on by less than a tenth of a turn, than it swings about that line
+    (an orbit that leaves the centre outside, such as a ripple about a steady place), or than two
+    standard errors. A place that turns by more than a quarter turn between two records may have
+    passed the centre on either side: each adds a turn to what has to be exceeded.
 
     Args:
-        result: of a run, or its orbit from `orbits.shaft_orbit`.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        orbit: from `orbits.shaft_orbit`, of the time that is wanted.
+        frame: of the observer.
+    """
+    time = orbit["time"].values
+    if len(time) < 2 or not orbit["radius"].values.any():
+        return Whirl(rate=float("nan"), error=float("nan"), goes_round=False)
+    angle, doubtful = phase(orbit, frame)
+    fit = linregress(time, angle)
+    turned = abs(fit.slope) * np.ptp(time)
+    swing = np.ptp(angle - fit.slope * time) + 2 * np.pi * np.count_nonzero(doubtful)
+    error = _slope_error(time, angle)
+    return Whirl(
+        rate=float(fit.slope),
+        error=error,
+        goes_round=bool(
+            turned >= LEAST_TURN * 2 * np.pi
+            and turned > swing
+            and not abs(fit.slope) <= CERTAINTY * error
+        ),
+    )
+
+
+def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, Array]:
+    """Unwrapped angle about the bearing's centre [rad], forward positive, and where it is in doubt.
+
+    Args:
+        orbit: from `orbits.shaft_orbit`.
+        frame: of the observer.
 
     Returns:
-        over (frame, time), time being the middle of each span: `rate` [rad/s], positive
-        counter-clockwise, nan where the shaft rests; `direction`, 1 forward (in the sense of
-        rotation), -1 backward, 0 where the motion hardly goes round; over time: `radius` [m],
-        root mean square. Attribute `span`, the length of each [s].
-
-    Example:
-        ``whirl_history(result)["rate"].sel(frame="static").plot()``
+        angle (time,); whether the step after each record may go either way round, (time - 1,).
     """
-    orbit = shaft_orbit(result, start=start, end=end)
-    time = orbit["time"].values
-    period = 2 * np.pi / orbit.attrs["reference_frequency"]
-    spans = int(np.clip(np.ptp(time) / (PERIODS * period), 1, MOST_SPANS))
-    starts = span_starts(time, spans)
-    length = np.ptp(time) / spans
-    square = span_means(orbit["radius"].values ** 2, starts)
-    found = [_turning(orbit, frame, starts, square, length) for frame in FRAMES]
-    sense = -1 if orbit.attrs["speed"] < 0 else 1
-    both = ("frame", "time")
-    return labelled(
-        orbit,
-        "whirl of the shaft over time",
-        {
-            "rate": (both, [rate for rate, _ in found], "rad/s"),
-            "direction": (both, [sense * direction for _, direction in found], "1"),
-            "radius": ("time", np.sqrt(square), "m"),
-        },
-        {"time": span_means(time, starts), "frame": [*FRAMES]},
-        span=length,
-    )
+    x, y = orbit["rotating"].values.T
+    speed = float(orbit.attrs["speed"])
+    angle = np.unwrap(np.arctan2(-y if speed < 0 else y, x))
+    doubtful = np.abs(np.diff(angle)) > DOUBTFUL
+    carried = abs(speed) * orbit["time"].values if frame == "static" else 0.0
+    return angle + carried, doubtful
 
 
-def _turning(
-    orbit: xr.Dataset, frame: Frame, starts: IntArray, square: Array, length: float
-) -> tuple[Array, IntArray]:
-    """Rate and direction, positive counter-clockwise, in each span."""
-    (x, y), (u, v) = orbit[frame].values.T, orbit[f"{frame}_velocity"].values.T
-    around = span_means(x * v - y * u, starts)
-    moved = span_means(np.hypot(x, y) * np.hypot(u, v), starts)
-    moving = square > 0
-    rate = np.divide(around, square, out=np.full(len(square), np.nan), where=moving)
-    turned = np.abs(np.nan_to_num(rate)) * length >= LEAST_TURN * 2 * np.pi
-    clear = moving & turned & (np.abs(around) >= CLEAR_SHARE * moved)
-    return rate, np.where(clear, np.sign(around), 0.0).astype(np.int64)
-
-
-@styled
-def plot_whirl_history(whirls: xr.Dataset) -> Figure:
-    """Draw the whirl in both frames over time in Hz, forward upwards, above the orbit's radius.
-
-    Filled marks have a clear direction. The two lines differ by the speed of rotation.
+def ripple(orbit: xr.Dataset, frame: Frame) -> tuple[float, Whirl]:
+    """Motion about its mean place: root mean square [m], and its own net turns about that place.
 
     Args:
-        whirls: from `whirl_history`.
+        orbit: from `orbits.shaft_orbit`, of the time that is wanted.
+        frame: in which the place is.
     """
-    figure = new_figure(height=0.075)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.2, 1.0))
-    time = whirls["time"].values
-    for frame in FRAMES:
-        _draw_frame(upper, whirls.sel(frame=frame), frame)
-    upper.axhline(0.0, color=COLOURS["rotor"], linewidth=0.6)
-    upper.set_ylabel("whirl [Hz]\n← backward  forward →")
-    upper.margins(y=0.1)
-    unit, scale = length_unit(float(whirls["radius"].max()))
-    lower.plot(time, scale * whirls["radius"], color=COLOURS["rotor"])
-    lower.set(xlabel="time [s]", ylabel=f"radius [{unit}]")
-    lower.set_ylim(bottom=0.0)
-    few_time_ticks(lower)
-    figure.legend(*upper.get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    upper.set_title(f"{speed_label(whirls)}, means over {1e3 * whirls.attrs['span']:.3g} ms")
-    return figure
+    place = orbit[frame].values
+    about = place - place.mean(axis=0)
+    size = float(np.sqrt(np.mean(np.sum(about**2, axis=1))))
+    seen = orbit[["radius"]].assign(rotating=(("time", "axis"), about))
+    return size, whirl(seen, "rotating")
 
 
-def _draw_frame(axes: Axes, whirls: xr.Dataset, frame: Frame) -> None:
-    line, marker, key = LOOK[frame]
-    sense = -1.0 if whirls.attrs["speed"] < 0 else 1.0
-    time, rate = whirls["time"].values, sense * whirls["rate"].values / (2 * np.pi)
-    colour = COLOURS[key]
-    clear = whirls["direction"].values != 0
-    axes.plot(
-        time,
-        rate,
-        line,
-        marker=marker,
-        color=colour,
-        markersize=2.5,
-        markerfacecolor="white",
-        markeredgewidth=0.6,
-        label=f"{frame} frame",
-    )
-    axes.plot(time[clear], rate[clear], marker, color=colour, markersize=2.5)
+def strongest_lines(orbit: xr.Dataset, frame: Frame) -> tuple[SpectralLine, ...]:
+    """Strongest lines of the two-sided spectrum, at most three; none of too short a motion.
+
+    Each is the power within a line's width of a peak, under a Hann window, and its centre. Lines
+    of one frame lie at those of the other moved by the speed, with the same shares.
+
+    Args:
+        orbit: from `orbits.shaft_orbit`, of the time that is wanted.
+        frame: of the observer.
+    """
+    try:
+        even, step = evenly_spaced(orbit, FEWEST_RECORDS)
+    except ViewError:
+        return ()
+    x, y = even[frame].values.T
+    place = x + (-1j if orbit.attrs["speed"] < 0 else 1j) * y
+    power = np.abs(np.fft.fft(np.hanning(len(place)) * place)) ** 2
+    frequency = np.fft.fftfreq(len(place), step)
+    total = float(power.sum())
+    found: list[SpectralLine] = []
+    while total > 0 and len(found) < MOST_LINES:
+        around = (int(power.argmax()) + np.arange(-LOBE, LOBE + 1)) % len(power)
+        own = power[around]
+        offset = np.arange(-LOBE, LOBE + 1) @ own / own.sum()
+        share = float(own.sum() / total)
+        if share < LEAST_SHARE:
+            break
+        centre = frequency[around[LOBE]] + offset / (len(place) * step)
+        found.append(SpectralLine(frequency=float(centre), share=share))
+        power[around] = 0.0
+    return tuple(found)
+
+
+def span_rates(time: Array, angle: Array, starts: IntArray) -> Array:
+    """Slope of the angle in each span [rad/s]; nan in one of a single record."""
+    parts = zip(np.split(time, starts[1:]), np.split(angle, starts[1:]), strict=True)
+    return np.array([linregress(t, a).slope if len(t) > 1 else np.nan for t, a in parts])
+
+
+def _slope_error(time: Array, angle: Array) -> float:
+    rates = span_rates(time, angle, span_starts(time, SPANS))
+    known = rates[np.isfinite(rates)]
+    return float(known.std(ddof=1) / np.sqrt(len(known))) if len(known) > 1 else float("nan")

@@ -126,7 +126,7 @@ def divergence_at_the_coincidence(motion: Motion) -> Finding:
 def backward_in_rotating_axes(motion: Motion) -> Finding:
     whirl = motion.late_whirl("rotating")
     return Finding(
-        ours=f"{motion.regime.name}, {whirl.direction} at {abs(whirl.rate) / 2 / np.pi:.3g} Hz",
+        ours=f"{motion.regime.name}, {whirl.text}",
         checks=(_growing(motion), equal("whirl", whirl.direction, "backward")),
     )
 

@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.run.orbits import plot_orbit, shaft_orbit, whirl
+from bladewhirl.postprocess.run.orbits import plot_orbit, shaft_orbit
+from bladewhirl.postprocess.run.whirl import whirl
 
 Array = NDArray[np.float64]
 RADIUS = 0.8e-3
@@ -75,34 +76,6 @@ class TestShaftOrbit:
         assert orbit.radius.attrs["units"] == orbit.static.attrs["units"] == "m"
         assert orbit.rotating_velocity.attrs["units"] == "m/s"
         assert orbit.attrs["smallest_clearance"] == synthetic.CLEARANCE
-
-
-class TestWhirl:
-    def test_rates_and_directions_of_the_backward_circle(self) -> None:
-        orbit = shaft_orbit(synthetic.synthetic_result())
-        seen = whirl(orbit, "rotating")
-        assert seen.rate == pytest.approx(-RATE, rel=1e-12)
-        assert seen.direction == "backward"
-        seen = whirl(orbit, "static")
-        assert seen.rate == pytest.approx(synthetic.SPEED - RATE, rel=1e-12)
-        assert seen.direction == "forward"
-
-    def test_forward_is_the_sense_of_rotation(self) -> None:
-        orbit = shaft_orbit(synthetic.synthetic_result(speed=-20.0))
-        assert whirl(orbit, "rotating").rate == pytest.approx(-RATE, rel=1e-12)
-        assert whirl(orbit, "rotating").direction == "forward"
-
-    def test_a_straight_vibration_is_no_whirl(self) -> None:
-        assert whirl(shaft_orbit(line(0.6)), "rotating").direction == "none"
-
-    def test_frames_differ_by_the_speed_for_any_motion(self) -> None:
-        orbit = shaft_orbit(line(0.6))
-        difference = whirl(orbit, "static").rate - whirl(orbit, "rotating").rate
-        assert difference == pytest.approx(synthetic.SPEED, rel=1e-12)
-
-    def test_one_record_shows_no_whirl(self) -> None:
-        orbit = shaft_orbit(synthetic.synthetic_result(records=1))
-        assert whirl(orbit, "rotating").direction == "none"
 
 
 def arrows(axes: Axes) -> list[Array]:

@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from bladewhirl.postprocess.fields.fields import ViewError
-from bladewhirl.postprocess.run.orbits import Frame, shaft_orbit
+from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.postprocess.run.spectra import (
     LINE_COLOURS,
     LINE_DASHES,
@@ -18,6 +18,7 @@ from bladewhirl.postprocess.run.spectra import (
     shaft_spectrum,
     with_lines,
 )
+from bladewhirl.postprocess.run.whirl import Frame
 
 RADIUS = 0.8e-3
 

@@ -44,6 +44,8 @@ REPORT = {
 KEYS = {
     *"regime regime_criterion growth_rate growth_rate_error end_reason end_time".split(),
     *"shaft_radius_max shaft_radius_final tip_displacement_max".split(),
+    *"whirl_frequency_rotating whirl_frequency_static whirl_frequency_error whirl_lines".split(),
+    *"ripple_rms ripple_frequency".split(),
     *"strain_energy_max strain_energy_final contact_share gap_violation_max".split(),
     *("energy_residual", *REPORT),
 }
@@ -68,6 +70,16 @@ class TestSummarise:
         rest = 0.5 * (400 * 1e-4) ** 2  # a quarter of a turn at 40 rad/s comes within the run
         peak = held["suspension"] + held["1F"]["1"] + rest
         assert summary.strain_energy_max == pytest.approx(peak, rel=1e-3)
+
+    def test_the_whirl_is_in_net_turns_a_second(self, result: xr.Dataset) -> None:
+        summary = summarise(result, REPORT)
+        rotating, carried = -70.0 / (2 * np.pi), synthetic.SPEED / (2 * np.pi)
+        assert summary.whirl_frequency_rotating == pytest.approx(rotating)
+        assert summary.whirl_frequency_static == pytest.approx(rotating + carried)
+        (line,) = summary.whirl_lines
+        assert line["rotating"] == pytest.approx(rotating, abs=0.05)
+        assert line["static"] - line["rotating"] == pytest.approx(carried)
+        assert line["share"] == pytest.approx(1.0, abs=1e-3)
 
     def test_tips_that_bend_far_are_pointed_out(self, result: xr.Dataset) -> None:
         shapes = result["rotor_shape"].values[result["tip_node"].values, :2]

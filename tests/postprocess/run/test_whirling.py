@@ -16,7 +16,7 @@ from bladewhirl.postprocess.fields.windows import (
 )
 from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.postprocess.run.poincare import plot_state_space, state_space
-from bladewhirl.postprocess.run.whirl import plot_whirl_history, whirl_history
+from bladewhirl.postprocess.run.whirl_history import plot_whirl_history, whirl_history
 
 RATE = -70.0  # rad/s, of the synthetic shaft in rotating axes
 
@@ -79,7 +79,7 @@ class TestWhirlHistory:
 
     def test_forward_is_the_sense_of_rotation(self) -> None:
         whirls = whirl_history(synthetic.synthetic_result(records=2001, speed=-20.0))
-        np.testing.assert_allclose(whirls.rate.sel(frame="rotating"), RATE, rtol=1e-12)
+        np.testing.assert_allclose(whirls.rate.sel(frame="rotating"), -RATE, rtol=1e-12)
         np.testing.assert_array_equal(whirls.direction.sel(frame="rotating"), 1)
 
     def test_a_rate_that_changes_is_followed(self) -> None:

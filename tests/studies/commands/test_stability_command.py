@@ -11,7 +11,8 @@ import xarray as xr
 from places import ROOT
 from typer.testing import CliRunner
 
-from bladewhirl.postprocess.run.orbits import shaft_orbit, whirl
+from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.postprocess.run.whirl import whirl
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.commands.options import parse_range
 

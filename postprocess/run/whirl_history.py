@@ -1,0 +1,128 @@
+"""Direction and rate of the shaft's whirl as time goes on."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.windows import few_time_ticks, span_means, span_starts
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
+from bladewhirl.postprocess.plotting.units import length_unit
+from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.postprocess.run.whirl import FRAMES, LEAST_TURN, Frame, phase, span_rates
+
+PERIODS = 2.0
+"""Least length of a span, in periods of the reference frequency: ripple is averaged away."""
+
+MOST_SPANS = 40
+"""Spans that a run is cut into at most."""
+
+LOOK = {"rotating": ("-", "o", "rotor"), "static": ("--", "s", "casing")}
+"""Line, marker and colour of each frame."""
+
+
+def whirl_history(
+    result: xr.Dataset, *, start: float | None = None, end: float | None = None
+) -> xr.Dataset:
+    """Mean rate and direction of the whirl in equal spans of time, in both frames.
+
+    The rate is that of `whirl.whirl`, the slope of the unwrapped angle about the bearing's centre.
+    A direction is clear where the angle goes on by a tenth of a turn or more, and more than it may
+    have been lost count of.
+
+    Args:
+        result: of a run, or its orbit from `orbits.shaft_orbit`.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
+
+    Returns:
+        over (frame, time), time being the middle of each span: `rate` [rad/s], positive
+        forward (in the sense of rotation), nan where the shaft rests; `direction`, 1 forward, -1
+        backward, 0 where the motion hardly goes round; over time: `radius` [m], root mean square.
+        Attribute `span`, the length of each [s].
+
+    Example:
+        ``whirl_history(result)["rate"].sel(frame="static").plot()``
+    """
+    orbit = shaft_orbit(result, start=start, end=end)
+    time = orbit["time"].values
+    period = 2 * np.pi / orbit.attrs["reference_frequency"]
+    spans = int(np.clip(np.ptp(time) / (PERIODS * period), 1, MOST_SPANS))
+    starts = span_starts(time, spans)
+    length = np.ptp(time) / spans
+    square = span_means(orbit["radius"].values ** 2, starts)
+    found = [_turning(orbit, frame, starts, square, length) for frame in FRAMES]
+    both = ("frame", "time")
+    return labelled(
+        orbit,
+        "whirl of the shaft over time",
+        {
+            "rate": (both, [rate for rate, _ in found], "rad/s"),
+            "direction": (both, [direction for _, direction in found], "1"),
+            "radius": ("time", np.sqrt(square), "m"),
+        },
+        {"time": span_means(time, starts), "frame": [*FRAMES]},
+        span=length,
+    )
+
+
+def _turning(
+    orbit: xr.Dataset, frame: Frame, starts: IntArray, square: Array, length: float
+) -> tuple[Array, IntArray]:
+    """Rate and direction, positive forward, in each span."""
+    angle, doubtful = phase(orbit, frame)
+    rate = np.where(square > 0, span_rates(orbit["time"].values, angle, starts), np.nan)
+    turns = np.nan_to_num(rate) * length / (2 * np.pi)
+    lost = np.add.reduceat(np.append(doubtful, False).astype(np.int64), starts)
+    clear = np.abs(turns) >= np.maximum(LEAST_TURN, lost)
+    return rate, np.where(clear, np.sign(turns), 0.0).astype(np.int64)
+
+
+@styled
+def plot_whirl_history(whirls: xr.Dataset) -> Figure:
+    """Draw the whirl in both frames over time in Hz, forward upwards, above the orbit's radius.
+
+    Filled marks have a clear direction. The two lines differ by the speed of rotation.
+
+    Args:
+        whirls: from `whirl_history`.
+    """
+    figure = new_figure(height=0.075)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.2, 1.0))
+    time = whirls["time"].values
+    for frame in FRAMES:
+        _draw_frame(upper, whirls.sel(frame=frame), frame)
+    upper.axhline(0.0, color=COLOURS["rotor"], linewidth=0.6)
+    upper.set_ylabel("whirl [Hz]\n← backward  forward →")
+    upper.margins(y=0.1)
+    unit, scale = length_unit(float(whirls["radius"].max()))
+    lower.plot(time, scale * whirls["radius"], color=COLOURS["rotor"])
+    lower.set(xlabel="time [s]", ylabel=f"radius [{unit}]")
+    lower.set_ylim(bottom=0.0)
+    few_time_ticks(lower)
+    figure.legend(*upper.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    upper.set_title(f"{speed_label(whirls)}, means over {1e3 * whirls.attrs['span']:.3g} ms")
+    return figure
+
+
+def _draw_frame(axes: Axes, whirls: xr.Dataset, frame: Frame) -> None:
+    line, marker, key = LOOK[frame]
+    time, rate = whirls["time"].values, whirls["rate"].values / (2 * np.pi)
+    colour = COLOURS[key]
+    clear = whirls["direction"].values != 0
+    axes.plot(
+        time,
+        rate,
+        line,
+        marker=marker,
+        color=colour,
+        markersize=2.5,
+        markerfacecolor="white",
+        markeredgewidth=0.6,
+        label=f"{frame} frame",
+    )
+    axes.plot(time[clear], rate[clear], marker, color=colour, markersize=2.5)
