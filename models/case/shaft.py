@@ -29,8 +29,9 @@ class Shaft(Table):
         description='Where springs that differ stand: "rotating", they turn with the bladed disk'
         " as a shaft does that is not round, x along blade 0, and its matrices are constant;"
         ' "static", they stand still as unequal bearings do, and its stiffness swings twice a turn'
-        " about the mean of both. Modes are then those on the mean. The model has no Coriolis or"
-        " centrifugal terms, so that a speed near the suspension frequency excites it by the"
+        " about the mean of both. Modes are then those on the mean. Without rotation.effects there"
+        " are no Coriolis or centrifugal terms, so that a speed near the suspension frequency"
+        " excites it by the"
         " swing, which a round rotor on such bearings would not be.",
     )
     damping: DampingOrZero = Field(
