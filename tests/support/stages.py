@@ -3,25 +3,44 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from functools import cache
 from typing import Any, Literal
 
 import numpy as np
+import scipy.linalg as la
 from places import DATA
 
-from bladewhirl.meshes.line_mesh import FloatArray, LineMesh
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import RingMesh
-from bladewhirl.models.case.file import case_from
+from bladewhirl.models.case.file import case_from, loads
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.build import case_bladed_disk
-from bladewhirl.models.elements.casing import CasingModel, assemble_casing
-from bladewhirl.models.geometry.beam_model import BeamModel
+from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel, assemble_casing
+from bladewhirl.models.elements.supports import Support
+from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.modal.modes import Modes, structure_modes
-from bladewhirl.models.sections.rectangular import QUANTITIES, LineProperties, Section
+from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.sections.wall import Wall
+from bladewhirl.models.stage.stage import Stage, build_stage
 
 CASING_REFERENCE = (2, 0)
 """Radial and tangential displacement of a casing node among its four DoF (u, u', w, w')."""
+
+
+SMALL = (
+    "bladed_disk.blades=6",
+    "bladed_disk.elements_per_blade=3",
+    "casing.elements=16",
+    "reduction.fixed_interface_modes=20",
+)
+"""Changes that make the default case a small one."""
+
+
+@cache
+def stage(*overrides: str) -> Stage:
+    """Stage of the default case with changes as `--set` takes them."""
+    return build_stage(loads("", overrides=overrides))
 
 
 @cache
@@ -35,20 +54,40 @@ def steel(thickness: float, width: float = 0.1) -> Section:
     return Section(width=width, thickness=thickness, young_modulus=2.1e11, density=7800.0)
 
 
-def line_properties(mesh: LineMesh, sections: dict[str, Section]) -> LineProperties:
-    """Sections, given by line set, of all lines of a mesh."""
-    table = np.full((len(QUANTITIES), len(mesh.lines)), np.nan)
-    for name, section in sections.items():
-        table[:, mesh.line_sets[name]] = [[getattr(section, each)] for each in QUANTITIES]
-    return LineProperties(**dict(zip(QUANTITIES, table, strict=True)))
+def beam(
+    section: Section | Sequence[Section], elements: int, *, length: float = 1.0, angle: float = 0.0
+) -> Sketch:
+    """A beam alone, from "clamp" to "end"."""
+    sketch = Sketch()
+    sketch.node("clamp", 0.0, shared=True)
+    sketch.node("end", length * np.cos(angle), length * np.sin(angle))
+    sketch.member("beam", "clamp", "end", section, elements=elements)
+    sketch.set("centre", "clamp")
+    sketch.set("tips", "end")
+    return sketch
 
 
-def with_sections(mesh: LineMesh, disk_thickness: float, *, clamped: bool) -> BladedDiskModel:
-    """Bladed disk of a mesh with 10 mm blades, on the shaft of the reference results."""
-    disk = steel(disk_thickness)
-    properties = line_properties(mesh, {"blades": steel(0.01), "spokes": disk, "rim": disk})
-    model = BeamModel(mesh=mesh, properties=properties, tip_radius=0.5)
-    return assemble_bladed_disk(model, shaft_stiffness=3.4e7, clamped=clamped)
+def clamped(sketch: Sketch) -> BladedDiskModel:
+    """What was drawn, its centre held."""
+    return assemble_bladed_disk(sketch.build(), shaft_stiffness=1.0, clamped=True)
+
+
+def natural_frequencies(disk: BladedDiskModel) -> FloatArray:
+    """Ascending [rad/s]; of a body that is held, the lowest are right beside very stiff parts."""
+    structure = disk.structure
+    inverse = la.eigvalsh(structure.mass.toarray(), structure.stiffness.toarray())
+    return np.asarray(1.0 / np.sqrt(inverse[::-1]))
+
+
+def translation(disk: BladedDiskModel, x: float, y: float) -> FloatArray:
+    """Field that moves every free node alike; no node is held."""
+    axes = disk.mesh.node_axes
+    field = np.zeros(disk.structure.size)
+    leads = disk.structure.node_dofs[:, 0] >= 0
+    first, second = disk.structure.node_dofs[leads, :2].T
+    field[first] = (np.cos(axes) * x + np.sin(axes) * y)[leads]
+    field[second] = (np.cos(axes) * y - np.sin(axes) * x)[leads]
+    return field
 
 
 @cache
@@ -82,6 +121,36 @@ def disk_modes(disk: BladedDiskModel, count: int | None = None) -> Modes:
     return structure_modes(disk.structure, tip_reference(disk), count)
 
 
+RADIUS = 0.501
+"""Of the rings of the reference results [m]."""
+
+
+def ring(
+    *supports: Support, wall: Wall | None = None, elements: int = 40, **options: Any
+) -> CasingModel:
+    """Such a ring, 100 x 10 mm and free to turn unless said."""
+    given: dict[str, Any] = {"curvature": "exact", "support": 0.0, "rotation": "free"}
+    return assemble_casing(
+        RingMesh(elements=elements, radius=RADIUS),
+        wall or Wall(section=steel(0.01)),
+        supports=supports,
+        **(given | options),
+    )
+
+
+def ring_moved(casing: CasingModel, x: float, y: float, turn: float) -> FloatArray:
+    """Field of a ring moved as a whole, by Hermite's nodal values."""
+    angle, radius = casing.mesh.angles, casing.mesh.radius
+    cos, sin = np.cos(angle), np.sin(angle)
+    found = np.zeros(casing.structure.size)
+    nodes = casing.structure.node_dofs.T
+    found[nodes[RADIAL]], found[nodes[TANGENTIAL]] = x * cos + y * sin, y * cos - x * sin
+    found[nodes[TANGENTIAL]] += radius * turn
+    found[nodes[RADIAL + 1]] = (y * cos - x * sin) / radius
+    found[nodes[TANGENTIAL + 1]] = -(x * cos + y * sin) / radius
+    return found
+
+
 @cache
 def casing(
     elements: int = 40,
@@ -89,11 +158,8 @@ def casing(
     curvature: Literal["exact", "shallow"] = "exact",
     rotation: Literal["free", "fixed"] = "free",
 ) -> CasingModel:
-    """Ring of the reference results: 0.501 m, 100 x 10 mm."""
-    ring = RingMesh(elements=elements, radius=0.501)
-    return assemble_casing(
-        ring, Wall(section=steel(0.01)), curvature=curvature, support=support, rotation=rotation
-    )
+    """The ring of the reference results."""
+    return ring(elements=elements, curvature=curvature, support=support, rotation=rotation)
 
 
 @cache

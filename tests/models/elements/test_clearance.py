@@ -13,7 +13,6 @@ import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_from, dumps_case, loads, read_case, with_values
 from bladewhirl.models.elements.build import case_clearance
-from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.sections.around_ring import Lobe, RingProfile
 from bladewhirl.models.stage.build import contact_problem, march_faults
 from bladewhirl.models.stage.stage import build_stage
@@ -76,39 +75,6 @@ def test_lobes_are_written_and_read_back() -> None:
     assert (row.lobes, row.amplitude) == (2, 3e-4)
     assert row.phase == pytest.approx(np.pi / 6, rel=1e-15)
     assert loads(dumps_case(case)) == case
-
-
-@pytest.mark.parametrize(
-    ("casing", "line"),
-    [
-        (
-            {"clearance": 5e-4, "clearance_lobes": [{"lobes": 2, "amplitude": 6e-4}]},
-            "casing.clearance_lobes = ",
-        ),
-        ({"elements": 7, "clearance_lobes": [{"lobes": 2, "amplitude": 1e-4}]}, "at most 1 lobes"),
-        (
-            {"clearance_lobes": [{"lobes": 0, "amplitude": 1e-4}]},
-            "casing.clearance_lobes[0].lobes = 0: expected a whole number",
-        ),
-        (
-            {"clearance_lobes": [{"lobes": 2, "amplitude": 1e-4, "phse": 0.1}]},
-            "casing.clearance_lobes[0].phse = 0.1: expected a known key; the nearest is"
-            " casing.clearance_lobes[0].phase",
-        ),
-        ({"clearance_lobes": [{"lobes": 2}]}, "casing.clearance_lobes[0].amplitude"),
-        ({"clearance_lobes": 3}, "casing.clearance_lobes = 3: expected rows of { lobes = 2"),
-        ({"clearance_lobes": [3]}, "casing.clearance_lobes[0] = 3: expected a table"),
-        (
-            {"clearance_lobes": [{"lobes": 2, "amplitude": 1e-4, "phase": "1 mm"}]},
-            'casing.clearance_lobes[0].phase = "1 mm": expected a finite number in rad',
-        ),
-    ],
-)
-def test_faults_name_the_key(casing: dict[str, object], line: str) -> None:
-    with pytest.raises(CaseError) as caught:
-        case_from({"casing": casing})
-    [found] = caught.value.lines
-    assert line in found
 
 
 def test_a_tip_that_starts_inside_a_lobe_is_a_fault() -> None:

@@ -9,39 +9,23 @@ import pytest
 import scipy.linalg as la
 from contact_cases import (
     ledger_residual,
-    one_tip,
     problem,
     random_problem,
     run,
-    run_reference,
+    run_as_reference,
+    small_rotor,
     wall,
 )
 from places import EXAMPLES
-from stages import CASING_REFERENCE, observed_order, steel
+from stages import CASING_REFERENCE, SMALL, observed_order, ring, ring_moved, stage, steel
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.meshes.ring_mesh import RingMesh
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import case_from, read_case, with_values
-from bladewhirl.models.elements.casing import CasingModel, assemble_casing
-from bladewhirl.models.elements.supports import Support, spring, strut
+from bladewhirl.models.case.file import case_from, read_case
+from bladewhirl.models.elements.supports import spring, strut
 from bladewhirl.models.modal.modes import structure_modes
-from bladewhirl.models.sections.wall import Wall
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.contact_problem import ContactProblem, Start
+from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import build_stage
-
-
-def ring(*supports: Support) -> CasingModel:
-    """A steel ring that may turn, on supports alone."""
-    return assemble_casing(
-        RingMesh(elements=40, radius=0.501),
-        Wall(section=steel(0.01)),
-        curvature="exact",
-        support=0.0,
-        rotation="free",
-        supports=supports,
-    )
 
 
 def damped(seed: int, rotor: int, casing: int, *, friction: float = 0.05) -> ContactProblem:
@@ -65,18 +49,9 @@ def test_every_step_is_the_one_plain_numpy_takes(seed: int, rotor: int, casing: 
     """There the damping matrix is a full one, solved for at each step."""
     dt, steps = 1e-4, 120
     given = damped(seed, rotor, casing)
-    expected = run_reference(given, dt, steps)
-    _, chunk, _ = run(given, dt, steps)
-    assert (expected.contact_impulse > 0.0).any()
-    for found, exact in (
-        (chunk.rotor_displacement, expected.rotor_displacement),
-        (chunk.casing_displacement, expected.casing_displacement),
-        (chunk.energy, expected.energy),
-        (chunk.damping_work, expected.damping_work),
-    ):
-        np.testing.assert_allclose(found, exact, rtol=0.0, atol=1e-9 * np.abs(exact).max())
+    state, _ = run_as_reference(given, dt, steps)
     undamped, _, _ = run(random_problem(seed, speed=1.0), dt, steps)
-    assert not np.allclose(undamped.arrays.rotor, run(given, dt, steps)[0].arrays.rotor)
+    assert not np.allclose(undamped.arrays.rotor, state.arrays.rotor)
 
 
 @pytest.mark.parametrize("seed", [1, 5])
@@ -91,17 +66,15 @@ def test_the_ledger_closes_in_contact(seed: int) -> None:
 def test_free_motion_is_that_of_the_full_matrix_to_second_order() -> None:
     """Against the exponential of x'' + D x' + K x = 0 with D = 2 xi omega + G^T G."""
     frequency, rows = np.array([300.0, 420.0, 900.0]), np.array([[9.0, -7.0, 4.0], [2.0, 8.0, 5.0]])
-    rotor = one_tip(frequency, dampers=rows, damping_ratio=np.full(3, 0.01))
-    start = Start(
-        rotor=np.array([1e-4, 0.0, -2e-4]),
-        rotor_velocity=np.array([0.1, -0.2, 0.05]),
-        casing=np.zeros(1),
-        casing_velocity=np.zeros(1),
-    )
+    rotor = small_rotor(frequency, dampers=rows, damping_ratio=np.full(3, 0.01))
+    start = {
+        "rotor": np.array([1e-4, 0.0, -2e-4]),
+        "rotor_velocity": np.array([0.1, -0.2, 0.05]),
+    }
     full = np.diag(0.02 * frequency) + rows.T @ rows
     state = np.block([[np.zeros((3, 3)), np.eye(3)], [-np.diag(frequency**2), -full]])
     end = 0.02
-    exact = la.expm(end * state) @ np.concatenate([start.rotor, start.rotor_velocity])
+    exact = la.expm(end * state) @ np.concatenate([*start.values()])
     errors = []
     for steps in (200, 400, 800):
         _, chunk, _ = run(problem(rotor, wall(1.0), start=start), end / steps, steps)
@@ -119,11 +92,7 @@ def test_dampers_of_a_ring_that_moves_as_a_whole() -> None:
             for a in angles
         )
     )
-    node, length = casing.structure.node_dofs.T, 0.501
-    angle = casing.mesh.angles
-    along_x = np.zeros(casing.structure.size)
-    along_x[node[2]], along_x[node[3]] = np.cos(angle), -np.sin(angle) / length
-    along_x[node[0]], along_x[node[1]] = -np.sin(angle), -np.cos(angle) / length
+    along_x = ring_moved(casing, 1.0, 0.0, 0.0)
     power = np.sum((casing.dampers @ along_x) ** 2)
     assert power == pytest.approx(1.5 * 90.0, rel=1e-5)
     leaning = ring(
@@ -156,26 +125,15 @@ def test_soft_springs_and_dampers_let_the_ring_fade_as_an_oscillator() -> None:
 
 
 def test_dampers_of_the_shaft_act_on_the_centre() -> None:
-    case = with_values(
-        Case(),
-        {
-            "bladed_disk.blades": 5,
-            "bladed_disk.elements_per_blade": 2,
-            "casing.elements": 8,
-            "reduction.fixed_interface_modes": 10,
-            "shaft.damping": 400.0,
-            "shaft.damping_y": 100.0,
-        },
-    )
-    rotor = build_stage(case).rotor
+    dampers = ("shaft.damping=400.0", "shaft.damping_y=100.0")
+    rotor = stage(*SMALL, *dampers).rotor
     np.testing.assert_allclose(rotor.dampers, np.array([[20.0], [10.0]]) * rotor.centre)
-    held = build_stage(with_values(case, {"shaft.clamped": True})).rotor
-    assert not held.dampers.any()
+    assert not stage(*SMALL, *dampers, "shaft.clamped=true").rotor.dampers.any()
 
 
 def test_the_example_loses_energy_in_its_dampers() -> None:
-    case = read_case(EXAMPLES / "damped_supports.toml")
-    given = contact_problem(build_stage(case))
+    built = build_stage(read_case(EXAMPLES / "damped_supports.toml"))
+    given = contact_problem(built)
     assert len(given.rotor.dampers) == 2
     assert len(given.casing.dampers) == 9
     without = replace(
@@ -188,8 +146,7 @@ def test_the_example_loses_energy_in_its_dampers() -> None:
     assert state.statistics.contact_steps > 100
     assert ledger_residual(chunk) < 1e-8
     assert chunk.damping_work[-1] > 2.0 * free.damping_work[-1]
-    arrays = build_stage(case).arrays
-    assert arrays.support_radial_damping.max() > 0.0
+    assert built.arrays.support_radial_damping.max() > 0.0
 
 
 def test_a_damper_alone_is_a_support() -> None:

@@ -7,11 +7,10 @@ import pytest
 import scipy.linalg as la
 from numpy.polynomial import Polynomial
 from plain_frame import beam_mass, beam_stiffness
-from stages import line_properties, observed_order, oracle, steel
+from stages import beam, clamped, observed_order, oracle, steel
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray, LineMesh
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.elements.assembly import curved_beams, straight_beams
-from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.forms import (
     curved_exact_stiffness,
     curved_shallow_stiffness,
@@ -19,9 +18,6 @@ from bladewhirl.models.elements.forms import (
     straight_stiffness,
     support_stiffness,
 )
-from bladewhirl.models.geometry.beam_model import BeamModel
-from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.sections.rectangular import Section
 
 EA, EI, RHO_A = 3.0, 5.0, 7.0
 U, DU, W, DW = range(4)  # order of a curved beam's DoF at a node
@@ -140,28 +136,13 @@ def test_curved_beam_deflects_as_castigliano_says() -> None:
     assert (observed_order(errors) > 3.5).all()
 
 
-def cantilever(elements: int, angle: float = 0.0) -> BladedDiskModel:
-    """One blade of the stage alone, clamped at its root."""
-    stage = oracle("disk_modes")["stage"]
-    radii = np.linspace(0.0, stage["tip_radius"] - stage["disk_radius"], elements + 1)
-    mesh = LineMesh(
-        points=radii[:, None] * np.array([np.cos(angle), np.sin(angle)]),
-        lines=chain(elements),
-        node_axes=np.full(elements + 1, angle),
-        node_sets={"tips": np.array([elements]), "centre": np.array([0])},
-        line_sets={"blades": np.arange(elements)},
-    )
-    properties = line_properties(mesh, {"blades": steel(0.01)})
-    model = BeamModel(mesh=mesh, properties=properties, tip_radius=float(radii[-1]))
-    return assemble_bladed_disk(model, shaft_stiffness=0.0, clamped=True)
-
-
 def cantilever_frequencies(elements: int) -> tuple[FloatArray, FloatArray]:
     """Frequencies of bending and of stretching [rad/s]."""
-    blade = cantilever(elements).structure
+    blade = clamped(beam(steel(0.01), elements, length=0.45)).structure
     found = []
     for components in ([1, 2], [0]):
-        dofs = blade.node_dofs[1:, components].ravel()
+        dofs = blade.node_dofs[:, components]
+        dofs = dofs[dofs >= 0]
         K, M = blade.stiffness.toarray(), blade.mass.toarray()
         square = la.eigh(K[np.ix_(dofs, dofs)], M[np.ix_(dofs, dofs)], eigvals_only=True)
         found.append(np.sqrt(square))
@@ -170,7 +151,7 @@ def cantilever_frequencies(elements: int) -> tuple[FloatArray, FloatArray]:
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, 2.0])
 def test_one_blade_is_as_stiff_as_theory_says(angle: float) -> None:
-    blade = cantilever(10, angle)
+    blade = clamped(beam(steel(0.01), 10, length=0.45, angle=angle))
     flexibility = la.inv(blade.structure.stiffness.toarray())
     expected = oracle("disk_static")["one_blade"]
     tangential, radial = blade.tip_tangential, blade.tip_radial
@@ -197,18 +178,3 @@ def test_stretching_frequencies_converge_with_the_square() -> None:
     errors = [cantilever_frequencies(n)[1][:3] / exact - 1.0 for n in (16, 32, 64)]
     assert (np.array(errors) > 0.0).all()
     np.testing.assert_allclose(observed_order(np.array(errors)), 2.0, atol=0.05)
-
-
-def test_section_of_a_rectangle() -> None:
-    section = Section(width=0.1, thickness=0.01, young_modulus=2e11, density=8000.0)
-    assert section.axial_stiffness == pytest.approx(2e8)
-    assert section.bending_stiffness == pytest.approx(2e11 * 0.1 * 0.01**3 / 12.0)
-    assert section.line_mass == pytest.approx(8.0)
-
-
-@pytest.mark.parametrize("name", ["width", "thickness", "young_modulus", "density"])
-@pytest.mark.parametrize("value", [0.0, -1.0, float("nan")])
-def test_sections_that_cannot_be(name: str, value: float) -> None:
-    sound = {"width": 0.1, "thickness": 0.01, "young_modulus": 2e11, "density": 8000.0}
-    with pytest.raises(CaseError, match=rf"section\.{name} = .*expected a positive number"):
-        Section(**(sound | {name: value}))  # type: ignore[arg-type]

@@ -21,14 +21,16 @@ THICKNESS = st.floats(0.002, 0.06)
 
 
 @settings(max_examples=20)
-@given(blades=BLADES, elements=ELEMENTS, thickness=THICKNESS)
+@given(blades=st.integers(3, 24), elements=ELEMENTS, thickness=THICKNESS)
 def test_frequencies_are_those_of_a_plain_frame(
     blades: int, elements: int, thickness: float
 ) -> None:
     disk = bladed_disk(blades=blades, elements=elements, disk_thickness=thickness)
     modes = disk_modes(disk)
     assert modes.is_cyclic
-    np.testing.assert_allclose(modes.frequency, frame_frequencies(disk, 3.4e7), rtol=1e-7)
+    assert modes.count == disk.structure.size == 3 * blades * (elements + 1) + 2
+    np.testing.assert_allclose(modes.frequency, frame_frequencies(disk, 3.4e7), rtol=1e-8)
+    assert set(modes.nodal_diameter.tolist()) == set(range(blades // 2 + 1))
 
 
 @settings(max_examples=20)

@@ -2,33 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from places import EXAMPLES
-from stages import CASING_REFERENCE, casing_modes, observed_order, steel
+from stages import CASING_REFERENCE, RADIUS, casing_modes, observed_order, ring, steel
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.case.file import case_from, dumps_case, loads, read_case
 from bladewhirl.models.elements.build import case_casing
-from bladewhirl.models.elements.casing import TANGENTIAL, CasingModel, assemble_casing
-from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.elements.casing import TANGENTIAL, CasingModel
 from bladewhirl.models.modal.modes import structure_modes
 from bladewhirl.models.sections.around_ring import Lobe, RingProfile
 from bladewhirl.models.sections.wall import Arc, Wall
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.studies.runs.properties import stage_properties
-
-RADIUS = 0.501
-
-
-def ring(wall: Wall, elements: int = 40, **options: Any) -> CasingModel:
-    """A free ring with that wall."""
-    given: dict[str, Any] = {"curvature": "exact", "support": 0.0, "rotation": "free"}
-    mesh = RingMesh(elements=elements, radius=RADIUS)
-    return assemble_casing(mesh, wall, **(given | options))
 
 
 def frequencies(casing: CasingModel, count: int = 12) -> FloatArray:
@@ -53,7 +40,7 @@ def test_lobes_of_twice_the_nodal_diameter_split_its_pair(k: int) -> None:
     e = 1e-3
     profile = RingProfile(mean=0.01, lobes=(Lobe(lobes=2 * k, amplitude=e * 0.01, phase=0.0),))
     uniform = casing_modes(80)
-    [low, high] = frequencies(ring(Wall(section=steel(0.01), thickness=profile), 80))[
+    [low, high] = frequencies(ring(wall=Wall(section=steel(0.01), thickness=profile), elements=80))[
         2 * k - 4 : 2 * k - 2
     ]
     base = uniform.frequency[uniform.nodal_diameter == k][0]
@@ -64,16 +51,16 @@ def test_lobes_of_twice_the_nodal_diameter_split_its_pair(k: int) -> None:
 
 def test_other_lobes_leave_pairs_together_to_first_order() -> None:
     profile = RingProfile(mean=0.01, lobes=(Lobe(lobes=3, amplitude=1e-5, phase=0.4),))
-    found = frequencies(ring(Wall(section=steel(0.01), thickness=profile), 48), 4)
+    found = frequencies(ring(wall=Wall(section=steel(0.01), thickness=profile), elements=48), 4)
     np.testing.assert_allclose(found[::2], found[1::2], rtol=5e-6)
 
 
 def test_an_arc_all_around_is_a_wall_of_its_section() -> None:
     thick = Arc(start=0.3, end=0.3 + 2.0 * np.pi, thickness=0.02, young_modulus=1e11, density=3e3)
-    covered = ring(Wall(section=steel(0.01), arcs=(thick,)))
+    covered = ring(wall=Wall(section=steel(0.01), arcs=(thick,)))
     assert covered.structure.is_cyclic
     section = steel(0.02)
-    bare = ring(Wall(section=section))
+    bare = ring(wall=Wall(section=section))
     ratio = np.sqrt(1e11 / 2.1e11 * 7800.0 / 3e3)
     np.testing.assert_allclose(frequencies(covered), ratio * frequencies(bare), rtol=1e-9)
 
@@ -83,7 +70,7 @@ def test_masses_are_exact(start: float) -> None:
     """Wherever the arc begins, also across the x axis."""
     arc = Arc(start=start, end=start + 0.7, thickness=0.03, width=0.15)
     profile = RingProfile(mean=0.01, lobes=(Lobe(lobes=3, amplitude=2e-3, phase=1.0),))
-    casing = ring(Wall(section=steel(0.01), thickness=profile, arcs=(arc,)))
+    casing = ring(wall=Wall(section=steel(0.01), thickness=profile, arcs=(arc,)))
     angle = np.linspace(start + 0.7, start + 2.0 * np.pi, 200_001)
     plain = np.trapezoid(profile.value(angle) * 0.1, angle)
     exact = 7800.0 * RADIUS * (plain + 0.7 * 0.03 * 0.15)
@@ -91,7 +78,7 @@ def test_masses_are_exact(start: float) -> None:
     assert mass(casing) == pytest.approx(exact, rel=1e-5)
     length = casing.mesh.element_length
     assert casing.properties.line_mass.sum() * length == pytest.approx(mass(casing), rel=1e-12)
-    plain_wall = ring(Wall(section=steel(0.01), arcs=(arc,)))
+    plain_wall = ring(wall=Wall(section=steel(0.01), arcs=(arc,)))
     assert mass(plain_wall) == pytest.approx(
         7800.0 * RADIUS * ((2.0 * np.pi - 0.7) * 1e-3 + 0.7 * 0.0045), rel=1e-12
     )
@@ -99,8 +86,8 @@ def test_masses_are_exact(start: float) -> None:
 
 def errors(wall: Wall, counts: tuple[int, ...]) -> FloatArray:
     """Errors of the lowest frequencies against a fine mesh, (meshes, modes)."""
-    fine = frequencies(ring(wall, 320))
-    return np.array([frequencies(ring(wall, n)) / fine - 1.0 for n in counts])
+    fine = frequencies(ring(wall=wall, elements=320))
+    return np.array([frequencies(ring(wall=wall, elements=n)) / fine - 1.0 for n in counts])
 
 
 def test_smooth_walls_and_arcs_that_end_at_nodes_converge_with_the_fourth_power() -> None:
@@ -125,7 +112,7 @@ def test_nothing_jumps_as_an_arc_grows() -> None:
     for steps in (15, 60):
         ends = np.linspace(0.40, 0.40 + 0.5 * np.pi / 40, steps + 1)  # a quarter of an element
         arcs = [Arc(start=0.1, end=end, thickness=0.02) for end in ends]
-        found = [frequencies(ring(Wall(section=steel(0.01), arcs=(arc,))), 2) for arc in arcs]
+        found = [frequencies(ring(wall=Wall(section=steel(0.01), arcs=(arc,))), 2) for arc in arcs]
         largest.append(np.abs(np.diff(found, axis=0)).max())
     assert largest[1] < 0.5 * largest[0]
 
@@ -148,8 +135,8 @@ def test_stations_give_the_thickness_between_them() -> None:
 def test_a_fixed_rotation_stays_out_of_an_uneven_ring() -> None:
     """No mode turns the ring as a whole, weighed by its uneven mass; the others stay."""
     wall = Wall(section=steel(0.01), arcs=(Arc(start=0.0, end=1.0, thickness=0.03),))
-    free = structure_modes(ring(wall).structure, CASING_REFERENCE)
-    held = ring(wall, rotation="fixed")
+    free = structure_modes(ring(wall=wall).structure, CASING_REFERENCE)
+    held = ring(wall=wall, rotation="fixed")
     modes = structure_modes(held.structure, CASING_REFERENCE)
     assert modes.count == free.count - 1
     one = np.zeros(held.structure.size)
@@ -171,36 +158,3 @@ def test_the_stage_has_the_wall_of_its_case() -> None:
     stiff = ((angle > 45) & (angle < 135)) | ((angle > 225) & (angle < 315))
     assert thickness[stiff] == pytest.approx(0.025)
     assert thickness[~stiff].max() < 0.0125
-
-
-@pytest.mark.parametrize(
-    ("casing", "line"),
-    [
-        ({"thickness_lobes": [{"lobes": 2, "amplitude": 0.011}]}, "casing.thickness_lobes = "),
-        ({"thickness_lobes": [{"lobes": 11, "amplitude": 0.001}]}, "at most 10 lobes"),
-        (
-            {
-                "thickness_stations": [
-                    {"angle": 0, "thickness": 0.01},
-                    {"angle": "1 turn", "thickness": 0.02},
-                ]
-            },
-            "one station at each angle",
-        ),
-        ({"stiffened_arcs": [{"start": 1.0, "end": 1.0}]}, "casing.stiffened_arcs[0].end = 1.0"),
-        ({"stiffened_arcs": [{"start": 1.0, "end": 8.0}]}, "at most a turn further on"),
-        (
-            {"stiffened_arcs": [{"start": 1.0, "end": 2.0}, {"start": 1.5, "end": 3.0}]},
-            "arcs that do not overlap",
-        ),
-        (
-            {"stiffened_arcs": [{"start": 1.0, "end": 2.0}, {"start": 5.0, "end": 8.0}]},
-            "arcs that do not overlap",
-        ),
-    ],
-)
-def test_faults_name_the_key(casing: dict[str, object], line: str) -> None:
-    with pytest.raises(CaseError) as caught:
-        case_from({"casing": casing})
-    [found] = caught.value.lines
-    assert line in found

@@ -7,10 +7,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-from contact_cases import ledger_residual, run, run_reference
+from contact_cases import ledger_residual, run, run_as_reference, thrown
+from faults import faults
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.file import CaseError, loads
+from bladewhirl.models.case.file import loads
 from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings, coupling_stiffness
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, Start
@@ -121,18 +122,9 @@ def test_springs_without_stiffness_change_nothing(modes: str) -> None:
     assert not one.coupling_work.any()
 
 
-def thrown(given: ContactProblem, *, k: int = 1, speed: float = 10.0) -> ContactProblem:
-    """The same stage, its tips thrown at the casing in k nodal diameters."""
-    outward = speed * np.cos(k * given.rotor.tip_angle - 0.1)  # m/s
-    velocity = np.linalg.lstsq(given.rotor.tip_radial, outward, rcond=None)[0]
-    rotor, casing = np.zeros(len(velocity)), np.zeros(len(given.casing.frequency))
-    start = Start(
-        rotor=rotor,
-        rotor_velocity=np.asarray(velocity, dtype=np.float64),
-        casing=casing,
-        casing_velocity=casing,
-    )
-    return replace(given, start=start, loads=())
+def sideways(given: ContactProblem, speed: float = 10.0) -> ContactProblem:
+    """The same stage, its shaft thrown at the casing with that speed [m/s]."""
+    return thrown(given, speed * np.cos(given.rotor.tip_angle - 0.1))
 
 
 STRONG = "coupling.stiffness=2e6"
@@ -140,16 +132,16 @@ STRONG = "coupling.stiffness=2e6"
 
 
 @pytest.mark.parametrize(
-    ("kept", "coupled", "pattern", "options"),
+    ("kept", "coupled", "speed", "options"),
     [
-        ("six", "six", (1, 10.0), ()),
-        ("six", "1F,casing", (1, 10.0), ("coupling.pi=false",)),
-        ("*:0,*:1,1F,casing", "all", (1, 10.0), ("coupling.stiffness=2e4",)),
-        ("six", "six", (1, 20.0), ("coupling.amplitude=physical", "coupling.stiffness=1e8")),
+        ("six", "six", 10.0, ()),
+        ("six", "1F,casing", 10.0, ("coupling.pi=false",)),
+        ("*:0,*:1,1F,casing", "all", 10.0, ("coupling.stiffness=2e4",)),
+        ("six", "six", 20.0, ("coupling.amplitude=physical", "coupling.stiffness=1e8")),
     ],
 )
 def test_marches_as_written_out(
-    kept: str, coupled: str, pattern: tuple[int, float], options: tuple[str, ...]
+    kept: str, coupled: str, speed: float, options: tuple[str, ...]
 ) -> None:
     """Springs, contact, friction and the five terms of the energy against a plain march."""
     chosen = (
@@ -159,19 +151,9 @@ def test_marches_as_written_out(
         f"coupling.modes={coupled}",
         *options,
     )
-    given = thrown(problem(*chosen), k=pattern[0], speed=pattern[1])
+    given = sideways(problem(*chosen), speed)
     dt, steps = min(1e-5, 0.5 * given.critical_time_step), 300
-    state, chunk, _ = run(given, dt, steps)
-    plain = run_reference(given, dt, steps)
-    assert plain.contact_impulse.any()
-    for found, expected in (
-        (chunk.rotor_displacement, plain.rotor_displacement),
-        (chunk.casing_displacement, plain.casing_displacement),
-        (chunk.energy, plain.energy),
-        (chunk.coupling_work, plain.coupling_work),
-    ):
-        size = np.abs(expected).max()
-        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * size)
+    state, chunk = run_as_reference(given, dt, steps)
     without = run(replace(given, springs=None), dt, steps)[1]
     change = np.abs(without.rotor_displacement - chunk.rotor_displacement).max()
     assert change > 1e-3 * np.abs(chunk.rotor_displacement).max()
@@ -181,7 +163,7 @@ def test_marches_as_written_out(
 
 def test_a_single_mode_on_springs_marches_as_written_out() -> None:
     """A mode without partner does not turn: K* then pulsates, and its frequencies with it."""
-    given = thrown(problem("reduction.modes=six", "bladed_disk.blades=6"))
+    given = sideways(problem("reduction.modes=six", "bladed_disk.blades=6"))
     modes = CouplingModes(
         name=("pair", "single"),
         on_casing=np.array([True, False]),
@@ -193,15 +175,7 @@ def test_a_single_mode_on_springs_marches_as_written_out() -> None:
     )
     held = CouplingSprings(modes=modes, number=np.array([0, 2]), kappa=2e6)
     given = replace(given, springs=held)
-    _, chunk, _ = run(given, 1e-5, 400)
-    plain = run_reference(given, 1e-5, 400)
-    size = np.abs(plain.casing_displacement).max()
-    np.testing.assert_allclose(
-        chunk.casing_displacement, plain.casing_displacement, rtol=0, atol=1e-9 * size
-    )
-    np.testing.assert_allclose(
-        chunk.coupling_work, plain.coupling_work, rtol=0, atol=1e-9 * np.abs(plain.energy).max()
-    )
+    run_as_reference(given, 1e-5, 400)
     angles = np.linspace(0.0, 2.0 * np.pi / 3.0, 40)
     whole = np.diag(modes.frequency[modes.entry] ** 2) + held.stiffness(angle=angles)
     highest = np.sqrt(np.linalg.eigvalsh(whole).max())
@@ -247,7 +221,7 @@ def test_unit_amplitudes_keep_their_phase() -> None:
 
 
 def test_a_stopped_march_goes_on_to_the_bit() -> None:
-    given = thrown(problem(STRONG, "reduction.modes=*:1,1F,casing", "coupling.modes=all"))
+    given = sideways(problem(STRONG, "reduction.modes=*:1,1F,casing", "coupling.modes=all"))
     scheme = CentralDifference(given, 2e-6, 10)
     _, whole, _ = scheme.advance(scheme.init(), 901)
     half, first, _ = scheme.advance(scheme.init(), 433)
@@ -271,9 +245,8 @@ def test_start_feels_the_springs() -> None:
 
 @pytest.mark.parametrize("modes", ["six", "1F:1,suspension,casing:1,1F:11,casing:0,2F:0"])
 def test_the_critical_step_is_that_of_the_coupled_bodies(modes: str) -> None:
-    given = thrown(
-        problem(f"reduction.modes={modes}", "coupling.modes=all", "coupling.stiffness=1e9"),
-        speed=1e-3,
+    given = sideways(
+        problem(f"reduction.modes={modes}", "coupling.modes=all", "coupling.stiffness=1e9"), 1e-3
     )
     alone = replace(given, springs=None).critical_time_step
     highest = max(
@@ -301,6 +274,4 @@ def test_the_critical_step_is_that_of_the_coupled_bodies(modes: str) -> None:
     ],
 )
 def test_springs_that_make_no_sense(overrides: tuple[str, ...], expected: str) -> None:
-    with pytest.raises(CaseError) as caught:
-        problem(*overrides)
-    assert any(expected in line for line in caught.value.lines)
+    assert any(expected in line for line in faults(problem, *overrides))

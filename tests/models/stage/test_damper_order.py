@@ -7,13 +7,13 @@ from functools import cache
 
 import numpy as np
 import pytest
-from contact_cases import one_tip, problem, run, run_reference
+from contact_cases import problem, run, run_reference, small_casing, small_rotor
 from places import ROOT
 from stages import observed_order
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing, Start
+from bladewhirl.models.stage.contact_problem import ContactProblem
 
 ERRATA = ROOT / "docs" / "errata.md"
 
@@ -26,25 +26,12 @@ def pushed(damping: float) -> ContactProblem:
     """A blade of 1 kg at 1 m/s, 1 mm from a casing of 20 kg on a spring and a damper."""
     nodal = np.zeros((4, 4, 1))
     nodal[:, 0] = 1.0 / np.sqrt(CASING)
-    casing = ReducedCasing(
-        frequency=np.array([2.0 * np.pi * 40.0]),
-        damping_ratio=np.zeros(1),
-        nodal=nodal,
-        clearance=np.tile([GAP, 0.0], (4, 1)),
-        radius=1.0,
-        column=np.full(1, -1),
-        dampers=np.array([[np.sqrt(damping / CASING)]]),
-    )
-    rotor = one_tip(
+    dampers = np.array([[np.sqrt(damping / CASING)]])
+    casing = small_casing(np.array([2.0 * np.pi * 40.0]), GAP, nodal=nodal, dampers=dampers)
+    rotor = small_rotor(
         np.array([2.0 * np.pi * 60.0]), tip_radial=np.full((1, 1), 1.0 / np.sqrt(BLADE))
     )
-    start = Start(
-        rotor=np.zeros(1),
-        rotor_velocity=np.array([np.sqrt(BLADE)]),
-        casing=np.zeros(1),
-        casing_velocity=np.zeros(1),
-    )
-    return problem(rotor, casing, start=start)
+    return problem(rotor, casing, start={"rotor_velocity": np.array([np.sqrt(BLADE)])})
 
 
 @cache

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from contact_cases import Bar, ledger_residual, one_tip, problem, run, wall
+from contact_cases import Bar, ledger_residual, problem, run, small_rotor, wall
 from stages import oracle
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load, Start
+from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.solvers.march.march import Chunk, Statistics
 
 ELEMENTS = 100
@@ -49,13 +49,7 @@ def collision(
     speeds = [body.rigid * velocity for body, velocity in zip(bars, case["velocity"], strict=False)]
     rotor = bars[0].as_rotor()
     casing = bars[1].as_casing(bar["gap"]) if len(bars) > 1 else wall(bar["gap"])
-    still = np.zeros(len(casing.frequency))
-    start = Start(
-        rotor=np.zeros_like(speeds[0]),
-        rotor_velocity=speeds[0],
-        casing=still,
-        casing_velocity=speeds[1] if len(bars) > 1 else still,
-    )
+    start = dict(zip(("rotor_velocity", "casing_velocity"), speeds, strict=False))
     return problem(rotor, casing, start=start), bars[0], bars[1] if len(bars) > 1 else None
 
 
@@ -136,19 +130,13 @@ def test_bouncing_bar() -> None:
 
 def oscillator(case: dict[str, Any], dt: float, end: float) -> tuple[Chunk, Statistics]:
     """Mass on a spring driven against a stop."""
-    rotor = one_tip(
+    rotor = small_rotor(
         np.sqrt(np.array([oracle("contact")["oscillator"]["stiffness"]])),
         tip_radial=np.ones((1, 1)),
     )
-    still = np.zeros(1)
-    start = Start(
-        rotor=np.array([case.get("start", 0.0)]),
-        rotor_velocity=still,
-        casing=still,
-        casing_velocity=still,
-    )
+    start = {"rotor": np.array([case.get("start", 0.0)])}
     force = np.array([case.get("force", 0.0)])
-    load = Load(rotor=force, casing=still, frequency=case.get("frequency", 0.0))
+    load = Load(rotor=force, casing=np.zeros(1), frequency=case.get("frequency", 0.0))
     given = problem(rotor, wall(case["gap"]), start=start, loads=(load,))
     state, chunk, _ = run(given, dt, round(end / dt))
     return chunk, state.statistics
@@ -191,15 +179,10 @@ def test_coulomb_pad() -> None:
     Each half swing loses 2 mu m g / k; it sticks at 0.05 mm after two periods.
     """
     pressed, sliding = np.array([[1.0, 0.0]]), np.array([[0.0, 1.0]])
-    rotor = one_tip(np.array([50.0, 100.0]), tip_radial=pressed, tip_tangential=sliding)
-    clearance, still = 1e-3, np.zeros(2)
+    rotor = small_rotor(np.array([50.0, 100.0]), tip_radial=pressed, tip_tangential=sliding)
+    clearance = 1e-3
     weight = Load(rotor=np.array([10.0 + 50.0**2 * clearance, 0.0]), casing=np.zeros(1))
-    start = Start(
-        rotor=np.array([clearance, 0.85e-3]),
-        rotor_velocity=still,
-        casing=np.zeros(1),
-        casing_velocity=np.zeros(1),
-    )
+    start = {"rotor": np.array([clearance, 0.85e-3])}
     given = problem(
         rotor, wall(clearance), start=start, loads=(weight,), friction=0.1, sliding="signed"
     )
@@ -223,7 +206,7 @@ def test_a_rigid_rotor_stays_on_its_unbalance_orbit(case: dict[str, float]) -> N
     rotor = oracle("jeffcott")["rotor"]
     natural = np.sqrt(rotor["stiffness"] / rotor["mass"])
     mass_root = np.sqrt(rotor["mass"])
-    body = one_tip(
+    body = small_rotor(
         np.full(2, natural),
         damping_ratio=np.full(2, rotor["damping_ratio"]),
         centre=np.eye(2) / mass_root,
@@ -235,12 +218,10 @@ def test_a_rigid_rotor_stays_on_its_unbalance_orbit(case: dict[str, float]) -> N
         for axis, phase in ((0, 0.0), (1, -np.pi / 2.0))
     )
     orbit = mass_root * case["amplitude"] * np.exp(-1j * case["phase_lag"])
-    start = Start(
-        rotor=np.array([orbit.real, orbit.imag]),
-        rotor_velocity=omega * np.array([-orbit.imag, orbit.real]),
-        casing=np.zeros(1),
-        casing_velocity=np.zeros(1),
-    )
+    start = {
+        "rotor": np.array([orbit.real, orbit.imag]),
+        "rotor_velocity": omega * np.array([-orbit.imag, orbit.real]),
+    }
     given = problem(body, wall(1.0), start=start, loads=loads)
     _, chunk, _ = run(given, 5e-6, 20_000, every=10)
     found = chunk.rotor_displacement @ body.centre.T @ [1.0, 1.0j]

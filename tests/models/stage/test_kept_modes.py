@@ -8,12 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from contact_cases import ledger_residual, run, run_reference
+from contact_cases import assert_same, ledger_residual, run, run_as_reference, thrown
+from faults import fault
 
 import bladewhirl as bw
-from bladewhirl.models.case.file import CaseError, loads
+from bladewhirl.models.case.file import loads
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.contact_problem import ContactProblem, Start
+from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.loads import radial_mode
 from bladewhirl.models.stage.stage import Stage, build_stage
 
@@ -88,15 +89,12 @@ def test_the_radial_mode_by_name_is_the_one_that_a_distortion_pushes(k: int) -> 
     [
         ('"1F:"', '"1F:" is no name'),
         ('"casing:1:1:1"', "is no name"),
-        ('"six,1F"', ""),
         ("3", "modes by name"),
         ('""', "is no name"),
     ],
 )
 def test_no_name_of_modes(text: str, expected: str) -> None:
-    with pytest.raises(CaseError) as caught:
-        build_stage(loads(f"[reduction]\nmodes = {text}"))
-    (line,) = caught.value.lines
+    line = fault(loads, f"[reduction]\nmodes = {text}")
     assert "reduction.modes" in line
     assert expected in line
 
@@ -105,6 +103,7 @@ def test_no_name_of_modes(text: str, expected: str) -> None:
     ("modes", "expected"),
     [
         ("suspention", "did you mean suspension?"),
+        ("six,1F", "of the bladed disk are"),
         ("1F:12", "1F of the bladed disk has nodal diameters 0, 1, 2"),
         ("suspension:2", "suspension of the bladed disk has nodal diameters 1"),
         ("casing:10", "radial modes of the casing have nodal diameters 0, 1, 2"),
@@ -112,21 +111,18 @@ def test_no_name_of_modes(text: str, expected: str) -> None:
     ],
 )
 def test_modes_that_the_stage_does_not_have(modes: str, expected: str) -> None:
-    with pytest.raises(CaseError) as caught:
-        stage(modes)
-    (line,) = caught.value.lines
-    assert expected in line
+    assert expected in fault(stage, modes)
 
 
 def test_the_suspension_of_a_clamped_centre_is_missed() -> None:
-    with pytest.raises(CaseError, match="suspension"):
-        stage("six", "shaft.clamped=true")
+    assert "suspension" in fault(stage, "six", "shaft.clamped=true")
 
 
 def test_a_load_that_no_kept_mode_feels_is_refused() -> None:
     load = ("excitation.type=casing-distortion", "excitation.nodal_diameter=2")
-    with pytest.raises(CaseError, match=r"excitation\.type.*a load on modes that reduction\.modes"):
-        contact_problem(stage("six", *load))
+    line = fault(contact_problem, stage("six", *load))
+    assert line.startswith("excitation.type")
+    assert "a load on modes that reduction.modes" in line
 
 
 def test_start_is_projected_by_mass() -> None:
@@ -141,18 +137,9 @@ def test_start_is_projected_by_mass() -> None:
     assert np.sum(rest.rotor_velocity**2) < 0.5 * np.sum(whole.rotor_velocity**2)
 
 
-def thrown(given: ContactProblem) -> ContactProblem:
-    """The same stage, its shaft thrown at the casing."""
-    outward = 10.0 * np.cos(given.rotor.tip_angle - 0.1)  # m/s
-    velocity = np.linalg.lstsq(given.rotor.tip_radial, outward, rcond=None)[0]
-    rotor, casing = np.zeros(len(velocity)), np.zeros(len(given.casing.frequency))
-    start = Start(
-        rotor=rotor,
-        rotor_velocity=np.asarray(velocity, dtype=np.float64),
-        casing=casing,
-        casing_velocity=casing,
-    )
-    return replace(given, start=start, loads=())
+def sideways(given: ContactProblem) -> ContactProblem:
+    """The same stage, its shaft thrown at the casing with 10 m/s."""
+    return thrown(given, 10.0 * np.cos(given.rotor.tip_angle - 0.1))
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.1])
@@ -161,18 +148,9 @@ def test_six_modes_march_as_written_out(friction: float) -> None:
 
     Tips all around touch, each for a moment.
     """
-    given = thrown(replace(contact_problem(stage("six")), friction=friction))
-    dt, steps = 2e-5, 300
-    state, chunk, _ = run(given, dt, steps)
-    plain = run_reference(given, dt, steps)
-    size = np.abs(plain.rotor_displacement).max()
-    np.testing.assert_allclose(
-        chunk.rotor_displacement, plain.rotor_displacement, rtol=0, atol=1e-9 * size
-    )
-    np.testing.assert_allclose(
-        chunk.casing_displacement, plain.casing_displacement, rtol=0, atol=1e-9 * size
-    )
-    assert (plain.contact_impulse > 0).any(axis=0).sum() > 2
+    given = sideways(replace(contact_problem(stage("six")), friction=friction))
+    state, chunk = run_as_reference(given, 2e-5, 300)
+    assert (chunk.contact_impulse > 0).any(axis=0).sum() > 2
     assert ledger_residual(chunk) < 1e-10
     assert state.statistics.complementarity_residual < 1e-10
     assert state.statistics.lcp_failures == 0
@@ -180,17 +158,12 @@ def test_six_modes_march_as_written_out(friction: float) -> None:
 
 def test_harmonics_and_products_march_alike() -> None:
     """All k = 1 families, enough of them for either path, against dense products."""
-    given = thrown(contact_problem(stage("*:1,1F,2F,casing,casing:2F,casing:3F")))
+    given = sideways(contact_problem(stage("*:1,1F,2F,casing,casing:2F,casing:3F")))
     assert given.rotor.by_harmonics
     assert given.casing.by_harmonics
     cyclic, dense = (run(given, 2e-6, 600, cyclic=path)[1] for path in (True, False))
     assert cyclic.contacts.any()
-    np.testing.assert_allclose(
-        cyclic.rotor_displacement,
-        dense.rotor_displacement,
-        rtol=0,
-        atol=1e-9 * np.abs(dense.rotor_displacement).max(),
-    )
+    assert_same(cyclic, dense)
 
 
 def test_a_run_in_six_modes_leaves_what_any_run_does(tmp_path: Path) -> None:
