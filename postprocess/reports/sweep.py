@@ -25,8 +25,8 @@ from bladewhirl.postprocess.reports.sweep_explorer import (
     regime_explorer,
 )
 from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table, headline
+from bladewhirl.postprocess.run.growth_rates import CERTAINTY, rate_text
 from bladewhirl.postprocess.run.orbits import MILLI
-from bladewhirl.postprocess.run.regimes import CERTAINTY, rate_text
 from bladewhirl.postprocess.sweep.axes import in_handy_units
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.postprocess.sweep.figures import SweepFigures

@@ -17,8 +17,8 @@ from bladewhirl.postprocess.reports.interactive import (
     plain_layout,
 )
 from bladewhirl.postprocess.reports.page import Explorer
+from bladewhirl.postprocess.run.growth_rates import CERTAINTY, rate_text
 from bladewhirl.postprocess.run.orbits import MILLI
-from bladewhirl.postprocess.run.regimes import CERTAINTY, rate_text
 from bladewhirl.postprocess.sweep.axes import in_handy_units, is_wide, key_label
 from bladewhirl.postprocess.sweep.drawing import REGIME_COLOURS, line_label
 from bladewhirl.postprocess.sweep.frequency_map import DECADES, LINES

@@ -11,7 +11,13 @@ from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import few_time_ticks, in_window
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
 from bladewhirl.postprocess.run.energies import strain_energies
-from bladewhirl.postprocess.run.regimes import CERTAINTY, classify, growth_windows, rate_text
+from bladewhirl.postprocess.run.growth_rates import (
+    CERTAINTY,
+    growth_windows,
+    rate_text,
+    ripple_windows,
+)
+from bladewhirl.postprocess.run.regimes import classify
 
 
 def amplitude_growth(
@@ -25,11 +31,14 @@ def amplitude_growth(
         end: of the window [s]; of the run when None.
 
     Returns:
-        over time, the middle of each window [s]: `amplitude`, root of the mean strain energy of
-        bladed disk and shaft springs [J^0.5]; `fit` with `low` and `high`, two standard errors of
-        the rate from it, nan before the windows fitted to, see `regimes.growth_windows`.
-        Attributes `rate` and `error`, its standard error [1/s], `span`, the time fitted over in
-        words, `regime` and `reason`.
+        over time, the middle of each window [s]: `energy`, mean strain energy of bladed disk and
+        shaft springs [J], the amplitude squared; `ripple`, that of the motion about its mean place
+        in each window [J], nan where it can't be told; `local_rate`, growth rate of the amplitude
+        from one window to the next [1/s]; `fit` [J] with `low` and `high`, two standard errors of
+        the rate from it, nan before the windows fitted to, see `growth_rates.growth_windows`.
+        Attributes `rate` and `error`, its standard error, and `end_rate`, of the last windows
+        alone [1/s], `residual`, misfit of the logarithm of the amplitude, `span`, the time fitted
+        over in words, `regime` and `reason`.
 
     Raises:
         ViewError: too short a history to judge growth by, or at rest.
@@ -46,17 +55,19 @@ def amplitude_growth(
     level = np.log(windows.amplitude[windows.late :]).mean()
 
     def at_late(line: Array) -> tuple[str, Array, str]:
-        return "time", np.append(np.full(windows.late, np.nan), line), "J^0.5"
+        return "time", np.append(np.full(windows.late, np.nan), line), "J"
 
     def fitted(slope: float) -> Array:
-        return np.asarray(np.exp(level + slope * (late - late.mean())))
+        return np.asarray(np.exp(2 * (level + slope * (late - late.mean()))))
 
     slow, fast = fitted(rate - CERTAINTY * error), fitted(rate + CERTAINTY * error)
     return labelled(
         dataset,
         "amplitude of the bladed disk, and its growth",
         {
-            "amplitude": ("time", windows.amplitude, "J^0.5"),
+            "energy": ("time", windows.amplitude**2, "J"),
+            "ripple": ("time", _ripple(dataset, energy, middle), "J"),
+            "local_rate": ("time", np.gradient(np.log(windows.amplitude), middle), "1/s"),
             "fit": at_late(fitted(rate)),
             "low": at_late(np.minimum(slow, fast)),
             "high": at_late(np.maximum(slow, fast)),
@@ -64,6 +75,8 @@ def amplitude_growth(
         {"time": middle},
         rate=rate,
         error=error,
+        end_rate=regime.growth.end_rate,
+        residual=regime.growth.residual,
         span=regime.growth.span,
         regime=regime.name,
         reason=regime.reason,
@@ -71,9 +84,18 @@ def amplitude_growth(
     )
 
 
+def _ripple(dataset: xr.Dataset, energy: Array, middle: Array) -> Array:
+    """Energy of the ripple at the middles of its windows, nan elsewhere."""
+    found = ripple_windows(dataset, energy)
+    if found is None:
+        return np.full(len(middle), np.nan)
+    own = found.begin + found.length / 2
+    return np.interp(middle, own, found.amplitude**2, left=np.nan, right=np.nan)
+
+
 @styled
 def plot_growth(growth: xr.Dataset) -> Figure:
-    """Draw the amplitude over time, and over its last windows the fitted growth with its band.
+    """Draw the mean strain energy over time, and the fitted growth over its last windows.
 
     Args:
         growth: from `amplitude_growth`.
@@ -83,7 +105,7 @@ def plot_growth(growth: xr.Dataset) -> Figure:
     time = growth["time"].values
     axes.plot(
         time,
-        growth["amplitude"],
+        growth["energy"],
         "o-",
         color=COLOURS["rotor"],
         markersize=2.5,
@@ -100,14 +122,21 @@ def plot_growth(growth: xr.Dataset) -> Figure:
         label=f"± {CERTAINTY:g} standard errors",
     )
     axes.plot(time, growth["fit"], color=COLOURS["k = 1"], label=f"fit, {growth.attrs['span']}")
-    largest = float(growth["amplitude"].max())
-    if float(growth["amplitude"].min()) > 0 and largest > 10 * float(growth["amplitude"].min()):
+    shown = [growth["energy"].values, growth["ripple"].values]
+    if np.isfinite(shown[1]).any():
+        axes.plot(time, shown[1], "--", color=COLOURS["rest"], label="ripple about the mean place")
+    smallest, largest = np.nanmin(shown), np.nanmax(shown)
+    if smallest > 0 and largest > 10 * smallest:
         axes.set_yscale("log")
     else:
         axes.set_ylim(0.0, 1.15 * largest)
-    axes.set(xlabel="time [s]", ylabel="root of strain energy [J$^{1/2}$]")
+    axes.set(xlabel="time [s]", ylabel="mean strain energy [J]")
     few_time_ticks(axes)
     rate = rate_text(growth.attrs["rate"], growth.attrs["error"])
-    axes.set_title(f"{growth.attrs['regime']}, growth rate {rate} 1/s\n{speed_label(growth)}")
+    misfit = 100 * np.expm1(growth.attrs["residual"])
+    axes.set_title(
+        f"{growth.attrs['regime']}, amplitude grows by {rate} 1/s (misfit {misfit:.2g} %)\n"
+        f"{speed_label(growth)}"
+    )
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure

@@ -66,6 +66,10 @@ class Summary:
     regime_criterion: str  #: how regimes are told apart, and what decided here
     growth_rate: float | None  #: of the amplitude [1/s]; None where it can't be judged
     growth_rate_error: float | None  #: one standard error of it [1/s]
+    growth_rate_end: float | None  #: of the last windows alone [1/s]
+    growth_residual: float | None  #: misfit of the exponential, root mean square of the logarithm
+    ripple_growth_rate: float | None  #: of the motion about its mean place [1/s]
+    ripple_growth_rate_error: float | None  #: one standard error of it [1/s]
     end_reason: str  #: "completed", "divergent" or "interrupted"
     end_time: float  #: [s]
     shaft_radius_max: float  #: over the records [m]
@@ -122,6 +126,10 @@ def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary
         regime_criterion=f"{regime.criterion}. Here: {regime.reason}.",
         growth_rate=regime.growth.rate if regime.growth else None,
         growth_rate_error=regime.growth.error if regime.growth else None,
+        growth_rate_end=regime.growth.end_rate if regime.growth else None,
+        growth_residual=regime.growth.residual if regime.growth else None,
+        ripple_growth_rate=regime.ripple.rate if regime.ripple else None,
+        ripple_growth_rate_error=regime.ripple.error if regime.ripple else None,
         end_reason=str(dataset.attrs["end_reason"]),
         end_time=float(dataset["time"][-1]),
         shaft_radius_max=float(radius.max()),

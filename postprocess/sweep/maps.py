@@ -24,7 +24,7 @@ from bladewhirl.postprocess.plotting.style import (
     styled,
 )
 from bladewhirl.postprocess.plotting.units import length_unit
-from bladewhirl.postprocess.run.regimes import CERTAINTY
+from bladewhirl.postprocess.run.growth_rates import CERTAINTY
 from bladewhirl.postprocess.sweep.axes import (
     edges_of,
     in_handy_units,

@@ -14,14 +14,13 @@ from rich.console import Console
 
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.energies import strain_energies
-from bladewhirl.postprocess.run.regimes import (
-    Regime,
+from bladewhirl.postprocess.run.growth_rates import (
     Windows,
-    classify,
     fit_growth,
     longest_half_period,
     windowed_amplitude,
 )
+from bladewhirl.postprocess.run.regimes import Regime, classify
 from bladewhirl.postprocess.run.summary import (
     Summary,
     displacement_hints,
@@ -44,6 +43,7 @@ REPORT = {
 KEYS = {
     *"regime regime_criterion growth_rate growth_rate_error end_reason end_time".split(),
     *"shaft_radius_max shaft_radius_final tip_displacement_max".split(),
+    *"growth_rate_end growth_residual ripple_growth_rate ripple_growth_rate_error".split(),
     *"whirl_frequency_rotating whirl_frequency_static whirl_frequency_error whirl_lines".split(),
     *"ripple_rms ripple_frequency".split(),
     *"strain_energy_max strain_energy_final contact_share gap_violation_max".split(),
@@ -427,6 +427,43 @@ class TestRegimes:
         assert least < spread < most
         if correlation:
             assert np.sqrt(np.mean(np.square(plain))) > 1.1 * spread
+
+    @pytest.mark.parametrize(
+        ("ripple", "regime"), [(1.3, "divergent"), (0.0, "sustained"), (-0.5, "sustained")]
+    )
+    def test_a_ripple_that_grows_on_a_steady_orbit_is_divergence(
+        self, ripple: float, regime: str
+    ) -> None:
+        """The shaft stays displaced by 1.2 mm, its ripple ends at 0.1 mm."""
+        result = synthetic.synthetic_result(records=4501, bending=0.0, shaft_radius=0.0)
+        time = result["time"].values
+        motion = np.zeros((len(time), 5))
+        size = 1e-4 * np.exp(ripple * (time - time[-1]))
+        motion[:, 0] = 1.2e-3 + size * np.cos(75.0 * time)
+        motion[:, 1] = size * np.sin(75.0 * time)
+        result["rotor_displacement"] = ("time", "rotor_mode"), motion
+        result["contact_steps"] = xr.full_like(result["contact_steps"], 10)
+        found = classify(result, strain_energies(result)["total"].values)
+        assert found.name == regime
+        assert found.growth is not None
+        assert found.ripple is not None
+        assert found.ripple.rate == pytest.approx(ripple, abs=0.05)
+        assert abs(found.growth.rate) < 0.1
+        assert found.ripple.residual < 0.05
+        assert "growth rate of the ripple" in found.reason
+
+    def test_a_curved_record_has_its_rate_at_the_end_and_a_misfit(self) -> None:
+        """The logarithm goes as the square of time: its slope doubles from middle to end."""
+        begin, length = 0.1 * np.arange(36, dtype=np.float64), 0.1
+        middle = begin + 0.05
+        windows = Windows(
+            begin=begin, length=length, amplitude=np.exp(middle**2), late=24, is_third=True
+        )
+        growth = fit_growth(windows)
+        assert growth.rate == pytest.approx(2 * middle[24:].mean())
+        assert growth.end_rate == pytest.approx(2 * middle[-3])
+        assert growth.residual == pytest.approx(np.std((middle[24:] - middle[24:].mean()) ** 2))
+        assert f"{growth.end_rate:.3g} ±" in growth.sentence
 
     def test_the_criterion_is_written_with_every_regime(self, result: xr.Dataset) -> None:
         text = summarise(result, REPORT).regime_criterion

@@ -1,0 +1,278 @@
+"""Growth of a motion, and of its ripple, by exponentials fitted to amplitudes in equal windows.
+
+Growth must be told from ripple, from beating, from noise, from the onset of a load, and from a
+motion on its way to a limit cycle. The amplitude is the root of the strain energy of the bladed
+disk with its shaft springs, averaged over equal windows: that smooths ripple and works with a
+clamped shaft too. A small ripple that grows about a large steady displacement hardly changes it,
+so that of the motion about its mean place in each window is looked at as well.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.result import portions
+
+CERTAINTY = 2.0  #: standard errors that a growth rate must be away from zero
+STEADINESS = 0.75  #: least ratio of the growth rates in the second and first half of the third
+RISE = 1.1  #: least ratio of the last amplitude to the largest before the last third
+MOST_WINDOWS, FEWEST_WINDOWS = 12, 8  #: windows in the last third
+FEWEST_LAST = 5  #: windows that growth is fitted to where the march ended at its limit
+FEWEST_IN_HALF = 3  #: windows of a half of them; the halves share some where there are so few
+WINDOW_RECORDS = 3  #: fewest records in a window
+RIGID = 1e-6  #: a mode below this share of the highest frequency is rigid to rounding
+RIPPLE_RISE = 1.5  #: the same of the ripple, over the largest in the middle third
+RIPPLE_SHARE = 0.01  #: least share of the amplitude that a growing ripple has come to
+RIPPLE_PERIODS = 2.0  #: least length of a window that a mean place is told from [periods]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Windows:
+    """The amplitude in equal windows of time, the last of them being those growth is fitted to."""
+
+    begin: Array  #: of each window [s], (window,)
+    length: float  #: of a window [s]
+    amplitude: Array  #: root of the mean strain energy in it [J^0.5], (window,)
+    late: int  #: first window that growth is fitted to
+    is_third: bool  #: these are the last third of the time
+
+    @property
+    def span(self) -> str:
+        """The time that growth is fitted over, in words."""
+        begin, end = self.begin[self.late], self.begin[-1] + self.length
+        return "the last third" if self.is_third else f"{begin:.3g} to {end:.3g} s"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Growth:
+    """Exponential growth of the amplitude over the last windows of a run."""
+
+    rate: float  #: fitted to the logarithm of the amplitude; negative in decay [1/s]
+    error: float  #: standard error of that rate, see `fit_growth` [1/s]
+    slows: bool  #: the second half of these windows grows clearly less than the first
+    rise: float  #: amplitude of the last window over the largest before; inf where none was
+    residual: float  #: root mean square misfit of the logarithm: 0.1 is about 10 %
+    end_rate: float  #: the same of the last windows alone, five of them [1/s]
+    end_error: float  #: standard error of that [1/s]
+    span: str  #: the time that it is fitted over, in words
+    least_rise: float = RISE  #: from which `rise` counts
+    share: float = 1.0  #: of the amplitude in the last window: less than 1 of a ripple
+
+    @property
+    def text(self) -> str:
+        """The rate and `CERTAINTY` standard errors of it, in words."""
+        return rate_text(self.rate, self.error)
+
+    @property
+    def is_significant(self) -> bool:
+        """Whether it is more than its uncertainty and shows no sign of ending."""
+        return (
+            self.rate > CERTAINTY * self.error
+            and not self.slows
+            and self.rise >= self.least_rise
+            and self.share >= RIPPLE_SHARE
+        )
+
+    @property
+    def sentence(self) -> str:
+        """Rate, rate at the end, misfit and rise, in words."""
+        slowing = ", slowing" if self.slows else ""
+        risen = f", its last window {self.rise:.3g} times the largest before"
+        return (
+            f"{self.text} 1/s ({CERTAINTY:g} standard errors) over {self.span}, at the end"
+            f" {rate_text(self.end_rate, self.end_error)} 1/s, off the line by"
+            f" {100 * np.expm1(self.residual):.2g} %{slowing}"
+            f"{risen if np.isfinite(self.rise) else ''}"
+        )
+
+
+def windowed_amplitude(time: Array, strain_energy: Array, shortest_window: float) -> Windows | None:
+    """Root of the mean strain energy in equal windows; None where growth cannot be judged by it.
+
+    That is a history at rest or beyond all numbers, one with fewer than eight windows in its last
+    third, or one with fewer than three records in some window.
+
+    Args:
+        time: of the records [s], (time,), ascending.
+        strain_energy: at the records [J], (time,).
+        shortest_window: that averages the ripple away [s].
+    """
+    third = (time[-1] - time[0]) / 3
+    fitting = [third / shortest_window, len(time) / (3 * (WINDOW_RECORDS + 1)), MOST_WINDOWS]
+    windows = int(min(fitting))
+    if windows < FEWEST_WINDOWS:
+        return None
+    length = third / windows
+    edges = time[0] + length * np.arange(3 * windows)
+    return _averaged(time, strain_energy, edges, length, fitted=windows, is_third=True)
+
+
+def growth_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
+    """The windows that the growth of a run is fitted to; None where it cannot be judged.
+
+    They are those of `windowed_amplitude`. A march that ended at its displacement limit is often
+    too short for them, and grows fastest: there they are the last ones of the shortest length,
+    eight, or those since the load ended if these are at least five and no more. Under a load that
+    lasts, or too soon after it, they are eight, or at least five, wherever they begin.
+
+    Args:
+        dataset: a result.
+        strain_energy: of the bladed disk with its shaft springs at each record [J], (time,).
+    """
+    time, shortest = dataset["time"].values, longest_half_period(dataset)
+    found = windowed_amplitude(time, strain_energy, shortest)
+    if found is not None or dataset.attrs.get("end_reason") != "divergent" or len(time) < 2:
+        return found
+    length = max(shortest, (WINDOW_RECORDS + 1) * float(np.median(np.diff(time))))
+    room = int((time[-1] - time[0]) / length)
+    since_load = int((time[-1] - load_end(dataset)) / length)
+    fitted = min(since_load if since_load >= FEWEST_LAST else room, FEWEST_WINDOWS)
+    if fitted < FEWEST_LAST:
+        return None
+    edges = time[-1] - length * np.arange(room, 0, -1)
+    return _averaged(time, strain_energy, edges, length, fitted=fitted, is_third=False)
+
+
+def ripple_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
+    """Windows of the motion about its mean place; None where it cannot be judged.
+
+    They cover the last two thirds of the time, half of them the last third, and are two periods
+    of the lowest rotor mode long or more: so long that a mean place can be told from the motion.
+
+    Args:
+        dataset: a result.
+        strain_energy: of the bladed disk with its shaft springs at each record [J], (time,).
+    """
+    time = dataset["time"].values
+    shortest = 2 * RIPPLE_PERIODS * longest_half_period(dataset)
+    found = windowed_amplitude(time, strain_energy, shortest)
+    if found is None:
+        return None
+    first = np.append(np.searchsorted(time, found.begin - 1e-9 * found.length), len(time))
+    weights = 0.5 * dataset["rotor_frequency"].values ** 2
+    middle = found.late // 2
+    energy = np.empty(len(found.begin) - middle)
+    for number, (begin, end) in enumerate(zip(first[middle:-1], first[middle + 1 :], strict=True)):
+        window = dataset[["rotor_displacement"]].isel(time=slice(begin, end))
+        parts = (window["rotor_displacement"].isel(time=part).values for part in portions(window))
+        total = sum(part.sum(axis=0) for part in parts)
+        mean = np.asarray(total) / (end - begin)
+        energy[number] = found.amplitude[middle + number] ** 2 - weights @ mean**2
+    if not energy.min() > np.finfo(np.float64).eps * found.amplitude.max() ** 2:
+        return None  # nothing but rounding
+    return replace(
+        found, begin=found.begin[middle:], amplitude=np.sqrt(energy), late=found.late - middle
+    )
+
+
+def fit_ripple(ripple: Windows, motion: Windows) -> Growth:
+    """Growth of the motion about its mean place.
+
+    Args:
+        ripple: from `ripple_windows`.
+        motion: of the same run as a whole.
+    """
+    share = ripple.amplitude[-1] / motion.amplitude[-1]
+    return replace(fit_growth(ripple), least_rise=RIPPLE_RISE, share=float(share))
+
+
+def fit_growth(windows: Windows) -> Growth:
+    """Fit an exponential to the last windows of a history.
+
+    The standard error is that of a straight line fitted to the logarithms of the amplitudes.
+    Neighbouring windows don't miss the line independently: with the correlation r of a misfit
+    with the next one, n windows count as n (1 - r) / (1 + r), so the error is larger by
+    sqrt((1 + r) / (1 - r)); a negative r counts as none. That is after Santer et al., J. Geophys.
+    Res. 105, 2000, without their loss of freedom by the line. Of so few windows r comes out too
+    small rather than too large: an amplitude without trend is beyond two errors in 7 % of series
+    of 12 independent windows, 14 % of 5, and in 20 % of 12 whose true correlation is 0.5. Of half
+    of the windows r says nothing, so whether the growth slows is told by errors without it.
+
+    Args:
+        windows: of the history.
+    """
+    before, last = windows.amplitude[: windows.late], np.log(windows.amplitude[windows.late :])
+    rate, error, factor = _fitted_slope(last, windows.length)
+    end_rate, end_error, end_factor = _fitted_slope(last[-FEWEST_LAST:], windows.length)
+    line = rate * windows.length * (np.arange(len(last)) - (len(last) - 1) / 2)
+    half = max(len(last) // 2, FEWEST_IN_HALF)
+    early, _, _ = _fitted_slope(last[:half], windows.length)
+    late, late_error, _ = _fitted_slope(last[-half:], windows.length)
+    return Growth(
+        rate=rate,
+        error=error * factor,
+        slows=early > 0 and late + CERTAINTY * late_error < STEADINESS * early,
+        rise=float(np.exp(last[-1]) / before.max()) if before.any() else float("inf"),
+        residual=float(np.std(last - line)),
+        end_rate=end_rate,
+        end_error=end_error * end_factor,
+        span=windows.span,
+    )
+
+
+def rate_text(rate: float, error: float) -> str:
+    """A growth rate and `CERTAINTY` standard errors of it, in words; a dash where there is none.
+
+    Args:
+        rate: [1/s]
+        error: its standard error [1/s].
+    """
+    return f"{rate:.3g} ± {CERTAINTY * error:.2g}" if np.isfinite(rate) else "–"
+
+
+def load_end(dataset: xr.Dataset) -> float:
+    """Time from which on the load does no more work [s]; the first record where it does none."""
+    time, work = dataset["time"].values, dataset["external_work"].values
+    working = np.flatnonzero(np.diff(work))
+    return float(time[working[-1] + 1] if len(working) else time[0])
+
+
+def longest_half_period(dataset: xr.Dataset) -> float:
+    """Half a period of the lowest rotor mode [s], in which a strain energy rises and falls.
+
+    Rigid modes hold none and don't count; infinite where there are no others.
+    """
+    frequency = dataset["rotor_frequency"].values
+    elastic = frequency[frequency > RIGID * frequency.max()]
+    return float(np.pi / elastic.min()) if len(elastic) else float("inf")
+
+
+def _fitted_slope(values: Array, step: float) -> tuple[float, float, float]:
+    """Slope of a straight line through equally spaced values, and its standard error.
+
+    The error takes the misfits of the values as independent; the third number is what it has to be
+    multiplied by for their correlation, see `fit_growth`.
+    """
+    place = step * (np.arange(len(values)) - (len(values) - 1) / 2)
+    spread = place @ place
+    slope = place @ values / spread
+    misfit = values - values.mean() - slope * place
+    square = float(misfit @ misfit)
+    correlation = max(0.0, float(misfit[:-1] @ misfit[1:]) / square) if square > 0 else 0.0
+    factor = np.sqrt((1 + correlation) / (1 - correlation))
+    return float(slope), float(np.sqrt(square / (len(values) - 2) / spread)), float(factor)
+
+
+def _averaged(
+    time: Array,
+    strain_energy: Array,
+    edges: Array,
+    length: float,
+    *,
+    fitted: int,
+    is_third: bool,
+) -> Windows | None:
+    """The windows that begin at `edges`, the last reaching to the end."""
+    first = np.searchsorted(time, edges - 1e-9 * length)
+    counts = np.diff(first, append=len(time))
+    if counts.min() < WINDOW_RECORDS:
+        return None
+    mean = np.add.reduceat(strain_energy, first) / counts
+    late = len(edges) - fitted
+    if not (mean[late:].min() > 0 and np.isfinite(mean[late:]).all()):
+        return None
+    return Windows(
+        begin=edges, length=length, amplitude=np.sqrt(mean), late=late, is_third=is_third
+    )
