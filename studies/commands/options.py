@@ -39,7 +39,7 @@ Rotating = Annotated[
 Workers = Annotated[int | None, typer.Option(help="Local processes; one a core if none.", min=1)]
 Scheduler = Annotated[
     str | None,
-    typer.Option(metavar="ADDRESS", help="An existing dask scheduler, tcp://host:8786."),
+    typer.Option(metavar="ADDRESS", help="An existing dask scheduler, tls://host:8786."),
 ]
 
 MOST_POINTS = 100_000

@@ -57,6 +57,12 @@ def sweep(
     yes: Annotated[
         bool, typer.Option("--yes", help="Run more than 100,000 points, or 1e9 steps of one.")
     ] = False,
+    dashboard: Annotated[
+        bool,
+        typer.Option(
+            "--dashboard", help="Show dask's page of local workers at http://127.0.0.1:8787."
+        ),
+    ] = False,
     json: AsJson = False,
 ) -> None:
     """March a case at every point of a range, or of several.
@@ -87,7 +93,9 @@ def sweep(
                 raise UserError(
                     f"--resume {resume}: expected no {given}; the folder knows its sweep"
                 )
-            done = resume_sweep(resume, scheduler=scheduler, workers=workers, watch=watch)
+            done = resume_sweep(
+                resume, scheduler=scheduler, workers=workers, dashboard=dashboard, watch=watch
+            )
         elif case is None or not over or output is None:
             raise UserError("sweep: expected CASE, --over KEY=VALUES and -o DIR, or --resume DIR")
         else:
@@ -101,6 +109,7 @@ def sweep(
                 workers=workers,
                 histories=histories,
                 large=yes,
+                dashboard=dashboard,
                 watch=watch,
             )
     _report(done, as_json=json)

@@ -9,7 +9,7 @@ from itertools import chain, islice
 
 import dask
 from dask.system import CPU_COUNT
-from distributed import Client, LocalCluster, as_completed
+from distributed import Client, LocalCluster, Security, as_completed
 from distributed.scheduler import KilledWorker
 
 from bladewhirl.models.inputs.errors import UserError
@@ -23,19 +23,29 @@ PATIENCE = "30s"
 LOCAL: Mapping[str, object] = {
     # A group that a worker died with is suspect at once: it is then tried alone, see below.
     "distributed.scheduler.allowed-failures": 1,
-    # Workers leave with their parent; nobody asks them for a web page.
+    # Workers leave with their parent.
     "distributed.worker.daemon": True,
+    # Nobody asks them for a web page, nor the scheduler, unless the user does.
+    "distributed.worker.http.routes": [],
     # What dask remembers of what it did stays small, however many points there are.
     "distributed.admin.low-level-log-length": 100,
     "distributed.admin.system-monitor.log-length": 100,
 }
+
+DASHBOARD = "127.0.0.1:8787"
+"""Where dask's web page of a local cluster is, if asked for; on this machine only."""
 
 READY = 1
 """Groups waiting at a worker beside the one it does, so that it never waits for the next."""
 
 
 def march_groups(
-    work: Work, groups: Iterable[Group], *, scheduler: str | None, workers: int | None
+    work: Work,
+    groups: Iterable[Group],
+    *,
+    scheduler: str | None,
+    workers: int | None,
+    dashboard: bool = False,
 ) -> Iterator[Mapping[int, Outcome]]:
     """March groups, yielding the outcomes of each as they come.
 
@@ -48,6 +58,7 @@ def march_groups(
         groups: to march.
         scheduler: address of an existing scheduler, or None.
         workers: number of local ones; one a core when None.
+        dashboard: show dask's web page of local workers.
 
     Raises:
         UserError: the scheduler does not answer, or its workers have another version.
@@ -57,7 +68,7 @@ def march_groups(
     first = list(islice(waiting, count))
     if not first:
         return
-    with _client(scheduler, min(count, len(first))) as client:
+    with _client(scheduler, min(count, len(first)), dashboard) as client:
         suspects: list[Group] = []
         yield from _in_flight(client, work, chain(first, waiting), suspects)
         for group in suspects:
@@ -106,7 +117,7 @@ def _in_flight(
 
 
 @contextmanager
-def _client(scheduler: str | None, workers: int) -> Iterator[Client]:
+def _client(scheduler: str | None, workers: int, dashboard: bool) -> Iterator[Client]:
     """A client of the scheduler, or of a local cluster that ends with it."""
     if scheduler is not None:
         try:
@@ -118,23 +129,39 @@ def _client(scheduler: str | None, workers: int) -> Iterator[Client]:
         with client:
             yield client
         return
-    with local_cluster(workers) as cluster, Client(cluster, set_as_default=False) as client:
+    with (
+        local_cluster(workers, dashboard=dashboard) as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
         yield client
 
 
 @contextmanager
-def local_cluster(workers: int) -> Iterator[LocalCluster]:
+def local_cluster(workers: int, *, dashboard: bool = False) -> Iterator[LocalCluster]:
     """A cluster on this machine, one process a worker; Ctrl-C waits until they have started.
 
-    dask can't end a cluster in order whose workers are still starting.
+    dask can't end a cluster in order whose workers are still starting. What it hears it unpickles,
+    so it listens to nobody without the key, which is made for this cluster and kept in memory:
+    this process, its clients by address too, and the workers have it.
     """
-    with dask.config.set(LOCAL):
+    security = Security.temporary()
+    keys = {
+        f"distributed.comm.tls.{role}.{part}": getattr(security, f"tls_{role}_{part}")
+        for role in ("client", "worker", "scheduler")
+        for part in ("key", "cert")
+    }
+    keys |= {"distributed.comm.tls.ca-file": security.tls_ca_file}
+    page = {} if dashboard else {"distributed.scheduler.http.routes": []}
+    with dask.config.set({**LOCAL, **keys, **page}):
         with held_back():
             cluster = LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
                 processes=True,
-                dashboard_address=":0",
+                dashboard_address=DASHBOARD if dashboard else "127.0.0.1:0",
+                worker_dashboard_address="127.0.0.1:0",
+                scheduler_kwargs={"dashboard": dashboard},
+                security=security,
                 silence_logs="CRITICAL",
             )
         with cluster:

@@ -65,6 +65,7 @@ def run_sweep(
     workers: int | None = None,
     histories: bool = False,
     large: bool = False,
+    dashboard: bool = False,
     watch: Watch | None = None,
 ) -> Sweep:
     """March a case at every combination of values and keep what matters of each in a dataset.
@@ -86,6 +87,7 @@ def run_sweep(
             seen by all workers under the same path.
         large: more than 100,000 points are meant, or more than a billion steps of one march or a
             trillion of all.
+        dashboard: show dask's web page of the local cluster, to this machine only.
         watch: is told how it goes.
 
     Raises:
@@ -107,7 +109,7 @@ def run_sweep(
         folder.write_provenance(directory, plan.case)
     except OSError as error:
         raise UserError(f"{directory}: cannot be written ({error})") from None
-    return _carry_out(plan, directory, scheduler, workers, watch)
+    return _carry_out(plan, directory, watch, scheduler, workers, dashboard)
 
 
 def resume_sweep(
@@ -115,6 +117,7 @@ def resume_sweep(
     *,
     scheduler: str | None = None,
     workers: int | None = None,
+    dashboard: bool = False,
     watch: Watch | None = None,
 ) -> Sweep:
     """Finish a sweep: march what is missing, and what failed again.
@@ -123,6 +126,7 @@ def resume_sweep(
         directory: of the sweep.
         scheduler: as in `run_sweep`, and so the others.
         workers: see there.
+        dashboard: see there.
         watch: see there.
 
     Raises:
@@ -133,15 +137,16 @@ def resume_sweep(
     plan = read_plan(directory)
     watch = watch or Watch()
     watch.planned(plan)
-    return _carry_out(plan, directory, scheduler, workers, watch)
+    return _carry_out(plan, directory, watch, scheduler, workers, dashboard)
 
 
 def _carry_out(
     plan: Plan,
     directory: Path,
+    watch: Watch,
     scheduler: str | None,
     workers: int | None,
-    watch: Watch,
+    dashboard: bool,
 ) -> Sweep:
     """March every group that is not done yet."""
     from bladewhirl.postprocess.sweep.figures import leave_figures
@@ -163,7 +168,9 @@ def _carry_out(
         first = next(plan.left(state), None)
         if first is not None:
             _compile(plan.case, next(iter(first.points.values())))
-        for outcomes in march_groups(work, plan.left(state), scheduler=scheduler, workers=workers):
+        for outcomes in march_groups(
+            work, plan.left(state), scheduler=scheduler, workers=workers, dashboard=dashboard
+        ):
             store.write(outcomes)
             marched += len(outcomes)
             watch.progress(store.done, len(store.failures), plan.grid.size)
