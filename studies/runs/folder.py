@@ -13,6 +13,7 @@ from importlib import metadata
 from pathlib import Path, PurePosixPath
 from platform import platform
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from bladewhirl.meshes.files.registry import READERS as MESH_SUFFIXES
 from bladewhirl.models.case.case import Case
@@ -134,6 +135,28 @@ def write_whole(path: Path, text: str) -> None:
     unfinished = path.with_name(f".{path.name}")
     unfinished.write_text(text, encoding="utf-8")
     os.replace(unfinished, path)
+
+
+def read_failures(directory: Path) -> list[dict[str, Any]]:
+    """Points of a sweep that failed: "point", the values of the swept keys, "reason".
+
+    Raises:
+        UserError: the file is damaged.
+    """
+    path = directory / FAILURES_NAME
+    if not path.exists():
+        return []
+    try:
+        rows = [dict(row) for row in json.loads(path.read_text(encoding="utf-8"))]
+        sound = all(isinstance(row["point"], int) and row["reason"] for row in rows)
+    except (OSError, ValueError, TypeError, KeyError, RecursionError):
+        sound = False
+    if not sound:
+        raise UserError(
+            f"{path}: expected the failed points of a sweep; without this file --resume tries them"
+            " again"
+        )
+    return rows
 
 
 def write_provenance(directory: Path, case: Case) -> None:

@@ -15,7 +15,7 @@ from bladewhirl.postprocess.reports.provenance import Provenance
 from bladewhirl.postprocess.reports.run import run_report
 from bladewhirl.postprocess.reports.sweep import sweep_report
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
-from bladewhirl.studies.runs.folder import FAILURES_NAME, PROVENANCE_NAME, REPORT_NAME
+from bladewhirl.studies.runs.folder import PROVENANCE_NAME, REPORT_NAME, read_failures
 
 
 def report(directory: str | Path, output: str | Path | None = None) -> Path:
@@ -69,12 +69,8 @@ def _sweep_page(directory: Path) -> Page:
 
 def _failures(directory: Path) -> list[tuple[str, str]]:
     """Points that failed, in words, and why; none where that is not told."""
-    try:
-        found = json.loads((directory / FAILURES_NAME).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return []
     rows = []
-    for entry in found:
+    for entry in read_failures(directory):
         values = {key: value for key, value in entry.items() if key not in ("point", "reason")}
         words = ", ".join(f"{key} = {value}" for key, value in values.items())
         rows.append((words, str(entry["reason"])))

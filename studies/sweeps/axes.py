@@ -76,6 +76,11 @@ class Grid:
         return tuple(len(axis.values) for axis in self.axes)
 
     @property
+    def over(self) -> dict[str, tuple[Value, ...]]:
+        """Values of each swept key."""
+        return {axis.key: axis.values for axis in self.axes}
+
+    @property
     def size(self) -> int:
         """Number of points."""
         return math.prod(self.shape)

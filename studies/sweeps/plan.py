@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +66,11 @@ class Plan:
     def dataset_bytes(self) -> int:
         """Size of the dataset [bytes]."""
         return self.grid.size * self.layout.bytes_per_point
+
+    @property
+    def digest(self) -> str:
+        """See `plan_digest`."""
+        return plan_digest(self.case, self.grid.over, self.group_size)
 
     @property
     def groups(self) -> Iterator[range]:
@@ -139,14 +145,24 @@ def plan_sweep(
     )
 
 
+def plan_digest(case: Case, over: Mapping[str, Any], group_size: int) -> str:
+    """Digest of all that the points of a sweep depend on, SHA-256, the same in plan and dataset."""
+    made_by = (folder.version(), SWEEP_FORMAT, dict(over), group_size)
+    whole = sha256(json.dumps(made_by).encode())
+    for name, content in folder.case_files(case).items():
+        whole.update(name.encode() + content)
+    return whole.hexdigest()
+
+
 def write_plan(plan: Plan, directory: Path) -> None:
     """Write the plan of a sweep into its folder, and a copy of its case's mesh file beside it."""
     files = folder.case_files(plan.case)
     document = {
         folder.PACKAGE: folder.version(),
         "format": SWEEP_FORMAT,
+        "digest": plan.digest,
         "case": files.pop(folder.CASE_NAME).decode(),
-        "over": {axis.key: axis.values for axis in plan.grid.axes},
+        "over": plan.grid.over,
         "histories": plan.histories,
         "group_size": plan.group_size,
     }
@@ -160,16 +176,18 @@ def read_plan(directory: Path) -> Plan:
     """The plan of a sweep that was begun.
 
     Raises:
-        UserError: there is none, or it is another version's or of another format.
+        UserError: there is none, it is another version's or of another format, or it is not as
+            it was written.
     """
     path = directory / PLAN_NAME
     try:
         document: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        made_by, text, over = (document[key] for key in (folder.PACKAGE, "case", "over"))
+        made_by, text = str(document[folder.PACKAGE]), str(document["case"])
+        over = {str(key): tuple(values) for key, values in dict(document["over"]).items()}
         histories, group_size = bool(document["histories"]), int(document["group_size"])
     except OSError as error:
         raise UserError(f"{path}: expected the plan of a sweep ({error.strerror})") from None
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
         raise UserError(f"{path}: expected the plan of a sweep ({error!r})") from None
     if made_by != folder.version():
         raise UserError(
@@ -182,6 +200,15 @@ def read_plan(directory: Path) -> Plan:
             f" {document.get('format', 1)} and keeps other quantities; sweep anew into a new folder"
         )
     case = loads(text, file=str(path))
+    try:
+        found = plan_digest(case, over, group_size)
+    except OSError as error:  # of the mesh file
+        raise UserError(f"{error.filename}: expected a readable file ({error.strerror})") from None
+    if document.get("digest") != found:
+        raise UserError(
+            f"{path}: expected the plan as the sweep wrote it; it was changed, and points marched"
+            " before would not agree with those to come"
+        )
     return plan_sweep(
         case, make_grid(case, over, large=True), histories=histories, group_size=group_size
     )

@@ -34,7 +34,7 @@ from bladewhirl.postprocess.sweep.dataset import (
     Layout,
 )
 from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT
-from bladewhirl.studies.runs.folder import FAILURES_NAME, write_whole
+from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures, write_whole
 from bladewhirl.studies.sweeps.axes import Grid
 from bladewhirl.studies.sweeps.points import Failure, Outcome
 
@@ -85,7 +85,7 @@ def create(
                 made.attrs["flag_values"] = np.arange(len(variable.labels), dtype="i1")
                 made.attrs["flag_meanings"] = " ".join(variable.labels)
         file.attrs["coordinates"] = " ".join(as_given)
-        file.attrs["over"] = json.dumps({axis.key: axis.values for axis in grid.axes})
+        file.attrs["over"] = json.dumps(grid.over)
         file.attrs["format"] = SWEEP_FORMAT
         file.attrs["criterion"] = CRITERION
         file.attrs["window"] = (
@@ -99,11 +99,16 @@ def create(
 class Store(AbstractContextManager["Store"]):
     """The dataset of a sweep, open for writing by the one process that may.
 
+    Args:
+        directory: of the sweep.
+        grid: its points.
+        plan: digest of the plan that the dataset was laid out by.
+
     Raises:
-        UserError: another process has it open, or it can't be written.
+        UserError: another process has it open, it can't be written, or is of another plan.
     """
 
-    def __init__(self, directory: Path, grid: Grid) -> None:
+    def __init__(self, directory: Path, grid: Grid, plan: str) -> None:
         self._directory, self._grid = directory, grid
         path = directory / SWEEP_NAME
         try:
@@ -112,9 +117,17 @@ class Store(AbstractContextManager["Store"]):
             raise UserError(f"{path}: is in use; is the sweep still running?") from None
         except OSError as error:
             raise UserError(f"{path}: expected the dataset of a sweep ({error})") from None
+        try:
+            found = self._h5.attrs.get("plan")
+        except (OSError, RuntimeError, KeyError):
+            found = None
+        if found != plan:
+            self._h5.close()
+            raise UserError(f"{path}: expected the dataset of the plan beside it, found another's")
         #: state of every point as written, (points,)
         self.state = np.asarray(self._h5["state"][()], dtype=np.int8).ravel()
-        self.failures = _read_failures(directory)  #: reason of each failed point
+        #: reason of each failed point
+        self.failures = {int(entry["point"]): entry["reason"] for entry in read_failures(directory)}
 
     def __exit__(self, *error: object) -> None:
         """Close the file, whatever happened."""
@@ -158,15 +171,6 @@ class Store(AbstractContextManager["Store"]):
             for point, reason in sorted(self.failures.items())
         ]
         write_whole(path, json.dumps(document, indent=2, ensure_ascii=False) + "\n")
-
-
-def _read_failures(directory: Path) -> dict[int, str]:
-    path = directory / FAILURES_NAME
-    if not path.exists():
-        return {}
-    return {
-        entry["point"]: entry["reason"] for entry in json.loads(path.read_text(encoding="utf-8"))
-    }
 
 
 def _reserve(

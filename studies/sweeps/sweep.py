@@ -157,9 +157,9 @@ def _carry_out(
         histories.mkdir(exist_ok=True)
     if not (directory / SWEEP_NAME).exists():
         attributes = {"title": plan.case.title, "case": folder.portable_case(plan.case)}
-        attributes["version"] = folder.version()
+        attributes |= {"version": folder.version(), "plan": plan.digest}
         create(directory, plan.grid, plan.coordinates, plan.layout, attributes)
-    with Store(directory, plan.grid) as store:
+    with Store(directory, plan.grid, plan.digest) as store:
         # What is kept of a point has to fit the file, whatever this machine would have chosen.
         layout = replace(plan.layout, frequency=store.frequency)
         work = Work(case=dumps_case(plan.case), layout=layout, histories=str(histories))

@@ -32,9 +32,11 @@ from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.postprocess.sweep.dataset import DONE, Layout, open_sweep
 from bladewhirl.postprocess.sweep.figures import LEFT_BY_A_SWEEP
 from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
 from bladewhirl.studies.sweeps import cluster as sweep_cluster
 from bladewhirl.studies.sweeps import plan as sweep_plan
-from bladewhirl.studies.sweeps.plan import PLAN_NAME, read_plan
+from bladewhirl.studies.sweeps.axes import make_grid
+from bladewhirl.studies.sweeps.plan import PLAN_NAME, plan_sweep, read_plan, write_plan
 from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work
 from bladewhirl.studies.sweeps.sweep import HISTORIES_NAME, resume_sweep, run_sweep
 
@@ -318,6 +320,41 @@ def test_a_folder_in_use_is_refused(swept: Path) -> None:
         with pytest.raises(UserError, match="still running"):
             resume_sweep(swept)
         other.communicate(b"\n")
+
+
+@pytest.mark.parametrize(
+    ("was", "is_now", "message"),
+    [
+        ("0.95", "1.5", "it was changed"),
+        ("duration = 0.006", "duration = 0.009", "it was changed"),
+        ('"over"', '"ov', "expected the plan of a sweep"),
+        ('"group_size": 1', '"group_size": 1e999', "expected the plan of a sweep"),
+        ('"over": {', '"over": {"x": 3, ', "expected the plan of a sweep"),
+    ],
+)
+def test_a_changed_plan_is_refused(
+    swept: Path, tmp_path: Path, was: str, is_now: str, message: str
+) -> None:
+    plan = (swept / PLAN_NAME).read_text()
+    assert was in plan
+    (tmp_path / PLAN_NAME).write_text(plan.replace(was, is_now, 1))
+    with pytest.raises(UserError, match=message):
+        resume_sweep(tmp_path)
+
+
+def test_a_dataset_of_another_plan_is_refused(swept: Path, tmp_path: Path) -> None:
+    grid = make_grid(CASE, {"march.speed": [1, 2]}, large=False)
+    write_plan(plan_sweep(CASE, grid, histories=False), tmp_path)
+    (tmp_path / "sweep.nc").write_bytes((swept / "sweep.nc").read_bytes())
+    with pytest.raises(UserError, match="expected the dataset of the plan beside it"):
+        resume_sweep(tmp_path)
+
+
+@pytest.mark.parametrize("damaged", ["[", "3", '[{"point": "x", "reason": "y"}]', "[[1, 2]]"])
+def test_damaged_failures_are_told(damaged: str, tmp_path: Path) -> None:
+    (tmp_path / FAILURES_NAME).write_text(damaged)
+    with pytest.raises(UserError, match="expected the failed points of a sweep"):
+        read_failures(tmp_path)
 
 
 def test_a_sweep_of_another_format_is_not_mixed(swept: Path, tmp_path: Path) -> None:
