@@ -7,6 +7,7 @@ from pathlib import Path
 
 from bladewhirl.meshes.files.abaqus_reader import POINT_MASSES, SECTION, read_inp
 from bladewhirl.meshes.files.abaqus_writer import write_inp
+from bladewhirl.meshes.files.drafts import replacing
 from bladewhirl.meshes.files.gmsh import read_msh, write_msh
 from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError
 from bladewhirl.meshes.files.vtu import read_vtu, write_vtu
@@ -50,12 +51,8 @@ def write_line_mesh(path: str | PathLike[str], mesh: GroupedLines) -> None:
     """
     file = Path(path)
     write = WRITERS[_known_suffix(file)]
-    part = file.with_name(f".{file.stem}.part{file.suffix}")
-    try:
-        write(part, mesh)
-        part.replace(file)
-    finally:
-        part.unlink(missing_ok=True)
+    with replacing(file) as draft:
+        write(draft, mesh)
 
 
 def left_out(path: str | PathLike[str], mesh: GroupedLines) -> list[str]:

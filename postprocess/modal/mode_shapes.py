@@ -13,13 +13,13 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize, to_rgb
 from matplotlib.figure import Figure
 
+from bladewhirl.meshes.files.drafts import replacing
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.fields import casing_rows, line_rows, ring_angles, rotate
 from bladewhirl.postprocess.pictures.drawing import magnify
 from bladewhirl.postprocess.pictures.films import shared_palette, write_gif
 from bladewhirl.postprocess.pictures.offscreen import Pixels
-from bladewhirl.postprocess.plotting.files import replacing
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     COLUMN_WIDTH,

@@ -6,7 +6,6 @@ it is replaced atomically after every frame, so that a killed export leaves a re
 """
 
 import logging
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +15,7 @@ import meshio
 import numpy as np
 import xarray as xr
 
+from bladewhirl.meshes.files.drafts import write_whole
 from bladewhirl.postprocess.fields.fields import (
     Array,
     IntArray,
@@ -190,9 +190,7 @@ class SeriesWriter:
             "</VTKFile>",
             "",
         ]
-        draft = self.index.with_suffix(".pvd.part")
-        draft.write_text("\n".join(lines), encoding="utf-8")
-        os.replace(draft, self.index)
+        write_whole(self.index, "\n".join(lines))
 
 
 def undeformed_mesh(dataset: xr.Dataset) -> meshio.Mesh:

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from PIL import Image
 
+from bladewhirl.meshes.files.drafts import replacing
 from bladewhirl.postprocess.fields.fields import (
     FRAMES_PER_REVOLUTION,
     Array,
@@ -31,7 +32,7 @@ from bladewhirl.postprocess.pictures.films import (
     write_mp4,
 )
 from bladewhirl.postprocess.pictures.offscreen import Pixels, stage_view
-from bladewhirl.postprocess.plotting.files import checked_target, replacing
+from bladewhirl.postprocess.plotting.files import checked_target
 
 WINDOW = (1280, 960)  #: pixels; multiples of 16, as video codecs want
 GIF_WINDOW = (960, 720)  #: smaller, since a GIF compresses badly

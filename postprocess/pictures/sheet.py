@@ -9,12 +9,13 @@ import numpy as np
 import xarray as xr
 from PIL import Image, ImageDraw, ImageFont
 
+from bladewhirl.meshes.files.drafts import replacing
 from bladewhirl.postprocess.fields.fields import IntArray
 from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE
 from bladewhirl.postprocess.pictures.colouring import Field
 from bladewhirl.postprocess.pictures.drawing import Drawing, Frame
 from bladewhirl.postprocess.pictures.offscreen import Pixels, stage_view
-from bladewhirl.postprocess.plotting.files import checked_target, replacing
+from bladewhirl.postprocess.plotting.files import checked_target
 
 CELL = 480  #: width and height of a picture [pixels]
 PANEL_HEIGHT = 960  #: least height of a sheet, so that its panel can be read

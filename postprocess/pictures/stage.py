@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from bladewhirl.meshes.files.drafts import replacing
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.postprocess.fields.fields import Array
@@ -21,7 +22,7 @@ from bladewhirl.postprocess.pictures.appearance import FAINT, engineering
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import off_screen_plotter, pixels_of
 from bladewhirl.postprocess.pictures.render import WINDOW
-from bladewhirl.postprocess.plotting.files import checked_target, replacing
+from bladewhirl.postprocess.plotting.files import checked_target
 from bladewhirl.postprocess.plotting.units import length_unit
 
 if TYPE_CHECKING:

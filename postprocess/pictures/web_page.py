@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bladewhirl.meshes.files.drafts import write_whole
 from bladewhirl.postprocess.fields.blades import member_names
 from bladewhirl.postprocess.fields.fields import Array, IntArray
 from bladewhirl.postprocess.pictures.appearance import (
@@ -40,7 +41,7 @@ from bladewhirl.postprocess.pictures.colouring import Colouring, Field
 from bladewhirl.postprocess.pictures.drawing import Drawing, Frame, Picture, arrows
 from bladewhirl.postprocess.pictures.films import Progress
 from bladewhirl.postprocess.pictures.symbols import MASS
-from bladewhirl.postprocess.plotting.files import checked_target, filled_template, replacing
+from bladewhirl.postprocess.plotting.files import checked_target, filled_template
 
 FULL = 32767  #: of a signed number of 16 bits
 SHADES = 128
@@ -97,8 +98,7 @@ def render_page(
         places=base64.b64encode(zlib.compress(places.tobytes())).decode(),
         shades=base64.b64encode(zlib.compress(shades.tobytes())).decode(),
     )
-    with replacing(target) as draft:
-        draft.write_text(text, encoding="utf-8")
+    write_whole(target, text)
     return target
 
 

@@ -1,28 +1,13 @@
-"""Files of pictures and pages: their names and templates, written whole or not at all."""
+"""Files of pictures and pages: their names and templates."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined
 
 from bladewhirl.postprocess.fields.fields import ViewError
-
-
-@contextmanager
-def replacing(target: Path) -> Iterator[Path]:
-    """A draft beside the target that takes its place when complete and goes when it fails."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    draft = target.with_name(f".{target.stem}.part{target.suffix}")
-    try:
-        yield draft
-        os.replace(draft, target)
-    finally:
-        draft.unlink(missing_ok=True)
 
 
 def checked_target(path: str | Path, *suffixes: str) -> Path:

@@ -15,6 +15,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from bladewhirl.meshes.files.drafts import replacing
+
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -103,15 +105,17 @@ def save_figure(figure: Figure, path: str | Path, data: xr.Dataset | None = None
         data: goes to netCDF; None for pictures alone.
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     name = path.stem if path.suffix in (".png", ".pdf") else path.name
     png, pdf, beside = (path.with_name(f"{name}{suffix}") for suffix in (".png", ".pdf", ".nc"))
-    figure.savefig(png)
+    with replacing(png) as draft:
+        figure.savefig(draft)
     arrangement = figure.get_layout_engine()
     figure.set_layout_engine("none")  # the PNG's stays, and need not be found again
-    figure.savefig(pdf)
+    with replacing(pdf) as draft:
+        figure.savefig(draft)
     figure.set_layout_engine(arrangement)
     if data is None:
         return [png, pdf]
-    data.to_netcdf(beside, engine="h5netcdf")
+    with replacing(beside) as draft:
+        data.to_netcdf(draft, engine="h5netcdf")
     return [png, pdf, beside]

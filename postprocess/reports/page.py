@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, ClassVar
 import xarray as xr
 from matplotlib.figure import Figure
 
+from bladewhirl.meshes.files.drafts import write_whole
 from bladewhirl.postprocess.fields.fields import ViewError
-from bladewhirl.postprocess.plotting.files import checked_target, filled_template, replacing
+from bladewhirl.postprocess.plotting.files import checked_target, filled_template
 from bladewhirl.postprocess.plotting.registry import FigureKind
 from bladewhirl.postprocess.plotting.style import styled
 
@@ -171,6 +172,5 @@ def write_page(page: Page, path: str | Path) -> Path:
         OSError: it can't be written.
     """
     target = checked_target(path, ".html")
-    with replacing(target) as draft:
-        draft.write_text(page_html(page), encoding="utf-8")
+    write_whole(target, page_html(page))
     return target

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from rich.table import Table
 
+from bladewhirl.meshes.files.drafts import write_whole
 from bladewhirl.postprocess.fields.fields import Array
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part
@@ -172,7 +173,7 @@ def energy_residual(dataset: xr.Dataset) -> float:
 def write_summary(summary: Summary, path: str | Path) -> Path:
     """Write `summary.json`."""
     path = Path(path)
-    path.write_text(summary.to_json(), encoding="utf-8")
+    write_whole(path, summary.to_json())
     return path
 
 

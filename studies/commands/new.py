@@ -16,10 +16,11 @@ def new(
     force: Force = False,
 ) -> None:
     """Write a case file with every key, its default and its meaning."""
+    from bladewhirl.meshes.files.drafts import write_whole
     from bladewhirl.models.case.file import template
 
     if path.exists() and not force:
         raise UserError(f"{path}: already exists; --force overwrites it")
     with writing(path):
-        path.write_text(template(), encoding="utf-8")
+        write_whole(path, template())
     typer.echo(f"Wrote {path}.")

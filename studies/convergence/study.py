@@ -18,6 +18,7 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import minimize_scalar
 
+from bladewhirl.meshes.files.drafts import write_whole
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
@@ -105,7 +106,7 @@ def convergence(
         save_figure(plot_time_steps(found.time_steps), folder / "time-step", found.time_steps)
         save_figure(plot_modes(found.modes), folder / "modes", found.modes)
         text = json.dumps(found.as_json(), indent=2, allow_nan=False, ensure_ascii=False)
-        (folder / "convergence.json").write_text(text + "\n", encoding="utf-8")
+        write_whole(folder / "convergence.json", text + "\n")
     return found
 
 

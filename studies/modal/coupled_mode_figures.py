@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bladewhirl.meshes.files.drafts import replacing, write_whole
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.postprocess.modal.coupled_modes import plot_orbits, plot_phases, plot_shapes
 from bladewhirl.postprocess.modal.motion import coupled_mode_motion
@@ -42,9 +43,10 @@ def draw_coupled_mode(
     motion = divergent_motion(part, omega, kappa)
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in case_files(stage.modal.case).items():
-        (folder / name).write_bytes(content)
+        write_whole(folder / name, content)
     moving = coupled_mode_motion(stage, motion, stage.springs(kappa, with_pi=system.with_pi))
-    moving.to_netcdf(folder / MOTION_NAME, engine="h5netcdf")
+    with replacing(folder / MOTION_NAME) as draft:
+        moving.to_netcdf(draft, engine="h5netcdf")
     measured = motion_dataset(motion, reference=system.reference)
     save_figure(plot_phases(measured), folder / "phases", measured)
     records = _one_whirl(motion)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import sys
 from collections.abc import Iterator
@@ -15,6 +14,7 @@ from platform import platform
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from bladewhirl.meshes.files.drafts import write_whole
 from bladewhirl.meshes.files.registry import READERS as MESH_SUFFIXES
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import dumps_case
@@ -130,13 +130,6 @@ def _copy_name(mesh: MeshTable) -> str:
     return MESH_NAME + Path(mesh.file).suffix.lower()
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Write a text file so that it is there whole or as it was."""
-    unfinished = path.with_name(f".{path.name}")
-    unfinished.write_text(text, encoding="utf-8")
-    os.replace(unfinished, path)
-
-
 def read_failures(directory: Path) -> list[dict[str, Any]]:
     """Points of a sweep that failed: "point", the values of the swept keys, "reason".
 
@@ -173,7 +166,7 @@ def write_provenance(directory: Path, case: Case) -> None:
         digest = sha256((directory / _copy_name(mesh)).read_bytes()).hexdigest()
         provenance["mesh"] = {"file": mesh.file, "sha256": digest}
     text = json.dumps(provenance, indent=2, ensure_ascii=False) + "\n"
-    (directory / PROVENANCE_NAME).write_text(text, encoding="utf-8")
+    write_whole(directory / PROVENANCE_NAME, text)
 
 
 def version() -> str:

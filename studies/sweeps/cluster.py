@@ -151,7 +151,7 @@ def local_cluster(workers: int, *, dashboard: bool = False) -> Iterator[LocalClu
         for part in ("key", "cert")
     }
     keys |= {"distributed.comm.tls.ca-file": security.tls_ca_file}
-    page = {} if dashboard else {"distributed.scheduler.http.routes": []}
+    page: dict[str, object] = {} if dashboard else {"distributed.scheduler.http.routes": []}
     with dask.config.set({**LOCAL, **keys, **page}):
         with held_back():
             cluster = LocalCluster(

@@ -9,7 +9,6 @@ sweeps of the same points are equal whatever the order in which points arrived.
 from __future__ import annotations
 
 import json
-import os
 import re
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
@@ -20,6 +19,7 @@ import h5netcdf
 import h5py
 import numpy as np
 
+from bladewhirl.meshes.files.drafts import replacing, write_whole
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.run.regimes import CRITERION
@@ -34,7 +34,7 @@ from bladewhirl.postprocess.sweep.dataset import (
     Layout,
 )
 from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT
-from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures, write_whole
+from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
 from bladewhirl.studies.sweeps.axes import Grid
 from bladewhirl.studies.sweeps.points import Failure, Outcome
 
@@ -54,8 +54,11 @@ def create(
         layout: what is kept of each point.
         attributes: further ones of the dataset.
     """
-    unfinished = directory / f".{SWEEP_NAME}"
-    with h5py.File(unfinished, "w") as h5, h5netcdf.File(h5, "w") as file:
+    with (
+        replacing(directory / SWEEP_NAME) as draft,
+        h5py.File(draft, "w") as h5,
+        h5netcdf.File(h5, "w") as file,
+    ):
         names = tuple(axis.name for axis in grid.axes)
         sizes = dict(zip(names, grid.shape, strict=True))
         file.dimensions = {**sizes, **layout.sizes}
@@ -93,7 +96,6 @@ def create(
             f" at most {WINDOW_SHARE:.0%} of it"
         )
         file.attrs.update(attributes)
-    os.replace(unfinished, directory / SWEEP_NAME)
 
 
 class Store(AbstractContextManager["Store"]):
@@ -102,13 +104,13 @@ class Store(AbstractContextManager["Store"]):
     Args:
         directory: of the sweep.
         grid: its points.
-        plan: digest of the plan that the dataset was laid out by.
+        plan: digest of the plan that the dataset was laid out by, if it has one.
 
     Raises:
         UserError: another process has it open, it can't be written, or is of another plan.
     """
 
-    def __init__(self, directory: Path, grid: Grid, plan: str) -> None:
+    def __init__(self, directory: Path, grid: Grid, plan: str | None = None) -> None:
         self._directory, self._grid = directory, grid
         path = directory / SWEEP_NAME
         try:

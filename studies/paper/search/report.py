@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
+from bladewhirl.meshes.files.drafts import write_whole
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.studies.paper.claim import CLAIMS, Verdict
@@ -27,7 +28,6 @@ from bladewhirl.studies.paper.search.search import (
 )
 from bladewhirl.studies.paper.trials import PERTURBATION
 from bladewhirl.studies.runs.figures_folder import written_to
-from bladewhirl.studies.runs.folder import write_whole
 
 REPORT_NAME = "report.md"
 

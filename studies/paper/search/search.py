@@ -18,6 +18,7 @@ from pathlib import Path
 from shutil import rmtree
 from typing import Any, Literal, get_args
 
+from bladewhirl.meshes.files.drafts import write_whole
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.paper.claim import CLAIMS, Finding, Verdict
 from bladewhirl.studies.paper.judge import needed_trials
@@ -25,7 +26,6 @@ from bladewhirl.studies.paper.scorecard import Score
 from bladewhirl.studies.paper.search.parameters import STARTS, ParameterSet
 from bladewhirl.studies.paper.trials import Evidence
 from bladewhirl.studies.runs import folder as run_directory
-from bladewhirl.studies.runs.folder import write_whole
 from bladewhirl.studies.sweeps.cache import RunStore
 
 MODAL_CLAIMS = (6, 7, 8)

@@ -1,0 +1,40 @@
+"""Files written whole or not at all, past whatever lies beside them."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+PREFIX = ".bladewhirl-"
+"""Of the private folders that drafts lie in; what a kill leaves of them may go."""
+
+
+@contextmanager
+def replacing(target: Path) -> Iterator[Path]:
+    """A draft of the target's name that takes its place when complete and goes when it fails.
+
+    It lies in a new folder beside the target that is the user's alone, so that no link planted
+    there is followed. A target that is a link itself gives way, what it leads to does not change.
+
+    Raises:
+        OSError: the target is a folder or a device, or the system refuses.
+    """
+    if target.exists() and not target.is_file():
+        raise OSError(errno.EINVAL, "it is no regular file", str(target))
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with TemporaryDirectory(
+        prefix=PREFIX, dir=target.parent, ignore_cleanup_errors=True
+    ) as private:
+        draft = Path(private) / target.name
+        yield draft
+        os.replace(draft, target)
+
+
+def write_whole(target: Path, content: str | bytes) -> None:
+    """Write a file, text in UTF-8, so that it is there whole or as it was."""
+    with replacing(target) as draft:
+        draft.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)

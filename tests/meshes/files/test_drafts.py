@@ -1,0 +1,48 @@
+"""Files appear whole, past links and folders in the way."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from bladewhirl.meshes.files.drafts import replacing, write_whole
+
+
+def test_a_planted_link_is_not_followed(tmp_path: Path) -> None:
+    theirs = tmp_path / "theirs.txt"
+    theirs.write_text("precious")
+    target = tmp_path / "out" / "case.toml"
+    target.parent.mkdir()
+    for name in ("case.toml", ".case.toml", ".case.part.toml", "case.toml.part"):
+        (target.parent / name).symlink_to(theirs)
+    write_whole(target, "new")
+    assert theirs.read_text() == "precious"
+    assert target.read_text() == "new"
+    assert not target.is_symlink()
+
+
+def test_drafts_are_private_and_go(tmp_path: Path) -> None:
+    target = tmp_path / "a.txt"
+    target.write_text("old")
+
+    def break_off() -> None:
+        with replacing(target) as draft:
+            draft.write_text("half")
+            assert draft.parent.stat().st_mode & 0o077 == 0
+            raise KeyError
+
+    with pytest.raises(KeyError):
+        break_off()
+    assert target.read_text() == "old"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_neither_a_folder_nor_a_pipe_is_replaced(tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    os.mkfifo(tmp_path / "pipe")
+    for name in ("folder", "pipe"):
+        with pytest.raises(OSError, match="no regular file"):
+            write_whole(tmp_path / name, "new")
+    assert sorted(os.listdir(tmp_path)) == ["folder", "pipe"]
