@@ -1,0 +1,44 @@
+"""Sphinx configuration of the documentation; `sphinx-build -W -b html docs build/docs`."""
+
+import logging
+import sys
+from importlib import metadata
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent / "extensions"))
+
+logging.getLogger("fontTools").setLevel(logging.WARNING)  # of figures written as PDF
+
+project = "bladewhirl"
+author = "The authors of bladewhirl"
+project_copyright = "2026, the authors of bladewhirl"
+version = release = metadata.version("bladewhirl")
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "mathml",
+    "outside",
+    "pages",
+    "executed",
+]
+exclude_patterns = ["built", "extensions", "static"]
+
+myst_enable_extensions = ["attrs_block", "colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+
+default_role = "py:obj"  # docstrings put names into single backticks
+autodoc_typehints = "description"
+autodoc_typehints_format = "short"
+autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
+napoleon_use_rtype = False
+
+html_theme = "furo"
+html_title = "bladewhirl"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+html_math_renderer = "mathml"
+html_copy_source = False
+html_theme_options = {"navigation_with_keys": True}

@@ -1,0 +1,117 @@
+"""Code blocks of a page: found, and run one after the other in a folder of their own.
+
+```` ```python ```` blocks share one namespace, lines of ```` ```console ```` blocks are commands.
+A comment on the line above changes that:
+
+    <!-- file: stage.toml -->       the block is written to that file
+    <!-- not run: reason -->        the block needs what is not here, a cluster for instance
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[2]
+EXECUTABLES = Path(sys.executable).parent
+RUN = ("python", "console")
+
+_BLOCK = re.compile(
+    r"(?:^<!-- (?P<mark>file|not run): (?P<argument>[^\n]*?) -->\n)?"
+    r"^```(?P<language>\w+)\n(?P<code>.*?)^```$\n?",
+    re.MULTILINE | re.DOTALL,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Block:
+    """A code block of a page."""
+
+    language: str
+    code: str
+    mark: str  #: "file", "not run" or nothing
+    argument: str  #: name of the file, or reason
+    start: int  #: place in the text
+    end: int
+
+    @property
+    def runs(self) -> bool:
+        """Whether it does something: runs, or writes a file."""
+        return self.mark == "file" or (self.language in RUN and self.mark != "not run")
+
+
+def blocks(text: str) -> Iterator[Block]:
+    """Code blocks of a page in order."""
+    for found in _BLOCK.finditer(text):
+        yield Block(
+            language=found["language"],
+            code=found["code"],
+            mark=found["mark"] or "",
+            argument=found["argument"] or "",
+            start=found.start(),
+            end=found.end(),
+        )
+
+
+class Session:
+    """Blocks of one page at work; the examples lie beside them, as in a checkout.
+
+    Args:
+        folder: to work in; made, with a link to the examples.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._names: dict[str, Any] = {"__name__": "__main__"}
+        folder.mkdir(parents=True, exist_ok=True)
+        examples = folder / "examples"
+        if not examples.exists():
+            examples.symlink_to(ROOT / "examples")
+
+    def run(self, block: Block) -> str:
+        """What the block prints.
+
+        Raises:
+            RuntimeError: a command failed.
+        """
+        if block.mark == "file":
+            (self.folder / block.argument).write_text(block.code, encoding="utf-8")
+            return ""
+        if block.language == "python":
+            return self._python(block.code)
+        return "".join(self._command(line) for line in _commands(block.code))
+
+    def _python(self, code: str) -> str:
+        printed = io.StringIO()
+        with contextlib.chdir(self.folder), contextlib.redirect_stdout(printed):
+            exec(compile(code, str(self.folder), "exec"), self._names)
+        return printed.getvalue()
+
+    def _command(self, line: str) -> str:
+        place = f"{EXECUTABLES}{os.pathsep}{os.environ['PATH']}"
+        done = subprocess.run(
+            shlex.split(line, comments=True),
+            cwd=self.folder,
+            env={**os.environ, "PATH": place, "COLUMNS": "88", "NO_COLOR": "1"},
+            capture_output=True,  # progress and hints go to standard error
+            text=True,
+            check=False,
+        )
+        if done.returncode:
+            raise RuntimeError(f"{line}: exit code {done.returncode}\n{done.stderr}")
+        return done.stdout
+
+
+def _commands(code: str) -> list[str]:
+    """Commands of a block, one a line; a backslash goes on in the next."""
+    lines = code.replace("\\\n", " ").splitlines()
+    return [line for line in lines if line.strip() and not line.lstrip().startswith("#")]

@@ -1,0 +1,42 @@
+"""Links from signatures to other libraries, without fetching their inventories when built."""
+
+from __future__ import annotations
+
+from docutils import nodes
+from sphinx.addnodes import pending_xref
+from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
+
+PAGES = {
+    "xr.Dataset": "https://docs.xarray.dev/en/stable/generated/xarray.Dataset.html",
+    "xr.DataArray": "https://docs.xarray.dev/en/stable/generated/xarray.DataArray.html",
+    "Dataset": "https://docs.xarray.dev/en/stable/generated/xarray.Dataset.html",
+    "DataArray": "https://docs.xarray.dev/en/stable/generated/xarray.DataArray.html",
+    "ndarray": "https://numpy.org/doc/stable/reference/generated/numpy.ndarray.html",
+    "NDArray": "https://numpy.org/doc/stable/reference/typing.html#numpy.typing.NDArray",
+    "ArrayLike": "https://numpy.org/doc/stable/reference/typing.html#numpy.typing.ArrayLike",
+    "Figure": "https://matplotlib.org/stable/api/figure_api.html#matplotlib.figure.Figure",
+    "Path": "https://docs.python.org/3/library/pathlib.html#pathlib.Path",
+    "Mapping": "https://docs.python.org/3/library/collections.abc.html#collections.abc.Mapping",
+    "Sequence": "https://docs.python.org/3/library/collections.abc.html#collections.abc.Sequence",
+    "Callable": "https://docs.python.org/3/library/collections.abc.html#collections.abc.Callable",
+    "Exception": "https://docs.python.org/3/library/exceptions.html#Exception",
+}
+"""Pages of names, by the end of the full name."""
+
+
+def link(
+    app: Sphinx, env: BuildEnvironment, node: pending_xref, inside: nodes.Element
+) -> nodes.reference | None:
+    """A link to the page of a name that is not ours."""
+    target = node.get("reftarget", "")
+    page = PAGES.get(target) or PAGES.get(target.rpartition(".")[2])
+    if node.get("refdomain") != "py" or page is None:
+        return None
+    return nodes.reference("", "", inside, refuri=page, internal=False)
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Answer references that Sphinx itself does not find."""
+    app.connect("missing-reference", link)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,268 @@
+"""Reference pages in Markdown, made from what the program itself is made from."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterator
+from enum import Enum
+from pathlib import Path
+from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
+
+from pydantic import TypeAdapter, ValidationError
+from pydantic.fields import FieldInfo
+from typer.models import ArgumentInfo, CommandInfo, OptionInfo
+
+import bladewhirl as bw
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.excitation import EXCITATIONS
+from bladewhirl.models.inputs.table import Table
+from bladewhirl.models.inputs.toml import toml_value
+from bladewhirl.models.inputs.units import Speed
+from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES, FigureKind
+from bladewhirl.solvers.march.schema import RESULT, SWEEP, schema_table
+from bladewhirl.studies.commands.cli import app
+
+
+def case_keys() -> str:
+    """Every key of a case file: what it expects, its default, its meaning."""
+    parts = ["".join(_entries(Case, "", ""))]
+    for name, field in Case.model_fields.items():
+        tables = [] if name == "sketch" else list(_tables(field.annotation))
+        if name == "excitation":
+            tables = list(EXCITATIONS.values())
+        for table in tables:
+            kind = _kind(table)
+            title = f"{name}, type {kind}" if kind else name
+            parts.append(f"## [{title}]\n\n{_words(_summary(table))}\n\n")
+            suffix = f" ({kind})" if kind else ""
+            parts.append("".join(_entries(table, name, suffix)))
+    return "".join(parts)
+
+
+def _entries(table: type[Table], place: str, suffix: str) -> Iterator[str]:
+    for name, field in table.model_fields.items():
+        key = f"{place}.{name}" if place else name
+        inner = list(_tables(field.annotation))
+        if not place and name not in ("title", "sketch"):
+            continue
+        yield _entry(key + suffix, field)
+        for row in inner:
+            listed = "tuple" in str(field.annotation)
+            if name != "sketch":
+                yield from _entries(row, f"{key}[]" if listed else key, suffix)
+
+
+def _entry(key: str, field: FieldInfo) -> str:
+    described = field.description or _summary(next(_tables(field.annotation), ""))
+    lines = [f"```{{confval}} {key}", f":type: {_quoted(_words(_expected(field)))}"]
+    lines.append(f":default: {_quoted(_default(field))}")
+    return "\n".join([*lines, "", _words(described), "```", "", ""])
+
+
+def _quoted(text: str) -> str:
+    """Text as the value of an option of a directive."""
+    return "'" + text.replace("'", "''") + "'"
+
+
+def _default(field: FieldInfo) -> str:
+    if field.is_required():
+        return "none, it has to be given"
+    value = field.get_default(call_default_factory=True)
+    if isinstance(value, Speed):
+        value = value.given
+    if value is None or value == ():
+        return "left out"
+    if isinstance(value, Table):
+        value = value.model_dump(exclude_none=True)
+    return f"`{toml_value(value)}`"
+
+
+def _expected(field: FieldInfo) -> str:
+    hint: Any = field.annotation
+    if field.metadata:
+        hint = Annotated[(hint, *field.metadata)]
+    try:
+        TypeAdapter(hint).validate_python(object())
+    except ValidationError as error:
+        return _phrase(error.errors()[0])
+    return "anything"
+
+
+def _phrase(error: Any) -> str:
+    context = error.get("ctx", {})
+    match error["type"]:
+        case "expected":
+            return re.sub(r" \(neither.*\)", "", context["expected"])
+        case "literal_error":
+            return str(context["expected"]).replace("'", '"')
+        case "bool_type":
+            return "true or false"
+        case "string_type":
+            return "text"
+        case "model_type" | "model_attributes_type" | "dict_type":
+            return "a table"
+        case "tuple_type" | "list_type":
+            return "an array"
+    raise ValueError(f"no words for {error}")
+
+
+def _tables(annotation: Any) -> Iterator[type[Table]]:
+    if isinstance(annotation, type) and issubclass(annotation, Table):
+        yield annotation
+    for inner in get_args(annotation):
+        yield from _tables(inner)
+
+
+def _kind(table: type[Table]) -> str:
+    field = table.model_fields.get("type")
+    return str(field.default) if field and table in EXCITATIONS.values() else ""
+
+
+def _summary(thing: object) -> str:
+    return (inspect.getdoc(thing) or "").splitlines()[0]
+
+
+def _words(text: str) -> str:
+    """Text in Markdown: what would be markup there is shown as it is."""
+    return re.sub(
+        r"(?<!`)([*_<>\[\]$#|{}])(?!`)", r"\\\1", " ".join(text.replace(r"\[", "[").split())
+    )
+
+
+Parameter = tuple[inspect.Parameter, Any, Any]
+"""Of a command: name and default, type, what typer is told."""
+
+
+def commands() -> str:
+    """Every command with its arguments and options."""
+    return "".join(_command(registered) for registered in app.registered_commands)
+
+
+def _command(registered: CommandInfo) -> str:
+    function = registered.callback
+    assert function is not None
+    name, hints = function.__name__, get_type_hints(function, include_extras=True)
+    arguments: list[Parameter] = []
+    options: list[Parameter] = []
+    for one in inspect.signature(function).parameters.values():
+        hint, told = get_args(hints[one.name])
+        kind = arguments if isinstance(told, ArgumentInfo) else options
+        kind.append((one, hint, told))
+    usage = "".join(f" {_argument(one, told)}" for one, _, told in arguments)
+    return "".join(
+        [
+            f"## bladewhirl {name}\n\n```text\nbladewhirl {name} [OPTIONS]{usage}\n```\n\n",
+            "\n\n".join(_words(part) for part in (registered.help or "").split("\n\n")),
+            f"\n\n```{{program}} bladewhirl {name}\n```\n\n",
+            *(
+                f"`{_argument(one, told)}`: {_words(told.help or '')}\n\n"
+                for one, _, told in arguments
+            ),
+            *(_option(one, hint, told) for one, hint, told in options),
+        ]
+    )
+
+
+def _argument(one: inspect.Parameter, told: ArgumentInfo) -> str:
+    name = str(told.metavar or one.name.upper())
+    return name if one.default is one.empty else f"[{name}]"
+
+
+def _option(one: inspect.Parameter, hint: Any, told: OptionInfo) -> str:
+    dashed = f"--{one.name.replace('_', '-')}"
+    named = (told.default, *(told.param_decls or ()))  # in an annotation the first name comes so
+    given = [name for name in named if isinstance(name, str)]
+    given = given or [f"{dashed} / --no-{one.name}" if one.default is True else dashed]
+    names = [name for decl in given for name in re.split(r" ?/ ?", decl)]
+    value = "" if bool in (hint, *get_args(hint)) else f" {told.metavar or _metavar(hint)}"
+    known = isinstance(one.default, str | int | float) and not isinstance(one.default, bool)
+    default = f" Default: `{one.default}`." if known else ""
+    listed = ", ".join(name + value for name in names)
+    return f"```{{option}} {listed}\n\n{_words(told.help or '')}{default}\n```\n\n"
+
+
+def _metavar(hint: Any) -> str:
+    """The word for the value of an option, of its type or of what a list or "or none" holds."""
+    words = {Path: "PATH", str: "TEXT", int: "INTEGER", float: "NUMBER"}
+    if get_origin(hint) is Literal:
+        return "|".join(get_args(hint))
+    if isinstance(hint, type) and issubclass(hint, Enum):
+        return "|".join(str(member.value) for member in hint)
+    return words.get(hint) or _metavar(get_args(hint)[0])
+
+
+def results() -> str:
+    """Variables of result.nc."""
+    return schema_table(RESULT)
+
+
+def sweeps() -> str:
+    """Variables of sweep.nc."""
+    return schema_table(SWEEP)
+
+
+def run_figures() -> str:
+    """Figures of a run, with a picture of each."""
+    return "".join(_figure(kind, drawn=True) for kind in RUN_FIGURES.values())
+
+
+def sweep_figures() -> str:
+    """Figures of a sweep."""
+    return "".join(_figure(kind, drawn=False) for kind in SWEEP_FIGURES.values())
+
+
+def _figure(kind: FigureKind, *, drawn: bool) -> str:
+    picture = ""
+    if drawn:
+        picture = f"<!-- picture: runs/figures/plots/{kind.name}.png | {kind.title} -->\n\n"
+    function = kind.name.replace("-", "_")
+    called = f"`bladewhirl plot DIR {kind.name}`"
+    if function in bw.plot.__all__:
+        called += f", `bw.plot.{function}`"
+    return f"### {kind.title}\n\n{called}\n\n{_words(kind.caption)}\n\n{picture}"
+
+
+_ROOMS = {
+    "Describe a stage": "models",
+    "Results and what follows from them": "postprocess",
+    "Studies": "studies",
+}
+
+
+def api() -> str:
+    """The public names, by the layer that they come from."""
+    parts = []
+    for title, room in _ROOMS.items():
+        parts.append(f"## {title}\n\n```{{eval-rst}}\n")
+        for name in sorted(bw.__all__, key=str.lower):
+            thing = getattr(bw, name)
+            if getattr(thing, "__module__", "").split(".")[1:2] == [room]:
+                parts.append(_documented(f"bladewhirl.{name}", thing))
+        parts.append("```\n\n")
+    parts.append("## Figures\n\n```{eval-rst}\n.. automodule:: bladewhirl.plot\n\n")
+    for name in sorted(bw.plot.__all__):
+        parts.append(f".. autofunction:: bladewhirl.plot.{name}\n\n")
+    parts.append("```\n")
+    return "".join(parts)
+
+
+def _documented(name: str, thing: Any) -> str:
+    if not inspect.isclass(thing):
+        return f".. autofunction:: {name}\n\n"
+    options = "   :members:\n" if thing.__name__ == "Sketch" else ""
+    if issubclass(thing, Table):  # its fields are keys of the case file
+        options = "   :no-members:\n"
+    return f".. autoclass:: {name}\n{options}\n"
+
+
+GENERATED = {
+    "case-keys": case_keys,
+    "commands": commands,
+    "results": results,
+    "sweeps": sweeps,
+    "run-figures": run_figures,
+    "sweep-figures": sweep_figures,
+    "api": api,
+}
+"""Parts of pages by the name in `<!-- generated: NAME -->`."""

@@ -1,0 +1,89 @@
+"""docs/: code blocks run, and reference pages tell of all that there is."""
+
+import re
+from pathlib import Path
+
+import pytest
+import reference
+from blocks import Session, blocks
+from places import ROOT
+
+from bladewhirl.models.case.template import template
+from bladewhirl.studies.commands.cli import app
+
+DOCS = ROOT / "docs"
+PAGES = {
+    path.relative_to(DOCS).with_suffix("").as_posix(): path.read_text(encoding="utf-8")
+    for path in sorted(DOCS.rglob("*.md"))
+    if not {"built", "gallery"} & set(path.relative_to(DOCS).parts)
+}
+SLOW = {
+    "start",
+    "reference/figures",
+    *(f"tutorials/{name}" for name in ("modes", "sweep", "figures")),
+}
+"""Pages whose blocks take long."""
+
+RUNNING = [
+    pytest.param(name, marks=[pytest.mark.slow] if name in SLOW else [])
+    for name, text in PAGES.items()
+    if any(block.runs for block in blocks(text))
+]
+
+
+@pytest.mark.parametrize("name", RUNNING)
+def test_the_blocks_of_a_page_run(name: str, tmp_path: Path) -> None:
+    session = Session(tmp_path)
+    for block in blocks(PAGES[name]):
+        if block.runs:
+            session.run(block)
+    for picture in re.findall(r"^<!-- picture: (\S+) \|", PAGES[name], flags=re.MULTILINE):
+        assert (tmp_path / picture).is_file()
+
+
+def test_a_block_that_is_not_run_says_why() -> None:
+    left_out = [
+        block for text in PAGES.values() for block in blocks(text) if block.mark == "not run"
+    ]
+    assert left_out
+    assert all(len(block.argument) > 10 for block in left_out)
+
+
+def test_what_a_block_prints_and_writes(tmp_path: Path) -> None:
+    text = (
+        "<!-- file: a.txt -->\n```toml\nx = 1\n```\n"
+        "```python\ny = 2\nprint(y)\n```\n"
+        "```python\nprint(y + 1)\n```\n"
+        "```console\nbladewhirl --version  # says which\n```\n"
+        "<!-- not run: no reason -->\n```python\n1 / 0\n```\n"
+    )
+    session = Session(tmp_path)
+    printed = [session.run(block) for block in blocks(text) if block.runs]
+    assert printed[:3] == ["", "2\n", "3\n"]
+    assert printed[3].startswith("bladewhirl ")
+    assert (tmp_path / "a.txt").read_text() == "x = 1\n"
+
+
+def test_a_command_that_fails_is_told(tmp_path: Path) -> None:
+    (block,) = blocks("```console\nbladewhirl show nothing.toml\n```\n")
+    with pytest.raises(RuntimeError, match=r"exit code 2\n.*nothing\.toml"):
+        Session(tmp_path).run(block)
+
+
+def test_every_key_of_the_template_is_in_the_reference() -> None:
+    told = set(re.findall(r"^```\{confval\} (\S+)", reference.case_keys(), flags=re.MULTILINE))
+    table = ""
+    for line in template().splitlines():
+        if found := re.match(r"\[(\w+)\]", line):
+            table = f"{found[1]}."
+        elif found := re.match(r"(\w+) = ", line):
+            assert table + found[1] in told
+
+
+def test_every_command_and_option_is_in_the_reference() -> None:
+    text = reference.commands()
+    assert len(re.findall(r"^## bladewhirl \w+$", text, flags=re.MULTILINE)) == len(
+        app.registered_commands
+    )
+    assert "```{option} --set KEY=VALUE\n" in text
+    assert "```{option} --output PATH, -o PATH\n" in text
