@@ -5,6 +5,7 @@ from typing import Any, Literal, get_origin
 
 import numpy as np
 import pytest
+from faults import fault, faults
 from pydantic import ValidationError
 
 from bladewhirl.models.case.case import (
@@ -18,7 +19,7 @@ from bladewhirl.models.case.case import (
     Shaft,
 )
 from bladewhirl.models.case.excitation import EXCITATIONS, CasingDistortion, Harmonic, Imbalance
-from bladewhirl.models.case.file import CaseError, case_from, with_values
+from bladewhirl.models.case.file import case_from, with_values
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
 
@@ -96,10 +97,8 @@ def get(case: Case, key: str) -> object:
     return value
 
 
-def faults(key: str, value: object) -> list[str]:
-    with pytest.raises(CaseError) as caught:
-        case_from(tables(key, value))
-    return caught.value.lines
+def fault_of(key: str, value: object) -> str:
+    return fault(case_from, tables(key, value))
 
 
 def in_file(key: str) -> str:
@@ -150,38 +149,37 @@ class TestDimensionalKeys:
         self, key: str, unit: str, size: float, zero: bool
     ) -> None:
         for value in (-1, -1e-9, f"-1 {unit}"):
-            [line] = faults(key, value)
+            line = fault_of(key, value)
             assert line.startswith(f"{in_file(key)} = ")
             assert "expected a" in line
         if zero:
             assert get(case_from(tables(key, 0)), key) == 0.0
             assert get(case_from(tables(key, f"0 {unit}")), key) == 0.0
         else:
-            [line] = faults(key, 0)
-            assert "expected a positive number" in line
+            assert "expected a positive number" in fault_of(key, 0)
 
     def test_refuse_other_types_and_dimensions(
         self, key: str, unit: str, size: float, zero: bool
     ) -> None:
         wrong = [math.nan, math.inf, -math.inf, True, False, 10**400, 1 << 40000, [1.0], {}, "1"]
         for value in [*wrong, "1 candela", "1 nonsense", "", "nan m", f"1e999 {unit}"]:
-            [line] = faults(key, value)
+            line = fault_of(key, value)
             assert line.startswith(in_file(key))
             assert "such as" in line
 
 
 def test_a_wrong_dimension_names_both() -> None:
-    assert faults("casing.clearance", "3 kg") == [
+    assert fault_of("casing.clearance", "3 kg") == (
         'casing.clearance = "3 kg": expected a number of zero or more in m, or text with a unit '
         'such as "1 mm" (kilogram is [mass], not [length])'
-    ]
+    )
 
 
 @pytest.mark.parametrize(("key", "least"), COUNTS)
 def test_counts(key: str, least: int) -> None:
     assert get(case_from(tables(key, least)), key) == least
     for value in (least - 1, -5, float(least), True, "3", 10**30, 1 << 40000, math.nan, "5 m"):
-        [line] = faults(key, value)
+        line = fault_of(key, value)
         assert line.startswith(in_file(key))
         assert f"expected a whole number from {least}" in line
 
@@ -191,8 +189,7 @@ def test_ratios(key: str) -> None:
     assert get(case_from(tables(key, 0)), key) == 0.0
     assert get(case_from(tables(key, 2)), key) == 2.0
     for value in (-0.1, math.nan, True, "0.1", "10 mm"):
-        [line] = faults(key, value)
-        assert "expected a number of zero or more" in line
+        assert "expected a number of zero or more" in fault_of(key, value)
 
 
 @pytest.mark.parametrize("key", CHOICES)
@@ -200,7 +197,7 @@ def test_choices(key: str) -> None:
     for choice in CHOICES[key]:
         assert get(case_from(tables(key, choice)), key) == choice
     for value in ("other", 1, True, [CHOICES[key][0]]):
-        [line] = faults(key, value)
+        line = fault_of(key, value)
         assert all(f'"{choice}"' in line for choice in CHOICES[key])
 
 
@@ -208,8 +205,7 @@ def test_choices(key: str) -> None:
 def test_switches(key: str) -> None:
     assert get(case_from(tables(key, True)), key) is True
     for value in (1, 0, "true", 1.0):
-        [line] = faults(key, value)
-        assert line.endswith("expected true or false")
+        assert fault_of(key, value).endswith("expected true or false")
 
 
 @pytest.mark.parametrize(
@@ -223,13 +219,12 @@ def test_speeds_may_be_negative_or_zero(given: object, value: float) -> None:
 
 @pytest.mark.parametrize("value", ["fast", "1.2", "3 m/s", "50 1/s", True, math.nan, math.inf, [1]])
 def test_speeds_with_faults(value: object) -> None:
-    [line] = faults("march.speed", value)
-    assert 'such as "2500 rpm"' in line
+    assert 'such as "2500 rpm"' in fault_of("march.speed", value)
 
 
 @pytest.mark.parametrize("value", [0, -0.95, "0 rpm", "-1 Hz", "x"])
 def test_the_clearance_is_closed_at_a_positive_speed(value: object) -> None:
-    [line] = faults("imbalance.clearance_speed", value)
+    line = fault_of("imbalance.clearance_speed", value)
     assert line.startswith("excitation.clearance_speed = ")
 
 
@@ -269,7 +264,7 @@ def test_initial_rows_take_units_and_arrays() -> None:
     ],
 )
 def test_initial_rows_of_a_wrong_shape(key: str, value: object, place: str) -> None:
-    assert place in faults(key, value)[0]
+    assert place in faults(case_from, tables(key, value))[0]
 
 
 @pytest.mark.parametrize(
@@ -313,9 +308,8 @@ def test_initial_rows_of_a_wrong_shape(key: str, value: object, place: str) -> N
     ],
 )
 def test_what_does_not_fit_together(given: dict[str, Any], key: str, expected: str) -> None:
-    with pytest.raises(CaseError) as caught:
-        case_from(given)
-    assert any(line.startswith(key) and expected in line for line in caught.value.lines)
+    lines = faults(case_from, given)
+    assert any(line.startswith(key) and expected in line for line in lines)
 
 
 @pytest.mark.parametrize(
@@ -376,5 +370,5 @@ def test_with_values_checks_the_new_case_and_keeps_the_old() -> None:
     assert other.bladed_disk.blade.width == 0.1
     assert case == Case()
     assert with_values(other, {"excitation": {"type": "imbalance"}}).excitation == Imbalance()
-    with pytest.raises(CaseError, match=r"march.sped = 2: expected a known key"):
-        with_values(case, {"march.sped": 2})
+    line = fault(with_values, case, {"march.sped": 2})
+    assert line.startswith("march.sped = 2: expected a known key")

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from faults import fault, faults
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from places import DATA, EXAMPLES
@@ -245,9 +246,7 @@ scheme = "runge-kutta"
 def test_all_faults_of_a_file_at_once(tmp_path: Path) -> None:
     path = tmp_path / "bad.toml"
     path.write_text(BAD)
-    with pytest.raises(CaseError) as caught:
-        read_case(path)
-    lines = caught.value.lines
+    lines = faults(read_case, path)
     assert all(line.startswith(f"{path}: ") and "\n" not in line for line in lines)
     found = [line.removeprefix(f"{path}: ").partition(": expected ")[0] for line in lines]
     assert sorted(found) == sorted(
@@ -327,18 +326,14 @@ def test_all_faults_of_a_file_at_once(tmp_path: Path) -> None:
     ],
 )
 def test_faults_name_the_key_and_what_was_expected(text: str, line: str) -> None:
-    with pytest.raises(CaseError) as caught:
-        loads(text, file="a.toml")
-    [found] = caught.value.lines
+    found = fault(loads, text, file="a.toml")
     assert found.startswith("a.toml: ")
     assert line in found
 
 
 def test_values_compared_with_a_mistaken_one_are_not_blamed() -> None:
     text = "march.tme_step = 1e-7\nmarch.record_step = 5e-7"  # 5e-7 is less than the default step
-    with pytest.raises(CaseError) as caught:
-        loads(text)
-    assert [fault.key for fault in caught.value.faults] == ["march.tme_step"]
+    assert "march.tme_step" in fault(loads, text)
 
 
 @pytest.mark.parametrize(
@@ -353,9 +348,7 @@ def test_values_compared_with_a_mistaken_one_are_not_blamed() -> None:
     ],
 )
 def test_invalid_toml_is_one_line(text: str, reason: str) -> None:
-    with pytest.raises(CaseError) as caught:
-        loads(text, file="a.toml")
-    [line] = caught.value.lines
+    line = fault(loads, text, file="a.toml")
     assert line.startswith("a.toml: expected ")
     assert "TOML" in line or "integers" in line
     assert reason in line
@@ -377,36 +370,28 @@ def test_invalid_toml_is_one_line(text: str, reason: str) -> None:
     ],
 )
 def test_one_fault_of_an_excitation_is_one_line(excitation: str, line: str) -> None:
-    with pytest.raises(CaseError) as caught:
-        loads(f"excitation = {excitation}\nshaft.clamped = true")
-    [found] = caught.value.lines
+    found = fault(loads, f"excitation = {excitation}\nshaft.clamped = true")
     assert found.startswith(f"case: {line}")
 
 
 def test_long_values_are_cut() -> None:
-    with pytest.raises(CaseError) as caught:
-        loads(f"material.density = 0x{'f' * 9000}\nmarch.speed = [{'1.0,' * 900}]")
-    assert caught.value.lines[0].startswith("case: material.density = a huge integer: ")
-    assert max(map(len, caught.value.lines)) < 300
+    lines = faults(loads, f"material.density = 0x{'f' * 9000}\nmarch.speed = [{'1.0,' * 900}]")
+    assert lines[0].startswith("case: material.density = a huge integer: ")
+    assert max(map(len, lines)) < 300
 
 
 @pytest.mark.parametrize("name", ["missing.toml", "", "null\0.toml"])
 def test_a_file_that_cannot_be_read_is_one_line(tmp_path: Path, name: str) -> None:
     path = f"{tmp_path}/{name}"  # with no name, the folder itself
-    with pytest.raises(CaseError) as caught:
-        read_case(path)
-    [line] = caught.value.lines
-    assert line.startswith(f"{path}: expected ")
+    assert fault(read_case, path).startswith(f"{path}: expected ")
 
 
 def test_a_file_that_is_no_text_is_one_line(tmp_path: Path) -> None:
     path = tmp_path / "case.toml"
     path.write_bytes(b"\xff\xfe")
-    with pytest.raises(CaseError, match="expected text in UTF-8"):
-        read_case(path)
+    assert "expected text in UTF-8" in fault(read_case, path)
     path.write_bytes(b"#" * (2**24 + 1))
-    with pytest.raises(CaseError, match="at most 16777216 bytes"):
-        read_case(path)
+    assert "at most 16777216 bytes" in fault(read_case, path)
 
 
 def test_marks_and_line_ends_of_other_systems_are_read(tmp_path: Path) -> None:
@@ -443,14 +428,11 @@ def test_overrides(override: str, key: str, value: object) -> None:
     assert found == value
 
 
-def test_overrides_leave_the_rest_of_an_inline_table() -> None:
+def test_overrides_leave_the_rest_of_an_inline_table_and_the_last_wins() -> None:
     text = "bladed_disk.blade = { width = 0.3, thickness = 0.03 }"
-    blade = loads(text, overrides=["bladed_disk.blade.thickness=2 cm"]).bladed_disk.blade
+    key = "bladed_disk.blade.thickness"
+    blade = loads(text, overrides=[f"{key}=1 cm", f"{key}=2 cm"]).bladed_disk.blade
     assert (blade.width, blade.thickness) == (0.3, 0.02)
-
-
-def test_the_last_override_wins() -> None:
-    assert loads("", overrides=["march.speed=1", "march.speed=2"]).march.speed == Speed(2.0)
 
 
 @pytest.mark.parametrize(
@@ -475,9 +457,8 @@ def test_the_last_override_wins() -> None:
     ],
 )
 def test_faults_of_overrides_are_not_put_on_the_file(override: str, line: str) -> None:
-    with pytest.raises(CaseError) as caught:
-        loads("bladed_disk.blades = 22\ndamping.ratio = -1", file="a.toml", overrides=[override])
-    by_hand, in_file = sorted(caught.value.lines)
+    text = "bladed_disk.blades = 22\ndamping.ratio = -1"
+    by_hand, in_file = sorted(faults(loads, text, file="a.toml", overrides=[override]))
     assert line in by_hand
     assert in_file.startswith("a.toml: damping.ratio = -1: expected")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg as la
+from faults import fault, faults
 from stages import bladed_disk, steel
 
 from bladewhirl.meshes.line_mesh import FloatArray, points_along
@@ -17,7 +19,6 @@ from bladewhirl.models.case.file import dumps_case, loads
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.sketch import Sketch
-from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.sections.rectangular import Section
 
 
@@ -312,9 +313,7 @@ def test_faults_name_the_part(spoil: Callable[[Sketch], object], message: str) -
         spoil(sketch)
         sketch.build()
 
-    with pytest.raises(CaseError, match=message) as caught:
-        build()
-    assert all("\n" not in line for line in caught.value.lines)
+    assert re.search(message, "\n".join(faults(build)))
 
 
 def test_one_node_is_the_centre() -> None:
@@ -324,8 +323,7 @@ def test_one_node_is_the_centre() -> None:
     sketch.member("blades", "centre", "tip", steel(0.01))
     sketch.set("centre", "tip")
     sketch.set("tips", "tip")
-    with pytest.raises(CaseError, match='expected one node in the set "centre", not 5'):
-        sketch.build()
+    assert 'expected one node in the set "centre", not 5' in fault(sketch.build)
 
 
 def test_sectors_of_two_blades_are_found_to_be_two_sectors() -> None:
