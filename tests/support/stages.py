@@ -126,12 +126,16 @@ RADIUS = 0.501
 
 
 def ring(
-    *supports: Support, wall: Wall | None = None, elements: int = 40, **options: Any
+    *supports: Support,
+    wall: Wall | None = None,
+    elements: int = 40,
+    radius: float = RADIUS,
+    **options: Any,
 ) -> CasingModel:
     """Such a ring, 100 x 10 mm and free to turn unless said."""
     given: dict[str, Any] = {"curvature": "exact", "support": 0.0, "rotation": "free"}
     return assemble_casing(
-        RingMesh(elements=elements, radius=RADIUS),
+        RingMesh(elements=elements, radius=radius),
         wall or Wall(section=steel(0.01)),
         supports=supports,
         **(given | options),

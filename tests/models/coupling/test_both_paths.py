@@ -97,20 +97,6 @@ def test_frequencies_and_families() -> None:
             assert abs(flat - value).min() <= SAME * value, k
 
 
-def test_static_answers() -> None:
-    """Of tips and centre to forces on them, by all modes of the reduced model."""
-
-    def flexibility(stage: Stage) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-        rows = stage.reduction.modes.shapes[stage.reduction.boundary]
-        return np.asarray((rows / stage.reduction.modes.frequency**2) @ rows.T)
-
-    cyclic, dense = (flexibility(stage) for stage in stages())
-    np.testing.assert_allclose(cyclic, dense, atol=SAME * abs(cyclic).max())
-    exact = la.inv(stages()[0].disk.structure.stiffness.toarray())
-    edge = stages()[0].reduction.boundary
-    np.testing.assert_allclose(cyclic, exact[np.ix_(edge, edge)], atol=SAME * abs(cyclic).max())
-
-
 @pytest.mark.parametrize("damping", [0.0, 0.005])
 @pytest.mark.parametrize("blades", [8, 7])
 def test_growth_rates(damping: float, blades: int) -> None:

@@ -3,55 +3,53 @@ full matrices; faults that only show on the finite element model."""
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pytest
-from stages import oracle
+from faults import fault
+from stages import oracle, stage
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import CaseError, with_values
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.models.stage.stage import build_stage
 
-THIN_DISK = {"bladed_disk.disk.thickness": 0.01}
+THIN_DISK = "bladed_disk.disk.thickness=0.01"
 """The paper's Table 1 to the letter, which the independent results are for."""
 
 
-@cache
-def stage_of(*values: tuple[str, object]) -> Stage:
-    return build_stage(with_values(Case(), dict(values)))
-
-
 def test_full_frequencies_are_the_independent_ones() -> None:
-    stage = stage_of(*THIN_DISK.items())
+    thin = stage(THIN_DISK)
     known = oracle("disk_modes")["free"]
     frequency, diameter = np.array(known["frequency_hz"]), np.array(known["nodal_diameter"])
-    for k, found in stage.disk_frequencies.items():
+    for k, found in thin.disk_frequencies.items():
         expected = frequency[diameter == k][:: 2 if 0 < k < 11 else 1]  # one of each pair
         assert len(expected) >= 4
         np.testing.assert_allclose(found[: len(expected)], 2.0 * np.pi * expected, rtol=1e-7)
-    assert stage.reference_frequency == pytest.approx(2.0 * np.pi * frequency[0], rel=1e-7)
+    assert thin.reference_frequency == pytest.approx(2.0 * np.pi * frequency[0], rel=1e-7)
 
 
 def test_the_reduction_reports_its_known_error() -> None:
-    """Against the errors of an independent reduction of the same stage to 110 modes [%]."""
-    errors = stage_of(*THIN_DISK.items()).frequency_error
+    """Against the errors of an independent reduction of the same stage to 110 modes [%].
+
+    The paper says below 0.75 % for the first five families; the fifth has 1 %.
+    """
+    errors = stage(THIN_DISK).frequency_error
     known = {"1F": 0.0002, "suspension": 0.016, "2F": 0.022, "3F": 0.10, "4F": 0.26, "5F": 1.01}
+    rounding = {"1F": 5e-5, "suspension": 5e-4, "2F": 5e-4, "3F": 5e-3, "4F": 5e-3, "5F": 5e-3}
     for family, percent in known.items():
-        assert 100.0 * errors[family] == pytest.approx(percent, rel=0.1)
+        assert 100.0 * errors[family] == pytest.approx(percent, abs=rounding[family]), family
 
 
 def test_more_modes_reduce_the_error_of_every_family() -> None:
-    few, many = stage_of(), stage_of(("reduction.fixed_interface_modes", 200))
+    few, many = stage(), stage("reduction.fixed_interface_modes=200")
     for family in ("1F", "2F", "3F", "4F", "5F"):
         assert many.frequency_error[family] < few.frequency_error[family]
-    everything = stage_of(("reduction.fixed_interface_modes", 682))
+    everything = stage("reduction.fixed_interface_modes=682")
     assert max(everything.frequency_error.values()) < 1e-7
 
 
 def test_a_clamped_stage_counts_speed_in_frequencies_of_the_free_one() -> None:
-    free, clamped = stage_of(), stage_of(("shaft.clamped", True))
+    free, clamped = stage(), stage("shaft.clamped=true")
     assert clamped.reference_frequency == free.reference_frequency
     assert clamped.speed == free.speed == pytest.approx(1.05 * free.reference_frequency)
     assert "suspension" not in clamped.disk_family
@@ -62,45 +60,39 @@ def test_a_clamped_stage_counts_speed_in_frequencies_of_the_free_one() -> None:
 
 
 def test_speed_with_a_unit_is_absolute() -> None:
-    stage = stage_of(("march.speed", "3000 rpm"))
-    assert stage.speed == pytest.approx(100.0 * np.pi)
+    assert stage("march.speed=3000 rpm").speed == pytest.approx(100.0 * np.pi)
 
 
 @pytest.mark.parametrize(("blades", "elements", "casing"), [(22, 10, 40), (7, 3, 9), (3, 1, 3)])
 def test_reduced_bodies_are_the_full_ones_at_their_boundary(
     blades: int, elements: int, casing: int
 ) -> None:
-    stage = stage_of(
-        ("bladed_disk.blades", blades),
-        ("bladed_disk.elements_per_blade", elements),
-        ("casing.elements", casing),
-        ("reduction.fixed_interface_modes", 5),
+    built = stage(
+        f"bladed_disk.blades={blades}",
+        f"bladed_disk.elements_per_blade={elements}",
+        f"casing.elements={casing}",
+        "reduction.fixed_interface_modes=5",
     )
-    structure, modes = stage.disk.structure, stage.reduction.modes
-    gram = modes.shapes.T @ (structure.mass @ modes.shapes)
-    np.testing.assert_allclose(gram, np.eye(modes.count), atol=1e-8)
     # Craig-Bampton is exact for static loads on the boundary.
-    rng = np.random.default_rng(1)
-    dofs = np.concatenate([*stage.boundary_sets.values()])
-    load = np.zeros(structure.size)
-    load[dofs] = rng.normal(size=len(dofs))
-    full = np.linalg.solve(structure.stiffness.toarray(), load)
-    rotor = stage.rotor
+    dofs = np.concatenate([*built.boundary_sets.values()])
+    load = np.zeros(built.disk.structure.size)
+    load[dofs] = np.random.default_rng(1).normal(size=len(dofs))
+    full = np.linalg.solve(built.disk.structure.stiffness.toarray(), load)
+    rotor = built.rotor
     rows = np.vstack([rotor.tip_radial, rotor.tip_tangential, rotor.centre])
     reduced = rows @ (rows.T @ load[dofs] / rotor.frequency**2)
     np.testing.assert_allclose(reduced, full[dofs], rtol=1e-6, atol=1e-6 * abs(full).max())
 
 
 def test_what_a_result_needs_fits_together() -> None:
-    stage = stage_of()
-    arrays = stage.arrays
+    arrays = stage().arrays
     tips = arrays.rotor_point[arrays.tip_node]
     np.testing.assert_allclose(np.linalg.norm(tips, axis=1), 0.5)
     np.testing.assert_allclose(np.arctan2(tips[:, 1], tips[:, 0]) % (2 * np.pi), arrays.tip_angle)
     outward = np.column_stack([np.cos(arrays.tip_angle), np.sin(arrays.tip_angle)])
     radial = np.einsum("ba,bam->bm", outward, arrays.rotor_shape[arrays.tip_node, :2])
-    np.testing.assert_allclose(radial, stage.rotor.tip_radial, atol=1e-12)
-    np.testing.assert_allclose(arrays.rotor_shape[arrays.centre_node, :2], stage.rotor.centre)
+    np.testing.assert_allclose(radial, stage().rotor.tip_radial, atol=1e-12)
+    np.testing.assert_allclose(arrays.rotor_shape[arrays.centre_node, :2], stage().rotor.centre)
     assert set(arrays.rotor_part) == {"blades", "spokes", "rim"}
     thickness = dict(zip(arrays.rotor_part, arrays.rotor_thickness.tolist(), strict=True))
     assert thickness == {"blades": 0.01, "spokes": 0.03, "rim": 0.03}
@@ -109,23 +101,20 @@ def test_what_a_result_needs_fits_together() -> None:
 
 def test_the_critical_step_is_that_of_the_faster_body() -> None:
     """An independent estimate for the casing of the default stage was 4.7e-6 s."""
-    stage = stage_of()
-    assert contact_problem(stage).critical_time_step == pytest.approx(4.7e-6, rel=0.01)
-    with pytest.raises(CaseError) as found:
-        contact_problem(stage_of(("march.time_step", 4.7e-6), ("march.record_step", 4.7e-5)))
-    [line] = found.value.lines
+    assert contact_problem(stage()).critical_time_step == pytest.approx(4.7e-6, rel=0.01)
+    line = fault(contact_problem, stage("march.time_step=4.7e-6", "march.record_step=4.7e-5"))
     assert line.startswith("march.time_step = 4.7e-6: expected less than the critical step 4.68")
 
 
 def test_faults_of_the_march_come_together() -> None:
-    stage = stage_of(
-        ("march.speed", 1e6),
-        ("initial.tip_displacement", ((2e-3, 0.0), *((0.0, 0.0),) * 21)),
-        ("march.displacement_limit", 0.05),
-        ("initial.centre_displacement", (0.0, 0.06)),
+    far = stage(
+        "march.speed=1e6",
+        f"initial.tip_displacement={[[2e-3, 0.0], *[[0.0, 0.0]] * 21]}",
+        "march.displacement_limit=0.05",
+        "initial.centre_displacement=[0.0, 0.06]",
     )
     with pytest.raises(CaseError) as found:
-        contact_problem(stage)
+        contact_problem(far)
     keys = [fault.key for fault in found.value.faults]
     assert keys == [
         "march.speed",
@@ -158,10 +147,7 @@ def test_faults_of_the_march_come_together() -> None:
     ],
 )
 def test_what_finite_elements_refuse_is_one_line(values: dict[str, object], line: str) -> None:
-    with pytest.raises(CaseError) as found:
-        build_stage(with_values(Case(), values))
-    [message] = found.value.lines
-    assert message.startswith(line)
+    assert fault(build_stage, with_values(Case(), values)).startswith(line)
 
 
 def test_arrays_know_what_carries_the_shaft() -> None:

@@ -4,25 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from coupled_system import UNIT, six_modes
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.coupling.springs import CouplingModes, paper_modes, periodic_stiffness
-from bladewhirl.solvers.stability.floquet import floquet
+from bladewhirl.models.coupling.springs import CouplingModes, periodic_stiffness
+from bladewhirl.solvers.stability.floquet import Floquet, floquet
 from bladewhirl.solvers.stability.growth import eigenvalues, growth_rate
 
-UNIT = 255.0
-"""A bladed disk's lowest frequency [rad/s], the unit of the speeds below."""
 
-
-def six_modes(damping_ratio: float = 0.0) -> CouplingModes:
-    return paper_modes(
-        casing=0.055 * UNIT,
-        first_flexural=UNIT,
-        suspension=2.527 * UNIT,
-        damping_ratio=damping_ratio,
+def monodromy(modes: CouplingModes, speed: float, kappa: float) -> Floquet:
+    """Of the periodic equations of coupled modes, over one turn."""
+    return floquet(
+        lambda times: periodic_stiffness(modes, kappa=kappa, angle=speed * times),
+        period=2.0 * np.pi / speed,
+        damping=np.diag(modes.damping_rate[modes.entry]),
     )
 
 
@@ -77,15 +75,10 @@ def test_same_monodromy_as_a_runge_kutta_method() -> None:
         return np.concatenate([v, -k_t @ x - damping @ v]).ravel()
 
     period = 2.0 * np.pi / speed
-    end = solve_ivp(
-        rate, (0.0, period), np.eye(2 * size).ravel(), method="DOP853", rtol=1e-12, atol=1e-12
-    ).y[:, -1]
+    begin = np.eye(2 * size).ravel()
+    end = solve_ivp(rate, (0.0, period), begin, "DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
     expected = np.asarray(end).reshape(2 * size, 2 * size)
-    ours = floquet(
-        lambda times: periodic_stiffness(modes, kappa=kappa, angle=speed * times),
-        period=period,
-        damping=damping,
-    ).monodromy
+    ours = monodromy(modes, speed, kappa).monodromy
     scale = np.repeat([UNIT, 1.0], size)
     assert scale[:, None] * (ours - expected) / scale == pytest.approx(0.0, abs=1e-9)
 
@@ -97,11 +90,7 @@ def test_same_monodromy_as_a_runge_kutta_method() -> None:
 def test_agrees_with_the_autonomous_form(speed: float, kappa: float, damping_ratio: float) -> None:
     modes = six_modes(damping_ratio)
     omega = speed * UNIT
-    result = floquet(
-        lambda times: periodic_stiffness(modes, kappa=kappa, angle=omega * times),
-        period=2.0 * np.pi / omega,
-        damping=np.diag(modes.damping_rate[modes.entry]),
-    )
+    result = monodromy(modes, omega, kappa)
     growth = growth_rate(modes, speed=omega, kappa=kappa)
     assert result.growth == pytest.approx(growth, rel=1e-6, abs=1e-6 * UNIT)
     # Over one turn the half-speed frame changes sign.
@@ -123,17 +112,8 @@ def test_agrees_for_many_nodal_diameters_and_a_single_mode() -> None:
         paired=np.array([0, 0, 1, 1, 1, 1, 1, 1, 0], dtype=bool),
     )
     for speed in (0.7, 1.0, 1.25):
-
-        def stiffness(times: FloatArray, speed: float = speed) -> FloatArray:
-            return periodic_stiffness(modes, kappa=0.5, angle=speed * times)
-
-        result = floquet(
-            stiffness,
-            period=2.0 * np.pi / speed,
-            damping=np.diag(modes.damping_rate[modes.entry]),
-        )
         growth = growth_rate(modes, speed=speed, kappa=0.5)
-        assert result.growth == pytest.approx(growth, abs=1e-9)
+        assert monodromy(modes, speed, 0.5).growth == pytest.approx(growth, abs=1e-9)
 
 
 def test_too_tight_a_tolerance_is_said() -> None:
