@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-import scipy.linalg as la
 from scipy.optimize import brentq
 from scipy.special import iv, jv
-from stages import observed_order, steel
+from stages import beam, clamped, natural_frequencies, observed_order, steel
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.file import case_from, dumps_case, loads
@@ -20,8 +19,6 @@ from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.sections.materials import Material
 from bladewhirl.models.sections.rectangular import Section
-
-STEEL = Material()
 
 
 def disk(*, clamped: bool = False, **tables: Any) -> BladedDiskModel:
@@ -35,12 +32,6 @@ def model(**tables: Any) -> BeamModel:
     return disk(**tables).model
 
 
-def frequencies(body: BladedDiskModel) -> FloatArray:
-    """Ascending [rad/s]."""
-    mass, stiffness = body.structure.mass.toarray(), body.structure.stiffness.toarray()
-    return np.asarray(1.0 / np.sqrt(la.eigvalsh(mass, stiffness)[::-1]))
-
-
 def along_blade(shown: BeamModel, blade: int) -> FloatArray:
     """Nodes of one blade from root to tip, (nodes, 2)."""
     lines = shown.mesh.lines[shown.mesh.line_sets["blades"]]
@@ -50,20 +41,6 @@ def along_blade(shown: BeamModel, blade: int) -> FloatArray:
         node = int(lines[lines[:, 0] == node, 1][0])
         chain.append(node)
     return shown.mesh.points[chain]
-
-
-def test_a_rigid_disk_with_its_centre_held_leaves_cantilevers() -> None:
-    """(beta L)^2 = 3.516 and 22.03 for a uniform cantilever, once for each blade."""
-    found = frequencies(disk(disk_kind="rigid", elements_per_blade=20, clamped=True))
-    section, length = steel(0.01), 0.45
-    scale = np.sqrt(section.bending_stiffness / section.line_mass) / length**2
-
-    def equation(x: float) -> float:
-        return float(np.cos(x) * np.cosh(x) + 1.0)
-
-    roots = [brentq(equation, low, low + 1.0) for low in (1.5, 4.3)]
-    np.testing.assert_allclose(found[:6], scale * roots[0] ** 2, rtol=1e-5)
-    np.testing.assert_allclose(found[6:12], scale * roots[1] ** 2, rtol=1e-5)
 
 
 def test_a_rigid_disk_moves_as_one() -> None:
@@ -78,21 +55,7 @@ def test_a_rigid_disk_moves_as_one() -> None:
     body = case_bladed_disk(case, clamped=False)
     mass = 5 * 0.45 * 0.1 * 0.2 * 7800.0
     assert body.model.mass == pytest.approx(mass)
-    np.testing.assert_allclose(frequencies(body)[:2], np.sqrt(100.0 / mass), rtol=1e-4)
-
-
-def wedge(elements: int) -> float:
-    """Lowest frequency of a clamped wedge, by stations [rad/s]."""
-    thick = steel(0.05)
-    thin = Section(width=0.1, thickness=1e-12, material=STEEL)
-    sketch = Sketch()
-    sketch.node("clamp", 0.0, shared=True)
-    sketch.node("end", 1.0)
-    sketch.member("wedge", "clamp", "end", [thick, thin], elements=elements)
-    sketch.set("centre", "clamp")
-    sketch.set("tips", "end")
-    body = assemble_bladed_disk(sketch.build(), shaft_stiffness=1.0, clamped=True)
-    return float(frequencies(body)[0])
+    np.testing.assert_allclose(natural_frequencies(body)[:2], np.sqrt(100.0 / mass), rtol=1e-4)
 
 
 def test_a_wedge_vibrates_as_kirchhoff_found() -> None:
@@ -105,21 +68,19 @@ def test_a_wedge_vibrates_as_kirchhoff_found() -> None:
     assert factor == pytest.approx(5.315, abs=1e-3)  # as tabulated
     section = steel(0.05)
     exact = factor * np.sqrt(section.bending_stiffness / section.line_mass)
-    errors = np.array([abs(wedge(n) / exact - 1.0) for n in (5, 10, 20, 40)])
-    assert errors[1] < 1e-5
+    thin = Section(width=0.1, thickness=1e-12, material=Material())
+    lowest = [natural_frequencies(clamped(beam([section, thin], n)))[0] for n in (5, 10, 20, 40)]
+    errors = np.array(lowest) / exact - 1.0
+    assert abs(errors[1]) < 1e-5
     np.testing.assert_allclose(observed_order(errors), 4.0, atol=0.3)
 
 
 def test_a_taper_runs_from_root_to_tip_through_cuts() -> None:
     """Mass of a truncated wedge; a node for a shroud on the way changes none of its stations."""
     taper = [{"thickness": 0.014}, {"thickness": 0.006, "width": 0.06}]
-    plain = model(disk_kind="rigid", taper=taper, elements_per_blade=9)
-    cut = model(
-        disk_kind="rigid",
-        taper=taper,
-        elements_per_blade=9,
-        point_masses=[{"radius": 0.2, "mass": 0.0}],
-    )
+    blade = {"disk_kind": "rigid", "taper": taper, "elements_per_blade": 9}
+    plain = model(**blade)
+    cut = model(**blade, point_masses=[{"radius": 0.2, "mass": 0.0}])
     area = 0.1 * 0.014 + 0.5 * (0.1 * -0.008 - 0.04 * 0.014) + (0.04 * 0.008) / 3.0
     whole = 6 * 0.45 * 7800.0 * area
     assert plain.mass == pytest.approx(whole, rel=1e-12)
@@ -245,7 +206,7 @@ def test_a_rim_is_joined_by_its_springs_alone() -> None:
     thick = {"width": 0.1, "thickness": 0.2}
     body = disk(disk_kind="rim", point_masses=hub, blade=thick, disk=thick, clamped=True, **web)
     mass = body.model.mass - 10.0
-    found = frequencies(body)[:3]
+    found = natural_frequencies(body)[:3]
     expected = np.sqrt(6 * (200.0 + 100.0) / 2.0 / mass)  # cos^2 and sin^2 over six roots
     assert np.isclose(found, expected, rtol=1e-4).sum() == 2
     with pytest.raises(CaseError, match=r"a mass at radius = 0"):
@@ -264,7 +225,7 @@ def test_a_ring_of_straight_beams_vibrates_as_a_ring() -> None:
     sketch.set("centre", "centre")
     sketch.set("tips", "ring")
     body = assemble_bladed_disk(sketch.build(), shaft_stiffness=1e-3, clamped=True)
-    found = frequencies(body)[3:]
+    found = natural_frequencies(body)[3:]
     k = np.repeat(np.arange(2, 6), 2)
     scale = section.bending_stiffness / (section.line_mass * radius**4)
     expected = np.sqrt(scale * k**2 * (k**2 - 1.0) ** 2 / (k**2 + 1.0))

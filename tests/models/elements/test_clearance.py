@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 import pytest
-from places import ROOT
+from contact_cases import ledger_residual, run
+from places import EXAMPLES
+from stages import observed_order
 
-import bladewhirl as bw
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import case_from, dumps_case, loads, read_case, with_values
+from bladewhirl.models.case.file import case_from, dumps_case, loads, read_case
 from bladewhirl.models.elements.build import case_clearance
 from bladewhirl.models.sections.around_ring import Lobe, RingProfile
 from bladewhirl.models.stage.build import contact_problem, march_faults
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.central_difference import initial_gap
 
-ELLIPSE = ROOT / "examples" / "elliptical_clearance.toml"
+ELLIPSE = EXAMPLES / "elliptical_clearance.toml"
 
 
 def lobed(elements: int, *rows: Mapping[str, object], clearance: float = 1e-3) -> Case:
@@ -33,26 +33,27 @@ def test_gaps_at_rest_are_the_lobes_to_fourth_order() -> None:
     angle = 2.0 * np.pi * np.arange(22) / 22
     exact = 1e-3 + 3e-4 * np.cos(2 * (angle - np.pi / 6)) + 1e-4 * np.cos(3 * angle)
     errors = []
-    for elements in (20, 40, 80):
+    for elements in (20, 40):
         problem = contact_problem(build_stage(lobed(elements, *rows)))
         errors.append(np.abs(initial_gap(problem) - exact).max())
     assert errors[0] < 1e-6
-    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(4.0, abs=0.5)
+    assert observed_order(np.array(errors)) == pytest.approx(4.0, abs=0.5)
 
 
-def test_a_tip_touches_first_where_the_clearance_is_smallest(tmp_path: Path) -> None:
+def test_a_tip_touches_first_where_the_clearance_is_smallest() -> None:
     """The force turns with blade 0 and grows by a fifth of the lobes a revolution."""
-    case = with_values(read_case(ELLIPSE), {"march.duration": 0.3})
-    run = bw.run(case, tmp_path / "run", frames=0)
-    assert run.summary.energy_residual <= 1e-8
-    with run.open() as result:
-        touched = result.contact_steps.values > 0
-        first = int(touched.any(axis=1).argmax())
-        assert np.flatnonzero(touched[first]).tolist() == [0]
-        angle = float(result.time[first]) * result.attrs["speed"]
-        np.testing.assert_allclose(
-            result.clearance, case_clearance(case)[:, 0], rtol=1e-14, atol=0.0
-        )
+    case = read_case(ELLIPSE)
+    stage = build_stage(case)
+    given = contact_problem(stage)
+    _, chunk, _ = run(given, case.march.time_step, 300_000, every=100)
+    assert ledger_residual(chunk) <= 1e-8
+    touched = chunk.contact_steps > 0
+    first = int(touched.any(axis=1).argmax())
+    assert np.flatnonzero(touched[first]).tolist() == [0]
+    angle = chunk.time[first] * given.speed
+    np.testing.assert_allclose(
+        stage.arrays.clearance, case_clearance(case)[:, 0], rtol=1e-14, atol=0.0
+    )
     off = np.angle(np.exp(2j * (angle - np.deg2rad(120.0)))) / 2.0
     assert abs(np.rad2deg(off)) < 15.0
 

@@ -12,14 +12,12 @@ import scipy.linalg as la
 import scipy.sparse.linalg as spla
 import xarray as xr
 from numpy.polynomial import Legendre, Polynomial
-from stages import observed_order, steel
+from stages import beam, clamped, natural_frequencies, observed_order, steel
 from synthetic_result import synthetic_result
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.file import case_from
-from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.build import case_bladed_disk
-from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.sections.rectangular import QUANTITIES, Section, along, along_elements
 from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.fields.strains import rotor_strain_rows
@@ -32,23 +30,11 @@ SPAN, TIP_MASS, YOUNG, DENSITY = 0.45, 0.1, 2.1e11, 7800.0
 TAPER = [steel(0.020), steel(0.012), steel(0.008)]
 
 
-def cantilever(taper: Sequence[Section], elements: int) -> BladedDiskModel:
-    """A blade of that taper with a mass at its tip, held at its root."""
-    sketch = Sketch()
-    sketch.node("root", 0.0, shared=True)
-    sketch.node("tip", SPAN)
-    sketch.member("blade", "root", "tip", taper, elements=elements)
-    sketch.mass("tip", TIP_MASS)
-    sketch.set("centre", "root")
-    sketch.set("tips", "tip")
-    return assemble_bladed_disk(sketch.build(), shaft_stiffness=1.0, clamped=True)
-
-
 def lowest(taper: Sequence[Section], elements: int) -> FloatArray:
-    """Its three lowest frequencies [rad/s]."""
-    structure = cantilever(taper, elements).structure
-    values = la.eigh(structure.stiffness.toarray(), structure.mass.toarray(), eigvals_only=True)
-    return np.asarray(np.sqrt(values[:3]))
+    """Three lowest frequencies of a blade of that taper with a mass at its tip [rad/s]."""
+    blade = beam(taper, elements, length=SPAN)
+    blade.mass("end", TIP_MASS)
+    return natural_frequencies(clamped(blade))[:3]
 
 
 def by_ritz(thickness: Sequence[float]) -> FloatArray:

@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 from faults import fault, faults
-from stages import bladed_disk, steel
+from scipy.optimize import brentq
+from stages import beam, bladed_disk, clamped, natural_frequencies, steel, translation
 
-from bladewhirl.meshes.line_mesh import FloatArray, points_along
+from bladewhirl.meshes.line_mesh import points_along
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import dumps_case, loads
-from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
+from bladewhirl.models.elements.bladed_disk import assemble_bladed_disk
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.sections.rectangular import Section
@@ -33,28 +34,6 @@ def star(sectors: int = 5, elements: int = 2) -> Sketch:
     sketch.set("centre", "centre")
     sketch.set("tips", "tip")
     return sketch
-
-
-def cantilever(section: Section | list[Section], elements: int, **more: Any) -> Sketch:
-    """A clamped beam of one metre along +x, alone."""
-    sketch = Sketch()
-    sketch.node("clamp", 0.0, shared=True)
-    sketch.node("end", 1.0)
-    sketch.member("beam", "clamp", "end", section, elements=elements, **more)
-    sketch.set("centre", "clamp")
-    sketch.set("tips", "end")
-    return sketch
-
-
-def clamped(sketch: Sketch) -> BladedDiskModel:
-    return assemble_bladed_disk(sketch.build(), shaft_stiffness=1.0, clamped=True)
-
-
-def frequencies(disk: BladedDiskModel) -> FloatArray:
-    """Ascending [rad/s]; of a body that is held, the lowest are right beside very stiff parts."""
-    structure = disk.structure
-    inverse = la.eigvalsh(structure.mass.toarray(), structure.stiffness.toarray())
-    return np.asarray(1.0 / np.sqrt(inverse[::-1]))
 
 
 def test_the_stage_of_the_paper_reads_like_a_sketch() -> None:
@@ -146,7 +125,7 @@ def test_a_quarter_arc_under_a_load_at_its_end() -> None:
 def test_a_point_mass_at_the_end_of_a_cantilever() -> None:
     """cos cosh + 1 + r b (cos sinh - sin cosh) = 0 with r = m / (rho A L)."""
     section, mass = steel(0.01), 5.0
-    sketch = cantilever(section, 20)
+    sketch = beam(section, 20)
     sketch.mass("end", mass)
     ratio = mass / section.line_mass
 
@@ -154,22 +133,20 @@ def test_a_point_mass_at_the_end_of_a_cantilever() -> None:
         c, s, ch, sh = np.cos(b), np.sin(b), np.cosh(b), np.sinh(b)
         return float(c * ch + 1.0 + ratio * b * (c * sh - s * ch))
 
-    from scipy.optimize import brentq
-
     wave = np.sqrt(section.bending_stiffness / section.line_mass)
     expected = [wave * brentq(equation, *bracket) ** 2 for bracket in ((0.5, 2.0), (3.5, 4.6))]
-    np.testing.assert_allclose(frequencies(clamped(sketch))[:2], expected, rtol=2e-6)
+    np.testing.assert_allclose(natural_frequencies(clamped(sketch))[:2], expected, rtol=2e-6)
 
 
 def test_rotary_inertia_of_a_mass() -> None:
     """A light beam with a heavy disk at its end: the 2 x 2 eigenproblem of the end alone."""
     section = Section(width=0.1, thickness=0.01, young_modulus=2.1e11, density=1e-6)
-    sketch = cantilever(section, 3)
+    sketch = beam(section, 3)
     sketch.mass("end", 2.0, inertia=0.3)
     bending = section.bending_stiffness
     stiffness = bending * np.array([[12.0, -6.0], [-6.0, 4.0]])
     expected = np.sqrt(la.eigvalsh(stiffness, np.diag([2.0, 0.3])))
-    np.testing.assert_allclose(frequencies(clamped(sketch))[:2], expected, rtol=1e-6)
+    np.testing.assert_allclose(natural_frequencies(clamped(sketch))[:2], expected, rtol=1e-6)
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.7])
@@ -196,7 +173,7 @@ def test_a_rigid_arm_moves_its_end_as_a_beam_of_great_stiffness_does(angle: floa
         field = disk.cartesian(np.linalg.solve(disk.structure.stiffness.toarray(), force))
         # Node numbers differ between the two; places do not.
         order = np.lexsort(disk.mesh.points.round(9).T)
-        found.append((field[order], frequencies(disk)[:4]))
+        found.append((field[order], natural_frequencies(disk)[:4]))
     largest = abs(found[0][0]).max()
     np.testing.assert_allclose(found[0][0], found[1][0], atol=1e-5 * largest)
     np.testing.assert_allclose(found[0][1], found[1][1], rtol=1e-5)
@@ -213,9 +190,7 @@ def test_springs_act_between_nodes_and_to_the_frame() -> None:
     np.testing.assert_allclose(np.diag(added)[tips], [[10.0, 20.0, 30.0]] * 3, rtol=1e-6)
     assert disk.structure.is_cyclic
     # A translation of the whole strains only what leads to the frame.
-    field = np.zeros(disk.structure.size)
-    for component, turn in ((0, 0.0), (1, np.pi / 2.0)):
-        field[disk.structure.node_dofs[:, component]] = np.cos(disk.mesh.node_axes + turn)
+    field = translation(disk, 1.0, 0.0)
     expected = 10.0 * 1.5 + 20.0 * 1.5  # cos^2 and sin^2 over three blades
     assert field @ added @ field == pytest.approx(expected, rel=1e-6)
 
@@ -230,7 +205,7 @@ def test_the_same_disk_from_one_sector_and_from_all_drawn_out() -> None:
     other = assemble_bladed_disk(bare, shaft_stiffness=1e7, clamped=False)
     assert one.structure.is_cyclic
     assert not other.structure.is_cyclic
-    np.testing.assert_allclose(frequencies(one), frequencies(other), rtol=1e-12)
+    np.testing.assert_allclose(natural_frequencies(one), natural_frequencies(other), rtol=1e-12)
 
 
 def _loose(sketch: Sketch) -> None:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 import scipy.linalg as la
-from stages import bladed_disk, observed_order, oracle, steel
+from stages import bladed_disk, observed_order, oracle, steel, translation
 
-from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.sketch import Sketch
@@ -50,17 +50,6 @@ def fan(blades: int = 4) -> Sketch:
     sketch.set("centre", "hub")
     sketch.set("tips", "tip")
     return sketch
-
-
-def translation(disk: BladedDiskModel, x: float, y: float) -> FloatArray:
-    """Field that moves every free node alike; no node is held."""
-    axes = disk.mesh.node_axes
-    field = np.zeros(disk.structure.size)
-    leads = disk.structure.node_dofs[:, 0] >= 0
-    first, second = disk.structure.node_dofs[leads, :2].T
-    field[first] = (np.cos(axes) * x + np.sin(axes) * y)[leads]
-    field[second] = (np.cos(axes) * y - np.sin(axes) * x)[leads]
-    return field
 
 
 @pytest.mark.parametrize("disk", [bladed_disk(), assembled(fan())], ids=["table 1", "fan"])
@@ -204,16 +193,7 @@ def test_sector_by_sector_or_all_at_once(effects: Any) -> None:
 
 def plain(structure: Structure, count: int) -> WhirlModes:
     """Modes found without symmetry."""
-    alike = structure.node_dofs, structure.layout, structure.held
-    bare = Structure(
-        mass=structure.mass,
-        stiffness=structure.stiffness,
-        springs=structure.springs,
-        node_dofs=alike[0],
-        layout=alike[1],
-        held=alike[2],
-        gyroscopic=structure.gyroscopic,
-    )
+    bare = replace(structure)
     object.__setattr__(bare, "is_cyclic", False)
     return whirl_modes(bare, count)
 
