@@ -188,8 +188,11 @@ def test_growth_adds_nothing_across_nodal_diameters() -> None:
     first = six_modes()
     frequencies = first.frequency, 1.9 * first.frequency
     second = replace(first, nodal_diameter=np.full(3, 2), frequency=frequencies[1])
-    apart = {"nodal_diameter": np.repeat([1, 2], 3), "frequency": np.append(*frequencies)}
-    both = replace(first.take([0, 1, 2, 0, 1, 2]), **apart)
+    both = replace(
+        first.take([0, 1, 2, 0, 1, 2]),
+        nodal_diameter=np.repeat([1, 2], 3),
+        frequency=np.append(*frequencies),
+    )
     speeds = np.linspace(0.6, 3.0, 200) * UNIT
     parts = [growth_rate(modes, speed=speeds, kappa=800.0) for modes in (first, second)]
     assert growth_rate(both, speed=speeds, kappa=800.0) == pytest.approx(np.maximum(*parts))
