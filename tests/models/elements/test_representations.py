@@ -1,12 +1,9 @@
-"""What Python prints of models and runs: one line."""
+"""What Python prints of models: one line."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
-import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.check import case_from
 from bladewhirl.models.case.file import with_values
@@ -19,13 +16,6 @@ def test_a_beam_model_is_a_line() -> None:
     nodes, lines = len(model.mesh.points), len(model.mesh.lines)
     expected = f"<BeamModel: {nodes} nodes, {lines} lines, 22 tips, {model.mass:.4g} kg>"
     assert repr(model) == expected
-
-
-def test_a_run_is_a_line(tmp_path: Path) -> None:
-    tables = {"bladed_disk.blades": 5, "casing.elements": 20, "march.duration": 0.0}
-    case = with_values(Case(), {**tables, "reduction.fixed_interface_modes": 5})
-    run = bw.run(case, tmp_path / "run", frames=0)
-    assert repr(run) == f"<Run: {tmp_path / 'run'}, completed, no-contact>"
 
 
 def test_nested_tables_make_a_case_with_a_line_a_fault() -> None:

@@ -137,7 +137,9 @@ def start(
     case = tmp_path / "case.toml"
     case.write_text(dumps_case(CASE))
     options = [f"--over={key}={','.join(map(str, values))}" for key, values in OVER.items()]
-    code = "from bladewhirl.studies.commands.cli import main; main()"
+    # A shell that runs the tests in the background has its children ignore Ctrl-C.
+    heed = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    code = f"{heed}; from bladewhirl.studies.commands.cli import main; main()"
     return subprocess.Popen(
         [sys.executable, "-c", code, "sweep", case, *options, "-o", folder, "--workers", "1"],
         stdout=subprocess.DEVNULL,
