@@ -30,6 +30,7 @@ from bladewhirl.studies.commands.show import show
 from bladewhirl.studies.commands.stability import stability
 from bladewhirl.studies.commands.sweep import sweep
 from bladewhirl.studies.commands.veering import veering
+from bladewhirl.studies.commands.verify import verify
 
 app = typer.Typer(
     name="bladewhirl",
@@ -62,6 +63,7 @@ for command in (
     stability,
     sweep,
     veering,
+    verify,
 ):
     app.command(help=_reflowed(command.__doc__ or ""))(command)
 

@@ -2,30 +2,54 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
 from functools import cache
-from typing import Any, Literal
 
 import numpy as np
-import scipy.linalg as la
-from places import DATA
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.meshes.ring_mesh import RingMesh
-from bladewhirl.models.case.file import case_from, loads
-from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
-from bladewhirl.models.elements.build import case_bladed_disk
-from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel, assemble_casing
-from bladewhirl.models.elements.supports import Support
-from bladewhirl.models.geometry.sketch import Sketch
-from bladewhirl.models.modal.modes import Modes, structure_modes
-from bladewhirl.models.sections.rectangular import Section
-from bladewhirl.models.sections.wall import Wall
+from bladewhirl.models.case.file import loads
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
+from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
 from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.studies.verification.references import reference as oracle
+from bladewhirl.studies.verification.stages import (
+    CASING_REFERENCE,
+    RADIUS,
+    beam,
+    bladed_disk,
+    casing,
+    casing_modes,
+    clamped,
+    disk_modes,
+    hertz,
+    natural_frequencies,
+    observed_order,
+    ring,
+    steel,
+    tip_reference,
+)
 
-CASING_REFERENCE = (2, 0)
-"""Radial and tangential displacement of a casing node among its four DoF (u, u', w, w')."""
+__all__ = [
+    "CASING_REFERENCE",
+    "RADIUS",
+    "SMALL",
+    "beam",
+    "bladed_disk",
+    "casing",
+    "casing_modes",
+    "clamped",
+    "disk_modes",
+    "hertz",
+    "natural_frequencies",
+    "observed_order",
+    "oracle",
+    "ring",
+    "ring_moved",
+    "stage",
+    "steel",
+    "tip_reference",
+    "translation",
+]
 
 
 SMALL = (
@@ -43,42 +67,6 @@ def stage(*overrides: str) -> Stage:
     return build_stage(loads("", overrides=overrides))
 
 
-@cache
-def oracle(name: str) -> Any:
-    """Independent results; each file says how they were made."""
-    return json.loads((DATA / f"{name}.json").read_text())
-
-
-def steel(thickness: float, width: float = 0.1) -> Section:
-    """Rectangular section of the steel that all reference results are for."""
-    return Section(width=width, thickness=thickness, young_modulus=2.1e11, density=7800.0)
-
-
-def beam(
-    section: Section | Sequence[Section], elements: int, *, length: float = 1.0, angle: float = 0.0
-) -> Sketch:
-    """A beam alone, from "clamp" to "end"."""
-    sketch = Sketch()
-    sketch.node("clamp", 0.0, shared=True)
-    sketch.node("end", length * np.cos(angle), length * np.sin(angle))
-    sketch.member("beam", "clamp", "end", section, elements=elements)
-    sketch.set("centre", "clamp")
-    sketch.set("tips", "end")
-    return sketch
-
-
-def clamped(sketch: Sketch) -> BladedDiskModel:
-    """What was drawn, its centre held."""
-    return assemble_bladed_disk(sketch.build(), shaft_stiffness=1.0, clamped=True)
-
-
-def natural_frequencies(disk: BladedDiskModel) -> FloatArray:
-    """Ascending [rad/s]; of a body that is held, the lowest are right beside very stiff parts."""
-    structure = disk.structure
-    inverse = la.eigvalsh(structure.mass.toarray(), structure.stiffness.toarray())
-    return np.asarray(1.0 / np.sqrt(inverse[::-1]))
-
-
 def translation(disk: BladedDiskModel, x: float, y: float) -> FloatArray:
     """Field that moves every free node alike; no node is held."""
     axes = disk.mesh.node_axes
@@ -88,58 +76,6 @@ def translation(disk: BladedDiskModel, x: float, y: float) -> FloatArray:
     field[first] = (np.cos(axes) * x + np.sin(axes) * y)[leads]
     field[second] = (np.cos(axes) * y - np.sin(axes) * x)[leads]
     return field
-
-
-@cache
-def bladed_disk(
-    blades: int = 22, elements: int = 10, disk_thickness: float = 0.01, clamped: bool = False
-) -> BladedDiskModel:
-    """The stage of the paper's Table 1: literally, or with thicker beams for the disk."""
-    case = case_from(
-        {
-            "bladed_disk": {
-                "blades": blades,
-                "elements_per_blade": elements,
-                "disk": {"thickness": disk_thickness},
-            },
-            "shaft": {"stiffness": 3.4e7},
-        }
-    )
-    return case_bladed_disk(case, clamped=clamped)
-
-
-def tip_reference(disk: BladedDiskModel) -> tuple[int, int]:
-    """Positions of the tip's radial and tangential displacement among a sector's DoF."""
-    layout = disk.structure.layout
-    assert layout is not None
-    first = layout.sector_dofs[0].tolist()
-    return first.index(disk.tip_radial[0]), first.index(disk.tip_tangential[0])
-
-
-def disk_modes(disk: BladedDiskModel, count: int | None = None) -> Modes:
-    """Modes of a bladed disk, phases fixed at the tips."""
-    return structure_modes(disk.structure, tip_reference(disk), count)
-
-
-RADIUS = 0.501
-"""Of the rings of the reference results [m]."""
-
-
-def ring(
-    *supports: Support,
-    wall: Wall | None = None,
-    elements: int = 40,
-    radius: float = RADIUS,
-    **options: Any,
-) -> CasingModel:
-    """Such a ring, 100 x 10 mm and free to turn unless said."""
-    given: dict[str, Any] = {"curvature": "exact", "support": 0.0, "rotation": "free"}
-    return assemble_casing(
-        RingMesh(elements=elements, radius=radius),
-        wall or Wall(section=steel(0.01)),
-        supports=supports,
-        **(given | options),
-    )
 
 
 def ring_moved(casing: CasingModel, x: float, y: float, turn: float) -> FloatArray:
@@ -153,38 +89,3 @@ def ring_moved(casing: CasingModel, x: float, y: float, turn: float) -> FloatArr
     found[nodes[RADIAL + 1]] = (y * cos - x * sin) / radius
     found[nodes[TANGENTIAL + 1]] = -(x * cos + y * sin) / radius
     return found
-
-
-@cache
-def casing(
-    elements: int = 40,
-    support: float = 0.0,
-    curvature: Literal["exact", "shallow"] = "exact",
-    rotation: Literal["free", "fixed"] = "free",
-) -> CasingModel:
-    """The ring of the reference results."""
-    return ring(elements=elements, curvature=curvature, support=support, rotation=rotation)
-
-
-@cache
-def casing_modes(
-    elements: int = 40,
-    support: float = 0.0,
-    curvature: Literal["exact", "shallow"] = "exact",
-    rotation: Literal["free", "fixed"] = "free",
-) -> Modes:
-    """All modes of that ring."""
-    return structure_modes(
-        casing(elements, support, curvature, rotation).structure, CASING_REFERENCE
-    )
-
-
-def hertz(modes: Modes) -> FloatArray:
-    """Frequencies in Hz."""
-    return np.asarray(modes.frequency / (2.0 * np.pi))
-
-
-def observed_order(errors: FloatArray, ratio: float = 2.0) -> FloatArray:
-    """Order of convergence between successive refinements by that ratio."""
-    errors = np.abs(errors)
-    return np.asarray(np.log(errors[:-1] / errors[1:]) / np.log(ratio))

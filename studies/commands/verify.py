@@ -1,0 +1,64 @@
+"""`bladewhirl verify`: known answers, recomputed here."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bladewhirl.studies.commands.options import AsJson
+from bladewhirl.studies.commands.progress import progress_bar
+
+FAILED = 1
+"""Some case is out of its tolerance."""
+
+
+def verify(
+    subjects: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="SUBJECT",
+            help="modes, rings, contact, march, results, stability, rotation; all if none.",
+            show_default=False,
+        ),
+    ] = None,
+    full: Annotated[
+        bool, typer.Option("--full", help="With the cases that take long, half an hour in all.")
+    ] = False,
+    json: AsJson = False,
+    markdown: Annotated[
+        bool, typer.Option("--markdown", help="Print the table as Markdown.")
+    ] = False,
+    html: Annotated[
+        Path | None, typer.Option("--html", metavar="FILE", help="Write the table as a page too.")
+    ] = None,
+) -> None:
+    """Compute what has known answers and compare: does this installation get them right?
+
+    Each case has a source, a quantity, its reference, what came out, the error and its tolerance.
+    Exit code 1 if any case fails. All of them take some two minutes.
+    """
+    from bladewhirl.models.inputs.errors import UserError, writing
+    from bladewhirl.postprocess.plotting.files import checked_target
+    from bladewhirl.postprocess.reports.page import write_page
+    from bladewhirl.studies.verification.table import print_table
+    from bladewhirl.studies.verification.table import verify as run_cases
+
+    if json and markdown:
+        raise UserError("--json --markdown: expected one of them")
+    if html is not None:
+        checked_target(html, ".html")
+    with progress_bar("cases") as progress:
+        done = run_cases(subjects or (), full=full, progress=progress)
+    if json:
+        typer.echo(done.to_json(), nl=False)
+    elif markdown:
+        typer.echo(done.to_markdown(), nl=False)
+    else:
+        print_table(done)
+    if html is not None:
+        with writing(html):
+            typer.echo(f"Wrote {write_page(done.page(), html)}.", err=json or markdown)
+    if not done.passed:
+        raise typer.Exit(FAILED)

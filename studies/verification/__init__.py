@@ -1,0 +1,1 @@
+"""Known answers, recomputed here: `bladewhirl verify`; a module a subject."""

@@ -1,0 +1,156 @@
+"""Small bodies with known motions, a march of them, and the ledger of its energy."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+import scipy.linalg as la
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.contact_problem import (
+    ContactProblem,
+    Load,
+    ReducedCasing,
+    ReducedRotor,
+    at_rest,
+)
+from bladewhirl.solvers.march.march import Chunk
+from bladewhirl.solvers.march.scheme import make_scheme
+
+FAR = 1e3
+"""A displacement limit out of reach [m]."""
+
+
+def small_rotor(frequency: FloatArray, tips: int = 1, **rows: Any) -> ReducedRotor:
+    """Undamped rotor with tips at angle 0 that no mode moves, but for the rows given."""
+    modes = len(frequency)
+    body = ReducedRotor(
+        frequency=frequency,
+        damping_ratio=np.zeros(modes),
+        tip_radial=np.zeros((tips, modes)),
+        tip_tangential=np.zeros((tips, modes)),
+        centre=np.zeros((2, modes)),
+        tip_angle=np.zeros(tips),
+        tip_radius=1.0,
+        tip_recess=np.zeros(tips),
+        column=np.full(modes, -1),
+        dampers=np.zeros((0, modes)),
+    )
+    return replace(body, **rows)
+
+
+def small_casing(
+    frequency: FloatArray, clearance: float = 0.0, nodes: int = 4, **rows: Any
+) -> ReducedCasing:
+    """Undamped casing of 1 m that no mode moves, but for the rows given."""
+    modes = len(frequency)
+    body = ReducedCasing(
+        frequency=frequency,
+        damping_ratio=np.zeros(modes),
+        nodal=np.zeros((nodes, 4, modes)),
+        clearance=np.tile([clearance, 0.0], (nodes, 1)),
+        radius=1.0,
+        column=np.full(modes, -1),
+        dampers=np.zeros((0, modes)),
+    )
+    return replace(body, **rows)
+
+
+def wall(clearance: float, nodes: int = 4) -> ReducedCasing:
+    """A rigid casing, of one mode that moves nothing."""
+    return small_casing(np.ones(1), clearance, nodes)
+
+
+def problem(
+    rotor: ReducedRotor,
+    casing: ReducedCasing,
+    *,
+    start: Mapping[str, FloatArray] | None = None,
+    loads: tuple[Load, ...] = (),
+    speed: float = 0.0,
+    friction: float = 0.0,
+    sliding: Literal["permanent", "signed"] = "permanent",
+    tip_rotation: bool = False,
+    displacement_limit: float = FAR,
+) -> ContactProblem:
+    """A contact problem, without friction, at standstill and from rest unless said."""
+    return ContactProblem(
+        rotor=rotor,
+        casing=casing,
+        speed=speed,
+        friction=friction,
+        sliding=sliding,
+        tip_rotation=tip_rotation,
+        displacement_limit=displacement_limit,
+        loads=loads,
+        start=replace(at_rest(rotor, casing), **(start or {})),
+    )
+
+
+def thrown(
+    given: ContactProblem, outward: float | FloatArray, spread: float = 0.0
+) -> ContactProblem:
+    """The same problem, its tips thrown outward at these speeds [m/s], spread at random."""
+    tips = len(given.rotor.tip_angle)
+    wanted = outward * (1.0 + spread * np.random.default_rng(0).normal(size=tips))
+    velocity = np.linalg.lstsq(given.rotor.tip_radial, wanted, rcond=None)[0]
+    start = replace(given.start, rotor_velocity=np.asarray(velocity, dtype=np.float64))
+    return replace(given, start=start)
+
+
+def ledger_residual(chunk: Chunk) -> float:
+    """Largest mismatch of energy and work, by the largest term."""
+    work = chunk.external_work + chunk.normal_work + chunk.friction_work + chunk.coupling_work
+    mismatch = (chunk.energy - chunk.energy[0]) - (work - chunk.damping_work)
+    terms = [
+        chunk.energy,
+        chunk.external_work,
+        chunk.normal_work,
+        chunk.friction_work,
+        chunk.damping_work,
+        chunk.coupling_work,
+    ]
+    return float(np.abs(mismatch).max() / max(np.abs(term).max() for term in terms))
+
+
+class Bar:
+    """Free bar of linear elements with consistent mass, in all its modes; it lies along r."""
+
+    def __init__(
+        self, *, length: float, area: float, young_modulus: float, density: float, elements: int
+    ) -> None:
+        h = length / elements
+        size = elements + 1
+        diagonal = np.full(size, 2.0)
+        diagonal[[0, -1]] = 1.0
+        beside = np.ones(elements)
+        stiffness = np.diag(diagonal) - np.diag(beside, 1) - np.diag(beside, -1)
+        mass = np.diag(2.0 * diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
+        square, shapes = la.eigh(
+            young_modulus * area / h * stiffness, density * area * h / 6.0 * mass
+        )
+        square[0] = 0.0  # the rigid motion
+        self.mass = density * area * length
+        self.frequency = np.sqrt(square)
+        self.shapes = shapes
+        self.rigid = shapes.T @ (density * area * h / 6.0 * mass @ np.ones(size))
+        self.time_step = 0.9 * 2.0 / self.frequency[-1]
+
+    def as_rotor(self) -> ReducedRotor:
+        """Its outer end is the tip."""
+        return small_rotor(self.frequency, tip_radial=self.shapes[-1:])
+
+    def as_casing(self, gap: float) -> ReducedCasing:
+        """Its inner end is all nodes of a casing."""
+        nodal = np.zeros((4, 4, len(self.frequency)))
+        nodal[:, 0] = self.shapes[0]
+        return small_casing(self.frequency, gap, nodal=nodal)
+
+
+def marched(given: ContactProblem, dt: float, steps: int, *, every: int = 1) -> Chunk:
+    """x_0 .. x_steps every so many steps, by the march that runs have."""
+    scheme = make_scheme(given, dt, every)
+    return scheme.advance(scheme.init(), steps + 1)[1]

@@ -1,0 +1,321 @@
+"""Impacts and rubs with exact answers: bars, an oscillator on a stop, a Coulomb pad.
+
+All go through the march of stages: one tip, a rigid wall or a second bar as the casing.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.contact_problem import Load
+from bladewhirl.solvers.march.march import Chunk
+from bladewhirl.studies.verification.bodies import Bar, marched, problem, small_rotor, wall
+from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.studies.verification.references import reference
+
+ELEMENTS = 100
+WAVES = "exact wave solution"
+BARS = (*reference("contact")["bars"], *reference("published")["bars"])
+BAR_SOURCES = "exact wave solution; Carpenter et al. 1991; Siconos ImpactingBar"
+
+
+class Collision(NamedTuple):
+    """Two bars, or one and a rigid wall, that have met."""
+
+    known: dict[str, Any]
+    chunk: Chunk  #: a record a step
+    dt: float  #: [s]
+    velocity: FloatArray  #: of the centre of mass of each bar at the end [m/s], (bars,)
+
+
+@cache
+def collision(name: str) -> Collision:
+    """Let bars meet, from before the contact to well after it."""
+    contact = reference("contact")
+    known = (contact["bars"] | reference("published")["bars"])[name]
+    bar = known.get("bar", contact["bar"])
+    shape = {key: bar[key] for key in ("length", "young_modulus", "density")}
+    areas = [area for area in known["area"] if area is not None]
+    bars = [Bar(area=area, elements=ELEMENTS, **shape) for area in areas]
+    speeds = [
+        body.rigid * velocity for body, velocity in zip(bars, known["velocity"], strict=False)
+    ]
+    rotor = bars[0].as_rotor()
+    casing = bars[1].as_casing(bar["gap"]) if len(bars) > 1 else wall(bar["gap"])
+    start = dict(zip(("rotor_velocity", "casing_velocity"), speeds, strict=False))
+    dt = bars[0].time_step
+    steps = round((known["start"] + 2.0 * known["duration"]) / dt)
+    chunk = marched(problem(rotor, casing, start=start), dt, steps)
+    last = (chunk.rotor_velocity[-1], chunk.casing_velocity[-1])
+    found = [body.rigid @ v / body.mass for body, v in zip(bars, last, strict=False)]
+    return Collision(known, chunk, dt, np.array(found))
+
+
+@verifies(
+    "impulse of bars in impact: {}", unit="N s", source=BAR_SOURCES, tolerance=0.01, each=BARS
+)
+def impulse_of_bars(name: str) -> Pair:
+    """Over the whole contact."""
+    met = collision(name)
+    return met.known["impulse"], met.chunk.contact_impulse.sum()
+
+
+@verifies("time in contact of bars: {}", unit="s", source=BAR_SOURCES, tolerance=0.02, each=BARS)
+def duration_of_bars(name: str) -> Pair:
+    """From the first step with contact to the last."""
+    met = collision(name)
+    touching = met.chunk.time[met.chunk.contact_impulse[:, 0] > 0.0]
+    return met.known["duration"], touching[-1] - touching[0]
+
+
+@verifies(
+    "mean force over the middle of the contact: {}",
+    unit="N",
+    source=BAR_SOURCES,
+    tolerance=0.01,
+    each=BARS,
+)
+def force_of_bars(name: str) -> Pair:
+    """Peaks depend on the step; the mean over the middle does not."""
+    met = collision(name)
+    known, chunk = met.known, met.chunk
+    since_middle = np.abs(chunk.time - known["start"] - 0.5 * known["duration"])
+    force = chunk.contact_impulse[since_middle < 0.3 * known["duration"], 0].mean() / met.dt
+    return known["force"], force
+
+
+@verifies(
+    "change of velocity by the contact: {}",
+    unit="m/s",
+    source=BAR_SOURCES,
+    tolerance=0.01,
+    each=BARS,
+)
+def velocity_of_bars(name: str) -> Pair:
+    """Of the centres of mass."""
+    met = collision(name)
+    before, after = (
+        np.array([v for v in met.known[key] if v is not None])
+        for key in ("velocity", "velocity_after")
+    )
+    return after - before, met.velocity - before
+
+
+@cache
+def bouncing_bar() -> Chunk:
+    """A bar dropped on a rigid wall; it touches twice."""
+    known = reference("published")["bouncing_bar"]
+    shape = {key: known[key] for key in ("length", "young_modulus", "density")}
+    bar = Bar(area=1.0, elements=2 * ELEMENTS, **shape)
+    gravity = Load(rotor=known["gravity"] * bar.rigid, casing=np.zeros(1))
+    given = problem(bar.as_rotor(), wall(known["height"]), loads=(gravity,))
+    return marched(given, bar.time_step, round(5.0 / bar.time_step))
+
+
+DOYEN = "Doyen, Ern and Piperno 2011"
+
+
+@verifies("impulses of two bounces of a bar", unit="N s", source=DOYEN, tolerance=0.012)
+def impulse_of_a_bouncing_bar() -> Pair:
+    """The second after a flight in which it rings."""
+    chunk = bouncing_bar()
+    impulse, first = chunk.contact_impulse[:, 0], chunk.time < 8.0 / 3.0
+    wanted = reference("published")["bouncing_bar"]["impulse"]
+    return [wanted, wanted], [impulse[first].sum(), impulse[~first].sum()]
+
+
+@verifies(
+    "beginning and end of the first contact of a bouncing bar",
+    unit="s",
+    source=DOYEN,
+    tolerance=0.014,
+    measure="absolute",
+)
+def contact_of_a_bouncing_bar() -> Pair:
+    """The end within 2 % of the time in contact."""
+    chunk = bouncing_bar()
+    touching = chunk.time[(chunk.contact_impulse[:, 0] > 0.0) & (chunk.time < 2.0)]
+    return reference("published")["bouncing_bar"]["first_contact"], touching[[0, -1]]
+
+
+@verifies(
+    "period of a bouncing bar, by the centres of its impulses",
+    unit="s",
+    source=DOYEN,
+    tolerance=0.02,
+    measure="absolute",
+)
+def period_of_a_bouncing_bar() -> Pair:
+    """The force rises linearly, and falls so the second time."""
+    chunk = bouncing_bar()
+    first = chunk.time < 8.0 / 3.0
+    centres = [
+        np.average(chunk.time[part], weights=chunk.contact_impulse[part, 0])
+        for part in (first, ~first)
+    ]
+    return 143.0 / 36.0 - 49.0 / 36.0, centres[1] - centres[0]
+
+
+@cache
+def oscillator(name: str) -> tuple[dict[str, Any], Chunk]:
+    """A mass on a spring driven against a stop without restitution, 1.2 s."""
+    known = reference("contact")["oscillator"]
+    case, dt = known[name], 2e-5
+    rotor = small_rotor(np.sqrt([known["stiffness"]]), tip_radial=np.ones((1, 1)))
+    start = {"rotor": np.array([case.get("start", 0.0)])}
+    force = np.array([case.get("force", 0.0)])
+    load = Load(rotor=force, casing=np.zeros(1), frequency=case.get("frequency", 0.0))
+    given = problem(rotor, wall(case["gap"]), start=start, loads=(load,))
+    return case, marched(given, dt, round(1.2 / dt))
+
+
+def impacts(name: str) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Times and impulses of the impacts of an oscillator: exact ones, then ours.
+
+    A mass left at rest on the stop touches it again with impulses of rounding: no contact.
+    """
+    case, chunk = oscillator(name)
+    exact = [e for e in case["events"] if e["event"] == "impact" and e["time"] < 1.2]
+    impulse = chunk.contact_impulse[:, 0]
+    touching = np.r_[False, impulse > 1e-12 * impulse.max()]
+    begins = np.flatnonzero(touching[1:] & ~touching[:-1])
+    stopped = np.array([impulse[i : i + 2].sum() for i in begins])  # within two steps
+    times, wanted = (np.array([event[key] for event in exact]) for key in ("time", "impulse"))
+    return times, wanted, chunk.time[begins], stopped
+
+
+OSCILLATORS = ("C1", "C2", "C3", "C4")
+FLIGHT = "closed-form flight, events with 40 digits"
+
+
+@verifies(
+    "impacts of an oscillator on a stop: {}",
+    unit="s",
+    source=FLIGHT,
+    tolerance=4e-5,
+    measure="absolute",
+    each=OSCILLATORS,
+)
+def times_of_impacts(name: str) -> Pair:
+    """Within two steps."""
+    exact, _, found, _ = impacts(name)
+    return exact, found
+
+
+@verifies(
+    "impulses of an oscillator on a stop: {}",
+    unit="N s",
+    source=FLIGHT,
+    tolerance=4e-4,
+    measure="of largest",
+    each=OSCILLATORS,
+)
+def impulses_of_impacts(name: str) -> Pair:
+    """The stop takes all the momentum."""
+    _, exact, _, found = impacts(name)
+    return exact, found
+
+
+@verifies(
+    "energy lost by an oscillator that comes to rest on its stop",
+    unit="J",
+    source=FLIGHT,
+    tolerance=1e-6,
+)
+def energy_of_an_impact() -> Pair:
+    """Work of the contact forces."""
+    case, chunk = oscillator("C1")
+    return -case["energy_lost"], chunk.normal_work[-1]
+
+
+@cache
+def coulomb_pad() -> tuple[Chunk, float]:
+    """m = 1 kg on k = 1e4 N/m, mu m g = 1 N, let go at 0.85 mm; and the time step."""
+    rotor = small_rotor(
+        np.array([50.0, 100.0]),
+        tip_radial=np.array([[1.0, 0.0]]),
+        tip_tangential=np.array([[0.0, 1.0]]),
+    )
+    clearance, dt = 1e-3, 1e-5
+    weight = Load(rotor=np.array([10.0 + 50.0**2 * clearance, 0.0]), casing=np.zeros(1))
+    start = {"rotor": np.array([clearance, 0.85e-3])}
+    given = problem(
+        rotor, wall(clearance), start=start, loads=(weight,), friction=0.1, sliding="signed"
+    )
+    return marched(given, dt, 20_000), dt
+
+
+PAD = "Code_Aster SDND100"
+
+
+@verifies(
+    "extremes of a pad under Coulomb friction, signed sliding",
+    unit="m",
+    source=PAD,
+    tolerance=1e-6,
+    measure="absolute",
+)
+def extremes_of_a_pad() -> Pair:
+    """Each half swing loses 2 mu m g / k."""
+    chunk, dt = coulomb_pad()
+    at = [round(n * np.pi / 100.0 / dt) for n in range(5)]
+    return reference("published")["coulomb_pad"]["extremes"], chunk.rotor_displacement[at, 1]
+
+
+@verifies("place where the pad sticks", unit="m", source=PAD, tolerance=1e-6, measure="absolute")
+def pad_that_sticks() -> Pair:
+    """At all times after the second period."""
+    chunk, dt = coulomb_pad()
+    known = reference("published")["coulomb_pad"]
+    stuck = chunk.rotor_displacement[chunk.time > known["stuck_from"] + dt, 1]
+    return np.full_like(stuck, known["extremes"][-1]), stuck
+
+
+@verifies("work of friction on the pad", unit="J", source=PAD, tolerance=2e-3)
+def work_on_a_pad() -> Pair:
+    """It slides 3.6 mm against 1 N."""
+    return reference("published")["coulomb_pad"]["friction_work"], coulomb_pad()[0].friction_work[
+        -1
+    ]
+
+
+@verifies(
+    "departure of a rigid rotor in unbalance from its orbit, over the radius, 15 speeds",
+    source="closed form, ROSS 2.3.0 agrees to 1e-6",
+    tolerance=1e-4,
+    measure="absolute",
+)
+def unbalance_orbit() -> Pair:
+    """Through the resonance; started on the orbit, which harmonic loads in x and y keep up."""
+    known = reference("jeffcott")
+    found = [_departure(known["rotor"], row) for row in known["response"]]
+    return np.zeros(len(found)), found
+
+
+def _departure(rotor: dict[str, float], row: dict[str, float]) -> float:
+    """Largest over 0.1 s, as a share of the radius."""
+    root = np.sqrt(rotor["mass"])
+    body = small_rotor(
+        np.full(2, np.sqrt(rotor["stiffness"]) / root),
+        damping_ratio=np.full(2, rotor["damping_ratio"]),
+        centre=np.eye(2) / root,
+    )
+    omega = 2.0 * np.pi * row["frequency_hz"]
+    size = rotor["unbalance"] * omega**2 / root
+    loads = tuple(
+        Load(rotor=size * np.eye(2)[axis], casing=np.zeros(1), frequency=omega, phase=phase)
+        for axis, phase in ((0, 0.0), (1, -np.pi / 2.0))
+    )
+    orbit = row["amplitude"] * np.exp(-1j * row["phase_lag"])
+    start = {
+        "rotor": root * np.array([orbit.real, orbit.imag]),
+        "rotor_velocity": root * omega * np.array([-orbit.imag, orbit.real]),
+    }
+    chunk = marched(problem(body, wall(1.0), start=start, loads=loads), 5e-6, 20_000, every=10)
+    found = chunk.rotor_displacement @ body.centre.T @ [1.0, 1.0j]
+    off = np.abs(found - orbit * np.exp(1j * omega * chunk.time)).max()
+    return float(off / row["amplitude"])

@@ -1,0 +1,255 @@
+"""The march against a plain dense one, and what it must not depend on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import with_values
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.solvers.march.march import Chunk
+from bladewhirl.studies.verification.bodies import marched, problem, small_rotor, wall
+from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.studies.verification.dense_march import dense_march
+from bladewhirl.studies.verification.stages import observed_order
+
+COARSE: Mapping[str, Any] = {
+    "reduction.fixed_interface_modes": 22,
+    "casing.elements": 22,
+    "casing.support": 7.975e6,
+}
+"""As many casing elements as blades: a turn by one pitch is a symmetry of both."""
+
+PUSH: dict[str, Any] = {"initial.centre_velocity": [1.5, 0.7], "contact.friction": 0.0}
+STRIKE: dict[str, Any] = {"excitation": {"type": "casing-distortion"}}
+DT, STEPS = 4e-6, 2500
+
+RUBBING: Mapping[str, Mapping[str, Any]] = {
+    "free centre, no friction": PUSH,
+    "clamped, friction 0.1": STRIKE | {"shaft.clamped": True, "contact.friction": 0.1},
+    "six coupled modes, friction 0.3": PUSH
+    | {"reduction.modes": "six", "coupling.stiffness": 2e6, "contact.friction": 0.3},
+    "backward, signed sliding, tips that turn": PUSH
+    | {
+        "march.speed": -1.05,
+        "contact.friction": 0.2,
+        "contact.sliding": "signed",
+        "contact.tip_rotation": True,
+    },
+}
+"""Changes of the default case."""
+
+
+@cache
+def rubbing(kind: str) -> tuple[tuple[FloatArray, FloatArray, FloatArray], Chunk]:
+    """A rubbing stage marched both ways, 10 ms.
+
+    Raises:
+        ArithmeticError: nothing has touched.
+    """
+    given = coarse(RUBBING[kind])
+    chunk = marched(given, DT, STEPS)
+    if chunk.contact_impulse.max() <= 0.0:
+        raise ArithmeticError(f"{kind}: expected contact")
+    return dense_march(given, DT, STEPS), chunk
+
+
+def coarse(changes: Mapping[str, Any]) -> ContactProblem:
+    """The default stage made coarse, and changed."""
+    return contact_problem(build_stage(with_values(Case(), {**COARSE, **changes})))
+
+
+DENSE = "plain dense march without the kernel"
+
+
+@verifies(
+    "gaps of all tips over 10 ms: {}",
+    unit="m",
+    source=DENSE,
+    tolerance=1e-9,
+    measure="absolute",
+    each=tuple(RUBBING),
+)
+def gaps_of_rubbing_stages(kind: str) -> Pair:
+    """Step for step, through contact, until chaos parts them."""
+    plain, chunk = rubbing(kind)
+    return plain[0], chunk.gap
+
+
+@verifies(
+    "normal and friction impulses on all tips over 10 ms: {}",
+    unit="N s",
+    source=DENSE,
+    tolerance=1e-8,
+    measure="of largest",
+    each=tuple(RUBBING),
+)
+def impulses_of_rubbing_stages(kind: str) -> Pair:
+    """Of every step."""
+    plain, chunk = rubbing(kind)
+    return plain[1:], [chunk.contact_impulse, chunk.friction_impulse]
+
+
+@verifies(
+    "gaps on the paper's stage in all modes over 30 ms",
+    unit="m",
+    source=DENSE,
+    tolerance=1e-9,
+    measure="absolute",
+    long=True,
+)
+def gaps_of_the_papers_stage() -> Pair:
+    """40 casing elements, 110 fixed-interface modes, steps of a microsecond."""
+    strike = {"casing.support": 7.975e6, **STRIKE}
+    given = contact_problem(build_stage(with_values(Case(), strike)))
+    return dense_march(given, 1e-6, 30_000)[0], marched(given, 1e-6, 30_000).gap
+
+
+def turned(angle: float = 0.0, speed: float = 1.05) -> Chunk:
+    """A shaft pushed in some direction until blades rub with friction."""
+    push = [1.5 * np.cos(angle), 1.5 * np.sin(angle)]
+    changes = {"initial.centre_velocity": push, "march.speed": speed, "contact.friction": 0.1}
+    return marched(coarse(changes), DT, STEPS)
+
+
+@verifies(
+    "gaps at negative speed, as seen in a mirror",
+    unit="m",
+    source="mirror symmetry",
+    tolerance=1e-12,
+    measure="absolute",
+)
+def mirror() -> Pair:
+    """Speed and numbers of the blades reversed, the shaft pushed along the mirror."""
+    return turned().gap, turned(speed=-1.05).gap[:, -np.arange(22) % 22]
+
+
+@verifies(
+    "friction impulses at negative speed, as seen in a mirror",
+    unit="N s",
+    source="mirror symmetry",
+    tolerance=1e-8,
+    measure="of largest",
+)
+def mirrored_friction() -> Pair:
+    """Drags the other way."""
+    mirrored = turned(speed=-1.05).friction_impulse[:, -np.arange(22) % 22]
+    return turned().friction_impulse, -mirrored
+
+
+@verifies(
+    "gaps when shaft and push are turned by one blade pitch",
+    unit="m",
+    source="rotational symmetry",
+    tolerance=1e-9,
+    measure="absolute",
+)
+def one_pitch() -> Pair:
+    """22 blades in 22 casing elements."""
+    return turned().gap, np.roll(turned(2.0 * np.pi / 22).gap, -1, axis=1)
+
+
+@verifies(
+    "friction impulses at zero speed",
+    unit="N s",
+    source="permanent sliding has no way",
+    tolerance=0.0,
+    measure="absolute",
+)
+def friction_at_standstill() -> Pair:
+    """Though blades touch."""
+    chunk = turned(speed=0.0)
+    if not chunk.contact_impulse.any():
+        raise ArithmeticError("expected contact at standstill")
+    return np.zeros_like(chunk.friction_impulse), chunk.friction_impulse
+
+
+@verifies(
+    "gaps at zero speed above and below the line of the push",
+    unit="m",
+    source="mirror symmetry",
+    tolerance=1e-12,
+    measure="absolute",
+)
+def symmetry_at_standstill() -> Pair:
+    """Nothing drags the shaft aside."""
+    gap = turned(speed=0.0).gap
+    return gap, gap[:, -np.arange(22) % 22]
+
+
+def oscillations(given: ContactProblem, time: float) -> FloatArray:
+    """Modal displacements of the rotor without contact and loads, by superposition."""
+    start, ratio, omega = given.start, given.rotor.damping_ratio, given.rotor.frequency
+    rate, own = ratio * omega, omega * np.sqrt(1.0 - ratio**2)
+    sine = (start.rotor_velocity + rate * start.rotor) / own
+    swing = start.rotor * np.cos(own * time) + sine * np.sin(own * time)
+    return np.asarray(np.exp(-rate * time) * swing)
+
+
+@verifies(
+    "order in the time step of free motion after any start",
+    source="superposition of modes",
+    tolerance=0.1,
+    measure="absolute",
+)
+def order_of_free_motion() -> Pair:
+    """All modes of a body set off at random, 2 ms, with modal damping."""
+    random = np.random.default_rng(1)
+    body = coarse({"damping.ratio": 0.01}).rotor
+    count = len(body.frequency)
+    start = {
+        "rotor": random.normal(size=count) * 1.0 / body.frequency,
+        "rotor_velocity": random.normal(size=count),
+    }
+    given, errors = problem(body, wall(1e3), start=start), []
+    for steps in (4000, 8000, 16_000):
+        chunk = marched(given, 2e-3 / steps, steps, every=steps)
+        errors.append(np.linalg.norm(chunk.rotor_displacement[-1] - oscillations(given, 2e-3)))
+    return np.full(2, 2.0), observed_order(np.array(errors))
+
+
+@verifies(
+    "motion after any start over 2 ms, steps of 0.125 us",
+    source="superposition of modes",
+    unit="kg^0.5 m",
+    tolerance=1e-6,
+    measure="of largest",
+)
+def free_motion() -> Pair:
+    """Of the whole coarse stage pushed at its shaft."""
+    given = coarse({"initial.centre_velocity": [0.1, 0.05]})
+    chunk = marched(given, 1.25e-7, 16_000, every=16_000)
+    return oscillations(given, 2e-3), chunk.rotor_displacement[-1]
+
+
+@verifies(
+    "order in the time step of motion with contact",
+    source="measured once: first order",
+    tolerance=0.2,
+    measure="absolute",
+)
+def order_of_contact() -> Pair:
+    """A mass on a spring just after it has hit a stop: of the mean error over many steps.
+
+    Where in a step it hits is left to chance.
+    """
+    load = Load(rotor=np.array([20.0]), casing=np.zeros(1), frequency=10.0)
+    rotor = small_rotor(np.array([1000.0**0.5]), tip_radial=np.ones((1, 1)))
+    given = problem(rotor, wall(0.01), loads=(load,))
+
+    def reached(steps: int) -> float:
+        return float(marched(given, 0.53 / steps, steps, every=steps).rotor_displacement[-1, 0])
+
+    exact = reached(4_000_000)
+    errors = [
+        np.mean([abs(reached(round(steps * (1.0 + i / 40.0))) - exact) for i in range(40)])
+        for steps in (2000, 32_000)
+    ]
+    return 1.0, observed_order(np.array(errors), ratio=16.0)[0]

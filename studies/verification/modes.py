@@ -1,0 +1,313 @@
+"""Bladed disks against independent frame programs, beams against theory, reduced models."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse.linalg as spla
+from numpy.polynomial import Legendre, Polynomial
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
+from bladewhirl.models.modal.modes import families, structure_modes
+from bladewhirl.models.modal.reduction import craig_bampton
+from bladewhirl.models.sections.rectangular import Section
+from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.studies.verification.references import reference
+from bladewhirl.studies.verification.stages import (
+    beam,
+    bladed_disk,
+    clamped,
+    disk_modes,
+    hertz,
+    natural_frequencies,
+    observed_order,
+    steel,
+    tip_reference,
+)
+
+OPENSEES = "OpenSees, checked with PyNite and Fourier blocks"
+CENTRES = ("free", "clamped")
+LISTED = 92
+"""Modes that the references hold."""
+
+SPAN, TIP_MASS = 0.45, 0.1
+
+
+@verifies(
+    "92 lowest frequencies of the paper's stage, {} centre",
+    unit="Hz",
+    source=OPENSEES,
+    tolerance=1e-8,
+    each=CENTRES,
+)
+def stage_frequencies(centre: str) -> Pair:
+    """Table 1 taken literally."""
+    modes = disk_modes(bladed_disk(clamped=centre == "clamped"))
+    return reference("disk_modes")[centre]["frequency_hz"], hertz(modes)[:LISTED]
+
+
+@verifies(
+    "modes named by other nodal diameters or families, {} centre",
+    source=OPENSEES,
+    tolerance=0.0,
+    measure="absolute",
+    each=CENTRES,
+)
+def stage_names(centre: str) -> Pair:
+    """Of the 92 lowest."""
+    known = reference("disk_modes")[centre]
+    modes = disk_modes(bladed_disk(clamped=centre == "clamped"))
+    names = zip(modes.nodal_diameter.tolist(), families(modes, "bladed-disk"), strict=True)
+    wanted = zip(known["nodal_diameter"], known["family"], strict=True)
+    return 0, sum(a != b for a, b in zip(wanted, names, strict=False))
+
+
+def static(disk: BladedDiskModel, dof: int) -> FloatArray:
+    """Displacement of every node along x, y and its rotation under a unit force, (nodes, 3)."""
+    force = np.zeros((disk.structure.size, 1))
+    force[dof] = 1.0
+    return disk.cartesian(spla.splu(disk.structure.stiffness.tocsc()).solve(force))[..., 0]
+
+
+@verifies(
+    "stiffnesses at tips and root of the paper's stage, {} centre",
+    unit="N/m",
+    source=OPENSEES,
+    tolerance=1e-8,
+    each=CENTRES,
+)
+def stage_stiffness(centre: str) -> Pair:
+    """Tangential and radial at a tip, tangential at a root, and at the centre if it is free."""
+    known = reference("disk_static")[centre]
+    disk = bladed_disk(clamped=centre == "clamped")
+    nodes = disk.mesh.node_sets
+    root = int(disk.structure.node_dofs[nodes["roots"][0], 1])
+    places = {
+        "tip0_tangential_stiffness": (int(disk.tip_tangential[0]), nodes["tips"][0], 1),
+        "tip0_radial_stiffness": (int(disk.tip_radial[0]), nodes["tips"][0], 0),
+        "root0_tangential_stiffness": (root, nodes["roots"][0], 1),
+    }
+    if centre == "free":
+        places["centre_x_stiffness"] = (int(disk.centre[0]), nodes["centre"][0], 0)
+    found = [1.0 / static(disk, dof)[node, axis] for dof, node, axis in places.values()]
+    return [known[name] for name in places], found
+
+
+@verifies(
+    "displacements of other tips under a tangential force, {} centre",
+    unit="m/N",
+    source=OPENSEES,
+    tolerance=1e-8,
+    each=CENTRES,
+)
+def stage_flexibility(centre: str) -> Pair:
+    """Rotation of the tip, x and y of the next one, y of the opposite one."""
+    known = reference("disk_static")[centre]
+    disk = bladed_disk(clamped=centre == "clamped")
+    field, tips = static(disk, int(disk.tip_tangential[0])), disk.mesh.node_sets["tips"]
+    wanted = (
+        known["tip0_rotation_per_tangential_force"],
+        *known["tip1_xy_per_tangential_force"],
+        known["tip11_y_per_tangential_force"],
+    )
+    return wanted, (field[tips[0], 2], *field[tips[1], :2], field[tips[11], 1])
+
+
+@verifies(
+    "response to an unbalance across two resonances, mass and stiffness in fixed axes",
+    unit="m",
+    source=OPENSEES,
+    tolerance=1e-7,
+)
+def unbalance_response() -> Pair:
+    """(K - Omega^2 M) u = m e Omega^2 at the centre."""
+    known, disk = reference("disk_harmonic"), bladed_disk()
+    tips, centre = disk.mesh.node_sets["tips"], disk.mesh.node_sets["centre"][0]
+    wanted, found = [], []
+    for row in known["response"]:
+        square = (2.0 * np.pi * row["f_hz"]) ** 2
+        force = np.zeros((disk.structure.size, 1))
+        force[disk.centre[0]] = known["unbalance"] * square
+        dynamic = disk.structure.stiffness - square * disk.structure.mass
+        field = disk.cartesian(spla.splu(dynamic.tocsc()).solve(force))[..., 0]
+        found.append([field[centre, 0], field[tips[0], 0], *field[tips[5], :2]])
+        wanted.append([row[name] for name in ("centre_x", "tip0_x", "tip5_x", "tip5_y")])
+    return wanted, found
+
+
+def cantilever(
+    taper: Section | Sequence[Section], elements: int, tip_mass: float = 0.0
+) -> FloatArray:
+    """Frequencies of a blade held at its root [rad/s]."""
+    sketch = beam(taper, elements, length=SPAN)
+    if tip_mass:
+        sketch.mass("end", tip_mass)
+    return natural_frequencies(clamped(sketch))
+
+
+def exact_bending() -> FloatArray:
+    """First three bending frequencies of a uniform cantilever [rad/s]."""
+    section = steel(0.01)
+    roots = np.array([1.8751040687119611, 4.694091132974175, 7.854757438237613])
+    unit = np.sqrt(section.bending_stiffness / section.line_mass)
+    return np.asarray((roots / SPAN) ** 2 * unit)
+
+
+@verifies(
+    "three bending frequencies of a cantilever of 24 elements",
+    unit="rad/s",
+    source="Euler-Bernoulli",
+    tolerance=1e-5,
+)
+def bending_cantilever() -> Pair:
+    """Clamped and free."""
+    return exact_bending(), cantilever(steel(0.01), 24)[:3]
+
+
+@verifies(
+    "order of convergence of bending frequencies, 6 to 12 elements",
+    source="cubics",
+    tolerance=0.25,
+    measure="absolute",
+)
+def order_of_bending() -> Pair:
+    """The fourth power of the element length."""
+    exact = exact_bending()
+    errors = [cantilever(steel(0.01), n)[:3] / exact - 1.0 for n in (6, 12)]
+    return np.full(3, 4.0), observed_order(np.array(errors))[0]
+
+
+@verifies(
+    "order of convergence of the first stretching frequency, 32 to 64 elements",
+    source="linear elements",
+    tolerance=0.05,
+    measure="absolute",
+)
+def order_of_stretching() -> Pair:
+    """The square of the element length."""
+    exact = np.pi / 2.0 / SPAN * np.sqrt(2.1e11 / 7800.0)
+    errors = []
+    for elements in (32, 64):
+        found = cantilever(steel(0.01), elements)
+        errors.append(found[np.argmin(np.abs(found - exact))] / exact - 1.0)
+    return 2.0, observed_order(np.array(errors))[0]
+
+
+def by_ritz(thickness: Sequence[float]) -> FloatArray:
+    """Three lowest frequencies of a tapered blade with a mass at its tip [rad/s].
+
+    Polynomials over the span, and over all of it after each inner station more that begin with
+    the third power, for the third derivative jumps there.
+    """
+    stations = np.linspace(0.0, 1.0, len(thickness))
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    x = np.concatenate([a + (b - a) * (nodes + 1) / 2 for a, b in pairwise(stations)])
+    weight = np.tile(weights / 2, len(stations) - 1) / (len(stations) - 1)
+    values, bends, ends = [], [], []
+    for start, power in [(0.0, 2), *((s, 3) for s in stations[1:-1])]:
+        for degree in range(12):
+            smooth = Legendre.basis(degree, [start, 1.0]).convert(kind=Polynomial)
+            function = Polynomial([-start, 1.0]) ** power * smooth
+            values.append(np.where(x >= start, function(x), 0.0))
+            bends.append(np.where(x >= start, function.deriv(2)(x), 0.0))
+            ends.append(float(function(1.0)))
+    height = np.interp(x, stations, thickness)
+    w, bend, end = np.array(values), np.array(bends), np.array(ends)
+    stiffness = bend * (weight * 2.1e11 * 0.1 * height**3 / 12 / SPAN**3) @ bend.T
+    mass = w * (weight * 7800.0 * 0.1 * height * SPAN) @ w.T + TIP_MASS * np.outer(end, end)
+    scale = 1.0 / np.sqrt(np.diag(stiffness))
+    flexible = la.eigh(
+        mass * np.outer(scale, scale), stiffness * np.outer(scale, scale), eigvals_only=True
+    )
+    return np.asarray(1.0 / np.sqrt(flexible[::-1][:3]))
+
+
+@verifies(
+    "three frequencies of a tapered blade of ten elements with a mass at its tip",
+    unit="rad/s",
+    source="Ritz method of smooth functions",
+    tolerance=3e-4,
+)
+def tapered_blade() -> Pair:
+    """20 to 12 to 8 mm thick."""
+    taper = [steel(0.020), steel(0.012), steel(0.008)]
+    return by_ritz([0.020, 0.012, 0.008]), cantilever(taper, 10, TIP_MASS)[:3]
+
+
+@verifies(
+    "order of convergence of a tapered blade's frequencies, 8 to 16 elements",
+    source="cubics",
+    tolerance=0.35,
+    measure="absolute",
+)
+def order_of_tapered_blades() -> Pair:
+    """As that of prismatic ones."""
+    taper, exact = [steel(0.020), steel(0.012), steel(0.008)], by_ritz([0.020, 0.012, 0.008])
+    errors = [cantilever(taper, n, TIP_MASS)[:3] / exact - 1.0 for n in (8, 16)]
+    return np.full(3, 4.0), observed_order(np.array(errors))[0]
+
+
+@verifies(
+    "all frequencies, sector by sector against one eigenproblem",
+    unit="rad/s",
+    source="dense eigenproblem of the whole stage",
+    tolerance=1e-8,
+)
+def cyclic_against_full() -> Pair:
+    """22 blades of four elements."""
+    structure = bladed_disk(elements=4).structure
+    whole = la.eigh(structure.stiffness.toarray(), structure.mass.toarray(), eigvals_only=True)
+    return np.sqrt(whole), disk_modes(bladed_disk(elements=4)).frequency
+
+
+@verifies(
+    "60 frequencies of a stage with one tip heavier by 1e-7",
+    unit="rad/s",
+    source="the stage of equal sectors",
+    tolerance=1e-7,
+)
+def nearly_tuned() -> Pair:
+    """Found without symmetry."""
+    disk = bladed_disk(elements=4)
+    mass = disk.structure.mass.copy().tolil()
+    for dof in (disk.tip_radial[0], disk.tip_tangential[0]):
+        mass[dof, dof] *= 1.0 + 1e-7
+    nearly = structure_modes(replace(disk.structure, mass=mass.tocsr()), tip_reference(disk), 60)
+    return disk_modes(disk, 60).frequency[:60], nearly.frequency[:60]
+
+
+def reduction_error(kept: int) -> FloatArray:
+    """Relative error of the first 22 elastic frequencies of a reduced stage."""
+    disk = bladed_disk()
+    boundary = np.concatenate([disk.tip_radial, disk.tip_tangential, disk.centre])
+    reduced = craig_bampton(disk.structure, boundary, kept, tip_reference(disk)).modes
+    exact = disk_modes(disk).frequency[:22]
+    return np.asarray(reduced.frequency[:22] / exact - 1.0)
+
+
+@verifies(
+    "largest error of 22 frequencies with 110 fixed-interface modes of the paper's stage",
+    source="full model; the paper says below 0.75 % for five families",
+    tolerance=2.5e-6,
+    measure="absolute",
+)
+def craig_bampton_error() -> Pair:
+    """Those of the first family."""
+    return 0.0, reduction_error(110).max()
+
+
+@verifies(
+    "share of that error left with 220 fixed-interface modes",
+    source="full model",
+    tolerance=0.1,
+    measure="absolute",
+)
+def craig_bampton_convergence() -> Pair:
+    """Both are positive: frequencies come from above."""
+    coarse, fine = reduction_error(110), reduction_error(220)
+    return 0.0, fine.max() / coarse.max()

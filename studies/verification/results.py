@@ -1,0 +1,230 @@
+"""Balances of a run, from its `result.nc` alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from scipy.interpolate import CubicHermiteSpline
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import with_values
+from bladewhirl.postprocess.fields.result import open_result
+from bladewhirl.postprocess.run.whirl_history import whirl_history
+from bladewhirl.studies.runs.run import run
+from bladewhirl.studies.verification.case import Pair, verifies
+
+SMALL: Mapping[str, Any] = {
+    "reduction.fixed_interface_modes": 22,
+    "casing.elements": 20,
+    "casing.support": 7.975e6,
+    "casing.rotation": "free",
+    "damping.ratio": 0.0,
+    "contact.friction": 0.1,
+    "march.time_step": 4e-6,
+    "march.record_step": 4e-6,
+    "march.duration": 0.012,
+}
+"""A coarse stage without damping, every step recorded."""
+
+DEFINITION = "the record of every step"
+
+
+@cache
+def recorded(**changes: Any) -> xr.Dataset:
+    """The result of a run whose shaft is pushed until blades rub, read into memory.
+
+    Args:
+        changes: of the case, two underscores for a dot.
+    """
+    push = {"initial.centre_velocity": [1.5, 0.7]}
+    own = {key.replace("__", "."): value for key, value in changes.items()}
+    with TemporaryDirectory() as folder:
+        run(with_values(Case(), {**SMALL, **push, **own}), Path(folder) / "run", frames=0)
+        with open_result(Path(folder) / "run") as result:
+            return result.load()
+
+
+def rows(result: xr.Dataset) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Radial and tangential rows of tips, (tips, modes), and of the casing under them, by step."""
+    angle, tips = result["tip_angle"].values, result["tip_node"].values
+    x, y = result["rotor_shape"].values[tips, :2].transpose(1, 0, 2)
+    cos, sin = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    turned = angle + result.attrs["speed"] * result["time"].values[:, None]
+    shape = result["casing_shape"].values
+    around = np.concatenate([shape, shape[:1]])
+    arc = np.linspace(0.0, 2.0 * np.pi, len(around))
+    radius = result.attrs["casing_radius"]
+    casing = [
+        CubicHermiteSpline(arc, around[:, i], radius * around[:, i + 1])(np.mod(turned, 2 * np.pi))
+        for i in (0, 2)
+    ]
+    return x * cos + y * sin, y * cos - x * sin, casing[0], casing[1]
+
+
+def kicks(result: xr.Dataset, body: str) -> FloatArray:
+    """Change of modal momentum over each step that bending does not explain, (steps, modes)."""
+    x, dt = result[f"{body}_displacement"].values, result.attrs["time_step"]
+    frequency = result[f"{body}_frequency"].values
+    bent = (x[2:] - 2.0 * x[1:-1] + x[:-2]) / dt
+    return np.asarray(bent + dt * frequency**2 * x[1:-1])
+
+
+@verifies(
+    "momentum that contact gives the modes of the bladed disk, step by step",
+    unit="kg^0.5 m/s",
+    source=DEFINITION,
+    tolerance=1e-8,
+    measure="of largest",
+)
+def momentum_of_the_bladed_disk() -> Pair:
+    """Inward by the normal impulses, backward by those of friction."""
+    result = recorded()
+    radial, tangential, _, _ = rows(result)
+    normal, friction = (result[f"{name}_impulse"].values[2:] for name in ("contact", "friction"))
+    return -normal @ radial - friction @ tangential, kicks(result, "rotor")
+
+
+@verifies(
+    "momentum that contact gives the modes of the casing, step by step",
+    unit="kg^0.5 m/s",
+    source=DEFINITION,
+    tolerance=1e-8,
+    measure="of largest",
+)
+def momentum_of_the_casing() -> Pair:
+    """Outward and forward, at the places where the tips are."""
+    result = recorded()
+    _, _, radial, tangential = rows(result)
+    normal, friction = (result[f"{name}_impulse"].values[2:] for name in ("contact", "friction"))
+    given = np.einsum("tb,tbm->tm", normal, radial[2:])
+    given += np.einsum("tb,tbm->tm", friction, tangential[2:])
+    return given, kicks(result, "casing")
+
+
+@verifies(
+    "friction over normal impulse, speed {}",
+    source="mu sign(speed)",
+    tolerance=1e-12,
+    each=(1.05, -1.05),
+)
+def friction_ratio(speed: float) -> Pair:
+    """Of all tips at all steps with contact."""
+    result = recorded(march__speed=speed)
+    normal, friction = (result[f"{name}_impulse"].values for name in ("contact", "friction"))
+    ratio = friction[normal > 0.0] / normal[normal > 0.0]
+    return np.full_like(ratio, 0.1 * np.sign(speed)), ratio
+
+
+@verifies(
+    "impulse of the torque that friction puts on the casing",
+    unit="N m s",
+    source="mu R times the normal impulses",
+    tolerance=1e-6,
+)
+def torque_on_the_casing() -> Pair:
+    """By the motion of the modes that turn the casing, which its support holds elastically."""
+    result = recorded()
+    turning = np.flatnonzero(result["casing_nodal_diameter"].values == 0)
+    tangential = result["casing_shape"].values[:, 2][:, turning].mean(axis=0)
+    own = turning[np.argmax(np.abs(tangential))]
+    given = kicks(result, "casing")[:, own].sum() / tangential[np.argmax(np.abs(tangential))]
+    normal = result["contact_impulse"].values[2:].sum()
+    radius = result.attrs["casing_radius"]
+    return 0.1 * radius * normal, radius * given
+
+
+@verifies(
+    "energy less the work done on it, over the largest term",
+    source="energy ledger",
+    tolerance=1e-9,
+    measure="absolute",
+)
+def energy_ledger() -> Pair:
+    """External, normal, friction, damping and coupling work, with damping and a load."""
+    result = recorded(damping__ratio=0.005, excitation__type="imbalance", coupling__stiffness=1e5)
+    names = ("external_work", "normal_work", "friction_work", "coupling_work", "damping_work")
+    terms = np.array([result[name].values for name in names])
+    work = terms[:4].sum(axis=0) - terms[4]
+    energy = result["energy"].values
+    return np.zeros_like(work), (energy - energy[0] - work) / np.abs([*terms, energy]).max()
+
+
+@verifies(
+    "deepest penetration",
+    unit="m",
+    source="no gap is negative",
+    tolerance=1e-12,
+    measure="absolute",
+)
+def penetration() -> Pair:
+    """Over all steps."""
+    return 0.0, min(0.0, float(recorded()["gap"].values.min()))
+
+
+@verifies(
+    "gap where there is a contact impulse",
+    unit="m",
+    source="complementarity",
+    tolerance=1e-12,
+    measure="absolute",
+)
+def complementarity() -> Pair:
+    """Of all tips at all steps."""
+    result = recorded()
+    gap = result["gap"].values[result["contact_impulse"].values > 0.0]
+    return np.zeros_like(gap), gap
+
+
+@verifies(
+    "rate of a known circular whirl, {}",
+    unit="rad/s",
+    source="frequency of the suspension pair, and the speed more",
+    tolerance=1e-5,
+    each=("backward", "forward"),
+)
+def circular_whirl(way: str) -> Pair:
+    """In the rotating and in the static frame."""
+    found = circle(way)
+    omega = (1.0 if way == "forward" else -1.0) * found.attrs["natural"]
+    rates = [found["rate"].sel(frame=frame).values for frame in ("rotating", "static")]
+    exact = [np.full_like(rates[0], omega), np.full_like(rates[1], omega + found.attrs["speed"])]
+    return exact, rates
+
+
+@verifies(
+    "label of a known circular whirl, {}: 1 forward, -1 backward",
+    source="its rates",
+    tolerance=0.0,
+    measure="absolute",
+    each=("backward", "forward"),
+)
+def whirl_labels(way: str) -> Pair:
+    """In the rotating and in the static frame."""
+    found = circle(way)
+    sign = 1.0 if way == "forward" else -1.0
+    static = np.sign(sign * found.attrs["natural"] + found.attrs["speed"])
+    labels = [found["direction"].sel(frame=frame).values for frame in ("rotating", "static")]
+    return [np.full_like(labels[0], sign), np.full_like(labels[1], static)], labels
+
+
+@cache
+def circle(way: str) -> xr.Dataset:
+    """Whirl of a shaft started on a circle in the suspension pair alone, without contact."""
+    longer = {"march__duration": 0.2, "march__record_step": 4e-5}
+    pair = {"reduction__modes": "suspension,casing:1", **longer}
+    still = {"initial__centre_velocity": (0.0, 0.0)}
+    natural = float(recorded(**pair, **still)["rotor_frequency"][0])
+    rate = natural if way == "forward" else -natural
+    start = {
+        "initial__centre_displacement": (1e-4, 0.0),
+        "initial__centre_velocity": (0.0, 1e-4 * rate),
+    }
+    result = recorded(**pair, **start)
+    return whirl_history(result).assign_attrs(natural=natural, speed=result.attrs["speed"])

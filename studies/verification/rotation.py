@@ -1,0 +1,333 @@
+"""Bladed disks that feel that they turn: cantilevers, the paper's stage at speed, closed forms."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse.linalg as spla
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.rotation import Effects
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
+from bladewhirl.models.geometry.sketch import Sketch
+from bladewhirl.models.rotation.axial_force import axial_force
+from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
+from bladewhirl.models.rotation.growth import speed_of_growth, static_displacement, tip_growth
+from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
+from bladewhirl.models.rotation.waves import waves
+from bladewhirl.models.rotation.whirl_modes import whirl_modes
+from bladewhirl.models.sections.rectangular import Section
+from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.studies.verification.references import reference
+from bladewhirl.studies.verification.stages import bladed_disk, steel
+
+STAGES = ("0.01", "0.03")
+"""Thickness of the disk's beams [m]."""
+
+RATIOS = (0.5, 1.05, 1.6, 2.5)
+OWN_FE = "finite elements that share nothing with this program"
+KEYS: dict[Effects, str] = {"none": "at_rest", "centrifugal": "no_coriolis", "full": "full"}
+
+
+def known(stage: str) -> Any:
+    """References of a stage."""
+    return reference("rotation")["stages"][stage]
+
+
+@cache
+def turning(stage: str) -> RotationMatrices:
+    """What rotation adds to it."""
+    return rotation_matrices(bladed_disk(disk_thickness=float(stage)))
+
+
+@verifies(
+    "frequencies with tension and spin softening, k = 0 to 11, four speeds, disk of {} m",
+    unit="Hz",
+    source=OWN_FE,
+    tolerance=1e-8,
+    each=STAGES,
+)
+def centrifugal_frequencies(stage: str) -> Pair:
+    """Six of each nodal diameter; negative where softening has made a wave unstable."""
+    wanted, found = [], []
+    for row in known(stage)["speeds"]:
+        structure = turning(stage).at_speed(row["omega"], "centrifugal")
+        if structure.layout is None:
+            raise ValueError("expected a stage of equal sectors")
+        for k, (mass, stiffness) in structure.layout.blocks(structure.mass, structure.stiffness):
+            square = la.eigvalsh(stiffness, mass, subset_by_index=(0, 5))
+            found.append(np.sign(square) * np.sqrt(np.abs(square)) / (2 * np.pi))
+            wanted.append(row["centrifugal"][str(k)])
+    return wanted, found
+
+
+def travelling(stage: str, ratios: tuple[float, ...]) -> Pair:
+    """Six frequencies of each nodal diameter and direction [Hz]."""
+    wanted, found = [], []
+    for row in known(stage)["speeds"]:
+        if row["ratio"] not in ratios:
+            continue
+        modes = whirl_modes(turning(stage).at_speed(row["omega"], "full"))
+        for way in ("backward", "forward"):
+            for k in range(12):
+                ways = np.isin(modes.direction, [way, "standing"])
+                own = modes.frequency[(modes.nodal_diameter == k) & ways]
+                found.append(own[:6] / (2 * np.pi))
+                wanted.append(row[way][str(k)])
+    return wanted, found
+
+
+@verifies(
+    "travelling waves with Coriolis forces, both ways, speeds 0.5 to 1.6, disk of {} m",
+    unit="Hz",
+    source=OWN_FE,
+    tolerance=1e-7,
+    each=STAGES,
+)
+def whirling_waves(stage: str) -> Pair:
+    """k = 0 to 11, rotating frame."""
+    return travelling(stage, RATIOS[:3])
+
+
+@verifies(
+    "travelling waves with Coriolis forces, both ways, speed 2.5, disk of {} m",
+    unit="Hz",
+    source=f"{OWN_FE}; k = 1 of the thick one to 6e-7",
+    tolerance=6e-7,
+    each=STAGES,
+)
+def whirling_waves_past_the_critical_speed(stage: str) -> Pair:
+    """k = 0 to 11, rotating frame."""
+    return travelling(stage, RATIOS[3:])
+
+
+@verifies(
+    "growth of the tips at four speeds, disk of {} m",
+    unit="m",
+    source=OWN_FE,
+    tolerance=1e-8,
+    each=STAGES,
+)
+def growth_of_tips(stage: str) -> Pair:
+    """Without and with the load that follows."""
+    disk, matrices = bladed_disk(disk_thickness=float(stage)), turning(stage)
+    wanted, found = [], []
+    for row in known(stage)["speeds"]:
+        linear = static_displacement(matrices, row["omega"], follows=False)[disk.tip_radial[0]]
+        softened = float(np.mean(tip_growth(disk, matrices, row["omega"])))
+        wanted.append([row["tip_growth"], row["tip_growth_softened"]])
+        found.append([linear, softened])
+    return wanted, found
+
+
+@verifies(
+    "axial forces in spokes and rim at four speeds, disk of {} m",
+    unit="N",
+    source=OWN_FE,
+    tolerance=1e-8,
+    each=STAGES,
+)
+def axial_forces(stage: str) -> Pair:
+    """Means over the first spoke and the first piece of the rim."""
+    disk, matrices = bladed_disk(disk_thickness=float(stage)), turning(stage)
+    sets, wanted, found = disk.mesh.line_sets, [], []
+    for row in known(stage)["speeds"]:
+        linear = static_displacement(matrices, row["omega"], follows=False)
+        force = axial_force(
+            disk.model, disk.expansion @ linear, np.array([0.0, 0.5, 1.0]), omega=row["omega"]
+        )
+        mean = force @ np.array([1.0, 4.0, 1.0]) / 6.0
+        found.append([mean[sets["spokes"][0]], mean[sets["rim"][0]]])
+        wanted.append([row["spoke_force"], row["rim_force"]])
+    return wanted, found
+
+
+@verifies(
+    "critical speed and crossings of engine orders 1 to 6, disk of {} m, over the reference",
+    source=OWN_FE,
+    tolerance=1e-8,
+    each=STAGES,
+)
+def critical_speeds(stage: str) -> Pair:
+    """At rest, with centrifugal effects, and with Coriolis forces."""
+    row, matrices = known(stage), turning(stage)
+    wanted = [row["critical_speed"]]
+    found = [waves(matrices, 1, "full").synchronous(0)[0]]
+    for order in row["engine_orders"]:
+        for effects, key in KEYS.items():
+            found.append(waves(matrices, order["k"], effects).synchronous(order["k"])[0])
+            wanted.append(order[key])
+    return wanted, np.array(found) / (2 * np.pi * row["reference_hz"])
+
+
+@verifies(
+    "speed at which tips grow by 1 mm, disk of {} m, over the reference",
+    source=OWN_FE,
+    tolerance=1e-8,
+    each=STAGES,
+)
+def speed_of_one_millimetre(stage: str) -> Pair:
+    """With the load that follows."""
+    row = known(stage)
+    speed = speed_of_growth(bladed_disk(disk_thickness=float(stage)), turning(stage), 1e-3)
+    return row["growth_of_1mm"], speed / (2 * np.pi * row["reference_hz"])
+
+
+@verifies(
+    "fastest growth by internal damping of 0.5 %, eight speeds, disk of {} m",
+    unit="1/s",
+    source=OWN_FE,
+    tolerance=1e-6,
+    measure="absolute",
+    each=STAGES,
+)
+def internal_damping(stage: str) -> Pair:
+    """Of waves of one nodal diameter; modal damping of the modes at rest turns with the disk."""
+    row, matrices = known(stage), turning(stage)
+    layout = matrices.structure.layout
+    if layout is None:
+        raise ValueError("expected a stage of equal sectors")
+    basis, own = layout.basis(1), matrices.structure
+    mass, stiffness, geometric, translated, coriolis = (
+        (basis.conj().T @ each @ basis).toarray()
+        for each in (own.mass, own.stiffness, matrices.geometric, matrices.mass, matrices.coriolis)
+    )
+    square, modes = la.eigh(stiffness, mass)
+    damping = mass @ modes @ np.diag(0.01 * np.sqrt(square)) @ modes.conj().T @ mass
+    found = []
+    for ratio, _, _ in row["growth_rates_xi_0.005"]:
+        omega = 2 * np.pi * row["reference_hz"] * ratio
+        at_speed = stiffness + omega**2 * (geometric - translated)
+        rates, _ = damped_eigenvalues(mass, damping + 2 * omega * coriolis, at_speed)
+        found.append(rates.real.max())
+    return [growth for _, growth, _ in row["growth_rates_xi_0.005"]], found
+
+
+@verifies(
+    "answer of centre and tips to a newton on the shaft at seven speeds, disk of {} m",
+    unit="m/N",
+    source=OWN_FE,
+    tolerance=1e-8,
+    each=STAGES,
+)
+def steady_answer(stage: str) -> Pair:
+    """Constant in the rotating frame, as an imbalance is: through the critical speed."""
+    row, disk = known(stage), bladed_disk(disk_thickness=float(stage))
+    force, found = np.zeros(disk.structure.size), []
+    force[disk.centre[0]] = 1.0
+    for ratio, _, _ in row["steady_per_newton"]:
+        omega = 2 * np.pi * row["reference_hz"] * ratio
+        answer = spla.spsolve(turning(stage).stiffness(omega).tocsc(), force)
+        found.append([answer[disk.centre[0]], np.abs(answer[disk.tip_radial]).max()])
+    return [known_answer[1:] for known_answer in row["steady_per_newton"]], found
+
+
+HUB = 0.05
+
+
+def cantilevers(delta: float, alpha: float, elements: int) -> tuple[BladedDiskModel, float]:
+    """Three blades on a rigid disk, and the time that their frequencies are relative to [s]."""
+    length = HUB / delta
+    section = steel(np.sqrt(12.0) * length / alpha)
+    sketch = Sketch(3)
+    sketch.node("hub", 0.0, 0.0, shared=True)
+    sketch.node("root", HUB)
+    sketch.node("tip", HUB + length)
+    sketch.link("hub", "root")
+    sketch.member("blades", "root", "tip", section, elements=elements)
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    disk = assemble_bladed_disk(sketch.build(), shaft_stiffness=3.4e7, clamped=True)
+    time = np.sqrt(section.line_mass * length**4 / section.bending_stiffness)
+    return disk, float(time)
+
+
+SERIES = "power series to 50 digits"
+
+
+@verifies(
+    "two flapwise frequencies of rotating cantilevers of 12 elements, six of them",
+    source=SERIES,
+    tolerance=3e-4,
+)
+def flapwise_cantilevers() -> Pair:
+    """Out of plane there is no spin softening: w_f^2 = w_c^2 + Omega^2."""
+    rows, found = reference("rotation")["cantilevers"]["flapwise"], []
+    for row in rows:
+        disk, time = cantilevers(row["delta"], 1e3, 12)
+        structure = rotation_matrices(disk).at_speed(row["gamma"] / time, "centrifugal")
+        squares = np.unique(
+            np.round(
+                la.eigvalsh(structure.stiffness.toarray(), structure.mass.toarray())[:6] * time**2,
+                6,
+            )
+        )[:2]
+        found.append(np.sqrt(squares + row["gamma"] ** 2))
+    return [row["flapwise"][:2] for row in rows], found
+
+
+@verifies(
+    "two frequencies of rotating cantilevers with Coriolis forces, 20 elements, four of them",
+    source=SERIES,
+    tolerance=1e-3,
+)
+def coriolis_cantilevers() -> Pair:
+    """Bending coupled to stretching."""
+    rows, found = reference("rotation")["cantilevers"]["chordwise"], []
+    for row in rows:
+        disk, time = cantilevers(row["delta"], row["alpha"], 20)
+        modes = whirl_modes(rotation_matrices(disk).at_speed(row["gamma"] / time, "full"))
+        found.append(modes.frequency[modes.nodal_diameter == 0][:2] * time)
+    return [row["frequencies"][:2] for row in rows], found
+
+
+@verifies(
+    "frequency of a rigid disk on springs in the static frame, both whirls, two speeds",
+    unit="rad/s",
+    source="sqrt(k/m) at any speed",
+    tolerance=1e-6,
+)
+def rigid_disk() -> Pair:
+    """It is sqrt(k/m) -+ Omega in the rotating frame."""
+    stiff = Section(width=0.1, thickness=0.1, young_modulus=1e15, density=7800.0)
+    sketch = Sketch(3)
+    sketch.node("hub", 0.0, 0.0, shared=True)
+    sketch.node("tip", 0.3)
+    sketch.member("blades", "hub", "tip", stiff)
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    disk = assemble_bladed_disk(sketch.build(), shaft_stiffness=2e6, clamped=False)
+    found: list[FloatArray] = []
+    for omega in (30.0, 200.0):
+        modes = whirl_modes(rotation_matrices(disk).at_speed(omega, "full"))
+        swinging = (modes.nodal_diameter == 1) & (modes.frequency < 1e3)
+        chosen = modes.take(np.flatnonzero(swinging))
+        found.append(np.abs(chosen.static_frequency(omega)))
+    return np.full((2, 2), np.sqrt(2e6 / disk.model.mass)), found
+
+
+@verifies(
+    "growth of a turning rod over its length, without and with a load that follows",
+    source="kappa^2 / 3 and tan(kappa) / kappa - 1",
+    tolerance=1e-4,
+)
+def rod() -> Pair:
+    """From the axis on, 1500 rad/s."""
+    section, omega = steel(0.01), 1500.0
+    sketch = Sketch(2)
+    sketch.node("hub", 0.0, 0.0, shared=True)
+    sketch.node("tip", 0.5)
+    sketch.member("blades", "hub", "tip", section, elements=40)
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    disk = assemble_bladed_disk(sketch.build(), shaft_stiffness=3.4e7, clamped=True)
+    matrices = rotation_matrices(disk)
+    kappa = omega * 0.5 * np.sqrt(section.line_mass / section.axial_stiffness)
+    found = [
+        static_displacement(matrices, omega, follows=follows)[disk.tip_radial[0]] / 0.5
+        for follows in (False, True)
+    ]
+    return [kappa**2 / 3.0, np.tan(kappa) / kappa - 1.0], found

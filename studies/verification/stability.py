@@ -1,0 +1,219 @@
+"""Growth of parametrically coupled modes: Mathieu's equation, the paper's system, marches of it."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+from scipy.special import mathieu_a, mathieu_b
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import with_values
+from bladewhirl.models.coupling.springs import CouplingSprings, periodic_stiffness
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.solvers.stability.floquet import Floquet, floquet
+from bladewhirl.solvers.stability.growth import coincidence_speeds, growth_rate
+from bladewhirl.solvers.stability.zones import unstable_zones
+from bladewhirl.studies.verification.bodies import marched
+from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.studies.verification.references import reference
+
+POINT = {"march.speed": 1.17, "coupling.stiffness": 500.0, "reduction.modes": "six"}
+"""The paper's example point, Figs 11 and 14."""
+
+DAMPED = ("0.0", "0.005")
+GROWTH_SOURCE = "monodromy matrix, computed without this program"
+MATHIEU = {"a0": mathieu_a(0, 1.0), "b1": mathieu_b(1, 1.0), "a1": mathieu_a(1, 1.0)} | {
+    "b2": mathieu_b(2, 1.0),
+    "a2": mathieu_a(2, 1.0),
+}
+"""Borders of stability of x'' + (a - 2 q cos 2t) x = 0 at q = 1."""
+
+
+@verifies(
+    "border {} of stability of Mathieu's equation, q = 1",
+    source="scipy.special",
+    tolerance=1e-11,
+    measure="absolute",
+    each=tuple(MATHIEU),
+)
+def mathieu_border(name: str) -> Pair:
+    """Where the multipliers reach 1, or -1 for borders of odd order."""
+    trace, exact = (-2.0 if name[1] == "1" else 2.0), MATHIEU[name]
+
+    def excess(a: float) -> float:
+        found = floquet(lambda times: (a - 2.0 * np.cos(2.0 * times))[:, None, None], period=np.pi)
+        return float(np.trace(found.monodromy)) - trace
+
+    return exact, brentq(excess, exact - 0.1, exact + 0.1, xtol=1e-13)
+
+
+@cache
+def coupled(ratio: str) -> ContactProblem:
+    """The paper's six modes at its example point, pushed; with a damping ratio."""
+    push = {"initial.centre_velocity": [1e-6, 0.0], "damping.ratio": float(ratio)}
+    return contact_problem(build_stage(with_values(Case(), POINT | push)))
+
+
+def springs(given: ContactProblem) -> CouplingSprings:
+    """Those of a problem that has some.
+
+    Raises:
+        ValueError: it has none.
+    """
+    if given.springs is None:
+        raise ValueError("expected a stage with springs between the bodies")
+    return given.springs
+
+
+def damped_springs(ratio: str) -> CouplingSprings:
+    """Springs of the example point whose modes have a damping ratio."""
+    return springs(coupled(ratio))
+
+
+def monodromy(ratio: str) -> Floquet:
+    """Of the example point, by direct integration."""
+    given = coupled(ratio)
+    held = springs(given)
+    return floquet(
+        lambda times: periodic_stiffness(held.modes, kappa=held.kappa, angle=given.speed * times),
+        period=2.0 * np.pi / given.speed,
+        damping=np.diag(held.modes.damping_rate[held.modes.entry]),
+    )
+
+
+@verifies(
+    "growth by the monodromy matrix at (1.17, 500 N/m), damping ratio {}",
+    unit="1/s",
+    source=GROWTH_SOURCE,
+    tolerance=2e-5,
+    each=DAMPED,
+)
+def growth_by_monodromy(ratio: str) -> Pair:
+    """Unstable with the factor pi of Eq. (8) only."""
+    return reference("published")["growth_at_1.17_500"][ratio], monodromy(ratio).growth
+
+
+@verifies(
+    "growth in the half-speed frame at (1.17, 500 N/m), damping ratio {}",
+    unit="1/s",
+    source="monodromy matrix",
+    tolerance=1e-6,
+    each=DAMPED,
+)
+def growth_in_the_invariant_frame(ratio: str) -> Pair:
+    """Where the system is autonomous, Eqs (16)-(21)."""
+    given = coupled(ratio)
+    held = springs(given)
+    return monodromy(ratio).growth, growth_rate(held.modes, speed=given.speed, kappa=held.kappa)
+
+
+@verifies(
+    "growth without the factor pi at (1.17, 500 N/m)",
+    unit="1/s",
+    source="stable as printed",
+    tolerance=0.0,
+    measure="absolute",
+)
+def growth_without_pi() -> Pair:
+    """As the paper prints the coefficient of Eq. (9)."""
+    given = coupled("0.0")
+    held = springs(given)
+    found = growth_rate(held.modes, speed=given.speed, kappa=held.kappa, with_pi=False)
+    return 0.0, found
+
+
+@verifies(
+    "monodromy matrix at (1.17, 500 N/m), damping ratio 0.005",
+    source="Runge-Kutta of order 8",
+    tolerance=1e-9,
+    measure="absolute",
+)
+def monodromy_by_runge_kutta() -> Pair:
+    """Positions scaled by the reference frequency."""
+    given = coupled("0.005")
+    modes, kappa = springs(given).modes, springs(given).kappa
+    size, damping = modes.size, np.diag(modes.damping_rate[modes.entry])
+
+    def rate(time: float, state: FloatArray) -> FloatArray:
+        x, v = state.reshape(2, size, 2 * size)
+        stiffness = periodic_stiffness(modes, kappa=kappa, angle=given.speed * time)
+        return np.concatenate([v, -stiffness @ x - damping @ v]).ravel()
+
+    whole = np.eye(2 * size).ravel()
+    end = solve_ivp(
+        rate, (0.0, 2.0 * np.pi / given.speed), whole, method="DOP853", rtol=1e-12, atol=1e-12
+    ).y[:, -1]
+    scale = np.repeat([given.speed / 1.17, 1.0], size)
+    turned = scale[:, None] / scale
+    return turned * np.reshape(end, (2 * size, -1)), turned * monodromy("0.005").monodromy
+
+
+@verifies(
+    "growth of a march of the six modes at (1.17, 500 N/m), damping ratio {}",
+    unit="1/s",
+    source=GROWTH_SOURCE,
+    tolerance=1e-3,
+    each=DAMPED,
+)
+def growth_of_a_march(ratio: str) -> Pair:
+    """A second after a push the growing mode is all there is."""
+    chunk = marched(coupled(ratio), 1e-5, 150_000, every=500)
+    size, late = np.linalg.norm(chunk.rotor_displacement, axis=1), chunk.time > 1.0
+    rate = np.polyfit(chunk.time[late], np.log(size[late]), 1)[0]
+    return reference("published")["growth_at_1.17_500"][ratio], rate
+
+
+@verifies(
+    "lower borders of unstable zones without coupling",
+    unit="rad/s",
+    source="coincidence: the sum of a casing and a rotor frequency",
+    tolerance=1e-8,
+)
+def coincidences() -> Pair:
+    """With springs of a millionth of a newton per metre."""
+    held = damped_springs("0.0")
+    unit = coupled("0.0").speed / 1.17
+    zones = unstable_zones(held.modes, kappas=np.array([1e-6]), low=0.6 * unit, high=3.0 * unit)
+    return sorted(coincidence_speeds(held.modes).values()), np.sort(zones.lower)
+
+
+@verifies(
+    "width and growth of narrow unstable zones",
+    unit="rad/s",
+    source="averaged equations: 2 eps / sqrt(w_c w_r), a quarter of it",
+    tolerance=1e-3,
+)
+def narrow_zones() -> Pair:
+    """To first order in eps = pi kappa."""
+    held, kappa = damped_springs("0.0"), 1e-2
+    unit = coupled("0.0").speed / 1.17
+    zones = unstable_zones(held.modes, kappas=np.array([kappa]), low=0.6 * unit, high=3.0 * unit)
+    casing, *rotor = held.modes.frequency[np.argsort(~held.modes.on_casing, kind="stable")]
+    width = 2.0 * np.pi * kappa / np.sqrt(casing * np.array(rotor))
+    order = np.argsort(rotor)
+    found = np.concatenate([zones.upper - zones.lower, zones.growth])
+    return np.concatenate([width[order], 0.25 * width[order]]), found
+
+
+@verifies(
+    "order in the time step of a march of six coupled modes",
+    source="central differences",
+    tolerance=0.1,
+    measure="absolute",
+)
+def order_of_coupled_marches() -> Pair:
+    """By three steps, each half of the one before."""
+    given = coupled("0.005")
+    ends = [
+        marched(given, 0.2 / steps, steps, every=steps).rotor_displacement[-1]
+        for steps in (2000, 4000, 8000)
+    ]
+    apart = [np.linalg.norm(a - b) for a, b in pairwise(ends)]
+    return 2.0, np.log2(apart[0] / apart[1])

@@ -1,0 +1,142 @@
+"""The stages, beams and rings that the references are for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from typing import Any, Literal
+
+import numpy as np
+import scipy.linalg as la
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.ring_mesh import RingMesh
+from bladewhirl.models.case.file import case_from
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
+from bladewhirl.models.elements.build import case_bladed_disk
+from bladewhirl.models.elements.casing import CasingModel, assemble_casing
+from bladewhirl.models.elements.supports import Support
+from bladewhirl.models.geometry.sketch import Sketch
+from bladewhirl.models.modal.modes import Modes, structure_modes
+from bladewhirl.models.sections.rectangular import Section
+from bladewhirl.models.sections.wall import Wall
+
+CASING_REFERENCE = (2, 0)
+"""Radial and tangential displacement of a casing node among its four DoF (u, u', w, w')."""
+
+
+def steel(thickness: float, width: float = 0.1) -> Section:
+    """Rectangular section of the steel that all reference results are for."""
+    return Section(width=width, thickness=thickness, young_modulus=2.1e11, density=7800.0)
+
+
+def beam(
+    section: Section | Sequence[Section], elements: int, *, length: float = 1.0, angle: float = 0.0
+) -> Sketch:
+    """A beam alone, from "clamp" to "end"."""
+    sketch = Sketch()
+    sketch.node("clamp", 0.0, shared=True)
+    sketch.node("end", length * np.cos(angle), length * np.sin(angle))
+    sketch.member("beam", "clamp", "end", section, elements=elements)
+    sketch.set("centre", "clamp")
+    sketch.set("tips", "end")
+    return sketch
+
+
+def clamped(sketch: Sketch) -> BladedDiskModel:
+    """What was drawn, its centre held."""
+    return assemble_bladed_disk(sketch.build(), shaft_stiffness=1.0, clamped=True)
+
+
+def natural_frequencies(disk: BladedDiskModel) -> FloatArray:
+    """Ascending [rad/s]; of a body that is held, the lowest are right beside very stiff parts."""
+    structure = disk.structure
+    inverse = la.eigvalsh(structure.mass.toarray(), structure.stiffness.toarray())
+    return np.asarray(1.0 / np.sqrt(inverse[::-1]))
+
+
+@cache
+def bladed_disk(
+    blades: int = 22, elements: int = 10, disk_thickness: float = 0.01, clamped: bool = False
+) -> BladedDiskModel:
+    """The stage of the paper's Table 1: literally, or with thicker beams for the disk."""
+    case = case_from(
+        {
+            "bladed_disk": {
+                "blades": blades,
+                "elements_per_blade": elements,
+                "disk": {"thickness": disk_thickness},
+            },
+            "shaft": {"stiffness": 3.4e7},
+        }
+    )
+    return case_bladed_disk(case, clamped=clamped)
+
+
+def tip_reference(disk: BladedDiskModel) -> tuple[int, int]:
+    """Positions of the tip's radial and tangential displacement among a sector's DoF."""
+    layout = disk.structure.layout
+    assert layout is not None
+    first = layout.sector_dofs[0].tolist()
+    return first.index(disk.tip_radial[0]), first.index(disk.tip_tangential[0])
+
+
+def disk_modes(disk: BladedDiskModel, count: int | None = None) -> Modes:
+    """Modes of a bladed disk, phases fixed at the tips."""
+    return structure_modes(disk.structure, tip_reference(disk), count)
+
+
+RADIUS = 0.501
+"""Of the rings of the reference results [m]."""
+
+
+def ring(
+    *supports: Support,
+    wall: Wall | None = None,
+    elements: int = 40,
+    radius: float = RADIUS,
+    **options: Any,
+) -> CasingModel:
+    """Such a ring, 100 x 10 mm and free to turn unless said."""
+    given: dict[str, Any] = {"curvature": "exact", "support": 0.0, "rotation": "free"}
+    return assemble_casing(
+        RingMesh(elements=elements, radius=radius),
+        wall or Wall(section=steel(0.01)),
+        supports=supports,
+        **(given | options),
+    )
+
+
+@cache
+def casing(
+    elements: int = 40,
+    support: float = 0.0,
+    curvature: Literal["exact", "shallow"] = "exact",
+    rotation: Literal["free", "fixed"] = "free",
+) -> CasingModel:
+    """The ring of the reference results."""
+    return ring(elements=elements, curvature=curvature, support=support, rotation=rotation)
+
+
+@cache
+def casing_modes(
+    elements: int = 40,
+    support: float = 0.0,
+    curvature: Literal["exact", "shallow"] = "exact",
+    rotation: Literal["free", "fixed"] = "free",
+) -> Modes:
+    """All modes of that ring."""
+    return structure_modes(
+        casing(elements, support, curvature, rotation).structure, CASING_REFERENCE
+    )
+
+
+def hertz(modes: Modes) -> FloatArray:
+    """Frequencies in Hz."""
+    return np.asarray(modes.frequency / (2.0 * np.pi))
+
+
+def observed_order(errors: FloatArray, ratio: float = 2.0) -> FloatArray:
+    """Order of convergence between successive refinements by that ratio."""
+    errors = np.abs(errors)
+    return np.asarray(np.log(errors[:-1] / errors[1:]) / np.log(ratio))

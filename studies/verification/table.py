@@ -1,0 +1,196 @@
+"""The table of verification cases: computed, and as text, JSON, Markdown or a page."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass
+from importlib import import_module, metadata
+from typing import Any
+
+from rich import box
+from rich import table as rich_table
+from rich.console import Console
+from rich.markup import escape
+
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.reports.page import Page, Section, Table
+from bladewhirl.studies.verification.case import CASES, Outcome, VerificationCase
+
+SUBJECTS = {
+    "modes": "Modes and stiffnesses",
+    "rings": "Rings",
+    "contact": "Impacts and friction",
+    "march": "March in time",
+    "results": "Balances from the result file",
+    "stability": "Parametric stability",
+    "rotation": "Effects of rotation",
+}
+"""Modules of cases, in the order of the table."""
+
+HEAD = ("case", "quantity", "source", "values", "reference", "ours", "error", "tolerance", "")
+
+WORDS = (
+    "Each quantity is computed through the same functions that commands and Python use and compared"
+    " with a reference that was made without this program. Of several values the worst is shown."
+    " Errors are relative unless the tolerance has a unit; (max) is over the largest reference."
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verification:
+    """Outcomes, in the order of the table."""
+
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether all cases pass."""
+        return all(outcome.passed for outcome in self.outcomes)
+
+    @property
+    def summary(self) -> str:
+        """Numbers of cases, in a sentence."""
+        failed = [outcome.name for outcome in self.outcomes if not outcome.passed]
+        count, seconds = len(self.outcomes), sum(each.seconds for each in self.outcomes)
+        told = f"{count - len(failed)} of {count} cases pass, {seconds:.0f} s"
+        return f"{told}; failed: {', '.join(failed)}" if failed else told
+
+    def by_subject(self) -> dict[str, list[Outcome]]:
+        """Outcomes of each subject that has some."""
+        grouped: dict[str, list[Outcome]] = {}
+        for outcome in self.outcomes:
+            grouped.setdefault(outcome.subject, []).append(outcome)
+        return grouped
+
+    def to_json(self) -> str:
+        """One JSON document; a value that is not finite is null."""
+        rows: list[dict[str, Any]] = []
+        for outcome in self.outcomes:
+            row = asdict(outcome) | {"passed": outcome.passed}
+            rows.append({k: None if v != v or v in (INF, -INF) else v for k, v in row.items()})
+        document = {
+            "version": metadata.version("bladewhirl"),
+            "passed": self.passed,
+            "cases": rows,
+        }
+        return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+    def to_markdown(self) -> str:
+        """A table for each subject, without times: the same from run to run but for rounding."""
+        parts = []
+        for subject, outcomes in self.by_subject().items():
+            rows = [HEAD, ["---"] * len(HEAD), *map(cells, outcomes)]
+            lines = ["| " + " | ".join(c.replace("|", "\\|") for c in row) + " |" for row in rows]
+            parts.append("\n".join([f"## {SUBJECTS[subject]}\n", *lines]))
+        return "\n\n".join(parts) + "\n"
+
+    def page(self) -> Page:
+        """A report as one HTML page."""
+        count = len(self.outcomes)
+        good = sum(outcome.passed for outcome in self.outcomes)
+        sections = [
+            Section(
+                name=subject,
+                title=SUBJECTS[subject],
+                blocks=[
+                    Table(
+                        name=f"{subject}-cases",
+                        title="",
+                        head=HEAD,
+                        rows=[cells(outcome) for outcome in outcomes],
+                    )
+                ],
+            )
+            for subject, outcomes in self.by_subject().items()
+        ]
+        return Page(
+            title="Verification",
+            subject=f"bladewhirl {metadata.version('bladewhirl')}",
+            verdict="All cases pass" if self.passed else f"{count - good} of {count} cases fail",
+            tone="good" if self.passed else "bad",
+            reason=WORDS,
+            warnings=[f"failed: {o.name}" for o in self.outcomes if not o.passed],
+            figures=[("cases", str(count), f"{good} pass")],
+            sections=sections,
+        )
+
+
+INF = float("inf")
+
+
+def cells(outcome: Outcome) -> Sequence[str]:
+    """A line of the table, under `HEAD`."""
+    unit = "" if outcome.unit == "1" else f" {outcome.unit}"
+    bound = {"relative": "", "of largest": " (max)", "absolute": unit}[outcome.measure]
+    return (
+        outcome.name.partition(".")[2],
+        outcome.quantity,
+        outcome.source,
+        str(outcome.values),
+        f"{outcome.reference:.8g}{unit}",
+        f"{outcome.ours:.8g}{unit}",
+        f"{outcome.error:.1e}",
+        f"{outcome.tolerance:.2g}{bound}",
+        "pass" if outcome.passed else "FAIL",
+    )
+
+
+def cases(subjects: Iterable[str] = (), *, full: bool = False) -> list[VerificationCase]:
+    """Cases of some subjects, of all if none.
+
+    Raises:
+        UserError: there is no such subject.
+    """
+    wanted = list(subjects) or list(SUBJECTS)
+    for subject in wanted:
+        if subject not in SUBJECTS:
+            raise UserError(f"{subject}: expected a subject, {', '.join(SUBJECTS)}")
+    for subject in SUBJECTS:
+        if subject in wanted:
+            import_module(f"bladewhirl.studies.verification.{subject}")
+    order = list(SUBJECTS)
+    chosen = [case for case in CASES if case.subject in wanted and (full or not case.long)]
+    return sorted(chosen, key=lambda case: order.index(case.subject))
+
+
+def verify(
+    subjects: Iterable[str] = (),
+    *,
+    full: bool = False,
+    progress: Callable[[int, int], object] | None = None,
+) -> Verification:
+    """Compute what has known answers, and compare.
+
+    Args:
+        subjects: "modes", "rings", ...; all if none.
+        full: with the cases that take long.
+        progress: called with cases done and cases in all.
+
+    Raises:
+        UserError: there is no such subject.
+    """
+    chosen, outcomes = cases(subjects, full=full), []
+    for done, case in enumerate(chosen, 1):
+        outcomes.append(case.run())
+        if progress is not None:
+            progress(done, len(chosen))
+    return Verification(outcomes=tuple(outcomes))
+
+
+def print_table(done: Verification) -> None:
+    """The table for a terminal: a line a case, its source and tolerance below where it fails."""
+    table = rich_table.Table(title=done.summary, box=box.SIMPLE_HEAD, title_justify="left")
+    table.add_column("quantity", ratio=5, overflow="fold")
+    table.add_column("source", ratio=3, overflow="fold", style="dim")
+    for head in ("reference", "ours", "error", "tolerance"):
+        table.add_column(head, justify="right", ratio=2, overflow="fold")
+    table.add_column("", no_wrap=True)
+    for subject, outcomes in done.by_subject().items():
+        table.add_section()
+        table.add_row(f"[bold]{SUBJECTS[subject]}[/]")
+        for outcome in outcomes:
+            _, quantity, source, _, *numbers, verdict = map(escape, cells(outcome))
+            style = "green" if outcome.passed else "bold red"
+            table.add_row(quantity, source, *numbers, f"[{style}]{verdict}[/]")
+    Console().print(table)
