@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from places import ROOT
-from stages import steel
+from places import EXAMPLES
+from stages import SMALL, stage, steel
 from typer.testing import CliRunner
 
 from bladewhirl.models.case.case import Case
@@ -19,17 +18,10 @@ from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.studies.commands.cli import app
 
-EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
 RUNNER = CliRunner()
-SMALL = {
-    "bladed_disk.blades": 5,
-    "bladed_disk.elements_per_blade": 2,
-    "casing.elements": 20,
-    "reduction.fixed_interface_modes": 5,
-}
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=[path.stem for path in EXAMPLES])
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
 def test_none_at_what_is_usual(path: Path) -> None:
     assert case_hints(read_case(path)) == ()
 
@@ -41,11 +33,7 @@ def test_none_at_what_is_usual(path: Path) -> None:
         ("material.density", 7.8, "unusual material.density = 7.8: 500 to 25000 kg/m3"),
         ("bladed_disk.tip_radius", 500, "unusual bladed_disk.tip_radius = 500.0: 0.01 to 10 m"),
         ("bladed_disk.blade.thickness", 10, "unusual bladed_disk.blade.thickness = 10.0: at most"),
-        (
-            "casing.wall.width",
-            100,
-            "unusual casing.wall.width = 100.0: at most the tip radius",
-        ),
+        ("casing.wall.width", 100, "unusual casing.wall.width = 100.0: at most the tip radius"),
         ("casing.clearance", 1, "unusual casing.clearance = 1.0: at most a tenth of the tip radiu"),
     ],
 )
@@ -69,16 +57,12 @@ def test_a_ramp_that_outlasts_the_march(duration: float, hints: int) -> None:
     assert all("excitation.ramp = 0.2 s outlasts march.duration = 0.199 s" in x for x in lines)
 
 
-def stage_of(**values: Any) -> Any:
-    return build_stage(with_values(Case(), {**SMALL, **values}))
-
-
 def test_a_stage_far_too_soft() -> None:
-    stage = stage_of(**{"material.young_modulus": 210e3})
-    hertz = stage.reference_frequency / (2.0 * np.pi)
+    soft = stage(*SMALL, "material.young_modulus=210e3")
+    hertz = soft.reference_frequency / (2.0 * np.pi)
     assert hertz < 1.0
-    assert f"the reference frequency is {hertz:.3g} Hz" in stage_hints(stage)[1]
-    assert stage_hints(stage_of()) == ()
+    assert f"the reference frequency is {hertz:.3g} Hz" in stage_hints(soft)[1]
+    assert stage_hints(stage(*SMALL)) == ()
 
 
 def fan(*, tips: int, ends: float = 0.5) -> Sketch:

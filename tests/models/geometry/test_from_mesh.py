@@ -79,6 +79,12 @@ def from_file(path: Path, **more: Any) -> BeamModel:
     return case_beam_model(case_from({"bladed_disk": {"mesh": {"file": str(path), **more}}}))
 
 
+def through(path: Path, lines: GroupedLines, **more: Any) -> BeamModel:
+    """The beam model of lines that went through a file."""
+    write_line_mesh(path, lines)
+    return from_file(path, **more)
+
+
 def renumbered(disk: BladedDiskModel, points: FloatArray) -> list[sp.csr_array]:
     """Mass and stiffness with the nodes in the order of other points."""
     away, node = KDTree(disk.mesh.points).query(points)
@@ -131,8 +137,7 @@ def test_a_round_trip_gives_the_same_matrices(tmp_path: Path, name: str, suffix:
     lines = grouped_lines(model)
     if left_out(path, lines):
         pytest.skip("no springs and links in this format")
-    write_line_mesh(path, lines)
-    again = from_file(path, tip_radius=model.tip_radius)
+    again = through(path, lines, tip_radius=model.tip_radius)
     np.testing.assert_allclose(
         again.mesh.points[again.tips], model.mesh.points[model.tips], rtol=0.0, atol=1e-15
     )
@@ -207,11 +212,9 @@ def test_a_case_finds_its_mesh_beside_it_and_keeps_it(tmp_path: Path) -> None:
 def test_a_unit_scales_the_mesh(tmp_path: Path) -> None:
     model = papers()
     lines = grouped_lines(model)
-    path = tmp_path / "inches.vtu"
-    write_line_mesh(path, replace(lines, points=lines.points / 0.0254, line_data={}))
-    section = MeshSection(width=0.1, thickness=0.01)
-    sections = dict.fromkeys(("blades", "spokes", "rim"), section)
-    again = from_file(path, unit="in", sections=sections)
+    inches = replace(lines, points=lines.points / 0.0254, line_data={})
+    sections = dict.fromkeys(PARTS, MeshSection(width=0.1, thickness=0.01))
+    again = through(tmp_path / "a.vtu", inches, unit="in", sections=sections)
     assert again.tip_radius == pytest.approx(0.5, rel=1e-12)
     np.testing.assert_allclose(again.mesh.points, model.mesh.points, atol=1e-15)
 
@@ -220,28 +223,19 @@ def test_nodes_without_lines_are_left_out(tmp_path: Path) -> None:
     lines = grouped_lines(papers())
     points = np.vstack([[7.0, 7.0], lines.points])
     groups = {name: nodes + 1 for name, nodes in lines.node_groups.items()}
-    path = tmp_path / "a.vtu"
-    write_line_mesh(path, replace(lines, points=points, lines=lines.lines + 1, node_groups=groups))
-    assert len(from_file(path).mesh.points) == len(lines.points)
+    more = replace(lines, points=points, lines=lines.lines + 1, node_groups=groups)
+    assert len(through(tmp_path / "a.vtu", more).mesh.points) == len(lines.points)
 
 
 def test_blade_0_is_the_one_nearest_to_x(tmp_path: Path) -> None:
     lines = grouped_lines(varied(heavy_tip=False))
     turn = -0.3  # tips lean by 0.12, so blade 0 is below +x and still the nearest to it
     cos, sin = np.cos(turn), np.sin(turn)
-    path = tmp_path / "a.vtu"
-    write_line_mesh(path, replace(lines, points=lines.points @ [[cos, sin], [-sin, cos]]))
-    angles = assembled(from_file(path)).tip_angles
+    turned = replace(lines, points=lines.points @ [[cos, sin], [-sin, cos]])
+    angles = assembled(through(tmp_path / "a.vtu", turned)).tip_angles
     lean = np.arctan2(0.05, 0.4)
     expected = lean + turn + 2.0 * np.pi * np.arange(7) / 7
     np.testing.assert_allclose(np.exp(1j * angles), np.exp(1j * expected), atol=1e-14)
-
-
-def with_points(lines: GroupedLines, **moved: tuple[float, float]) -> GroupedLines:
-    points = lines.points.copy()
-    for node, place in moved.items():
-        points[int(node[1:])] = place
-    return replace(lines, points=points)
 
 
 def doubled(lines: GroupedLines) -> GroupedLines:
@@ -299,7 +293,7 @@ BAD: list[tuple[Callable[[GroupedLines], GroupedLines], str, str]] = [
     ),
     (same, ', unit = "cm"', "mesh.sections: expected a section for all lines; 12 of 12 have none"),
     (
-        lambda lines: with_points(replace(lines, line_data={})),
+        lambda lines: replace(lines, line_data={}),
         "",
         "mesh.sections: expected a section for all lines; 12 of 12 have none, in 'blades', 'spok",
     ),
@@ -379,8 +373,7 @@ def test_a_mesh_needs_a_file(text: str) -> None:
 
 
 def test_a_tip_radius_of_its_own_sets_tips_back(tmp_path: Path) -> None:
-    write_line_mesh(tmp_path / "a.vtu", grouped_lines(papers()))
-    model = from_file(tmp_path / "a.vtu", tip_radius="501 mm")
+    model = through(tmp_path / "a.vtu", grouped_lines(papers()), tip_radius="501 mm")
     np.testing.assert_allclose(model.tip_recess, 1e-3, rtol=1e-12)
     table = MeshTable(file=str(tmp_path / "a.vtu"), tip_radius=0.501)
     assert Case(bladed_disk=BladedDiskTable(mesh=table)).tip_radius == 0.501
@@ -411,8 +404,7 @@ def test_what_a_file_says_of_some_lines_is_completed_by_the_material(tmp_path: P
     modulus = np.where(np.arange(len(lines.lines)) < 220, 7e10, np.nan)
     data = {**lines.line_data, "young_modulus": modulus}
     del data["density"]
-    write_line_mesh(tmp_path / "a.vtu", replace(lines, line_data=data))
-    found = from_file(tmp_path / "a.vtu").properties
+    found = through(tmp_path / "a.vtu", replace(lines, line_data=data)).properties
     assert set(found.density) == {7800.0}
     assert found.young_modulus.tolist() == [7e10] * 220 + [2.1e11] * 44
 
@@ -450,8 +442,7 @@ def test_sections_that_change_along_lines(tmp_path: Path, suffix: str) -> None:
     drawn = varied(heavy_tip=False)
     lines, path = grouped_lines(drawn), tmp_path / f"a{suffix}"
     assert [name for name in lines.line_data if name.endswith("_change")] == ["thickness_change"]
-    write_line_mesh(path, lines)
-    found = from_file(path).properties
+    found = through(path, lines).properties
     kept = drawn.properties.thickness_change if suffix != ".inp" else np.zeros(7 * 8)
     order = np.argsort(drawn.properties.thickness, kind="stable")
     again = np.argsort(found.thickness, kind="stable")
@@ -461,9 +452,9 @@ def test_sections_that_change_along_lines(tmp_path: Path, suffix: str) -> None:
 
 
 def test_a_section_in_the_case_is_one_along_its_lines(tmp_path: Path) -> None:
-    write_line_mesh(tmp_path / "a.vtu", grouped_lines(varied(heavy_tip=False)))
+    lines = grouped_lines(varied(heavy_tip=False))
     own = {"blades": MeshSection(width=0.08, thickness=0.006)}
-    found = from_file(tmp_path / "a.vtu", sections=own).properties
+    found = through(tmp_path / "a.vtu", lines, sections=own).properties
     assert not found.thickness_change.any()
 
 
@@ -472,6 +463,5 @@ def test_sections_that_fall_below_zero_along_a_line(tmp_path: Path) -> None:
     change = lines.line_data["thickness_change"].copy()
     change[20] = -2.5 * lines.line_data["thickness"][20]
     broken = replace(lines, line_data={**lines.line_data, "thickness_change": change})
-    write_line_mesh(tmp_path / "a.vtu", broken)
-    line = fault(from_file, tmp_path / "a.vtu")
+    line = fault(through, tmp_path / "a.vtu", broken)
     assert "above zero all along lines; line 20 has thickness_chan" in line

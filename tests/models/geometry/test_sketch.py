@@ -44,6 +44,7 @@ def test_the_stage_of_the_paper_reads_like_a_sketch() -> None:
     np.testing.assert_array_equal(drawn.mesh.points, known.mesh.points)
     np.testing.assert_array_equal(drawn.mesh.lines, known.mesh.lines)
     assert abs(drawn.structure.stiffness - known.structure.stiffness).max() == 0.0
+    assert repr(drawn.model) == "<BeamModel: 243 nodes, 264 lines, 22 tips, 110.3 kg>"
 
 
 def test_a_case_holds_a_sketch_in_full() -> None:

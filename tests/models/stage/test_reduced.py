@@ -2,38 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import cache
-
 import numpy as np
 import pytest
 import scipy.linalg as la
+from stages import SMALL, stage
 
-from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import with_values
-from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.models.stage.stage import Stage
 
-SMALL = {
-    "bladed_disk.blades": 6,
-    "bladed_disk.elements_per_blade": 3,
-    "casing.elements": 16,
-    "reduction.fixed_interface_modes": 20,
-}
-KINDS: Mapping[str, Mapping[str, object]] = {
-    "even": {},
-    "clamped": {"shaft.clamped": True},
-    "mistuned": {"bladed_disk.mistuning": {"stiffness": [1.0, 1.1, 0.95, 1.0, 1.2, 0.9]}},
+KINDS = {
+    "even": "shaft.clamped=false",
+    "clamped": "shaft.clamped=true",
+    "mistuned": "bladed_disk.mistuning.stiffness=[1.0, 1.1, 0.95, 1.0, 1.2, 0.9]",
 }
 
 
-@cache
-def stage(kind: str) -> Stage:
-    return build_stage(with_values(Case(), SMALL | dict(KINDS[kind]) | {"shaft.damping": 30.0}))
+def damped(kind: str) -> Stage:
+    return stage(*SMALL, KINDS[kind], "shaft.damping=30.0")
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_its_modes_are_those_that_are_marched(kind: str) -> None:
-    built = stage(kind)
+    built = damped(kind)
     reduced = built.reduced
     assert len(reduced.names) == built.reduction.modes.count == len(set(reduced.names))
     np.testing.assert_allclose(reduced.frequencies, built.reduction.modes.frequency, rtol=1e-7)
@@ -46,22 +35,22 @@ def test_its_modes_are_those_that_are_marched(kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_static_answers_are_those_of_the_full_model(kind: str) -> None:
     """A force on a tip moves tips and centre as it does in full, exactly."""
-    reduced, full = stage(kind).reduced, stage(kind).disk.structure
+    reduced, full = damped(kind).reduced, damped(kind).disk.structure
     place = reduced.position("tip 2 tangential")
     answer = np.linalg.solve(reduced.stiffness, np.eye(len(reduced.names))[place])
     force = np.zeros(full.size)
-    force[stage(kind).disk.tip_tangential[2]] = 1.0
+    force[damped(kind).disk.tip_tangential[2]] = 1.0
     exact = np.linalg.solve(full.stiffness.toarray(), force)
     moved = reduced.expand(answer[:, None])
     np.testing.assert_allclose(
-        moved, stage(kind).disk.cartesian(exact[:, None]), rtol=1e-8, atol=1e-9 * abs(moved).max()
+        moved, damped(kind).disk.cartesian(exact[:, None]), rtol=1e-8, atol=1e-9 * abs(moved).max()
     )
-    tip = stage(kind).disk.model.tips[0]  # on the +x axis: radial is x
+    tip = damped(kind).disk.model.tips[0]  # on the +x axis: radial is x
     assert moved[tip, 0, 0] == pytest.approx(answer[reduced.position("tip 0 radial")])
 
 
 def test_damping_is_modal_with_the_dampers_of_the_shaft() -> None:
-    built = stage("even")
+    built = damped("even")
     reduced, rotor = built.reduced, built.rotor
     size = len(reduced.names)
     state = np.block(
@@ -82,7 +71,7 @@ def test_damping_is_modal_with_the_dampers_of_the_shaft() -> None:
 
 
 def test_matrices_can_be_read_by_name() -> None:
-    reduced = stage("even").reduced
+    reduced = damped("even").reduced
     data = reduced.to_xarray()
     first = data["stiffness"].sel(row="centre x", column="centre x")
     place = reduced.position("centre x")
@@ -90,11 +79,11 @@ def test_matrices_can_be_read_by_name() -> None:
     assert data["mass"].attrs["units"] == "kg"
     inside = data["stiffness"].sel(row="fixed-interface 3", column="tip 1 radial")
     assert abs(float(inside)) < 1e-6 * float(first)
-    assert "centre x" not in stage("clamped").reduced.names
+    assert "centre x" not in damped("clamped").reduced.names
 
 
 def test_a_stage_is_told_on_one_screen() -> None:
-    told = repr(stage("even"))
+    told = repr(damped("even"))
     assert len(told.splitlines()) < 24
     assert max(map(len, told.splitlines())) <= 100
     for words in (
@@ -105,4 +94,4 @@ def test_a_stage_is_told_on_one_screen() -> None:
         "% off the full model",
     ):
         assert words in told, words
-    assert repr(stage("even").reduced).startswith("ReducedDisk: 35 coordinates (12 tip, 2 centre")
+    assert repr(damped("even").reduced).startswith("ReducedDisk: 35 coordinates (12 tip, 2 centre")

@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from stages import bladed_disk
 
 from bladewhirl.meshes.line_mesh import LineMesh
 from bladewhirl.meshes.ring_mesh import RingMesh
+from bladewhirl.models.case.file import case_from
+from bladewhirl.models.elements.build import case_beam_model
 
 
 def disk(blades: int, elements: int) -> LineMesh:
-    return bladed_disk(blades, elements).mesh
+    table = {"blades": blades, "elements_per_blade": elements}
+    return case_beam_model(case_from({"bladed_disk": table})).mesh
 
 
 @given(blades=st.integers(3, 40), elements=st.integers(1, 12))
