@@ -66,7 +66,8 @@ class Contact(Table):
     sliding: Literal["permanent", "signed"] = Field(
         default="permanent",
         description='"permanent": friction drags every tip against the rotation ("sliding is'
-        ' assumed" in the paper); "signed": it follows the sign of the relative velocity.',
+        ' assumed" in the paper); "signed": it follows the sign of the relative velocity, without'
+        " sticking: at speed 0, where tips should stick, rounding decides the sign.",
     )
     tip_rotation: StrictBool = Field(
         default=False, description="Let the angle of a tip on the casing follow u_t / R."
@@ -74,17 +75,24 @@ class Contact(Table):
 
 
 class Initial(Table):
-    """Motion at t = 0, in the rotating frame at angle 0; the casing is at rest."""
+    """Motion at t = 0, in the rotating frame at angle 0; the casing is at rest.
+
+    Tips and centre move as given; the rest of the bladed disk follows as it would statically.
+    """
 
     centre_velocity: VelocityPair = Field(
-        default=(0.0, 0.0), description="Velocity of the centre, x and y [m/s]."
+        default=(0.0, 0.0),
+        description="Velocity of the centre, x and y [m/s]. All between centre and tips follows as"
+        " it would statically: that is another motion than one where the centre's mass alone moves"
+        " (by a factor of 4 to 45 in what comes of it).",
     )
     centre_displacement: DisplacementPair = Field(
         default=(0.0, 0.0), description="Displacement of the centre, x and y [m]."
     )
     tip_velocity: VelocityRows | None = Field(
         default=None,
-        description="Velocity of each tip, radial and tangential [m/s], blades x 2; left out: 0.",
+        description="Velocity of each tip, radial and tangential [m/s], blades x 2; left out: 0."
+        " The blade under it follows as it would statically, not as if the tip's mass alone moved.",
         examples=["[[0.0, 0.0], [0.0, 0.0], ...]"],
     )
     tip_displacement: DisplacementRows | None = Field(
@@ -126,17 +134,22 @@ class March(Table):
         ' absolute, "2500 rpm", "42 Hz" (revolutions per second) or "262 rad/s". 0 and negative'
         " are allowed (1.05 in the paper, Section 4.3).",
     )
-    time_step: Time = Field(default=1e-6, description="Time step [s] (paper, Section 4.2).")
+    time_step: Time = Field(
+        default=1e-6,
+        description="Time step [s] (paper, Section 4.2). Free motion is of the second order in it,"
+        " motion in contact of the first: halve it to see what that changes.",
+    )
     duration: TimeOrZero = Field(default=3.0, description="Simulated time [s] (paper, Table 2).")
     record_step: Time = Field(
         default=1e-4, description="Time between records [s], a whole number of time steps."
     )
-    displacement_limit: Length = Field(
-        default=0.5,
-        description="Radial or tangential displacement of a blade tip at which a divergent march"
-        " ends [m]: more than a blade's length, where a linear model has nothing left to say. It"
-        " is off by a tenth from a third of that length on, but transients pass that and decay (a"
-        " choice).",
+    displacement_limit: Length | None = Field(
+        default=None,
+        description="Radial or tangential displacement of a blade tip, or radial one of the casing,"
+        " at which a divergent march ends [m]; a blade's length when left out, where a linear model"
+        " has nothing left to say. It is off by a tenth from a third of that length on, but"
+        " transients pass that and decay (a choice).",
+        examples=["0.5"],
     )
     scheme: Literal["central-difference"] = Field(
         default="central-difference",

@@ -106,6 +106,13 @@ class BeamModel:
         return np.where(np.abs(recess) <= ROUNDING * self.tip_radius, 0.0, recess)
 
     @property
+    def blade_length(self) -> float:
+        """Mean length of a blade's beams [m]; the tip radius where no lines are called blades."""
+        own = self.mesh.line_sets.get("blades", _ints())
+        length = float(self.mesh.lengths[own].sum()) / len(self.tips)
+        return length or self.tip_radius
+
+    @property
     def mass(self) -> float:
         """Mass of all parts [kg]."""
         return float(self.properties.mean_line_mass @ self.mesh.lengths + self.masses.mass.sum())

@@ -41,7 +41,7 @@ def contact_problem(stage: Stage) -> ContactProblem:
             friction=case.contact.friction,
             sliding=case.contact.sliding,
             tip_rotation=case.contact.tip_rotation,
-            displacement_limit=case.march.displacement_limit,
+            displacement_limit=stage.displacement_limit,
             loads=tuple(load.take(kept.rotor, kept.casing) for load in excitation_loads(stage)),
             start=initial_state(stage).take(kept.rotor, kept.casing),
             springs=kept.springs,
@@ -103,7 +103,7 @@ def _start_faults(stage: Stage) -> Iterator[Fault]:
             )
             yield case_fault(case, "initial.tip_displacement", expected)
             break
-    limit = case.march.displacement_limit
+    limit = stage.displacement_limit
     for key in ("tip_displacement", "centre_displacement"):
         largest = np.abs(getattr(case.initial, key) or 0.0).max()
         if largest > limit:

@@ -105,6 +105,11 @@ class Stage:
         return self.case.march.speed.rad_per_s(self.reference_frequency)
 
     @property
+    def displacement_limit(self) -> float:
+        """Displacement at which a march ends [m]: a blade's length unless the case gives it."""
+        return self.case.march.displacement_limit or self.disk.model.blade_length
+
+    @property
     def symmetry(self) -> dict[str, str]:
         """Symmetry found of each body, and the path that follows from it."""
         return {

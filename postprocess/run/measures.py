@@ -16,7 +16,7 @@ from bladewhirl.postprocess.run.energies import strain_energies
 from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.postprocess.run.poincare import poincare_map
 from bladewhirl.postprocess.run.regimes import Regime, classify
-from bladewhirl.postprocess.run.whirl import Frame, Whirl, whirl
+from bladewhirl.postprocess.run.whirl import Frame, Whirl, ripple, whirl
 from bladewhirl.postprocess.run.whirl_history import whirl_history
 
 HOLDERS = ("suspension", "k = 0", "k = 1", "other k", "rest")
@@ -129,17 +129,27 @@ class Motion:
         """The last third of the time [s]."""
         return 2.0 / 3.0 * self.end, self.end
 
-    def onset(self, share: float) -> float:
-        """Time after which the strain energy stays above that share of its last value [s].
+    def onset(self, times: float, since: float) -> float:
+        """First time at which the strain energy is above that many times its value at a time [s].
 
-        The energy is averaged over periods of the reference frequency.
+        It depends on nothing that comes later; infinite where the energy never comes so far. The
+        energy is averaged over periods of the reference frequency.
+
+        Args:
+            times: the energy.
+            since: when [s].
         """
         time, total = self.energies["time"].values, self.energies["total"].values
         number = (time * self.reference / (2.0 * np.pi)).astype(int)
         first = np.flatnonzero(np.diff(number, prepend=-1))
         mean = np.add.reduceat(total, first) / np.diff(first, append=len(total))
-        below = np.flatnonzero(mean < share * mean[-1])
-        return float(time[first[below[-1] + 1]]) if len(below) else 0.0
+        at = int(np.searchsorted(time[first], since))
+        above = np.flatnonzero(mean[at:] > times * mean[at])
+        return float(time[first[at + above[0]]]) if len(above) else float("inf")
+
+    def ripple_between(self, start: float, end: float) -> float:
+        """Root mean square of the motion about its mean place in rotating axes in a window [m]."""
+        return ripple(select_window(self.orbit, start, end), "rotating")[0]
 
     @cached_property
     def blades(self) -> dict[str, int]:

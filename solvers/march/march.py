@@ -105,9 +105,9 @@ def march(
 
     The last step is recorded too, whether or not it is a whole number of records from the start.
 
-    Free motion is of the second order in the time step, with dampers too. In contact, dampers at
-    points feel what a contact force changes from the next step on, which is of the first order:
-    halve the step to see what that changes.
+    Free motion is of the second order in the time step, with dampers too. Contact is of the first:
+    it begins and ends at whole steps, and dampers at points feel what a contact force changes from
+    the next step on. Halve the step to see what that changes.
 
     Args:
         scheme: factorised for the problem and ``timing.time_step``.

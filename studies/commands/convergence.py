@@ -138,7 +138,7 @@ def _lines(found: Convergence) -> Iterator[str]:
     }
     for name, kind in orders.items():
         order = measured[f"{kind}_order"]
-        told = f"{order:.3g}" if order == order else "too few differences to tell"
+        told = f"{order:.3g}" if order == order else "none: too few differences, or not monotone"
         yield f"Order in the time step, {name}: {told}."
     same = "the same" if found.modes.attrs["motion_converged"] else "not the same"
     yield f"Kind of motion with all numbers of modes: {same}."

@@ -164,9 +164,10 @@ def time_step_convergence(
         `step_impulse_error`, the same from the next finer (NaN at the finest), and
         `free_step_distance`, that of the orbits up to the first contact of any run. Attributes
         `free_until` [s], that time, and `displacement_order`, `impulse_order` and `free_order`: of
-        the last three, see `observed_order`, NaN with fewer than two values above zero. Without
-        contact the order is two; where contacts make the motion chaotic, differences stop falling,
-        and the order over the whole march tells so by being near zero.
+        the last three, see `observed_order`, NaN with fewer than two values above zero, or
+        where they rise and fall. Without contact the order is two, in contact one; where contacts
+        make the motion chaotic, differences stop falling, and the order over the whole march tells
+        so by being near zero, or by there being none.
 
     Raises:
         UserError: a march that can't be made.
@@ -220,6 +221,11 @@ def mode_convergence(
     )
 
 
+OFF_THE_LAW = 0.3
+"""Root mean square of the logarithm by which differences may be off a power law to have an order:
+by a third, about."""
+
+
 def observed_order(size: FloatArray, change: FloatArray) -> float:
     """Order p with which results approach the limit of a size going to zero.
 
@@ -231,7 +237,8 @@ def observed_order(size: FloatArray, change: FloatArray) -> float:
         change: of the result from each size to the next, (sizes,); the last one counts for nothing.
 
     Returns:
-        p, between -8 and 8; NaN with fewer than two changes above zero.
+        p, between -8 and 8; NaN with fewer than two changes above zero, or with changes off that
+        law by more than `OFF_THE_LAW`, such as those that rise and fall: they have no order.
     """
     there = change[:-1] > 0.0  # False for NaN
     if np.count_nonzero(there) < 2:
@@ -243,7 +250,8 @@ def observed_order(size: FloatArray, change: FloatArray) -> float:
         grown = ratio if order == 0.0 else np.expm1(order * ratio) / order
         return float(np.var(seen - order * finer - np.log(grown)))
 
-    return float(minimize_scalar(scatter, bounds=(-8.0, 8.0), options={"xatol": 1e-9}).x)
+    found = minimize_scalar(scatter, bounds=(-8.0, 8.0), options={"xatol": 1e-9})
+    return float(found.x) if found.fun <= OFF_THE_LAW**2 else float("nan")
 
 
 def _compared(

@@ -28,6 +28,9 @@ HIGH = (1.42, 1.75)
 STEADY_FROM = 1.1
 """Time after which the paper's orbit is steady [s]."""
 
+STEADY_RATE = 0.1
+"""Growth or decay of a ripple that is steady, at most [1/s]: a tenth in a second."""
+
 
 def done_points(sweep: xr.Dataset) -> xr.Dataset:
     """The speeds of a sweep at which every point has a result."""
@@ -73,23 +76,29 @@ def smaller_than_distortion(distortion: xr.Dataset, imbalance: xr.Dataset) -> Fi
     trials=["imbalance at 1.05"],
 )
 def limit_cycle(motion: Motion) -> Finding:
-    mean, ripple = motion.radius_between(*motion.late)
+    """A cycle is one where the ripple has a size of its own, not where the mean radius has."""
+    mean, size = motion.radius_between(*motion.late)
+    growth = motion.regime.ripple
     checks = [
         equal("regime", motion.regime.name, "sustained", essential=True),
         near("mean radius", MILLI * mean, 1.1, 0.15, " mm"),
-        between("ripple", MILLI * ripple, 0.05, 0.2, " mm"),
+        between("ripple", MILLI * size, 0.05, 0.2, " mm"),
     ]
+    words = ""
+    if growth is not None:
+        words = f", growing by {growth.text} 1/s"
+        steady = abs(growth.rate) <= STEADY_RATE
+        text = f"growth rate of the ripple {growth.text} 1/s, wanted {STEADY_RATE:g} 1/s or less"
+        checks.append(Check(text=text, met=steady, essential=True))
     if motion.end > STEADY_FROM:
         middle = 0.5 * (STEADY_FROM + motion.end)
-        before, _ = motion.radius_between(STEADY_FROM, middle)
-        after, _ = motion.radius_between(middle, motion.end)
-        checks.append(
-            near("mean radius from 1.1 s over that at the end", before / after, 1.0, 0.02)
-        )
+        before = motion.ripple_between(STEADY_FROM, middle)
+        after = motion.ripple_between(middle, motion.end)
+        checks.append(near("ripple from 1.1 s over that at the end", before / after, 1.0, 0.2))
     scatter = motion.section_scatter()
     checks.append(at_most("spread of the Poincaré map over the radius", scatter, 0.2))
     return Finding(
-        ours=f"{motion.regime.name}, {MILLI * mean:.3g} mm, ripple {MILLI * ripple:.2g} mm",
+        ours=f"{motion.regime.name}, {MILLI * mean:.3g} mm, ripple {MILLI * size:.2g} mm{words}",
         checks=tuple(checks),
     )
 

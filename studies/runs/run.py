@@ -250,11 +250,32 @@ def _attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
 
 
 def _divergence(prepared: Prepared, chunk: Chunk) -> str:
-    """Which tip went too far, when, and what to do."""
-    rotor, last = prepared.problem.rotor, chunk.rotor_displacement[-1]
-    outward = np.maximum(np.abs(rotor.tip_radial @ last), np.abs(rotor.tip_tangential @ last))
-    limit = prepared.problem.displacement_limit
+    """Which body went too far, where, how far and when, and what to do.
+
+    The last record is the last state within the limit, so what goes beyond it is sought a step on.
+    """
+    rotor, casing = prepared.problem.rotor, prepared.problem.casing
+    limit, step = prepared.problem.displacement_limit, prepared.timing.time_step
+    moved = chunk.rotor_displacement[-1], chunk.rotor_velocity[-1]
+    wall = chunk.casing_displacement[-1], chunk.casing_velocity[-1]
+    angles = 360.0 * np.arange(len(casing.nodal)) / len(casing.nodal)
+    tips = [f"blade {blade}" for blade in range(len(rotor.tip_angle))]
+    candidates = (
+        (tips, "radially", [rotor.tip_radial @ part for part in moved]),
+        (tips, "tangentially", [rotor.tip_tangential @ part for part in moved]),
+        (
+            [f"the casing at {angle:.4g}°" for angle in angles],
+            "radially",
+            [casing.nodal[:, 0] @ part for part in wall],
+        ),
+    )
+    places = [
+        (abs(at + step * rate), name, way, at)
+        for names, way, (values, rates) in candidates
+        for name, at, rate in zip(names, values, rates, strict=True)
+    ]
+    _, place, way, value = max(places)
     return (
-        f"blade {int(outward.argmax())} passed march.displacement_limit = {limit:g} m at "
-        f"{chunk.time[-1]:.6g} s; {REMEDY}"
+        f"{place} passed march.displacement_limit = {limit:g} m at {chunk.time[-1]:.6g} s"
+        f" ({value:.4g} m {way}); {REMEDY}"
     )

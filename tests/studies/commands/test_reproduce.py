@@ -185,14 +185,14 @@ def test_motion_of_a_known_result() -> None:
     # Only the bending modes make up 1F, both with k = 1: e = 1/2 omega^2 a^2 exp(2 g t).
     first = motion.energies["k = 1"].values[0]
     assert first == pytest.approx(0.5 * ROTOR_FREQUENCY[3] ** 2 * (0.3e-3) ** 2)
-    # A tenth of the last energy is reached ln(10) / (2 growth) before the end, within a period.
-    # Rigid rotation (2F) does not grow and adds little.
+    # Ten times the energy at 0.1 s is reached ln(10) / (2 growth) later, within a period,
+    # however long the march; rigid rotation (2F) does not grow and adds little.
     period = 2 * np.pi / motion.reference
-    last_mean = motion.end - period / 2
-    expected = last_mean - np.log(10.0) / 4.0
-    steady = Motion(synthetic_result(growth=8.0, shaft_radius=0.1e-3, bending=0.1e-3))
-    expected = steady.end - period / 2 - np.log(10.0) / 16.0
-    assert steady.onset(0.1) == pytest.approx(expected, abs=1.5 * period)
+    expected = 0.1 + np.log(10.0) / 16.0
+    for records in (401, 601):
+        grown = Motion(synthetic_result(growth=8.0, records=records))
+        assert grown.onset(10.0, 0.1) == pytest.approx(expected, abs=1.5 * period)
+    assert motion.onset(10.0, 0.1) == np.inf
 
 
 def test_orbit_of_known_radius_and_casing_motion() -> None:

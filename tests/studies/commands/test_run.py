@@ -24,6 +24,7 @@ import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import dumps_case, loads, read_case, with_values
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.studies.commands.cli import app
@@ -199,8 +200,9 @@ def test_divergence_is_a_result(path: Path) -> None:
     assert summary["regime"] == "divergent"
     assert summary["end_time"] < 0.05
     message = done.stderr.splitlines()[0]
-    assert message.startswith("blade ")
+    assert message.startswith("the casing at ")  # the push moves it, and no blade, so far
     assert "passed march.displacement_limit = 0.0001 m at" in message
+    assert re.search(r" s \([-0-9.e]+ m (radially|tangentially)\); ", message)
     assert "damping" in message  # a remedy
     with xr.open_dataset(out / "result.nc") as result:
         assert result.attrs["end_reason"] == "divergent"
@@ -208,6 +210,34 @@ def test_divergence_is_a_result(path: Path) -> None:
         assert result["time"][-1] == summary["end_time"]
         for variable in result.variables.values():
             assert variable.dtype.kind != "f" or np.isfinite(variable.values).all()
+
+
+def test_a_casing_that_goes_too_far_is_named_not_a_blade(path: Path) -> None:
+    values = {"excitation.modal_force": 3e5, "march.displacement_limit": 0.01}
+    done = bw.run(with_values(read_case(path), values), path.parent / "out", frames=0)
+    found = re.match(
+        r"the casing at (\S+)° passed march.displacement_limit = 0.01 m at \S+ s"
+        r" \((\S+) m radially\)",
+        done.end_message,
+    )
+    assert found, done.end_message
+    with done.open() as result:
+        radial = result["casing_shape"].values[:, 0]
+        wall = radial @ result["casing_displacement"].values[-1]
+        worst = int(np.abs(wall).argmax())
+        assert float(found[1]) == pytest.approx(float(np.degrees(result["casing_angle"][worst])))
+        assert float(found[2]) == pytest.approx(float(wall[worst]), rel=1e-3)
+
+
+def test_the_limit_is_a_blades_length_unless_given(path: Path) -> None:
+    stage = build_stage(read_case(path))
+    points = stage.disk.model.mesh.points
+    tips = np.linalg.norm(points[stage.disk.model.tips], axis=1)
+    roots = stage.case.bladed_disk.disk_radius
+    assert stage.case.march.displacement_limit is None
+    assert contact_problem(stage).displacement_limit == pytest.approx(tips[0] - roots)
+    given = build_stage(with_values(stage.case, {"march.displacement_limit": 0.3}))
+    assert contact_problem(given).displacement_limit == 0.3
 
 
 def test_a_window_of_the_run_seen_from_the_rotor(path: Path) -> None:

@@ -70,6 +70,11 @@ def test_order_of_a_power_law() -> None:
     assert np.isnan(observed_order(size, np.array([1.0, 0.0, 0.0, np.nan])))
 
 
+@pytest.mark.parametrize("change", [[8.0, 2.0, 3.0], [1.0, 3.0, 2.0]])
+def test_differences_that_rise_and_fall_have_no_order(change: list[float]) -> None:
+    assert np.isnan(observed_order(np.array([4.0, 2.0, 1.0, 0.5]), np.array([*change, np.nan])))
+
+
 @pytest.mark.parametrize("order", [-1.0, 1.0, 2.0])
 @pytest.mark.parametrize("size", [[4.0, 3.0, 1.0, 0.5], [4.0, 1.0, 0.5], [4.0, 2.0, 1.0, 0.5]])
 def test_the_order_is_found_whatever_the_steps(size: list[float], order: float) -> None:
