@@ -8,68 +8,19 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 from stages import (
-    CASING_REFERENCE,
     RADIUS,
     bladed_disk,
     casing,
     casing_modes,
     disk_modes,
-    hertz,
-    observed_order,
-    oracle,
-    ring,
     steel,
 )
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.elements.casing import TANGENTIAL
-from bladewhirl.models.modal.modes import Modes, families, structure_modes
-from bladewhirl.models.sections.rectangular import Section
-from bladewhirl.models.sections.wall import Wall
-
-
-def lowest(modes: Modes, k: int) -> float:
-    """Lowest frequency of a nodal diameter [Hz]."""
-    return float(hertz(modes)[modes.nodal_diameter == k][0])
-
-
-def flexural_errors(elements: int, support: float = 0.0) -> FloatArray:
-    """Relative error of the bending frequencies of two to ten nodal diameters."""
-    modes = casing_modes(elements, support)
-    name = "flexural_on_foundation_hz" if support else "flexural_hz"
-    rows = oracle("ring")["modes"][2:]
-    return np.array([lowest(modes, row["nodal_diameter"]) / row[name] - 1.0 for row in rows])
-
-
-@pytest.mark.parametrize("on_foundation", [False, True])
-def test_bending_frequencies_converge_to_the_ring(on_foundation: bool) -> None:
-    support = oracle("ring")["ring"]["foundation"] if on_foundation else 0.0
-    errors = np.array([flexural_errors(n, support) for n in (40, 80, 160)])
-    assert (errors > 0.0).all()  # Rayleigh-Ritz: from above
-    assert errors[0].max() < 5e-3
-    assert errors[-1].max() < 2e-5
-    # Cubics for bending converge with the fourth power; few nodal diameters look even faster.
-    orders = observed_order(errors)
-    assert orders.min() > 3.9
-    assert orders[:, -1] == pytest.approx(4.0, abs=0.1)
-
-
-def test_stretching_frequencies() -> None:
-    modes = casing_modes(80)
-    for row in oracle("ring")["modes"][:5]:
-        found = hertz(modes)[modes.nodal_diameter == row["nodal_diameter"]]
-        nearest = found[np.argmin(np.abs(found - row["extensional_hz"]))]
-        assert nearest == pytest.approx(row["extensional_hz"], rel=1e-5)
-
-
-def test_opensees_agrees() -> None:
-    """Polygons of straight beams, within their own discretisation error."""
-    modes = casing_modes(160)
-    for row in oracle("ring")["modes"][2:]:
-        assert lowest(modes, row["nodal_diameter"]) == pytest.approx(
-            row["opensees_800_hz"], rel=3e-5
-        )
+from bladewhirl.models.modal.modes import families
+from bladewhirl.studies.verification.rings import lowest
 
 
 def squares(elements: int) -> FloatArray:
@@ -91,11 +42,6 @@ def test_rigid_motions_of_the_free_ring() -> None:
     w, slope, u, strain = casing(40).nodal(modes.shapes[:, :1])[..., 0].T
     np.testing.assert_allclose(u, u[0], rtol=1e-6)
     np.testing.assert_allclose([w, slope, strain], 0.0, atol=1e-6 * abs(u[0]))
-
-
-def test_rigid_translations_converge_at_nearly_sixth_order() -> None:
-    eigenvalues = np.array([casing_modes(n).frequency[1:3] ** 2 for n in (20, 40, 80)])
-    np.testing.assert_allclose(observed_order(eigenvalues), 5.7, atol=0.15)
 
 
 def test_rotation_and_translations_on_a_soft_support() -> None:
@@ -158,40 +104,6 @@ def test_shallow_ring() -> None:
     for k in range(1, 8):
         assert lowest(modes, k) == pytest.approx(shallow_hertz(k), rel=1e-4)
     assert families(modes, "casing")[:2] == ["1F", "1F"]
-
-
-def test_pinched_ring() -> None:
-    """Two opposite unit forces: R^3/EI (pi/4 - 2/pi) + pi R / 4 EA (Castigliano)."""
-    section, modes = steel(0.01), casing_modes(80)
-    exact = RADIUS**3 / section.bending_stiffness * (np.pi / 4 - 2 / np.pi)
-    exact += np.pi * RADIUS / (4.0 * section.axial_stiffness)
-    radial = casing(80).nodal(modes.shapes)[:, 0]
-    apart = radial[0] + radial[40]
-    elastic = modes.frequency > 1.0
-    assert np.sum((apart[elastic] / modes.frequency[elastic]) ** 2) == pytest.approx(
-        exact, rel=1e-5
-    )
-
-
-def test_nafems_ring() -> None:
-    """NAFEMS R0015, test 6: radius 1 m, round bar of 0.1 m, E = 2e11 Pa, 8000 kg/m3.
-
-    A rectangle of the same area and second moment stands in for the round bar. The published
-    values are those of an inextensible ring, about 0.1 % above an extensible one.
-    """
-    diameter = 0.1
-    thickness = diameter * np.sqrt(3.0) / 2.0
-    section = Section(
-        width=np.pi * diameter**2 / 4.0 / thickness,
-        thickness=thickness,
-        young_modulus=2e11,
-        density=8000.0,
-    )
-    round_bar = ring(wall=Wall(section=section), elements=80, radius=1.0)
-    modes = structure_modes(round_bar.structure, CASING_REFERENCE, 20)
-    for k, expected in ((2, 53.382), (3, 150.99), (4, 289.51)):
-        assert lowest(modes, k) == pytest.approx(expected, rel=1.2e-3)
-        assert lowest(modes, k) < expected
 
 
 def test_nodal_values_of_a_wave() -> None:

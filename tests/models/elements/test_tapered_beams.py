@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
-import scipy.linalg as la
 import scipy.sparse.linalg as spla
 import xarray as xr
-from numpy.polynomial import Legendre, Polynomial
-from stages import beam, clamped, natural_frequencies, observed_order, steel
+from stages import observed_order, steel
 from synthetic_result import synthetic_result
 
-from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.file import case_from
 from bladewhirl.models.elements.build import case_bladed_disk
 from bladewhirl.models.sections.rectangular import QUANTITIES, Section, along, along_elements
@@ -24,63 +19,22 @@ from bladewhirl.postprocess.fields.strains import rotor_strain_rows
 from bladewhirl.postprocess.paraview.surfaces import rotor_boxes
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.stage import thickness_words
+from bladewhirl.studies.verification.modes import TIP_MASS, by_ritz, cantilever
 
-SPAN, TIP_MASS, YOUNG, DENSITY = 0.45, 0.1, 2.1e11, 7800.0
+SPAN, YOUNG, DENSITY = 0.45, 2.1e11, 7800.0
 
 TAPER = [steel(0.020), steel(0.012), steel(0.008)]
 
 
-def lowest(taper: Sequence[Section], elements: int) -> FloatArray:
-    """Three lowest frequencies of a blade of that taper with a mass at its tip [rad/s]."""
-    blade = beam(taper, elements, length=SPAN)
-    blade.mass("end", TIP_MASS)
-    return natural_frequencies(clamped(blade))[:3]
-
-
-def by_ritz(thickness: Sequence[float]) -> FloatArray:
-    """The same by Ritz: polynomials over the span, and over all of it after each inner station
-    more that begin with the third power, for the third derivative jumps there.
-    """
-    stations = np.linspace(0.0, 1.0, len(thickness))
-    nodes, weights = np.polynomial.legendre.leggauss(40)
-    x = np.concatenate([a + (b - a) * (nodes + 1) / 2 for a, b in pairwise(stations)])
-    weight = np.tile(weights / 2, len(stations) - 1) / (len(stations) - 1)
-    values, bends, ends = [], [], []
-    for start, power in [(0.0, 2), *((s, 3) for s in stations[1:-1])]:
-        for degree in range(12):
-            smooth = Legendre.basis(degree, [start, 1.0]).convert(kind=Polynomial)
-            function = Polynomial([-start, 1.0]) ** power * smooth
-            values.append(np.where(x >= start, function(x), 0.0))
-            bends.append(np.where(x >= start, function.deriv(2)(x), 0.0))
-            ends.append(float(function(1.0)))
-    height = np.interp(x, stations, thickness)
-    w, bend, end = np.array(values), np.array(bends), np.array(ends)
-    stiffness = bend * (weight * YOUNG * 0.1 * height**3 / 12 / SPAN**3) @ bend.T
-    mass = w * (weight * DENSITY * 0.1 * height * SPAN) @ w.T + TIP_MASS * np.outer(end, end)
-    scale = 1.0 / np.sqrt(np.diag(stiffness))
-    flexible = la.eigh(
-        mass * np.outer(scale, scale), stiffness * np.outer(scale, scale), eigvals_only=True
-    )
-    return np.asarray(1.0 / np.sqrt(flexible[::-1][:3]))
-
-
 def test_frequencies_of_tapered_blades() -> None:
     """Ten elements, the default, give the first to a millionth, where stations lie between too."""
-    reference = by_ritz([0.020, 0.012, 0.008])
-    np.testing.assert_allclose(lowest(TAPER, 10)[0], reference[0], rtol=2e-6)
-    np.testing.assert_allclose(lowest(TAPER, 10), reference, rtol=3e-4)
-    np.testing.assert_allclose(lowest(TAPER, 9)[0], reference[0], rtol=3e-5)
+    exact = by_ritz([0.020, 0.012, 0.008])[0]
+    assert cantilever(TAPER, 10, TIP_MASS)[0] == pytest.approx(exact, rel=2e-6)
+    assert cantilever(TAPER, 9, TIP_MASS)[0] == pytest.approx(exact, rel=3e-5)
+    plain = by_ritz([0.02, 0.008])[0]
     for elements in (5, 10):
-        error = lowest([steel(0.02), steel(0.008)], elements) / by_ritz([0.02, 0.008]) - 1.0
-        assert 0.0 < error[0] < 2e-5
-
-
-def test_frequencies_converge_as_those_of_prismatic_blades() -> None:
-    reference = by_ritz([0.020, 0.012, 0.008])
-    errors = np.array([lowest(TAPER, n) / reference - 1.0 for n in (4, 8, 16)])
-    for column in range(3):
-        orders = observed_order(errors[:, column])
-        assert orders[-1] == pytest.approx(4.0, abs=0.35), orders
+        found = cantilever([steel(0.02), steel(0.008)], elements, TIP_MASS)[0]
+        assert 0.0 < found / plain - 1.0 < 2e-5
 
 
 def bent(elements: int, taper: list[dict[str, float]]) -> xr.Dataset:
@@ -159,7 +113,7 @@ def test_steep_tapers_stay_above_zero() -> None:
     steep = [steel(t) for t in (0.1, 0.001, 0.001, 0.001, 0.001, 0.001, 0.001)]
     middle, change = along_elements(steep, 1)
     assert (middle - np.abs(change) / 2 >= 0.0005 - 1e-15)[1]
-    assert lowest(steep, 1)[0] > 0.0
+    assert cantilever(steep, 1, TIP_MASS)[0] > 0.0
 
 
 def test_pictures_and_words_have_the_section_at_the_place() -> None:

@@ -14,13 +14,11 @@ from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bla
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.rotation.eigenproblems import lowest_gyroscopic_eigen
-from bladewhirl.models.rotation.growth import static_displacement
 from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.models.rotation.whirl_modes import WhirlModes, whirl_modes
 from bladewhirl.models.sections.rectangular import Section
+from bladewhirl.studies.verification.rotation import cantilevers
 
-HUB = 0.05
-STIFF = Section(width=0.1, thickness=0.1, young_modulus=1e15, density=7800.0)
 THREAD = Section(width=1e-4, thickness=1e-4, young_modulus=1.0, density=1e-3)
 
 
@@ -82,28 +80,6 @@ def test_rotary_inertia_of_point_masses_is_not_pulled_at() -> None:
     assert added.sum() == pytest.approx(4e-3)
 
 
-@pytest.mark.parametrize("omega", [30.0, 200.0])
-def test_a_rigid_disk_has_one_frequency_in_the_static_frame(omega: float) -> None:
-    """On springs k at its centre: sqrt(k/m) -+ Omega in the rotating frame."""
-    sketch = Sketch(3)
-    sketch.node("hub", 0.0, 0.0, shared=True)
-    sketch.node("tip", 0.3)
-    sketch.member("blades", "hub", "tip", STIFF)
-    sketch.set("centre", "hub")
-    sketch.set("tips", "tip")
-    disk = assembled(sketch, stiffness=2e6)
-    natural = np.sqrt(2e6 / disk.model.mass)
-    assert 30.0 < natural < 200.0
-    modes = whirl_modes(rotation_matrices(disk).at_speed(omega, "full"))
-    chosen = modes.take(np.flatnonzero((modes.nodal_diameter == 1) & (modes.frequency < 1e3)))
-    np.testing.assert_allclose(
-        np.sort(chosen.frequency), sorted([abs(natural - omega), natural + omega]), rtol=1e-6
-    )
-    np.testing.assert_allclose(np.abs(chosen.static_frequency(omega)), natural, rtol=1e-6)
-    assert sorted(chosen.static_direction(omega)) == ["backward", "forward"]
-    np.testing.assert_allclose(chosen.growth, 0.0, atol=1e-6)
-
-
 def test_a_pendulum_on_a_rigid_link() -> None:
     """A mass m on an arm a, hinged at radius R on a spring c: c + Omega^2 m R a over m a^2."""
     sketch = Sketch(3)
@@ -125,22 +101,6 @@ def test_a_pendulum_on_a_rigid_link() -> None:
         assert square == pytest.approx(
             (2e3 + omega**2 * 2.0 * 0.4 * 0.1) / (2.0 * 0.1**2), rel=1e-5
         )
-
-
-def cantilevers(delta: float, alpha: float, elements: int) -> tuple[BladedDiskModel, float]:
-    """Three blades on a rigid disk, and the time that their frequencies are relative to [s]."""
-    length = HUB / delta
-    section = steel(np.sqrt(12.0) * length / alpha)
-    sketch = Sketch(3)
-    sketch.node("hub", 0.0, 0.0, shared=True)
-    sketch.node("root", HUB)
-    sketch.node("tip", HUB + length)
-    sketch.link("hub", "root")
-    sketch.member("blades", "root", "tip", section, elements=elements)
-    sketch.set("centre", "hub")
-    sketch.set("tips", "tip")
-    time = np.sqrt(section.line_mass * length**4 / section.bending_stiffness)
-    return assembled(sketch, clamped=True), float(time)
 
 
 @pytest.mark.parametrize("row", oracle("rotation")["cantilevers"]["flapwise"], ids=str)
@@ -228,27 +188,3 @@ def test_a_turn_by_one_pitch_changes_nothing() -> None:
     assert structure.layout.is_symmetry_of(structure.stiffness, structure.mass)
     turn, skew = structure.layout.turn(), structure.gyroscopic
     assert abs(turn @ skew @ turn.T - skew).max() < 1e-12 * abs(skew).max()
-
-
-def test_growth_of_a_rod_that_turns() -> None:
-    """A uniform rod from the axis on: u/L = tan(kappa)/kappa - 1, kappa^2/3 without following."""
-    section = steel(0.01)
-    sketch = Sketch(2)
-    sketch.node("hub", 0.0, 0.0, shared=True)
-    sketch.node("tip", 0.5)
-    sketch.member("blades", "hub", "tip", section, elements=40)
-    sketch.set("centre", "hub")
-    sketch.set("tips", "tip")
-    disk = assembled(sketch, clamped=True)
-    omega = 1500.0
-    kappa = omega * 0.5 * np.sqrt(section.line_mass / section.axial_stiffness)
-    matrices = rotation_matrices(disk)
-    linear, softened = (
-        static_displacement(matrices, omega, follows=follows)[disk.tip_radial[0]] / 0.5
-        for follows in (False, True)
-    )
-    assert linear == pytest.approx(kappa**2 / 3.0, rel=1e-9)
-    assert softened == pytest.approx(np.tan(kappa) / kappa - 1.0, rel=1e-4)
-    assert softened - linear == pytest.approx(
-        np.tan(kappa) / kappa - 1.0 - kappa**2 / 3.0, rel=0.02
-    )

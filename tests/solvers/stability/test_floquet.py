@@ -5,11 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from coupled_system import UNIT, six_modes
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
-from scipy.special import mathieu_a, mathieu_b
 
-from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.coupling.springs import CouplingModes, periodic_stiffness
 from bladewhirl.solvers.stability.floquet import Floquet, floquet
 from bladewhirl.solvers.stability.growth import eigenvalues, growth_rate
@@ -36,51 +32,12 @@ def test_oscillator_of_constant_stiffness() -> None:
     assert result.monodromy[0] == pytest.approx(position, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("characteristic", "trace"),
-    [
-        pytest.param(mathieu_a(0, 1.0), 2.0, id="a0"),
-        pytest.param(mathieu_b(1, 1.0), -2.0, id="b1"),
-        pytest.param(mathieu_a(1, 1.0), -2.0, id="a1"),
-        pytest.param(mathieu_b(2, 1.0), 2.0, id="b2"),
-        pytest.param(mathieu_a(2, 1.0), 2.0, id="a2"),
-    ],
-)
-def test_borders_of_the_mathieu_equation(characteristic: float, trace: float) -> None:
-    """x'' + (a - 2 cos 2t) x = 0: the multipliers reach +-1 at the characteristic values."""
-
-    def excess(a: float) -> float:
-        result = floquet(lambda times: (a - 2.0 * np.cos(2.0 * times))[:, None, None], period=np.pi)
-        return float(np.trace(result.monodromy)) - trace
-
-    border = brentq(excess, characteristic - 0.1, characteristic + 0.1, xtol=1e-13)
-    assert border == pytest.approx(characteristic, abs=1e-11)
-
-
 def test_mathieu_grows_between_its_borders_only() -> None:
     a = np.array([[[0.5]], [[2.5]]])  # between b1 and a1, between a1 and b2
     result = floquet(lambda times: a - 2.0 * np.cos(2.0 * times)[:, None, None, None], period=np.pi)
     assert result.monodromy.shape == (2, 2, 2)
     assert result.growth[0] > 0.1
     assert result.growth[1] == pytest.approx(0.0, abs=1e-10)
-
-
-def test_same_monodromy_as_a_runge_kutta_method() -> None:
-    modes, speed, kappa = six_modes(0.005), 1.17 * UNIT, 500.0
-    size, damping = modes.size, np.diag(modes.damping_rate[modes.entry])
-
-    def rate(time: float, state: FloatArray) -> FloatArray:
-        x, v = state.reshape(2, size, 2 * size)
-        k_t = periodic_stiffness(modes, kappa=kappa, angle=speed * time)
-        return np.concatenate([v, -k_t @ x - damping @ v]).ravel()
-
-    period = 2.0 * np.pi / speed
-    begin = np.eye(2 * size).ravel()
-    end = solve_ivp(rate, (0.0, period), begin, "DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
-    expected = np.asarray(end).reshape(2 * size, 2 * size)
-    ours = monodromy(modes, speed, kappa).monodromy
-    scale = np.repeat([UNIT, 1.0], size)
-    assert scale[:, None] * (ours - expected) / scale == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.005])

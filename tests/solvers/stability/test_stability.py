@@ -56,19 +56,6 @@ def test_no_springs_no_growth() -> None:
     assert damped == pytest.approx(-0.01 * CASING, rel=1e-6)
 
 
-def test_narrow_zones_have_the_width_and_growth_of_the_averaged_equations() -> None:
-    """To first order in eps: width 2 eps / (k sqrt(w_c w_r)), growth eps / (2 sqrt(w_c w_r))."""
-    for kappa in (1e-4, 1e-2):
-        zones = unstable_zones(
-            six_modes(), kappas=np.array([kappa]), low=0.6 * UNIT, high=3.0 * UNIT
-        )
-        mean = np.sqrt(CASING * np.array([FIRST, SUSPENSION]))
-        eps = np.pi * kappa
-        assert zones.rotor.tolist() == [1, 2]
-        assert zones.upper - zones.lower == pytest.approx(2.0 * eps / mean, rel=1e-3)
-        assert zones.growth == pytest.approx(0.5 * eps / mean, rel=1e-3)
-
-
 def test_zones_start_at_the_coincidence_speeds_and_widen() -> None:
     """Claim 10; the shift of claim 13 upwards."""
     modes = six_modes()
