@@ -47,9 +47,15 @@ def uneven(changes: Mapping[str, object]) -> ModalStage:
     return modal_stage(with_values(Case(), SMALL | dict(changes)))
 
 
-@pytest.mark.parametrize("physical", [False, True])
-@pytest.mark.parametrize(("speed", "kappa"), [(1.17, 500.0), (0.8, 2000.0)])
-@pytest.mark.parametrize("modes", ["six", "all"])
+@pytest.mark.parametrize(
+    ("modes", "speed", "kappa", "physical"),
+    [
+        ("six", 1.17, 500.0, False),
+        ("six", 0.8, 2000.0, True),
+        ("all", 1.17, 500.0, True),
+        ("all", 0.8, 2000.0, False),
+    ],
+)
 def test_on_an_even_stage_it_is_the_same(
     modes: str, speed: float, kappa: float, physical: bool
 ) -> None:
