@@ -34,6 +34,12 @@ class NamedMaterial(Table):
     name: StrictStr = Field(description="What sections call it.")
     young_modulus: Modulus = Field(description="Young's modulus [Pa].")
     density: Density = Field(description="Density [kg/m3].")
+    yield_strength: Modulus | None = Field(
+        default=None,
+        description="Stress at which it yields [Pa]: the summary of a run says where that is"
+        " passed. Nothing yields in the model.",
+        examples=['"600 MPa"'],
+    )
 
 
 class Material(Table):
@@ -43,6 +49,12 @@ class Material(Table):
         default=2.1e11, description='Young\'s modulus [Pa] (the paper: "steel").'
     )
     density: Density = Field(default=7800.0, description='Density [kg/m3] (the paper: "steel").')
+    yield_strength: Modulus | None = Field(
+        default=None,
+        description="Stress at which it yields [Pa]: the summary of a run says where that is"
+        " passed. Nothing yields in the model.",
+        examples=['"600 MPa"'],
+    )
     named: Annotated[
         tuple[NamedMaterial, ...],
         rows('{ name = "titanium", young_modulus = "114 GPa", density = 4430.0 }'),
@@ -63,6 +75,12 @@ class Material(Table):
         """Its constants, and the names of the others."""
         others = "".join(f", {one.name}" for one in self.named)
         return f"{handy(self.young_modulus, 'Pa')}, {self.density:g} kg/m3{others}"
+
+    @property
+    def lowest_yield_strength(self) -> float | None:
+        """Of all materials that give one [Pa]."""
+        given = [self.yield_strength, *(one.yield_strength for one in self.named)]
+        return min((value for value in given if value is not None), default=None)
 
     def find(self, name: str | None) -> Material | NamedMaterial:
         """A material by name, this one for None.

@@ -21,7 +21,8 @@ from bladewhirl.postprocess.run.energies import strain_energies
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.orbits import MILLI
 from bladewhirl.postprocess.run.regimes import classify
-from bladewhirl.postprocess.run.summary import MARCH_REPORT, summarise, summary_rows
+from bladewhirl.postprocess.run.summary import MARCH_REPORT, summarise
+from bladewhirl.postprocess.run.summary_table import summary_rows
 from bladewhirl.postprocess.run.whirl import FRAMES, whirl
 
 LATE = "over the last third"

@@ -24,6 +24,7 @@ from bladewhirl.postprocess.run.growth_rates import (
     growth_windows,
     ripple_windows,
 )
+from bladewhirl.postprocess.run.works import leading_source
 
 RegimeName = Literal["divergent", "no-contact", "damped", "sustained"]
 
@@ -75,10 +76,11 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
     growth = fit_growth(windows) if windows else None
     around = ripple_windows(dataset, strain_energy) if windows and windows.is_third else None
     ripple = fit_ripple(around, windows) if around and windows else None
-    grown = _growth_text(growth, ripple)
+    grown, source = _growth_text(growth, ripple), leading_source(dataset)
 
     def regime(name: RegimeName, reason: str) -> Regime:
-        return Regime(name=name, reason=reason, growth=growth, ripple=ripple)
+        told = reason if name == "no-contact" else "; ".join(filter(None, [reason, source]))
+        return Regime(name=name, reason=told, growth=growth, ripple=ripple)
 
     if dataset.attrs.get("end_reason") == "divergent":
         message = dataset.attrs.get("end_message") or "the march ended at its displacement limit"

@@ -40,6 +40,9 @@ CASING_PIECES = 4
 PORTION_BYTES = 64e6
 """Room that the strains of the records looked at together take."""
 
+PEAK_BYTES = 8e6
+"""The same where peaks alone are looked for, as in the summary of any run, however long."""
+
 COLUMNS = 1000
 """Spans of time that a line of the figure has at most; the largest of each is drawn."""
 
@@ -125,6 +128,32 @@ def stress_history(
     )
 
 
+def peak_stresses(dataset: xr.Dataset) -> xr.Dataset:
+    """Stress largest in magnitude of every member over all records.
+
+    Args:
+        dataset: a result.
+
+    Returns:
+        over member: `stress` [Pa], signed, `time` [s] and `radius` [m], as of `stress_history`.
+    """
+    names, bodies = _bodies(dataset)
+    time = dataset["time"].values
+    peak = {name: np.zeros(len(names)) for name in ("stress", "time", "radius")}
+    first = 0
+    for body in bodies:
+        starts = np.flatnonzero(np.diff(body.member, prepend=-1))
+        columns = slice(first, first + len(starts))
+        first += len(starts)
+        for portion in portions(dataset, _records_together(body, PEAK_BYTES)):
+            strains = Strains.of(dataset[body.history].isel(time=portion).values, body.rows)
+            bending = np.abs(strains.bending)
+            _note_peaks(peak, columns, body, starts, time[portion], strains.axial, bending)
+    return xr.Dataset(
+        {name: ("member", values) for name, values in peak.items()}, coords={"member": names}
+    )
+
+
 def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
     names, member = member_names(dataset)
     order = np.argsort(member, kind="stable")
@@ -153,10 +182,10 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
     return [*(names[number] for number in present), "casing"], bodies
 
 
-def _records_together(body: _Body) -> int:
+def _records_together(body: _Body, room: float = PORTION_BYTES) -> int:
     """Records whose strains fit in the room given to them."""
     stations = int(np.prod(body.rows.axial.shape[:2]))
-    return max(1, int(PORTION_BYTES / (8 * 4 * stations)))
+    return max(1, int(room / (8 * 4 * stations)))
 
 
 def _maximum(values: Array, starts: IntArray) -> Array:

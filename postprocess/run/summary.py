@@ -1,4 +1,4 @@
-"""The figures that sum up a run: `summary.json` and the same as a table on screen."""
+"""The figures that sum up a run: `summary.json`."""
 
 import json
 from collections.abc import Mapping
@@ -8,16 +8,25 @@ from typing import TypedDict
 
 import numpy as np
 import xarray as xr
-from rich.table import Table
 
 from bladewhirl.meshes.files.drafts import write_whole
 from bladewhirl.postprocess.fields.fields import Array
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part
-from bladewhirl.postprocess.run.energies import FIRST_FAMILY, strain_energies
+from bladewhirl.postprocess.run.energies import FIRST_FAMILY, SUSPENSION, strain_energies
+from bladewhirl.postprocess.run.extremes import (
+    ForcePeak,
+    StressPeak,
+    WallPeak,
+    casing_peaks,
+    largest_force,
+    stress_peaks,
+)
+from bladewhirl.postprocess.run.family_energies import family_energies
 from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.postprocess.run.regimes import RegimeName, classify
-from bladewhirl.postprocess.run.whirl import FRAMES, Frame, ripple, strongest_lines, whirl
+from bladewhirl.postprocess.run.whirl import FRAMES, ripple, strongest_lines, whirl
+from bladewhirl.postprocess.run.works import Works, late_drive_power, works
 
 EnergyHolders = TypedDict(
     "EnergyHolders", {"suspension": float, "1F": dict[str, float], "rest": float}
@@ -33,9 +42,6 @@ class LineOfWhirl(TypedDict):
 
 """A line of the shaft's spectrum: its frequency in both frames [Hz], forward positive, and its
 share of the mean square."""
-
-LARGE_DISPLACEMENT = 0.3
-"""Share of the tip radius from which linear bending of a blade is off by a tenth."""
 
 MARCH_REPORT = (
     "complementarity_residual",
@@ -86,6 +92,16 @@ class Summary:
     tip_displacement_max: float  #: of any blade tip, in any direction, over the records [m]
     strain_energy_max: float  #: bladed disk with its shaft springs, over the records [J]
     strain_energy_final: EnergyHolders  #: [J]
+    strain_energy_rest: dict[str, float]  #: of it, `rest` by family [J]
+    strain_energy_casing_final: float  #: of the casing with its support [J]
+    work: Works  #: of load, contact forces, damping and drive [J]
+    drive_power: float | None  #: mean against contact forces over the last third [W]
+    drive_torque: float | None  #: the same over the speed [N m]; None at rest
+    casing_displacement_max: dict[str, WallPeak]  #: "radial" and "tangential"
+    contact_force_max: ForcePeak
+    contact_impulse: float  #: normal, of all blades [N s]
+    stress_max: dict[str, StressPeak]  #: of "bladed_disk" and "casing"
+    yield_strength: float | None  #: lowest of the materials that the case gives [Pa]
     contact_share: list[float]  #: share of all steps with contact, of each blade
     gap_violation_max: float  #: deepest penetration at any step [m]
     energy_residual: float  #: of the ledger, over its largest term
@@ -120,6 +136,7 @@ def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary
     orbit = shaft_orbit(dataset)
     radius = orbit["radius"].values
     regime = classify(dataset, energies["total"].values)
+    power, speed = late_drive_power(dataset), float(dataset.attrs["speed"])
     steps = int(march_report["steps"])
     contact_steps = dataset["contact_steps"].sum("time").values
     return Summary(
@@ -139,6 +156,16 @@ def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary
         tip_displacement_max=_largest_tip_displacement(dataset),
         strain_energy_max=float(energies["total"].max()),
         strain_energy_final=_holders(energies.isel(time=-1)),
+        strain_energy_rest=_rest(dataset),
+        strain_energy_casing_final=_casing_energy(dataset),
+        work=works(dataset),
+        drive_power=power if np.isfinite(power) else None,
+        drive_torque=power / speed if np.isfinite(power) and speed else None,
+        casing_displacement_max=casing_peaks(dataset),
+        contact_force_max=largest_force(dataset),
+        contact_impulse=float(dataset["contact_impulse"].sum()),
+        stress_max=stress_peaks(dataset),
+        yield_strength=dataset.attrs.get("yield_strength"),
         contact_share=(contact_steps / max(steps, 1)).tolist(),
         gap_violation_max=max(0.0, -float(dataset["gap"].min())),
         energy_residual=energy_residual(dataset),
@@ -177,82 +204,6 @@ def write_summary(summary: Summary, path: str | Path) -> Path:
     return path
 
 
-def summary_rows(summary: Summary) -> dict[str, str]:
-    """The summary in words: rounded, in handy units, the blades counted."""
-    held = summary.strain_energy_final
-    family = held["1F"]
-    total = held["suspension"] + sum(family.values()) + held["rest"]
-    other = sum(energy for k, energy in family.items() if k not in ("0", "1"))
-    shares = summary.contact_share
-    touched = [share for share in shares if share > 0]
-    share = (
-        f", {100 * min(touched):.3g} to {100 * max(touched):.3g} % of the steps" if touched else ""
-    )
-
-    def part(energy: float) -> str:
-        return f"{energy:.4g} J ({100 * energy / total:.1f} %)" if total else "0 J"
-
-    def turning(frame: Frame, frequency: float | None) -> str:
-        if frequency is not None:
-            way = "forward" if frequency > 0 else "backward"
-            known = 2 * (summary.whirl_frequency_error or 0.0)
-            return f"{way}, {abs(frequency):.4g} ± {known:.1g} Hz over the last third"
-        lines = [f"{line['share']:.0%} at {line[frame]:.3g} Hz" for line in summary.whirl_lines]
-        return ": ".join(filter(None, ["no single rate", ", ".join(lines)]))
-
-    return {
-        "regime": summary.regime,
-        "because": summary.regime_criterion.rpartition("Here: ")[2],
-        "end time": f"{summary.end_time:.6g} s, {summary.end_reason}",
-        "shaft radius, largest": f"{1e3 * summary.shaft_radius_max:.4g} mm",
-        "shaft radius, final": f"{1e3 * summary.shaft_radius_final:.4g} mm",
-        "whirl, rotating frame": turning("rotating", summary.whirl_frequency_rotating),
-        "whirl, static frame": turning("static", summary.whirl_frequency_static),
-        "ripple about the mean place": f"{1e3 * summary.ripple_rms:.3g} mm (rms)"
-        + (f", {summary.ripple_frequency:.4g} Hz" if summary.ripple_frequency else ""),
-        "tip displacement, largest": f"{1e3 * summary.tip_displacement_max:.4g} mm",
-        "strain energy, largest": f"{summary.strain_energy_max:.4g} J",
-        "strain energy, final": f"{total:.4g} J",
-        "  suspension": part(held["suspension"]),
-        **{f"  {FIRST_FAMILY}, k = {k}": part(family[k]) for k in ("0", "1") if k in family},
-        f"  {FIRST_FAMILY}, other k": part(other),
-        "  rest": part(held["rest"]),
-        "blades that touched": f"{len(touched)} of {len(shares)}{share}",
-        "deepest penetration": f"{summary.gap_violation_max:.3g} m",
-        "energy residual": f"{summary.energy_residual:.3g}",
-        "complementarity residual": f"{summary.complementarity_residual:.3g}",
-        "time step / critical": f"{summary.dt_over_critical:.3g}",
-        "steps": f"{summary.steps}",
-        "wall time": f"{summary.wall_time:.3g} s ({summary.us_per_step:.3g} µs a step)",
-    }
-
-
-def summary_table(summary: Summary) -> Table:
-    """The summary as a table to read."""
-    table = Table(show_header=False, box=None, pad_edge=False)
-    table.add_column(style="cyan", no_wrap=True)
-    table.add_column(overflow="fold")
-    for name, value in summary_rows(summary).items():
-        table.add_row(name, f"[bold]{value}[/]" if name == "regime" else value)
-    return table
-
-
-def displacement_hints(summary: Summary, tip_radius: float) -> tuple[str, ...]:
-    """A line where blades bend further than a linear model holds, else none.
-
-    Args:
-        summary: of a run.
-        tip_radius: [m]
-    """
-    limit = LARGE_DISPLACEMENT * tip_radius
-    if summary.tip_displacement_max <= limit:
-        return ()
-    return (
-        f"tips moved up to {summary.tip_displacement_max:.3g} m, and from about {limit:.2g} m on "
-        "a linear model is off by a tenth or more: take the kind of motion from it, not its size",
-    )
-
-
 def _whirl_figures(orbit: xr.Dataset) -> WhirlFigures:
     late = late_part(orbit)
     rotating, static = (whirl(late, frame) for frame in FRAMES)
@@ -271,6 +222,18 @@ def _whirl_figures(orbit: xr.Dataset) -> WhirlFigures:
         "ripple_rms": size,
         "ripple_frequency": about.frequency,
     }
+
+
+def _rest(dataset: xr.Dataset) -> dict[str, float]:
+    """Strain energy of the bladed disk at the end by family, but for suspension and the first."""
+    last = family_energies(dataset.isel(time=[-1]))["energy"].isel(time=0).sum("nodal_diameter")
+    named = zip(last["family"].values, last.values, strict=True)
+    return {str(k): float(e) for k, e in named if k not in (SUSPENSION, FIRST_FAMILY)}
+
+
+def _casing_energy(dataset: xr.Dataset) -> float:
+    last = dataset["casing_displacement"].isel(time=-1).values
+    return float(0.5 * np.sum((dataset["casing_frequency"].values * last) ** 2))
 
 
 def _largest_tip_displacement(dataset: xr.Dataset) -> float:

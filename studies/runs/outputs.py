@@ -72,7 +72,7 @@ class Run:
         from rich.console import Group
         from rich.text import Text
 
-        from bladewhirl.postprocess.run.summary import summary_table
+        from bladewhirl.postprocess.run.summary_table import summary_table
 
         names = ", ".join(sorted(path.name for path in self.directory.iterdir()))
         files = Text(f"{self.directory}: {names}")
@@ -112,7 +112,8 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
     from bladewhirl.postprocess.plotting.style import save_figure
     from bladewhirl.postprocess.run.energies import plot_energy, strain_energies
     from bladewhirl.postprocess.run.orbits import plot_orbit, shaft_orbit
-    from bladewhirl.postprocess.run.summary import displacement_hints, summarise, write_summary
+    from bladewhirl.postprocess.run.summary import summarise, write_summary
+    from bladewhirl.postprocess.run.summary_table import displacement_hints
 
     with open_result(directory) as result:
         summary = summarise(result, report)

@@ -228,7 +228,9 @@ def _check_room(directory: Path, needed: int) -> None:
 def _attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
     stage = prepared.stage
     case = stage.case
+    strength = case.material.lowest_yield_strength
     return {
+        **({} if strength is None else {"yield_strength": strength}),
         "title": case.title,
         "version": folder.version(),
         "speed": stage.speed,

@@ -21,14 +21,8 @@ from bladewhirl.postprocess.run.growth_rates import (
     windowed_amplitude,
 )
 from bladewhirl.postprocess.run.regimes import Regime, classify
-from bladewhirl.postprocess.run.summary import (
-    Summary,
-    displacement_hints,
-    energy_residual,
-    summarise,
-    summary_table,
-    write_summary,
-)
+from bladewhirl.postprocess.run.summary import Summary, energy_residual, summarise, write_summary
+from bladewhirl.postprocess.run.summary_table import displacement_hints, summary_rows, summary_table
 
 Array = NDArray[np.float64]
 
@@ -45,7 +39,9 @@ KEYS = {
     *"shaft_radius_max shaft_radius_final tip_displacement_max".split(),
     *"growth_rate_end growth_residual ripple_growth_rate ripple_growth_rate_error".split(),
     *"whirl_frequency_rotating whirl_frequency_static whirl_frequency_error whirl_lines".split(),
-    *"ripple_rms ripple_frequency".split(),
+    *"ripple_rms ripple_frequency strain_energy_rest strain_energy_casing_final work".split(),
+    *"drive_power drive_torque casing_displacement_max contact_force_max".split(),
+    *"contact_impulse stress_max yield_strength".split(),
     *"strain_energy_max strain_energy_final contact_share gap_violation_max".split(),
     *("energy_residual", *REPORT),
 }
@@ -283,7 +279,9 @@ class TestRegimes:
         result.attrs |= {"end_reason": "divergent", "end_message": "a tip moved by 21 mm at 0.4 s"}
         regime = classify(result, np.ones(3))
         assert regime.name == "divergent"
-        assert regime.reason == "a tip moved by 21 mm at 0.4 s"
+        assert regime.reason.startswith(
+            "a tip moved by 21 mm at 0.4 s; most energy came from the load"
+        )
 
     @pytest.mark.parametrize(
         ("contact", "name"),
@@ -499,6 +497,21 @@ class TestWriting:
         shown = text.getvalue()
         for line in ("0.8 mm", "of 22", "1F, k = 1", summary.regime, "4.38 µs a step"):
             assert line in shown
+
+    def test_the_table_says_where_stresses_pass_the_yield_strength(
+        self, result: xr.Dataset
+    ) -> None:
+        assert "yield" not in str(summary_rows(summarise(result, REPORT)))
+        weak = summarise(result.assign_attrs(yield_strength=1e3), REPORT)
+        assert "linear" in summary_rows(weak)["stress, casing"]
+        assert summary_rows(weak)["stress, casing"].endswith("beyond the yield strength, 0.001 MPa")
+
+    def test_the_rest_is_split_where_it_leads(self, result: xr.Dataset) -> None:
+        assert "most of it" not in summary_rows(summarise(result, REPORT))["  rest"]
+        light = result.assign(
+            rotor_family=result["rotor_family"].copy(data=["3F"] * 2 + ["2F"] * 3)
+        )
+        assert "most of it 3F" in summary_rows(summarise(light, REPORT))["  rest"]
 
     def test_the_table_of_a_run_at_rest(self) -> None:
         still = synthetic.synthetic_result(records=2, shaft_radius=0.0, bending=0.0)

@@ -1,0 +1,111 @@
+"""Largest displacement of the casing, contact force and stresses of a run, where and when."""
+
+from __future__ import annotations
+
+from typing import TypedDict
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.result import portions
+from bladewhirl.postprocess.run.stresses import peak_stresses
+
+FORCE_TIME = 1e-3
+"""Time that contact forces are averaged over [s], or that between two records if it is longer: a
+peak of a march grows as the time step shrinks, an impulse converges."""
+
+
+WAYS = {"radial": 0, "tangential": 2}
+"""Components of the casing's shapes."""
+
+
+class WallPeak(TypedDict):
+    """A largest displacement of the casing."""
+
+    displacement: float  #: [m], signed
+    angle: float  #: of the node [degrees]
+    time: float  #: [s]
+
+
+class ForcePeak(TypedDict):
+    """The largest contact force of a blade."""
+
+    force: float  #: normal, mean over `averaged_over` [N]
+    blade: int
+    time: float  #: end of that time [s]
+    averaged_over: float  #: [s]
+
+
+class StressPeak(TypedDict):
+    """The largest stress of a body, linear."""
+
+    stress: float  #: [Pa], signed
+    member: str  #: "blade 3", another part, "casing"
+    radius: float  #: undeformed, where it is [m]
+    time: float  #: [s]
+
+
+def casing_peaks(dataset: xr.Dataset) -> dict[str, WallPeak]:
+    """Largest radial (outward positive) and tangential displacement at any node and record.
+
+    Args:
+        dataset: a result.
+    """
+    shape = dataset["casing_shape"].values
+    time, angle = dataset["time"].values, np.degrees(dataset["casing_angle"].values)
+    found = {way: WallPeak(displacement=0.0, angle=0.0, time=0.0) for way in WAYS}
+    for portion in portions(dataset):
+        coordinates = dataset["casing_displacement"].isel(time=portion).values
+        for way, component in WAYS.items():
+            moved = coordinates @ shape[:, component].T
+            record, node = np.unravel_index(np.abs(moved).argmax(), moved.shape)
+            if abs(moved[record, node]) > abs(found[way]["displacement"]):
+                found[way] = WallPeak(
+                    displacement=float(moved[record, node]),
+                    angle=float(angle[node]),
+                    time=float(time[portion][record]),
+                )
+    return found
+
+
+def largest_force(dataset: xr.Dataset) -> ForcePeak:
+    """Largest normal force of a blade, averaged over `FORCE_TIME`.
+
+    Args:
+        dataset: a result.
+    """
+    time = dataset["time"].values
+    step = float(dataset.attrs["record_step"])
+    records = max(1, round(FORCE_TIME / step))
+    impulse: Array = np.cumsum(dataset["contact_impulse"].values, axis=0)
+    summed = impulse.copy()
+    summed[records:] -= impulse[:-records]
+    record, blade = np.unravel_index(summed.argmax(), summed.shape)
+    return ForcePeak(
+        force=float(summed[record, blade] / (records * step)),
+        blade=int(blade),
+        time=float(time[record]),
+        averaged_over=records * step,
+    )
+
+
+def stress_peaks(dataset: xr.Dataset) -> dict[str, StressPeak]:
+    """Largest stress of the bladed disk and of the casing.
+
+    Args:
+        dataset: a result.
+    """
+    peaks = peak_stresses(dataset)
+    of_casing = peaks["member"].values == "casing"
+    found = {}
+    for body, own in (("bladed_disk", ~of_casing), ("casing", of_casing)):
+        members = peaks.isel(member=np.flatnonzero(own))
+        one = members.isel(member=int(np.abs(members["stress"].values).argmax()))
+        found[body] = StressPeak(
+            stress=float(one["stress"]),
+            member=str(one["member"].values),
+            radius=float(one["radius"]),
+            time=float(one["time"]),
+        )
+    return found

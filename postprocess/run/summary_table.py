@@ -1,0 +1,125 @@
+"""The summary of a run in words: rows, a table on screen, hints."""
+
+from rich.table import Table
+
+from bladewhirl.postprocess.run.energies import FIRST_FAMILY
+from bladewhirl.postprocess.run.stresses import stress_unit
+from bladewhirl.postprocess.run.summary import Summary
+from bladewhirl.postprocess.run.whirl import Frame
+
+LARGE_DISPLACEMENT = 0.3
+"""Share of the tip radius from which linear bending of a blade is off by a tenth."""
+
+
+def summary_rows(summary: Summary) -> dict[str, str]:
+    """The summary in words: rounded, in handy units, the blades counted."""
+    held = summary.strain_energy_final
+    family = held["1F"]
+    total = held["suspension"] + sum(family.values()) + held["rest"]
+    other = sum(energy for k, energy in family.items() if k not in ("0", "1"))
+    shares = summary.contact_share
+    touched = [share for share in shares if share > 0]
+    share = (
+        f", {100 * min(touched):.3g} to {100 * max(touched):.3g} % of the steps" if touched else ""
+    )
+
+    def part(energy: float) -> str:
+        return f"{energy:.4g} J ({100 * energy / total:.1f} %)" if total else "0 J"
+
+    def turning(frame: Frame, frequency: float | None) -> str:
+        if frequency is not None:
+            way = "forward" if frequency > 0 else "backward"
+            known = 2 * (summary.whirl_frequency_error or 0.0)
+            return f"{way}, {abs(frequency):.4g} ± {known:.1g} Hz over the last third"
+        lines = [f"{line['share']:.0%} at {line[frame]:.3g} Hz" for line in summary.whirl_lines]
+        return ": ".join(filter(None, ["no single rate", ", ".join(lines)]))
+
+    def wall(way: str) -> str:
+        peak = summary.casing_displacement_max[way]
+        size = f"{1e3 * peak['displacement']:.4g} mm"
+        return f"{size} at {peak['angle']:.4g}°, {peak['time']:.4g} s"
+
+    work, force, rest = summary.work, summary.contact_force_max, summary.strain_energy_rest
+    first = max(rest, key=lambda name: rest[name], default="")
+    leading = f"{first} ({rest[first]:.4g} J)" if 2 * held["rest"] > total > 0 and first else ""
+    return {
+        "regime": summary.regime,
+        "because": summary.regime_criterion.rpartition("Here: ")[2],
+        "end time": f"{summary.end_time:.6g} s, {summary.end_reason}",
+        "shaft radius, largest": f"{1e3 * summary.shaft_radius_max:.4g} mm",
+        "shaft radius, final": f"{1e3 * summary.shaft_radius_final:.4g} mm",
+        "whirl, rotating frame": turning("rotating", summary.whirl_frequency_rotating),
+        "whirl, static frame": turning("static", summary.whirl_frequency_static),
+        "ripple about the mean place": f"{1e3 * summary.ripple_rms:.3g} mm (rms)"
+        + (f", {summary.ripple_frequency:.4g} Hz" if summary.ripple_frequency else ""),
+        "casing displacement, largest": f"radial {wall('radial')}, tangential {wall('tangential')}",
+        "tip displacement, largest": f"{1e3 * summary.tip_displacement_max:.4g} mm",
+        "strain energy, largest": f"{summary.strain_energy_max:.4g} J",
+        "strain energy, final": f"{total:.4g} J",
+        "  suspension": part(held["suspension"]),
+        **{f"  {FIRST_FAMILY}, k = {k}": part(family[k]) for k in ("0", "1") if k in family},
+        f"  {FIRST_FAMILY}, other k": part(other),
+        "  rest": part(held["rest"]) + (f", most of it {leading}" if leading else ""),
+        "casing's strain energy, final": f"{summary.strain_energy_casing_final:.4g} J",
+        "work of": f"load {work['load']:.3g} J, normal forces {work['normal']:.3g} J, friction"
+        f" {work['friction']:.3g} J, springs {work['springs']:.3g} J, damping"
+        f" {-work['damping']:.3g} J",
+        "work of the drive": f"{work['drive']:.3g} J, {work['heat']:.3g} J of it rubbed away",
+        "drive over the last third": (
+            f"{summary.drive_power:.4g} W"
+            + (f", {summary.drive_torque:.4g} N m" if summary.drive_torque is not None else "")
+            if summary.drive_power is not None
+            else "–"
+        ),
+        "contact force, largest": f"{force['force']:.4g} N over {1e3 * force['averaged_over']:.3g}"
+        f" ms, blade {force['blade']} at {force['time']:.4g} s",
+        "contact impulse": f"{summary.contact_impulse:.4g} N s",
+        **{
+            f"stress, {body.replace('_', ' ')}": stress(summary, body)
+            for body in summary.stress_max
+        },
+        "blades that touched": f"{len(touched)} of {len(shares)}{share}",
+        "deepest penetration": f"{summary.gap_violation_max:.3g} m",
+        "energy residual": f"{summary.energy_residual:.3g}",
+        "complementarity residual": f"{summary.complementarity_residual:.3g}",
+        "time step / critical": f"{summary.dt_over_critical:.3g}",
+        "steps": f"{summary.steps}",
+        "wall time": f"{summary.wall_time:.3g} s ({summary.us_per_step:.3g} µs a step)",
+    }
+
+
+def stress(summary: Summary, body: str) -> str:
+    """The largest stress of a body: where, when, and whether the model holds there."""
+    peak = summary.stress_max[body]
+    unit, scale = stress_unit(abs(peak["stress"]))
+    place = f"{peak['member']}, r = {peak['radius']:.3g} m, {peak['time']:.4g} s"
+    strong = summary.yield_strength
+    beyond = strong is not None and abs(peak["stress"]) > strong
+    known = f"; beyond the yield strength, {strong * 1e-6:.4g} MPa" if beyond and strong else ""
+    return f"{scale * peak['stress']:.4g} {unit}, linear ({place}){known}"
+
+
+def summary_table(summary: Summary) -> Table:
+    """The summary as a table to read."""
+    table = Table(show_header=False, box=None, pad_edge=False)
+    table.add_column(style="cyan", no_wrap=True)
+    table.add_column(overflow="fold")
+    for name, value in summary_rows(summary).items():
+        table.add_row(name, f"[bold]{value}[/]" if name == "regime" else value)
+    return table
+
+
+def displacement_hints(summary: Summary, tip_radius: float) -> tuple[str, ...]:
+    """A line where blades bend further than a linear model holds, else none.
+
+    Args:
+        summary: of a run.
+        tip_radius: [m]
+    """
+    limit = LARGE_DISPLACEMENT * tip_radius
+    if summary.tip_displacement_max <= limit:
+        return ()
+    return (
+        f"tips moved up to {summary.tip_displacement_max:.3g} m, and from about {limit:.2g} m on "
+        "a linear model is off by a tenth or more: take the kind of motion from it, not its size",
+    )

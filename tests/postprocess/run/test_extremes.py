@@ -1,0 +1,72 @@
+"""Works, drive and largest values of a run, against the closed-form motion."""
+
+import numpy as np
+import pytest
+import synthetic_result as synthetic
+import xarray as xr
+
+from bladewhirl.postprocess.run.extremes import casing_peaks, largest_force, stress_peaks
+from bladewhirl.postprocess.run.regimes import classify
+from bladewhirl.postprocess.run.stresses import stress_history
+from bladewhirl.postprocess.run.works import late_drive_power, leading_source, works
+
+
+@pytest.fixture
+def result() -> xr.Dataset:
+    """Tips push into the casing."""
+    return synthetic.synthetic_result(shaft_radius=1.5e-3, records=1001)
+
+
+def test_the_drive_gives_what_contact_does_and_what_is_rubbed_away(result: xr.Dataset) -> None:
+    found = works(result)
+    dragged = float(result["friction_impulse"].sum()) * synthetic.SPEED * synthetic.TIP_RADIUS
+    assert found["drive"] == pytest.approx(dragged)  # normal forces do no work here
+    assert found["heat"] == pytest.approx(dragged - found["friction"])
+    risen = float(result["energy"][-1] - result["energy"][0])
+    fed = found["load"] + found["normal"] + found["friction"] + found["springs"]
+    assert risen == pytest.approx(fed - found["damping"])
+    assert late_drive_power(result) == pytest.approx(dragged, rel=0.2)  # in one second
+
+
+def test_the_largest_source_is_named_in_the_reason(result: xr.Dataset) -> None:
+    turned = xr.DataArray(np.linspace(0.0, 414e3, 1001), dims="time")
+    fed = result.assign(normal_work=turned, external_work=0.0 * turned + 700.0)
+    assert leading_source(fed).startswith("most energy came from normal contact forces (the wall")
+    assert "4.14e+05 J" in classify(fed, np.ones(1001)).reason
+    still = fed.assign(normal_work=0 * turned, external_work=0 * turned, coupling_work=0 * turned)
+    assert leading_source(still) == ""
+
+
+def test_the_casing_moves_most_where_and_when_it_does(result: xr.Dataset) -> None:
+    shape, motion = result["casing_shape"].values, result["casing_displacement"].values
+    for way, component in (("radial", 0), ("tangential", 2)):
+        moved = motion @ shape[:, component].T
+        record, node = np.unravel_index(np.abs(moved).argmax(), moved.shape)
+        peak = casing_peaks(result)[way]
+        assert peak["displacement"] == pytest.approx(float(moved[record, node]))
+        assert peak["angle"] == pytest.approx(360.0 * node / 40)
+        assert peak["time"] == pytest.approx(1e-3 * record)
+
+
+def test_a_force_is_a_mean_over_a_stated_time() -> None:
+    impulse = np.zeros((401, 22))
+    impulse[100:110, 3] = 0.2
+    impulse[250, 7] = 1.0
+    result = synthetic.synthetic_result().assign(contact_impulse=(("time", "blade"), impulse))
+    coarse = largest_force(result)
+    assert (coarse["blade"], coarse["averaged_over"]) == (7, 1e-3)
+    assert coarse["force"] == pytest.approx(1.0 / 1e-3)
+    fine = largest_force(result.assign_attrs(record_step=1e-4))
+    assert fine["blade"] == 3
+    assert fine["averaged_over"] == pytest.approx(1e-3)
+    assert fine["force"] == pytest.approx(10 * 0.2 / 1e-3)
+
+
+def test_stresses_are_the_peaks_of_their_history(result: xr.Dataset) -> None:
+    history = stress_history(result)
+    found = stress_peaks(result)
+    blades = np.abs(history["peak_stress"].values[:-1])
+    assert abs(found["bladed_disk"]["stress"]) == pytest.approx(blades.max())
+    assert found["bladed_disk"]["member"] == history["member"].values[blades.argmax()]
+    assert found["casing"]["stress"] == pytest.approx(float(history["peak_stress"][-1]))
+    assert found["casing"]["member"] == "casing"
