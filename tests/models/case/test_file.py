@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from places import DATA, EXAMPLES
 
-from bladewhirl.models.case.case import Case, Initial
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EXCITATIONS, CasingDistortion, Imbalance
 from bladewhirl.models.case.file import (
     CaseError,
@@ -399,68 +399,6 @@ def test_marks_and_line_ends_of_other_systems_are_read(tmp_path: Path) -> None:
     path.write_bytes(b'\xef\xbb\xbftitle = "\xc3\xa9"\r\n[march]\r\nspeed = 2\r\n')
     case = read_case(path)
     assert (case.title, case.march.speed) == ("é", Speed(2.0))
-
-
-@pytest.mark.parametrize(
-    ("override", "key", "value"),
-    [
-        ("march.speed=1.2", "march.speed", Speed(1.2)),
-        ("march.speed = -1", "march.speed", Speed(-1.0)),
-        ("march.speed=2500 rpm", "march.speed", Speed("2500 rpm")),
-        ('march.speed="2500 rpm"', "march.speed", Speed("2500 rpm")),
-        ("casing.clearance=2mm", "casing.clearance", 2e-3),
-        ("casing.curvature=shallow", "casing.curvature", "shallow"),
-        ("contact.tip_rotation=true", "contact.tip_rotation", True),
-        ("bladed_disk.blade.thickness=0.02", "bladed_disk.blade.thickness", 0.02),
-        ("bladed_disk.blade={width=0.2}", "bladed_disk.blade.thickness", 0.01),
-        ("title=a = b", "title", "a = b"),
-        ("title=Möbius", "title", "Möbius"),
-        ('excitation={type="imbalance"}', "excitation", Imbalance()),
-        ("excitation.type=imbalance", "excitation", Imbalance()),
-        ("initial.centre_velocity=[1, 0]", "initial", Initial(centre_velocity=(1.0, 0.0))),
-    ],
-)
-def test_overrides(override: str, key: str, value: object) -> None:
-    text = "bladed_disk.blade = { width = 0.3, thickness = 0.03 }\nmarch.speed = 7"
-    found: Any = loads(text, overrides=[override])
-    for part in key.split("."):
-        found = getattr(found, part)
-    assert found == value
-
-
-def test_overrides_leave_the_rest_of_an_inline_table_and_the_last_wins() -> None:
-    text = "bladed_disk.blade = { width = 0.3, thickness = 0.03 }"
-    key = "bladed_disk.blade.thickness"
-    blade = loads(text, overrides=[f"{key}=1 cm", f"{key}=2 cm"]).bladed_disk.blade
-    assert (blade.width, blade.thickness) == (0.3, 0.02)
-
-
-@pytest.mark.parametrize(
-    ("override", "line"),
-    [
-        ("march.speed", "--set march.speed: expected KEY=VALUE"),
-        ("=3", "--set =3: expected KEY=VALUE"),
-        ("march..speed=3", "--set march..speed=3: expected KEY=VALUE"),
-        ("march.speed=", '--set: march.speed = "": expected a TOML value'),
-        ("march.speed='a", '--set: march.speed = "\'a": expected a TOML value'),
-        ("march.speed=[1", '--set: march.speed = "[1": expected a TOML value'),
-        ("march.speed=1\ntitle='b'", "expected a TOML value"),
-        ("march.speed=fast", '--set: march.speed = "fast": expected a number'),
-        ("march.speed=nan", "--set: march.speed = nan: expected a number"),
-        ("march.sped=1", "--set: march.sped = 1: expected a known key; the nearest is march.speed"),
-        ("title.x=1", "--set: title = { x = 1 }: expected text"),
-        ("bladed_disk.blades.x=1", "--set: bladed_disk.blades.x = 1: expected a key of a table"),
-        (
-            "initial.tip_velocity=[[1,2]]",
-            "--set: initial.tip_velocity = [[1, 2]]: expected 22 rows",
-        ),
-    ],
-)
-def test_faults_of_overrides_are_not_put_on_the_file(override: str, line: str) -> None:
-    text = "bladed_disk.blades = 22\ndamping.ratio = -1"
-    by_hand, in_file = sorted(faults(loads, text, file="a.toml", overrides=[override]))
-    assert line in by_hand
-    assert in_file.startswith("a.toml: damping.ratio = -1: expected")
 
 
 def test_faults_found_later_are_named_like_the_others() -> None:
