@@ -75,7 +75,8 @@ def writing(target: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise UserError(f"{target}: cannot be written ({error.strerror or error})") from None
+        place = error.filename or target
+        raise UserError(f"{place}: cannot be written ({error.strerror or error})") from None
 
 
 def shown(value: object) -> str:

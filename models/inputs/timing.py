@@ -44,6 +44,11 @@ class Timing:
         return round(self.duration / self.time_step)
 
     @property
+    def whole_steps(self) -> int:
+        """Step of the last record that is a whole number of records from the start."""
+        return self.steps - self.steps % self.record_every
+
+    @property
     def records(self) -> int:
         """Records of the whole march: at the start, at whole record steps and at the end."""
         whole, rest = divmod(self.steps, self.record_every)

@@ -23,8 +23,10 @@ from bladewhirl.solvers.march.schema import (
     OPTIONAL_DIMENSIONS,
     RESULT_FORMAT,
     STATIC,
+    TIME,
     index_values,
 )
+from bladewhirl.solvers.march.storage import CutFile
 
 PORTION = 4096
 """Records read at a time: 5 MB for 156 modes."""
@@ -54,7 +56,7 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
     except ResultError:
         dataset.close()
         raise
-    complete = with_coordinates(dataset)
+    complete = with_coordinates(vouched(dataset))
     complete.set_close(dataset.close)
     return complete
 
@@ -76,16 +78,39 @@ def open_file(
     file = Path(path) / name if Path(path).is_dir() else Path(path)
     if not file.is_file():
         raise ResultError(f"{file}: expected {kind} (or its folder), found no such file")
+    raw = None
     try:
+        if file.stat().st_size == 0:
+            raise ValueError("it is empty")
+        raw = CutFile(file)
         # HDF5 files without named dimensions get numbered ones, and are refused when checked.
         dataset = xr.open_dataset(
-            file, engine="h5netcdf", decode_times=False, phony_dims="sort", cache=cache
+            raw, engine="h5netcdf", decode_times=False, phony_dims="sort", cache=cache
         )
-    except (OSError, ValueError, KeyError) as error:
+    except Exception as error:  # whatever HDF5, h5netcdf and xarray make of damaged bytes
+        if raw is not None:
+            raw.close()
         raise ResultError(
             f"{file}: expected {kind} in netCDF-4, could not read it: {error}"
         ) from None
-    return dataset, file
+    opened = dataset.assign()
+
+    def close() -> None:
+        dataset.close()
+        raw.close()
+
+    opened.set_close(close)
+    return opened, file
+
+
+def vouched(dataset: xr.Dataset) -> xr.Dataset:
+    """A result up to the records that its recorder said were whole; all where it says nothing."""
+    steps, step = dataset.attrs.get("steps"), dataset.attrs.get("time_step")
+    if steps is None or step is None or TIME not in dataset.sizes:
+        return dataset
+    time = dataset[TIME].values
+    whole = (time <= (steps + 0.5) * step) & (np.arange(len(time)) == np.searchsorted(time, time))
+    return dataset.isel({TIME: slice(int(np.cumprod(whole).sum()))})
 
 
 def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:

@@ -15,7 +15,8 @@ import meshio
 import numpy as np
 import xarray as xr
 
-from bladewhirl.meshes.files.drafts import write_whole
+from bladewhirl.meshes.files.drafts import replacing, write_whole
+from bladewhirl.meshes.files.manifest import claim, owned
 from bladewhirl.postprocess.fields.fields import (
     Array,
     IntArray,
@@ -53,6 +54,7 @@ def export_vtk(
     end: float | None = None,
     rotating: bool = False,
     surface: bool = False,
+    overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Path:
     """Write a time series of the run between `start` and `end` [s]; returns series.pvd's path.
@@ -76,19 +78,27 @@ def export_vtk(
     strains and stresses are on points, with `surface_stress` [Pa] the sum of axial and bending
     at each corner, and a third part, `contact`, holds the tips with `gap` and `contact_force`.
     With `rotating`, everything is seen from the rotor: its points stay, the casing's turn back,
-    and all vectors are in rotating axes. Frames of an earlier export to the same folder go first.
+    and all vectors are in rotating axes. Frames that the manifest of the folder lists go first;
+    other files are replaced with `overwrite` only.
     `progress` is told frames done and frames in all.
 
     Raises:
         ViewError: an empty window or number of frames.
         ResultError: an old result that knows no sections.
+        FileExistsError: a file that the manifest does not list is in the way.
     """
     records = frame_records(dataset, frames, start, end)
     hint = sampling_hint(dataset, records)
     if hint:
         logger.info(hint)
     return write_series(
-        dataset, directory, records, rotating=rotating, surface=surface, progress=progress
+        dataset,
+        directory,
+        records,
+        rotating=rotating,
+        surface=surface,
+        overwrite=overwrite,
+        progress=progress,
     )
 
 
@@ -99,13 +109,22 @@ def write_series(
     *,
     rotating: bool = False,
     surface: bool = False,
+    overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Path:
     """Write the series of chosen records, see `export_vtk`; returns series.pvd's path."""
     parts, points = (surface_parts if surface else line_parts)(dataset, rotating)
     folder = Path(directory)
+    frames = {frame_name(part, number) for part in parts for number in range(len(records))}
+    earlier = [*owned(folder)]
+    claim(folder, {"series.pvd", "mesh.vtu", *frames}, overwrite=overwrite)
+    # The index is emptied first: it must never name a frame that is gone.
     series = SeriesWriter(folder=folder)
-    meshio.write(folder / "mesh.vtu", undeformed_mesh(dataset))
+    for path in earlier:
+        if path.parent == folder / "frames":
+            path.unlink()
+    with replacing(folder / "mesh.vtu") as draft:
+        meshio.write(draft, undeformed_mesh(dataset))
     # In portions, so that memory does not grow with the number of frames.
     together = max(1, min(PORTION, PORTION_POINTS // points))
     for portion in np.array_split(records, -(-len(records) // together)):
@@ -116,6 +135,11 @@ def write_series(
             if progress is not None:
                 progress(series.frames, len(records))
     return series.index
+
+
+def frame_name(part: str, number: int) -> str:
+    """File of a part at an instant, seen from the folder of the series."""
+    return f"frames/{part}_{number:05d}.vtu"
 
 
 Parts = Mapping[str, Callable[[IntArray], list[meshio.Mesh]]]
@@ -153,10 +177,7 @@ class SeriesWriter:
 
     def __post_init__(self) -> None:
         (self.folder / "frames").mkdir(parents=True, exist_ok=True)
-        # The index goes first: it must never name a frame that is gone.
         self._write_index()
-        for stale in (self.folder / "frames").glob("*.vtu"):
-            stale.unlink()
 
     @property
     def frames(self) -> int:
@@ -171,7 +192,7 @@ class SeriesWriter:
     def add(self, time: float, parts: dict[str, meshio.Mesh]) -> None:
         """Write the parts at an instant [s] and enter them in the index under their names."""
         for number, (name, mesh) in enumerate(parts.items()):
-            file = f"frames/{name}_{self._frames:05d}.vtu"
+            file = frame_name(name, self._frames)
             meshio.write(self.folder / file, mesh)
             self._entries.append(
                 f'    <DataSet timestep="{time!r}" part="{number}" name={quoteattr(name)} '

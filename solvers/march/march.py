@@ -122,7 +122,7 @@ def march(
         state = scheme.init()
     per_chunk = max(1, CHUNK_STEPS // timing.record_every) * timing.record_every
     # A record at step n is complete with x_{n+1}: the last one asks for one step more.
-    last, whole = timing.steps + 1, timing.steps - timing.steps % timing.record_every + 1
+    last, whole = timing.steps + 1, timing.whole_steps + 1
     while state.step < last:
         within_whole = state.step < whole
         steps = (whole if within_whole else last) - state.step

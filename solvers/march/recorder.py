@@ -1,7 +1,8 @@
 """Records of a march on disk: `result.nc`, netCDF-4 that grows as the march goes on.
 
 Every variable has named dimensions, units and a long name. What has been flushed survives a kill:
-h5py flushes, h5netcdf does not, so the file is opened with the one and handed to the other.
+h5py flushes, h5netcdf does not, so the file is opened with the one and handed to the other. Records
+are flushed before `steps` vouches for them.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from bladewhirl.solvers.march.schema import (
     Variable,
     index_values,
 )
+from bladewhirl.solvers.march.storage import GuardedFile
 
 Attribute = str | int | float
 
@@ -53,7 +55,7 @@ class Recorder:
     """Writes a result as its records arrive; use it as a context manager.
 
     Args:
-        path: of the file, which is replaced where it exists.
+        path: of the file, which is emptied where it exists.
         stage: arrays that describe the stage.
         attributes: of the file. `end_reason`, `end_message` and `steps` are kept by the recorder.
 
@@ -68,7 +70,8 @@ class Recorder:
         attributes: Mapping[str, Attribute],
     ) -> None:
         self._records, self._steps = 0, 0
-        self._h5 = h5py.File(path, "w")
+        self._raw = GuardedFile(path)
+        self._h5 = h5py.File(self._raw, "w")
         self._file = h5netcdf.File(self._h5, "w")
         sizes = _sizes(stage)
         self._file.dimensions = {TIME: None} | {name: size for name, size in sizes.items() if size}
@@ -119,6 +122,7 @@ class Recorder:
 
         Raises:
             NonFiniteError: a record is not finite; it and those after it are left out.
+            OSError: the system refuses; what was written before is kept.
         """
         if chunk.records == 0:  # records may be further apart than chunks
             return
@@ -131,6 +135,7 @@ class Recorder:
                 # one march in some hundreds was lost to a variable that was left as it was.
                 self._h5[name].resize(last, axis=0)
                 self._h5[name][first:last] = values[:finite]
+            self.flush()
             self._records, self._steps = last, int(chunk.step[finite - 1])
             self._h5.attrs.modify("steps", np.int64(self._steps))
         self.flush()
@@ -144,13 +149,19 @@ class Recorder:
         self.flush()
 
     def flush(self) -> None:
-        """Bring everything written so far to the disk."""
+        """Bring everything written so far to the disk.
+
+        Raises:
+            OSError: the system refuses.
+        """
         self._h5.flush()
+        self._raw.check()
 
     def close(self) -> None:
         """Flush and close."""
         self._file.close()
         self._h5.close()
+        self._raw.close()
 
     def _create(self, name: str, variable: Variable, values: np.ndarray[Any, Any]) -> None:
         if values.dtype.kind == "U":

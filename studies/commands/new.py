@@ -22,5 +22,6 @@ def new(
     if path.exists() and not force:
         raise UserError(f"{path}: already exists; --force overwrites it")
     with writing(path):
+        path.parent.stat()  # a folder is not made for it
         write_whole(path, template())
     typer.echo(f"Wrote {path}.")

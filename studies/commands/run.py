@@ -8,19 +8,22 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands.exits import INTERRUPTED
-from bladewhirl.studies.commands.options import CaseFile, Changes, End, Rotating, Start
+from bladewhirl.studies.commands.options import Changes, End, Rotating, Start
 from bladewhirl.studies.commands.progress import progress_bar
 
 if TYPE_CHECKING:
-    from bladewhirl.studies.runs.run import Activity
+    from bladewhirl.studies.runs.recorded_march import Activity
 
 RUNS = Path("runs")
 """Folder that runs go to where none is named."""
 
 
 def run(
-    case: CaseFile,
+    case: Annotated[
+        Path | None, typer.Argument(help="Case file; none with --resume.", show_default=False)
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -37,6 +40,13 @@ def run(
     start: Start = None,
     end: End = None,
     rotating: Rotating = False,
+    resume: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Go on with the run in this folder; --set march.duration=6 makes it longer.",
+        ),
+    ] = None,
     json: Annotated[
         bool, typer.Option("--json", help="Print the summary as one JSON document.")
     ] = False,
@@ -46,19 +56,27 @@ def run(
     DIR gets the resolved case.toml, provenance.json, result.nc (netCDF, opens with xarray),
     summary.json, orbit.png, energy.png and vtk/series.pvd for ParaView: of all of the run, or of
     the window of --from and --to. A motion that diverges is a result as any other. Ctrl-C ends the
-    march in order and keeps what was recorded.
+    march in order and keeps what was recorded; a run that was killed or had no room is finished by
+    --resume DIR, with the same bits. --overwrite puts the new run in the place of the old one when
+    it is done.
     """
     from rich.console import Console
 
     from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.studies.commands.options import parse_window
+    from bladewhirl.studies.runs.folder import CASE_NAME
+    from bladewhirl.studies.runs.run import resume as resume_run
     from bladewhirl.studies.runs.run import run as run_case
 
     values = overrides or []
     window = parse_window(start, end)
-    checked = read_case(case, values)
-    step, begun = checked.march.time_step, 0.0
-    with faults_from(case, values), progress_bar("preparing") as update:
+    if (case is None) == (resume is None):
+        raise UserError("run: expected CASE, or --resume DIR")
+    if resume is not None and (output is not None or overwrite or window != (None, None)):
+        raise UserError(f"--resume {resume}: expected no --output, --overwrite, --from and --to")
+    source = case or (resume or Path()) / CASE_NAME
+    step, begun = read_case(source, values).march.time_step, 0.0
+    with faults_from(source, values), progress_bar("preparing") as update:
 
         def progress(activity: Activity, done: int, total: int) -> None:
             nonlocal begun
@@ -68,16 +86,19 @@ def run(
             reached = f"{done * step:.4f} of {total * step:g} s"
             update(done, total, label=activity, told=reached + rate)
 
-        done = run_case(
-            checked,
-            output or RUNS / case.stem,
-            overwrite=overwrite,
-            frames=frames,
-            start=window[0],
-            end=window[1],
-            rotating=rotating,
-            progress=progress,
-        )
+        if resume is not None:
+            done = resume_run(resume, values, frames=frames, rotating=rotating, progress=progress)
+        else:
+            done = run_case(
+                read_case(source, values),
+                output or RUNS / source.stem,
+                overwrite=overwrite,
+                frames=frames,
+                start=window[0],
+                end=window[1],
+                rotating=rotating,
+                progress=progress,
+            )
     if json:
         typer.echo(done.summary.to_json(), nl=False)
     else:

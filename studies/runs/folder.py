@@ -1,4 +1,4 @@
-"""The folder of a run: whether it may be used, what lies in it, how it is cleared."""
+"""The folder of a run: whether it may be used, and what lies in it."""
 
 from __future__ import annotations
 
@@ -15,11 +15,12 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from bladewhirl.meshes.files.drafts import write_whole
-from bladewhirl.meshes.files.registry import READERS as MESH_SUFFIXES
+from bladewhirl.meshes.files.manifest import listed
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import dumps_case
 from bladewhirl.models.case.mesh_file import MeshTable
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME
 from bladewhirl.solvers.march.recorder import RESULT_NAME
 
 CASE_NAME = "case.toml"
@@ -27,6 +28,7 @@ PROVENANCE_NAME = "provenance.json"
 SUMMARY_NAME = "summary.json"
 MESH_NAME = "mesh"  #: of a copy of a mesh file, before its suffix
 VTK_NAME = "vtk"
+FIGURE_ENDS = (".png", ".pdf", ".nc")
 ORBIT_NAME, ENERGY_NAME = "orbit.png", "energy.png"
 REPORT_NAME = "report.html"
 FAILURES_NAME = "failures.json"  #: of a sweep: points that failed, with reasons
@@ -82,7 +84,9 @@ def _check_replaceable(directory: Path, *, overwrite: bool) -> None:
 
 
 def is_run(directory: Path) -> bool:
-    """Whether a folder holds what `write_provenance` leaves in it."""
+    """Whether a folder holds what `write_provenance` leaves in it, or a run was begun there."""
+    if RESULT_NAME in listed(directory):
+        return True
     try:
         provenance = json.loads((directory / PROVENANCE_NAME).read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -90,25 +94,23 @@ def is_run(directory: Path) -> bool:
     return isinstance(provenance, dict) and PACKAGE in provenance
 
 
-def clear(directory: Path) -> None:
-    """Make the folder, or take the files of an earlier run out of it; others stay."""
-    directory.mkdir(parents=True, exist_ok=True)
-    for path in _own_files(directory):
-        path.unlink(missing_ok=True)
-    vtk = directory / VTK_NAME
-    for folder in (vtk / "frames", vtk):
-        if folder.is_dir() and not any(folder.iterdir()):
-            folder.rmdir()
-
-
 def case_files(case: Case) -> dict[str, bytes]:
     """Content, by file name, of what reruns a case: case.toml, and the mesh file that it names.
 
-    To be read before `clear`: the mesh file may be that of the run to be replaced.
+    The mesh file may be that of a run to be replaced.
     """
     mesh = case.bladed_disk.mesh
     files = {CASE_NAME: portable_case(case).encode()}
     return files if mesh is None else files | {_copy_name(mesh): Path(mesh.file).read_bytes()}
+
+
+def march_digest(case: Case) -> str:
+    """Digest of all that a march depends on but its duration, SHA-256."""
+    march = case.march.model_copy(update={"duration": 1.0})
+    digest = sha256(version().encode())
+    for name, content in case_files(case.model_copy(update={"march": march})).items():
+        digest.update(name.encode() + content)
+    return digest.hexdigest()
 
 
 def portable_case(case: Case, folder: str = "") -> str:
@@ -182,13 +184,10 @@ def _dependencies() -> Iterator[tuple[str, str]]:
             yield name[0], metadata.version(name[0])
 
 
-def _own_files(directory: Path) -> Iterator[Path]:
-    made = (CASE_NAME, RESULT_NAME, SUMMARY_NAME, PROVENANCE_NAME, REPORT_NAME)
-    yield from (directory / name for name in (*made, *PICTURES.values()))
-    yield from (directory / f"{MESH_NAME}{suffix}" for suffix in MESH_SUFFIXES)
-    for figure in (Path(ORBIT_NAME), Path(ENERGY_NAME)):
-        yield from (directory / f"{figure.stem}{suffix}" for suffix in (".png", ".pdf", ".nc"))
-    vtk = directory / VTK_NAME
-    yield from (vtk / name for name in ("series.pvd", "mesh.vtu"))
-    for part in ("rotor", "casing"):
-        yield from vtk.glob(f"frames/{part}_*.vtu")
+def files_of_run(case: Case) -> tuple[str, ...]:
+    """Files that a run of a case makes, its series aside."""
+    figures = [
+        f"{Path(name).stem}{end}" for name in (ORBIT_NAME, ENERGY_NAME) for end in FIGURE_ENDS
+    ]
+    made = (RESULT_NAME, SUMMARY_NAME, PROVENANCE_NAME, CHECKPOINT_NAME)
+    return (*case_files(case), *made, *figures)

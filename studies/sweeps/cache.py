@@ -16,7 +16,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.runs import folder
-from bladewhirl.studies.runs.run import prepare_stage
+from bladewhirl.studies.runs.prepare import prepare_stage
 from bladewhirl.studies.sweeps.cluster import march_groups
 from bladewhirl.studies.sweeps.layout import make_layout, march_extent
 from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work, march_group, stage_at

@@ -22,7 +22,8 @@ from bladewhirl.postprocess.fields.result import RESULT_NAME, open_result
 from bladewhirl.postprocess.sweep.dataset import Layout
 from bladewhirl.postprocess.sweep.digest import Digest, digest
 from bladewhirl.studies.runs.folder import portable_case
-from bladewhirl.studies.runs.run import march_to_file, prepare_stage
+from bladewhirl.studies.runs.prepare import prepare_stage
+from bladewhirl.studies.runs.recorded_march import march_to_file
 from bladewhirl.studies.sweeps.axes import Value
 
 KEPT_STAGES = 2

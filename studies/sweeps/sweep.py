@@ -17,7 +17,7 @@ from bladewhirl.models.case.file import dumps_case, with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 from bladewhirl.studies.runs import folder
-from bladewhirl.studies.runs.run import prepare_stage
+from bladewhirl.studies.runs.prepare import prepare_stage
 from bladewhirl.studies.sweeps.axes import Grid, Value, make_grid
 from bladewhirl.studies.sweeps.cluster import march_groups
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, Plan, plan_sweep, read_plan, write_plan

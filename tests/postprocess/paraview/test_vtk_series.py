@@ -80,7 +80,7 @@ class TestIndex:
 
         def die(source: Path, target: Path) -> None:
             writes.append(target)
-            if len(writes) == 5:  # an empty index, then one per frame
+            if len(writes) == 7:  # manifest, an empty index, mesh, then an index per frame
                 raise KeyboardInterrupt
             replace(source, target)
 
@@ -96,6 +96,17 @@ class TestIndex:
         export_vtk(result, tmp_path, frames=4)
         assert len(entries(tmp_path / "series.pvd")) == 8
         assert len(list((tmp_path / "frames").glob("*.vtu"))) == 8
+
+    def test_frames_of_others_stay(self, result: xr.Dataset, tmp_path: Path) -> None:
+        (tmp_path / "frames").mkdir()
+        theirs = [tmp_path / "frames" / "wing_00000.vtu", tmp_path / "mesh.vtu"]
+        theirs[0].write_text("precious")
+        export_vtk(result, tmp_path, frames=2)
+        assert theirs[0].read_text() == "precious"
+        (tmp_path / "manifest.json").unlink()
+        with pytest.raises(FileExistsError, match="--overwrite replaces it"):
+            export_vtk(result, tmp_path, frames=2)
+        export_vtk(result, tmp_path, frames=3, overwrite=True)
 
 
 class TestFrames:

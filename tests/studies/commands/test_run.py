@@ -53,9 +53,11 @@ duration = 0.01
 
 FILES = [
     "case.toml",
+    "checkpoint.npz",
     "energy.nc",
     "energy.pdf",
     "energy.png",
+    "manifest.json",
     "orbit.nc",
     "orbit.pdf",
     "orbit.png",
@@ -305,8 +307,7 @@ def test_overwriting_replaces_a_run_and_nothing_else(tmp_path: Path) -> None:
     bw.run(quick(title="second"), out, frames=0, overwrite=True)
     assert read_case(out / "case.toml").title == "second"
     kept = sorted(str(entry.relative_to(out)) for entry in out.rglob("*"))
-    # The animation was of the first run.
-    assert kept == sorted([*FILES, "notes.txt", "vtk", "vtk/state.pvsm"])
+    assert kept == sorted([*FILES, "animation.gif", "notes.txt", "vtk", "vtk/state.pvsm"])
     bw.run(quick(), out, frames=2, overwrite=True)
     assert (out / "vtk" / "series.pvd").is_file()
 

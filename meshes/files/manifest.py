@@ -1,0 +1,75 @@
+"""Which files of a folder are the program's: those that its manifest lists, and no other may go."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from bladewhirl.meshes.files.drafts import write_whole
+
+MANIFEST_NAME = "manifest.json"
+FILES = "files written by bladewhirl"
+"""Key of the list in a manifest."""
+
+
+def listed(folder: Path) -> set[str]:
+    """Names that the manifest of a folder lists, with ``/`` below it; none where there is none."""
+    try:
+        found = json.loads((folder / MANIFEST_NAME).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return set()
+    names = found.get(FILES) if isinstance(found, dict) else None
+    return {name for name in names if isinstance(name, str)} if isinstance(names, list) else set()
+
+
+def claim(folder: Path, names: Iterable[str], *, overwrite: bool = False) -> None:
+    """List files that are about to be written into a folder, which is made if there is none.
+
+    Args:
+        folder: that gets them; its manifest too.
+        names: of the files, relative to it.
+        overwrite: also those that are there and not the program's.
+
+    Raises:
+        FileExistsError: a file is there that the manifest does not list.
+    """
+    new, known = set(names), listed(folder)
+    _refuse_foreign((folder / name for name in sorted(new - known)), overwrite=overwrite)
+    text = json.dumps({FILES: sorted(new | known | {MANIFEST_NAME})}, indent=1)
+    write_whole(folder / MANIFEST_NAME, text + "\n")
+
+
+def claim_file(path: Path, *, overwrite: bool = False) -> None:
+    """The same of one file; a folder without a manifest does not get one.
+
+    Raises:
+        FileExistsError: it is there and not listed.
+    """
+    if (path.parent / MANIFEST_NAME).exists():
+        claim(path.parent, [path.name], overwrite=overwrite)
+    else:
+        _refuse_foreign([path], overwrite=overwrite)
+
+
+def owned(folder: Path) -> Iterator[Path]:
+    """Regular files that the manifests of a folder and of those below list; links are never."""
+    for place, _, names in os.walk(folder):
+        here = Path(place)
+        above = [root for root in (here, *here.parents) if root.is_relative_to(folder)]
+        lists = [(root, listed(root)) for root in above]
+        for name in names:
+            path = here / name
+            if not path.is_symlink() and any(
+                path.relative_to(root).as_posix() in own for root, own in lists
+            ):
+                yield path
+
+
+def _refuse_foreign(paths: Iterable[Path], *, overwrite: bool) -> None:
+    for path in paths:
+        if not overwrite and os.path.lexists(path):
+            told = "it is there and not listed as bladewhirl's; --overwrite replaces it"
+            raise FileExistsError(errno.EEXIST, told, str(path))

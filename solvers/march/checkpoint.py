@@ -1,0 +1,103 @@
+"""States of a march on disk, to the last bit, so that a march that was killed goes on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from bladewhirl.meshes.files.drafts import replacing
+
+CHECKPOINT_NAME = "checkpoint.npz"
+"""In the folder of a run."""
+
+NOTES = ("case", "records", "wall_time")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Checkpoint:
+    """Where a march was when its records were last flushed."""
+
+    case: str  #: digest of all that the march depends on but its duration
+    records: int  #: in the result
+    wall_time: float  #: so far [s]
+    state: dict[str, Any]  #: arrays by name, see `state_arrays`
+
+
+def state_arrays(state: Any, prefix: str = "") -> dict[str, Any]:
+    """Numbers and arrays of a scheme's state by name; dataclasses and named tuples are opened."""
+    found: dict[str, Any] = {}
+    for name, value in _parts(state).items():
+        whole = prefix + name
+        found |= state_arrays(value, f"{whole}.") if _parts(value) else {whole: value}
+    return found
+
+
+def state_from(begin: Any, arrays: dict[str, Any]) -> Any:
+    """The state with these arrays.
+
+    Args:
+        begin: the scheme's first state.
+        arrays: of `state_arrays`.
+
+    Raises:
+        ValueError: they are not those of the scheme.
+    """
+    shapes = {name: np.shape(value) for name, value in state_arrays(begin).items()}
+    if shapes != {name: np.shape(value) for name, value in arrays.items()}:
+        raise ValueError("arrays of another scheme or stage")
+    return _filled(begin, arrays, "")
+
+
+def _filled(like: Any, arrays: dict[str, Any], prefix: str) -> Any:
+    made = {}
+    for name, value in _parts(like).items():
+        whole = prefix + name
+        if _parts(value):
+            made[name] = _filled(value, arrays, f"{whole}.")
+        else:
+            array = np.asarray(arrays[whole])
+            made[name] = array if isinstance(value, np.ndarray) else type(value)(array)
+    return type(like)(**made)
+
+
+def _parts(value: Any) -> dict[str, Any]:
+    if hasattr(value, "_asdict"):
+        return dict(value._asdict())
+    if is_dataclass(value):
+        return {field.name: getattr(value, field.name) for field in fields(value)}
+    return {}
+
+
+def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
+    """Write it whole, in place of the one before."""
+    notes = {name: getattr(checkpoint, name) for name in NOTES}
+    with replacing(path) as draft, draft.open("wb") as stream:
+        np.savez(stream, **notes, **{f"state.{k}": v for k, v in checkpoint.state.items()})
+
+
+def read_checkpoint(path: Path) -> Checkpoint:
+    """Read it back.
+
+    Raises:
+        OSError: it can't be read.
+        ValueError: it is none.
+    """
+    try:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as found:
+            state = {
+                name.removeprefix("state."): found[name]
+                for name in found.files
+                if name.startswith("state.")
+            }
+            return Checkpoint(
+                case=str(found["case"]),
+                records=int(found["records"]),
+                wall_time=float(found["wall_time"]),
+                state=state,
+            )
+    except (KeyError, BadZipFile, EOFError, TypeError) as error:
+        raise ValueError(f"no checkpoint ({error})") from None

@@ -1,0 +1,147 @@
+"""Files below HDF5, which can neither close after a refused write nor open what is cut off.
+
+`GuardedFile` takes the first refusal for the last write and tells it when asked. `CutFile` claims
+to be longer than it is, so that what lies before its end can be read.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from typing import Any
+
+CLAIMED = 2**40
+"""Bytes that a cut-off file claims to have more than it has."""
+
+SMALL = 4096
+"""Bytes of a read of HDF5's own structure, at most, which may reach past what it looks for."""
+
+
+class GuardedFile(io.RawIOBase):
+    """A new file; once the system refuses a write, this and all later ones are kept in memory.
+
+    Raises:
+        OSError: it can't be made.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        super().__init__()
+        self._file = open(path, "w+b", buffering=0)  # closed in `close`
+        self._at, self._end = 0, 0
+        self._kept: list[tuple[int, bytes]] = []
+        self.refusal: OSError | None = None  #: the first, if any
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Go to a place."""
+        self._at = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self._end}[whence]
+        return self._at
+
+    def tell(self) -> int:
+        """The place."""
+        return self._at
+
+    def readinto(self, buffer: Any) -> int:
+        """Fill the buffer with what was written, zeros where nothing was."""
+        view = memoryview(buffer).cast("B")
+        self._file.seek(self._at)
+        found = self._file.read(len(view))
+        view[: len(found)] = found
+        view[len(found) :] = bytes(len(view) - len(found))
+        for start, content in self._kept:
+            first = max(start, self._at)
+            last = min(start + len(content), self._at + len(view))
+            if first < last:
+                part = content[first - start : last - start]
+                view[first - self._at : last - self._at] = part
+        self._at += len(view)
+        return len(view)
+
+    def write(self, data: Any) -> int:
+        """Write all of it, or keep it in memory."""
+        view = memoryview(data).cast("B")
+        try:
+            if self.refusal is None:
+                self._file.seek(self._at)
+                written = 0
+                while written < len(view):
+                    written += self._file.write(view[written:])
+        except OSError as error:
+            self.refusal = error
+        if self.refusal is not None:
+            self._kept.append((self._at, bytes(view)))
+        self._at += len(view)
+        self._end = max(self._end, self._at)
+        return len(view)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Give the file its length."""
+        self._end = self._at if size is None else size
+        try:
+            if self.refusal is None:
+                self._file.truncate(self._end)
+        except OSError as error:
+            self.refusal = error
+        return self._end
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+        super().close()
+
+    def check(self) -> None:
+        """Raise what the system refused, if it did.
+
+        Raises:
+            OSError: it did.
+        """
+        if self.refusal is not None:
+            raise self.refusal
+
+
+class CutFile(io.RawIOBase):
+    """A file to read that may be shorter than its header says: one of a march that was killed."""
+
+    mode = "rb"
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        super().__init__()
+        self._file = open(path, "rb", buffering=0)  # closed in `close`
+        self._size = os.fstat(self._file.fileno()).st_size
+
+    def readable(self) -> bool:
+        """It is."""
+        return True
+
+    def seekable(self) -> bool:
+        """It is."""
+        return True
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Go to a place; the end is far behind that of the file."""
+        if whence == os.SEEK_END:
+            return self._file.seek(self._size + CLAIMED + offset)
+        return self._file.seek(offset, whence)
+
+    def tell(self) -> int:
+        """The place."""
+        return self._file.tell()
+
+    def readinto(self, buffer: Any) -> int:
+        """Fill the buffer.
+
+        Raises:
+            OSError: what is asked for is not there.
+        """
+        view = memoryview(buffer).cast("B")
+        at = self._file.tell()
+        if at >= self._size or (at + len(view) > self._size and len(view) > SMALL):
+            raise OSError(f"the file ends at byte {self._size}, before what its header promises")
+        found = self._file.read(len(view))
+        view[: len(found)] = found
+        view[len(found) :] = bytes(len(view) - len(found))
+        return len(view)
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+        super().close()

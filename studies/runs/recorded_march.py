@@ -1,0 +1,233 @@
+"""The march of a run, recorded as it goes: result and checkpoints, from the start or further on."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.meshes.files.drafts import replacing
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.fields.result import open_result, portions
+from bladewhirl.solvers.march.checkpoint import (
+    CHECKPOINT_NAME,
+    Checkpoint,
+    state_arrays,
+    state_from,
+    write_checkpoint,
+)
+from bladewhirl.solvers.march.march import Chunk, EndReason, march
+from bladewhirl.solvers.march.recorder import INTERRUPTED, Attribute, NonFiniteError, Recorder
+from bladewhirl.solvers.march.schema import HISTORY
+from bladewhirl.studies.runs import folder
+from bladewhirl.studies.runs.interrupts import asked_to_stop
+from bladewhirl.studies.runs.prepare import Prepared
+from bladewhirl.studies.runs.properties import MARCHES
+
+SPARE_BYTES = 4_000_000
+"""Room on the disk that a march leaves: HDF5 can't close a file on a full disk in order."""
+
+Activity = Literal["marching", "writing"]
+
+Progress = Callable[[Activity, int, int], None]
+"""Called with what is being done, steps done and steps in all."""
+
+REMEDY = (
+    "there is nothing left for a linear model to say; if the stage is not meant to diverge, look "
+    "at its speed, load, damping and friction, else raise march.displacement_limit to follow it "
+    "further"
+)
+
+
+def march_to_file(
+    prepared: Prepared,
+    path: Path,
+    case_text: str,
+    progress: Progress | None = None,
+    *,
+    checkpoints: Path | None = None,
+    begin: Checkpoint | None = None,
+) -> dict[str, float]:
+    """March and record; returns what the march alone knows of its quality.
+
+    Args:
+        prepared: the case to march.
+        path: of the result.
+        case_text: of the result, see `folder.portable_case`.
+        progress: called with what is being done, steps done and steps in all.
+        checkpoints: file that keeps the state after every flush; none when None.
+        begin: where a march that left ``path`` goes on.
+
+    Raises:
+        UserError: no room; what was recorded is kept.
+        OSError: the system refuses a write; the same.
+    """
+    timing, residual, unsolved = prepared.timing, 0.0, 0
+    reason, message = EndReason.COMPLETED.value, ""
+    first, before = None, 0.0
+    digest = "" if checkpoints is None else folder.march_digest(prepared.stage.case)
+    with _recorder(prepared, path, case_text, begin) as recorder:
+        if begin is not None:
+            first, before = _state_at(prepared, begin), begin.wall_time
+            residual = first.statistics.complementarity_residual
+            unsolved = first.statistics.lcp_failures
+        began = time.perf_counter() - before
+        try:
+            with asked_to_stop() as interrupted:
+                for state, chunk, end in march(prepared.scheme, timing, first):
+                    check_room(path.parent, 0)
+                    recorder.write(chunk)
+                    # Only before the record at the end that a longer march would not make.
+                    if checkpoints is not None and state.step <= timing.whole_steps + 1:
+                        _keep(checkpoints, digest, recorder, state, time.perf_counter() - began)
+                    residual = state.statistics.complementarity_residual
+                    unsolved = state.statistics.lcp_failures
+                    if progress is not None:
+                        progress("marching", min(state.step, timing.steps), timing.steps)
+                    if end is EndReason.DIVERGENT:
+                        reason, message = end.value, _divergence(prepared, chunk)
+                    elif end is None and interrupted():
+                        reason = INTERRUPTED
+                        message = f"interrupted at {recorder.steps * timing.time_step:.6g} s"
+                        break
+        except NonFiniteError as error:
+            reason, message = EndReason.DIVERGENT.value, f"{error}; {REMEDY}"
+        wall_time = time.perf_counter() - began
+        report = {
+            "complementarity_residual": residual,
+            "unsolved_steps": unsolved,
+            "dt_over_critical": timing.time_step / prepared.problem.critical_time_step,
+            "steps": recorder.steps,
+            "wall_time": wall_time,
+            "us_per_step": 1e6 * wall_time / max(recorder.steps, 1),
+        }
+        recorder.finish(reason, message, report)
+    if progress is not None:
+        progress("writing", recorder.steps, timing.steps)
+    return report
+
+
+@contextmanager
+def _recorder(
+    prepared: Prepared, path: Path, case_text: str, begin: Checkpoint | None
+) -> Iterator[Recorder]:
+    """A recorder of the result, with the records before a checkpoint in it."""
+    attributes = _attributes(prepared, case_text)
+    if begin is None:
+        with Recorder(path, prepared.stage.arrays, attributes) as recorder:
+            yield recorder
+        return
+    with ExitStack() as stack:
+        with replacing(path) as draft, open_result(path) as earlier:
+            if earlier.sizes["time"] < begin.records:
+                raise UserError(f"{path}: expected the {begin.records} records before {draft.name}")
+            recorder = stack.enter_context(Recorder(draft, prepared.stage.arrays, attributes))
+            for records in portions(earlier.isel(time=slice(begin.records))):
+                recorder.write(_chunk(earlier.isel(time=records), prepared.timing.time_step))
+        yield recorder
+
+
+def _chunk(records: xr.Dataset, time_step: float) -> Chunk:
+    values = {name: records[name].values for name in HISTORY}
+    return Chunk(step=np.rint(values["time"] / time_step).astype(np.int64), **values)
+
+
+def _state_at(prepared: Prepared, begin: Checkpoint) -> Any:
+    steps = int(begin.state["step"])
+    if steps > prepared.timing.steps + 1:
+        reached = (steps - 1) * prepared.timing.time_step
+        raise UserError(f"march.duration: expected {reached:.6g} s, which is marched, or more")
+    try:
+        return state_from(prepared.scheme.init(), begin.state)
+    except ValueError as error:
+        raise UserError(f"{CHECKPOINT_NAME}: expected the state of this march ({error})") from None
+
+
+def _keep(path: Path, case: str, recorder: Recorder, state: Any, wall_time: float) -> None:
+    write_checkpoint(
+        path,
+        Checkpoint(
+            case=case,
+            records=recorder.records,
+            wall_time=wall_time,
+            state=state_arrays(state),
+        ),
+    )
+
+
+def check_room(directory: Path, needed: int) -> None:
+    """See that there is room for so many bytes and a little more.
+
+    Raises:
+        UserError: there is not.
+    """
+    free = shutil.disk_usage(folder.nearest_existing(directory)).free
+    if free < needed + SPARE_BYTES:
+        raise UserError(
+            f"{directory}: expected {(needed + SPARE_BYTES) / 1e6:.0f} MB of room on the disk, "
+            f"found {free / 1e6:.0f} MB"
+        )
+
+
+def _attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
+    stage = prepared.stage
+    case = stage.case
+    strength = case.material.lowest_yield_strength
+    return {
+        **({} if strength is None else {"yield_strength": strength}),
+        "title": case.title,
+        "version": folder.version(),
+        "speed": stage.speed,
+        "reference_frequency": stage.reference_frequency,
+        "casing_radius": stage.reduced_casing.radius,
+        "tip_radius": stage.rotor.tip_radius,
+        "friction": case.contact.friction,
+        "time_step": prepared.timing.time_step,
+        "record_step": prepared.timing.record_step,
+        "clamped": int(case.shaft.clamped),
+        "symmetry": "; ".join(
+            f"{body.replace('_', ' ')}: {found}, march {MARCHES[cyclic]}"
+            for (body, found), cyclic in zip(
+                stage.symmetry.items(), prepared.scheme.cyclic, strict=True
+            )
+        ),
+        "case": case_text,
+    }
+
+
+def _divergence(prepared: Prepared, chunk: Chunk) -> str:
+    """Which body went too far, where, how far and when, and what to do.
+
+    The last record is the last state within the limit, so what goes beyond it is sought a step on.
+    """
+    rotor, casing = prepared.problem.rotor, prepared.problem.casing
+    limit, step = prepared.problem.displacement_limit, prepared.timing.time_step
+    moved = chunk.rotor_displacement[-1], chunk.rotor_velocity[-1]
+    wall = chunk.casing_displacement[-1], chunk.casing_velocity[-1]
+    angles = 360.0 * np.arange(len(casing.nodal)) / len(casing.nodal)
+    tips = [f"blade {blade}" for blade in range(len(rotor.tip_angle))]
+    candidates = (
+        (tips, "radially", [rotor.tip_radial @ part for part in moved]),
+        (tips, "tangentially", [rotor.tip_tangential @ part for part in moved]),
+        (
+            [f"the casing at {angle:.4g}°" for angle in angles],
+            "radially",
+            [casing.nodal[:, 0] @ part for part in wall],
+        ),
+    )
+    places = [
+        (abs(at + step * rate), name, way, at)
+        for names, way, (values, rates) in candidates
+        for name, at, rate in zip(names, values, rates, strict=True)
+    ]
+    _, place, way, value = max(places)
+    return (
+        f"{place} passed march.displacement_limit = {limit:g} m at {chunk.time[-1]:.6g} s"
+        f" ({value:.4g} m {way}); {REMEDY}"
+    )

@@ -1,0 +1,170 @@
+"""Runs that survive: killed, refused, made longer, overwritten, begun twice."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import bladewhirl as bw
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import dumps_case, loads, with_values
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.runs.place import locked
+from bladewhirl.studies.runs.recorded_march import Activity
+from bladewhirl.studies.runs.run import resume
+
+SMALL = """
+[bladed_disk]
+blades = 6
+elements_per_blade = 2
+[casing]
+elements = 12
+support = 7.975e6
+[reduction]
+fixed_interface_modes = 10
+[excitation]
+type = "casing-distortion"
+modal_force = 30000
+duration = "5 ms"
+[march]
+time_step = 2e-6
+record_step = 1e-4
+duration = 0.1
+"""
+
+COMMAND = "from bladewhirl.studies.commands.cli import main; main()"
+
+
+class Disturbed(Exception):
+    """The march ends as by a kill, as far as its folder goes."""
+
+
+def small(**values: object) -> Case:
+    return with_values(loads(SMALL), values)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run that nothing disturbed."""
+    return bw.run(small(), tmp_path_factory.mktemp("whole") / "run", frames=0).directory
+
+
+def broken_off(case: Case, directory: Path, steps: int, *, overwrite: bool = False) -> None:
+    def disturb(activity: Activity, done: int, total: int) -> None:
+        if done >= steps:
+            raise Disturbed
+
+    with pytest.raises(Disturbed):
+        bw.run(case, directory, frames=0, overwrite=overwrite, progress=disturb)
+
+
+def assert_same_bits(one: Path, other: Path) -> None:
+    with bw.open_result(one) as left, bw.open_result(other) as right:
+        assert left.sizes == right.sizes
+        for name in left.variables:
+            np.testing.assert_array_equal(left[name].values, right[name].values)
+
+
+def test_a_run_broken_off_goes_on_to_the_same_bits(whole: Path, tmp_path: Path) -> None:
+    broken_off(small(), tmp_path / "run", 20_000)
+    with bw.open_result(tmp_path / "run") as left:
+        assert 0 < left.sizes["time"] < 1001
+    done = resume(tmp_path / "run", frames=0)
+    assert done.end_reason == "completed"
+    assert done.summary.steps == 50_000
+    assert_same_bits(whole, tmp_path / "run")
+
+
+@pytest.mark.parametrize("duration", [0.05, 0.05003])
+def test_a_finished_run_is_made_longer(whole: Path, tmp_path: Path, duration: float) -> None:
+    """Also one whose last record is one that a longer run does not make."""
+    bw.run(small(**{"march.duration": duration}), tmp_path / "run", frames=3)
+    resume(tmp_path / "run", ["march.duration=0.1"], frames=2)
+    assert_same_bits(whole, tmp_path / "run")
+    assert len([*(tmp_path / "run" / "vtk" / "frames").iterdir()]) == 4
+
+
+def test_only_the_duration_may_change(whole: Path, tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"only march\.duration may change"):
+        resume(whole, ["march.speed=1.2"])
+    with pytest.raises(UserError, match=r"march\.duration: expected 0\.1 s, which is marched, or"):
+        resume(whole, ["march.duration=0.05"])
+    (tmp_path / "case.toml").write_text(SMALL)
+    for content in (b"", b"nonsense", b"PK\x03\x04"):
+        (tmp_path / "checkpoint.npz").write_bytes(content)
+        with pytest.raises(UserError, match=r"checkpoint\.npz: expected where a run was"):
+            resume(tmp_path)
+
+
+def test_a_run_that_overwrites_and_is_broken_off_leaves_the_old_one(tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    bw.run(small(title="old", **{"march.duration": 1e-3}), out, frames=0)
+    before = (out / "result.nc").read_bytes()
+    broken_off(small(title="new"), out, 20_000, overwrite=True)
+    assert (out / "result.nc").read_bytes() == before
+    bw.run(small(title="new", **{"march.duration": 1e-3}), out, frames=0, overwrite=True)
+    with bw.open_result(out) as result:
+        assert result.attrs["title"] == "new"
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
+
+
+def test_overwriting_follows_no_links(tmp_path: Path) -> None:
+    out, other = tmp_path / "run", tmp_path / "other"
+    short = small(**{"march.duration": 1e-3})
+    bw.run(short, out, frames=2)
+    (out / "vtk").rename(other)
+    (out / "vtk").symlink_to(other)
+    before = sorted(path.name for path in other.rglob("*"))
+    bw.run(short, out, frames=0, overwrite=True)
+    assert sorted(path.name for path in other.rglob("*")) == before
+    assert (out / "vtk").is_symlink()
+
+
+def test_a_folder_between_its_first_files_is_not_stuck(tmp_path: Path) -> None:
+    out, short = tmp_path / "run", small(**{"march.duration": 1e-3})
+    broken_off(short, out, 0)
+    (out / "provenance.json").unlink()
+    bw.run(short, out, frames=0, overwrite=True)
+    assert (out / "summary.json").is_file()
+
+
+def test_two_runs_do_not_share_a_folder(tmp_path: Path) -> None:
+    with locked(tmp_path), pytest.raises(UserError, match="is in use"), locked(tmp_path):
+        pytest.fail("two have the lock")
+    assert not [*tmp_path.iterdir()]
+
+
+def test_a_refused_write_is_one_line_and_what_was_recorded_stays(
+    whole: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "case.toml").write_text(dumps_case(small()))
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (1_600_000, 1_600_000)); "
+    arguments = ["run", str(tmp_path / "case.toml"), "-o", str(tmp_path / "run"), "--frames", "0"]
+    ended = subprocess.run(
+        [sys.executable, "-c", limit + COMMAND, *arguments], capture_output=True, text=True
+    )
+    assert ended.returncode == 2, ended.stderr
+    assert ended.stderr.splitlines() == [f"{tmp_path / 'run'}: cannot be written (File too large)"]
+    with bw.open_result(tmp_path / "run") as left:
+        assert left.sizes["time"] > 0
+    resume(tmp_path / "run", frames=0)
+    assert_same_bits(whole, tmp_path / "run")
+
+
+def test_a_killed_run_goes_on_to_the_same_bits(whole: Path, tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(dumps_case(small()))
+    arguments = ["run", str(tmp_path / "case.toml"), "-o", str(tmp_path / "run")]
+    longer = ["--set", "march.duration=3600"]
+    with subprocess.Popen([sys.executable, "-c", COMMAND, *arguments, *longer]) as process:
+        while not (tmp_path / "run" / "checkpoint.npz").exists():
+            assert process.poll() is None
+        process.send_signal(signal.SIGKILL)
+    with pytest.raises(UserError, match="is in use"), locked(tmp_path / "run"):
+        resume(tmp_path / "run", ["march.duration=0.1"], frames=0)
+    resume(tmp_path / "run", ["march.duration=0.1"], frames=0)
+    assert_same_bits(whole, tmp_path / "run")
