@@ -7,7 +7,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent / "extensions"))
 
-logging.getLogger("fontTools").setLevel(logging.WARNING)  # of figures written as PDF
+for library in ("fontTools", "skfem"):
+    logging.getLogger(library).setLevel(logging.WARNING)
 
 project = "bladewhirl"
 author = "The authors of bladewhirl"
