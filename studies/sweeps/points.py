@@ -71,11 +71,15 @@ def march_group(work: Work, group: Group) -> dict[int, Outcome]:
 
 
 def stage_at(case: Case) -> Stage:
-    """Stage of a case; cases that differ in what moves it only share all but the case."""
+    """Stage of a case; cases that differ in what moves it only share all but the case.
+
+    With rotation effects its speed makes the stage, too.
+    """
+    turns = case.rotation.effects != "none"
     body = case.model_copy(
         update={
             "title": "",
-            "march": March(),
+            "march": March(speed=case.march.speed) if turns else March(),
             "contact": Contact(),
             "excitation": NoExcitation(),
             "initial": Initial(),
