@@ -5,12 +5,15 @@ A comment on the line above changes that:
 
     <!-- file: stage.toml -->       the block is written to that file
     <!-- not run: reason -->        the block needs what is not here, a cluster for instance
+
+`python blocks.py PAGE FOLDER` runs a page and prints a JSON list of what each block printed.
 """
 
 from __future__ import annotations
 
 import contextlib
 import io
+import json
 import os
 import re
 import shlex
@@ -115,3 +118,14 @@ def _commands(code: str) -> list[str]:
     """Commands of a block, one a line; a backslash goes on in the next."""
     lines = code.replace("\\\n", " ").splitlines()
     return [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
+
+
+def main(page: str, folder: str) -> None:
+    """Run the blocks of a page in a folder."""
+    session = Session(Path(folder).resolve())
+    text = Path(page).read_text(encoding="utf-8")
+    print(json.dumps([session.run(block) for block in blocks(text) if block.runs]))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

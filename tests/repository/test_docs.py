@@ -87,3 +87,10 @@ def test_every_command_and_option_is_in_the_reference() -> None:
     )
     assert "```{option} --set KEY=VALUE\n" in text
     assert "```{option} --output PATH, -o PATH\n" in text
+
+
+@pytest.mark.parametrize("name", [name for name in PAGES if name.startswith("theory/")])
+def test_the_modules_that_hold_an_equation_exist(name: str) -> None:
+    modules = re.findall(r"`(\w+(?:/\w+)+\.py)`", PAGES[name])
+    assert modules
+    assert [module for module in modules if not (ROOT / module).is_file()] == []

@@ -1,4 +1,4 @@
-"""The cases in examples/: each marches, and at full length gives what the README says."""
+"""The cases in examples/: each marches, and at full length gives what docs/paper.md says."""
 
 import re
 from pathlib import Path
@@ -15,9 +15,9 @@ from bladewhirl.studies.runs.outputs import Run
 EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
 
 
-def readme_row(name: str) -> list[str]:
-    """What the README's table says of fan stage, casing distortion and imbalance."""
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+def row_of_the_page(name: str) -> list[str]:
+    """What the page's table says of fan stage, casing distortion and imbalance."""
+    text = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
     (row,) = re.findall(rf"^\| {name} \|(.*)\|$", text, flags=re.MULTILINE)
     return [cell.strip() for cell in row.split("|")]
 
@@ -43,17 +43,17 @@ def full(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 
 
 @pytest.mark.slow
-def test_full_length_gives_what_the_readme_says(full: Run) -> None:
+def test_full_length_gives_what_the_page_says(full: Run) -> None:
     column = ["fan_stage", "casing_distortion", "imbalance"].index(full.directory.name)
     summary = full.summary
-    assert readme_row("regime at speed 1.05")[column].replace(" ", "-") == summary.regime
+    assert row_of_the_page("regime at speed 1.05")[column].replace(" ", "-") == summary.regime
     # Where it diverges the last digit of a force decides when.
     late, far = (0.4, 0.1) if summary.regime == "divergent" else (1e-9, 0.02)
-    radius = float(readme_row("largest shaft radius")[column].split()[0]) * 1e-3
+    radius = float(row_of_the_page("largest shaft radius")[column].split()[0]) * 1e-3
     assert summary.shaft_radius_max == pytest.approx(radius, rel=far)
-    end = float(readme_row("end of the march")[column].split()[0])
+    end = float(row_of_the_page("end of the march")[column].split()[0])
     assert summary.end_time == pytest.approx(end, abs=late)
-    touched = readme_row("blades that touched")[column]
+    touched = row_of_the_page("blades that touched")[column]
     assert f"{sum(share > 0.0 for share in summary.contact_share)} of 22" == touched
     assert summary.energy_residual <= 1e-8
     assert summary.complementarity_residual <= 1e-10
