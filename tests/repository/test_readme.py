@@ -28,8 +28,8 @@ def blocks(language: str, text: str = README) -> list[str]:
 def commands() -> list[list[str]]:
     """Arguments of every bladewhirl command in code blocks and in running text."""
     text = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
-    lines = "\n".join([*blocks("sh", text), *blocks("console", text)]).replace("\\\n", " ")
-    lines = lines.replace("&&", "\n").splitlines()
+    code = "\n".join([*blocks("sh", text), *blocks("console", text)]).replace("\\\n", " ")
+    lines = code.replace("&&", "\n").splitlines()
     split = [shlex.split(line, comments=True) for line in lines]
     found = [words[1:] for words in split if words and Path(words[0]).name == "bladewhirl"]
     return [list(words) for words in dict.fromkeys(map(tuple, found))]
