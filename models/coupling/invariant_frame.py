@@ -56,12 +56,30 @@ def _real_blocks(modes: CouplingModes, factor: ComplexArray) -> FloatArray:
     return matrix
 
 
+def coupled_blocks(modes: CouplingModes, factor: ComplexArray) -> FloatArray:
+    """Matrix over the real coordinates of a complex one over the entries.
+
+    Args:
+        modes: the coupled modes.
+        factor: (..., entries, entries), real between single modes.
+
+    Returns:
+        (..., size, size).
+    """
+    entry, sine = modes.entry, modes.is_sine
+    both = factor[..., entry[:, None], entry[None, :]]
+    crossed = np.where(sine[:, None], both.imag, -both.imag)
+    return np.asarray(np.where(sine[:, None] == sine[None, :], both.real, crossed))
+
+
 def invariant_matrices(
     modes: CouplingModes, *, speed: ArrayLike, kappa: ArrayLike, with_pi: bool = True
 ) -> tuple[FloatArray, FloatArray]:
     """Constant matrices G(Omega) and K(Omega) of Eqs (18)-(20), corrected and with damping.
 
-    G = 2 P^T dP/dt + P^T D P and K = P^T (d2P/dt2 + D dP/dt + K(t) P), in closed form.
+    G = 2 P^T dP/dt + P^T D P and K = P^T (d2P/dt2 + D dP/dt + K(t) P), in closed form. A rotor
+    that turns adds 2 Omega Coriolis forces to D and Omega^2 S to K(t), see `turning_rotor`; as
+    complex matrices of one body they commute with P.
 
     Args:
         modes: the coupled modes.
@@ -78,6 +96,11 @@ def invariant_matrices(
     gyroscopic = _real_blocks(modes, damping + 2j * turning)
     own = modes.frequency**2 - turning**2 + 1j * damping * turning
     stiffness = _real_blocks(modes, own)
+    if modes.turning is not None:
+        twice = (2.0 * speed[..., None, None]) * modes.turning.coriolis
+        gyroscopic = gyroscopic + coupled_blocks(modes, twice)
+        added = (speed**2)[..., None, None] * modes.turning.softening
+        stiffness += coupled_blocks(modes, added + 1j * twice * turning[..., None, :])
     for k in modes.harmonics:
         rows = np.zeros((2, modes.size))
         here = modes.nodal_diameter == k

@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
+from bladewhirl.models.coupling.turning_rotor import TurningRotor
 
 ANGLES = 181
 """Angles at which springs are looked at where their stiffness changes as the rotor turns."""
@@ -52,11 +53,12 @@ class CouplingModes:
     amplitude: FloatArray  #: radial amplitude at the springs [kg^-1/2], (entries,)
     damping_ratio: FloatArray  #: modal damping ratio of each entry, (entries,)
     paired: BoolArray  #: whether the entry is a cosine/sine pair, (entries,)
+    turning: TurningRotor | None = None  #: what rotation adds; None without its effects
 
     def __post_init__(self) -> None:
         kinds: dict[str, Any] = {"on_casing": bool, "paired": bool, "nodal_diameter": np.int64}
         object.__setattr__(self, "name", tuple(self.name))
-        for item in fields(self)[1:]:
+        for item in fields(self)[1:-1]:
             array = np.array(getattr(self, item.name), dtype=kinds.get(item.name, np.float64))
             if array.shape != (len(self.name),):
                 wanted = f"one value for each of {len(self.name)} entries"
@@ -125,8 +127,9 @@ class CouplingModes:
     def take(self, chosen: IntArray | BoolArray | Sequence[int]) -> CouplingModes:
         """Keep some entries, by a mask or by positions."""
         kept = np.arange(self.entries)[np.asarray(chosen)]
-        arrays = {item.name: getattr(self, item.name)[kept] for item in fields(self)[1:]}
-        return CouplingModes(name=tuple(self.name[i] for i in kept), **arrays)
+        arrays = {item.name: getattr(self, item.name)[kept] for item in fields(self)[1:-1]}
+        turning = None if self.turning is None else self.turning.take(kept)
+        return CouplingModes(name=tuple(self.name[i] for i in kept), turning=turning, **arrays)
 
     def with_unit_amplitudes(self) -> CouplingModes:
         """Give every mode amplitude one, as the paper does, in the phase that it has."""

@@ -10,12 +10,15 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
 from bladewhirl.meshes.ring_mesh import U, W
+from bladewhirl.models.case.rotation import Effects
 from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings, body_coordinates
+from bladewhirl.models.coupling.turning_rotor import matrices_of_entries
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.elements.cyclic import is_pair, wave_parts
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.modes import ModeTable
+from bladewhirl.models.rotation.matrices import RotationMatrices
 
 FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
 """Families of the bladed disk that are coupled, besides the suspension pair."""
@@ -117,6 +120,32 @@ def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
         damping_ratio=damping_ratio,
     )
     return StageModes(modes=found.modes, family=found.family, number=found.number, modal=modal)
+
+
+def at_speed(stage: StageModes, matrices: RotationMatrices, effects: Effects) -> StageModes:
+    """The modes at rest with what rotation adds to those of the rotor.
+
+    Args:
+        stage: coupled modes at rest.
+        matrices: of its bladed disk.
+        effects: that count, not none.
+    """
+    modes = stage.modes
+    coordinates, numbers = stage.mode_numbers(on_casing=False)
+    fields = stage.modal.disk_modes.fields(numbers)
+    coriolis, softening = (
+        np.asarray(fields.T @ (matrix @ fields))
+        for matrix in (matrices.coriolis, matrices.geometric - matrices.mass)
+    )
+    turning = matrices_of_entries(
+        coriolis if effects == "full" else np.zeros_like(coriolis),
+        softening,
+        coordinates,
+        paired=modes.paired,
+        nodal_diameter=modes.nodal_diameter,
+        cosine=modes.cosine,
+    )
+    return replace(stage, modes=replace(modes, turning=turning))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,6 +14,7 @@ import xarray as xr
 from scipy.integrate import cumulative_trapezoid
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.coupling.invariant_frame import coupled_blocks
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.models.modal.full_stage import ModalStage
@@ -203,6 +204,8 @@ def _energy(motion: CoupledMotion, springs: CouplingSprings) -> FloatArray:
     strain = springs.modes.frequency[springs.modes.entry] * moved
     bodies = 0.5 * np.sum(motion.velocity**2 + strain**2, axis=1)
     held = springs.stiffness(angle=motion.speed * motion.time)
+    if springs.modes.turning is not None:
+        held += motion.speed**2 * coupled_blocks(springs.modes, springs.modes.turning.softening)
     return np.asarray(bodies + 0.5 * np.einsum("ti,tij,tj->t", moved, held, moved))
 
 

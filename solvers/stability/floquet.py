@@ -17,6 +17,7 @@ import numpy as np
 import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.coupling.invariant_frame import coupled_blocks
 from bladewhirl.models.coupling.springs import CouplingModes, periodic_stiffness
 from bladewhirl.models.coupling.waves import CoupledWaves
 
@@ -108,12 +109,17 @@ def coupled_floquet(
     """
 
     def over_one_turn(part: CouplingModes) -> Floquet:
+        damping, softening = np.diag(part.damping_rate[part.entry]), np.zeros((part.size,) * 2)
+        if part.turning is not None:
+            damping += coupled_blocks(part, 2.0 * speed * part.turning.coriolis)
+            softening += coupled_blocks(part, speed**2 * part.turning.softening)
         return floquet(
-            lambda times: periodic_stiffness(
-                part, kappa=kappa, angle=speed * times, with_pi=with_pi
+            lambda times: (
+                softening
+                + periodic_stiffness(part, kappa=kappa, angle=speed * times, with_pi=with_pi)
             ),
             period=2.0 * np.pi / abs(speed),
-            damping=np.diag(part.damping_rate[part.entry]),
+            damping=damping,
         )
 
     return {k: over_one_turn(modes.harmonic(k)) for k in modes.harmonics}

@@ -9,6 +9,12 @@ which is a linear eigenvalue problem of half the size of Eq. (21), real without 
 
     mu (X, nu X) = [[-r Omega, 1], [K, -r Omega + i D]] (X, nu X).
 
+With rotation effects Omega^2 S joins the stiffness and 2 i Omega G diag(nu) the damping, so
+
+    mu (X, nu X) = [[-r Omega, 1], [K + Omega^2 S, -r Omega + i D + 2 i Omega G]] (X, nu X),
+
+real without damping where the bladed disk is its own mirror image.
+
 The spectrum of the real system is i mu and its conjugates. Nodal diameters that hold a single mode
 (k = 0, N/2) are solved in real coordinates. Without damping the growth is exactly zero where all
 mu are real.
@@ -21,14 +27,19 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+import scipy.linalg as la
 from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray
 from bladewhirl.models.coupling.invariant_frame import state_matrix
 from bladewhirl.models.coupling.springs import CouplingModes, spring_factor
+from bladewhirl.models.coupling.turning_rotor import TurningRotor
 
 UNSTABLE_GROWTH = 1e-6
 """A point is unstable when its growth rate exceeds this share of the rotational speed."""
+
+REAL = 1e-6
+"""Share of a speed up to which an imaginary part is rounding."""
 
 CHUNK = 4096
 """Points solved in one batch: some megabytes, and a step of the progress bar."""
@@ -112,8 +123,11 @@ def coincidence_speeds(modes: CouplingModes) -> dict[tuple[int, int], float]:
     """Speeds of modal coincidence, Eq. (14), of counter-rotating waves, in rad/s.
 
     Returns:
-        Omega = (omega_casing + omega_rotor) / k for each (casing entry, rotor entry) of one k > 0.
+        Omega = (omega_casing + omega_rotor) / k for each (casing entry, rotor entry) of one k > 0;
+        with rotation effects those of `coincidence_speeds_at_speed`.
     """
+    if modes.turning is not None:
+        return coincidence_speeds_at_speed(modes, modes.turning)
     k = modes.nodal_diameter
     return {
         (int(c), int(r)): float((modes.frequency[c] + modes.frequency[r]) / k[c])
@@ -122,29 +136,91 @@ def coincidence_speeds(modes: CouplingModes) -> dict[tuple[int, int], float]:
     }
 
 
+def coincidence_speeds_at_speed(
+    modes: CouplingModes, turning: TurningRotor
+) -> dict[tuple[int, int], float]:
+    """Lowest speed at which each backward wave has k Omega - omega_casing [rad/s].
+
+    With nu = omega_casing - k Omega put in, waves of a turning rotor are a quadratic eigenvalue
+    problem in Omega. A wave that is left out never meets the casing's.
+    """
+    found: dict[tuple[int, int], float] = {}
+    for casing in np.flatnonzero(modes.on_casing & (modes.nodal_diameter > 0)).tolist():
+        k, own = int(modes.nodal_diameter[casing]), float(modes.frequency[casing])
+        rotor = np.flatnonzero(~modes.on_casing & (modes.nodal_diameter == k))
+        part = turning.take(rotor)
+        rank = np.argsort(np.argsort(modes.frequency[rotor], kind="stable"), kind="stable")
+        identity, square = np.eye(len(rotor)), modes.frequency[rotor] ** 2
+        second = part.softening - k**2 * identity - 2j * k * part.coriolis
+        first = 2.0 * own * (k * identity + 1j * part.coriolis)
+        zeroth = np.diag(square) - own**2 * identity
+        unit = float(modes.frequency.max())
+        companion = np.block(
+            [[np.zeros_like(second), identity], [-zeroth / unit**2, -first / unit]]
+        )
+        speeds = la.eigvals(companion, la.block_diag(identity, second)) * unit
+        real = np.abs(speeds.imag) <= REAL * np.abs(speeds)
+        for speed in np.sort(speeds.real[real & (k * speeds.real > own)]).tolist():
+            waves = np.sort(rotor_waves(part, modes.frequency[rotor], speed).real)
+            behind = len(rotor) - 1 - int(np.abs(waves - (own - k * speed)).argmin())
+            if behind >= 0:  # it travels backward at rest
+                met = rotor[np.flatnonzero(rank == behind)[0]]
+                found.setdefault((casing, int(met)), speed)
+    return dict(sorted(found.items()))
+
+
+def rotor_waves(
+    turning: TurningRotor,
+    frequency: FloatArray,
+    speed: float,
+    damping: FloatArray | None = None,
+) -> ComplexArray:
+    """All nu of waves exp(i nu t) of a rotor alone, positive forward, (2 entries,) [rad/s].
+
+    Args:
+        turning: matrices over its entries, of one nodal diameter.
+        frequency: of the entries at rest [rad/s], (entries,).
+        speed: Omega [rad/s].
+        damping: 2 xi omega of the entries [1/s], (entries,); none when None.
+    """
+    unit, size = float(frequency.max()), len(frequency)
+    stiffness = np.diag(frequency**2) + speed**2 * turning.softening
+    drag = 2.0 * speed * turning.coriolis + np.diag(np.zeros(size) if damping is None else damping)
+    below = np.hstack([stiffness / unit, 1j * drag])
+    above = np.hstack([np.zeros((size, size)), unit * np.eye(size)])
+    return np.asarray(np.linalg.eigvals(np.vstack([above, below])), dtype=np.complex128)
+
+
 def whirl_matrix(
     modes: CouplingModes, speed: FloatArray, kappa: FloatArray, *, with_pi: bool
 ) -> FloatArray | ComplexArray:
     """Matrix of half size with eigenvalues mu, for pairs of one nodal diameter (see the module).
 
     Returns:
-        (..., 2 entries, 2 entries) [rad/s after scaling], real without damping.
+        (..., 2 entries, 2 entries) [rad/s after scaling], real without damping, but for a rotor
+        that turns and is not its own mirror image.
     """
-    n, damping = modes.entries, modes.damping_rate
+    n, damping, rotor = modes.entries, modes.damping_rate, modes.turning
     # nu X is divided by a typical frequency, so that both halves have the same unit and size.
     unit = float(np.max(modes.frequency)) or 1.0
+    is_complex = damping.any() or (rotor is not None and not rotor.mirrored)
     matrix = np.zeros(
-        (*speed.shape, 2 * n, 2 * n), dtype=np.complex128 if damping.any() else np.float64
+        (*speed.shape, 2 * n, 2 * n), dtype=np.complex128 if is_complex else np.float64
     )
     first, second = np.arange(n), np.arange(n, 2 * n)
     turning = np.multiply.outer(speed, modes.frame_rate)
     springs = spring_factor(int(modes.nodal_diameter[0]), with_pi=with_pi) * kappa
     matrix[..., n:, :n] = springs[..., None, None] * np.outer(modes.amplitude, modes.amplitude)
     matrix[..., second, first] += modes.frequency**2
+    if rotor is not None:
+        square = (speed**2)[..., None, None]
+        matrix[..., n:, :n] += square * (rotor.softening if is_complex else rotor.softening.real)
+        twice = 2j * speed[..., None, None] * rotor.coriolis
+        matrix[..., n:, n:] = twice if is_complex else twice.real
     matrix[..., n:, :n] /= unit
     matrix[..., first, second] = unit
     matrix[..., first, first] = -turning
-    matrix[..., second, second] = -turning + (1j * damping if damping.any() else 0.0)
+    matrix[..., second, second] += -turning + (1j * damping if damping.any() else 0.0)
     return matrix
 
 

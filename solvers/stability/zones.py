@@ -19,7 +19,7 @@ from functools import partial
 import numpy as np
 from scipy.optimize.elementwise import find_root
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.coupling.invariant_frame import state_matrix
 from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, growth_rate, whirl_matrix
@@ -113,10 +113,34 @@ def exchanges(
     undamped = replace(modes, damping_ratio=np.zeros(modes.entries))
     mu = np.asarray(np.linalg.eigvals(whirl_matrix(undamped, speed, kappa, with_pi=with_pi)))
     nu = mu[..., None] + np.multiply.outer(speed, modes.frame_rate)[:, None, :]
+    if modes.turning is not None:
+        return _exchanges_of_vectors(undamped, speed, kappa, with_pi=with_pi)
     with np.errstate(divide="ignore"):  # a wave that stays alone has an infinite share: its sign
         shares = nu.real * (modes.amplitude / np.abs(modes.frequency**2 - nu**2)) ** 2
+    return _count_exchanges(mu, shares.sum(axis=-1))
+
+
+def _exchanges_of_vectors(
+    modes: CouplingModes, speed: FloatArray, kappa: FloatArray, *, with_pi: bool
+) -> tuple[IntArray, IntArray]:
+    """Count exchanges as `exchanges` does where Coriolis forces take part in the signature.
+
+    It is that of sum_i nu_i |X_i|^2 - i Omega X^H G X, which needs the eigenvectors X.
+    """
+    assert modes.turning is not None
+    n = modes.entries
+    mu, states = np.linalg.eig(whirl_matrix(modes, speed, kappa, with_pi=with_pi))
+    fields = states[..., :n, :]
+    nu = mu.real[..., None, :] + np.multiply.outer(speed, modes.frame_rate)[..., None]
+    turned = -1j * speed[..., None, None] * (modes.turning.coriolis @ fields)
+    signature = np.sum(fields.conj() * (nu * fields + turned), axis=-2).real
+    return _count_exchanges(mu, signature)
+
+
+def _count_exchanges(mu: ComplexArray, signature: FloatArray) -> tuple[IntArray, IntArray]:
+    """Exchanges begun and ended, each (n,), of waves mu with signatures, (n, waves)."""
     growing = mu.imag != 0.0  # counted with its conjugate as one positive and one negative wave
-    positive = np.where(growing, mu.imag > 0.0, shares.sum(axis=-1) > 0.0)
+    positive = np.where(growing, mu.imag > 0.0, signature > 0.0)
     opposite = positive[:, :, None] & ~positive[:, None, :]
     above, below = mu.real[:, None, :], mu.real[:, :, None]
     ended = np.sum(opposite & (below < above), axis=(1, 2))
@@ -127,8 +151,9 @@ def _intervals(
     modes: CouplingModes, kappas: FloatArray, low: float, high: float, with_pi: bool
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Rows of kappas and the lower and upper speeds of the zones of one nodal diameter."""
-    if np.all(modes.paired):
-        ladder = _ladder(modes, kappas, low, high, with_pi)
+    if np.all(modes.paired) and (modes.turning is None or modes.turning.mirrored):
+        climb = _ladder if modes.turning is None else _ladder_by_parts
+        ladder = climb(modes, kappas, low, high, with_pi)
         if not np.any(modes.damping_ratio):
             return ladder
     else:
@@ -178,6 +203,62 @@ def _ladder(
         lower[np.append(row[:1] >= 0, apart)],
         upper[np.append(apart, row[:1] >= 0)],
     )
+
+
+def _ladder_by_parts(
+    modes: CouplingModes, kappas: FloatArray, low: float, high: float, with_pi: bool
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Zones without damping of a rotor that turns, whose branches bend.
+
+    They may meet, part and meet again, so counts of exchanges may fall; they are looked at between
+    neighbouring speeds of `SAMPLES`, and climbed or descended there.
+    """
+    edges = np.linspace(low, high, SAMPLES)
+    speeds, stiff = np.meshgrid(edges, kappas)
+    begun, ended = (
+        count.reshape(speeds.shape)
+        for count in exchanges(modes, speeds.ravel(), stiff.ravel(), with_pi=with_pi)
+    )
+    rows, starts, ends = [np.zeros(0, dtype=np.int64)], [np.zeros(0)], [np.zeros(0)]
+    for sense, first, last in (
+        (1.0, slice(None, -1), slice(1, None)),
+        (-1.0, slice(1, None), slice(None, -1)),
+    ):
+        row, place = np.nonzero(ended[:, first] < begun[:, last])
+        bottom, top = ended[:, first][row, place], begun[:, last][row, place]
+        part = np.repeat(np.arange(len(row)), top - bottom)
+        rung = np.concatenate(
+            [np.zeros(0), *(np.arange(a, b) for a, b in zip(bottom, top, strict=True))]
+        )
+
+        def climbed(
+            along: FloatArray, kappa: FloatArray, step: FloatArray, which: int, sense: float = sense
+        ) -> FloatArray:
+            return exchanges(modes, sense * along, kappa, with_pi=with_pi)[which] - step
+
+        near, far = (sense * edges[side][place[part]] for side in (first, last))
+        borders = [
+            sense * _border(partial(climbed, which=which), near, far, kappas[row[part]], rung + 0.5)
+            for which in (0, 1)
+        ]
+        rows.append(row[part])
+        starts.append(np.minimum(*borders))
+        ends.append(np.maximum(*borders))
+    return _merged(np.concatenate(rows), np.concatenate(starts), np.concatenate(ends))
+
+
+def _merged(
+    row: IntArray, lower: FloatArray, upper: FloatArray
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Intervals of each row, joined where they touch or overlap, ascending."""
+    found: list[tuple[int, float, float]] = []
+    for i in np.lexsort((lower, row)):
+        here = int(row[i]), float(lower[i]), float(upper[i])
+        if found and found[-1][0] == here[0] and found[-1][2] >= here[1]:
+            here = here[0], found[-1][1], max(found.pop()[2], here[2])
+        found.append(here)
+    table = np.array(found).reshape(-1, 3)
+    return table[:, 0].astype(np.int64), table[:, 1], table[:, 2]
 
 
 def _border(

@@ -71,7 +71,9 @@ def stability(
     -o nothing is written. Where blades differ, growth rates are found by dense matrices: this
     takes --physical, "six" is 1F,suspension,casing:1 with all modes of these families, and a chart
     has no borders of zones. Uneven casings, unequal bearings and, with --damped, dampers are
-    looked at one point at a time, by the monodromy matrix of a turn.
+    looked at one point at a time, by the monodromy matrix of a turn. With rotation effects the modes
+    are those at rest, coupled by tension, softening and Coriolis forces: "all" comes nearer to the
+    waves at speed than "six".
     """
     from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.modal.coupled_system import couple
@@ -91,7 +93,7 @@ def stability(
         folder = Path(f"{case.stem}-stability")
     check_figure_folder(folder, overwrite=overwrite)
     system = couple(
-        stage_of_file(case, overrides, "the stability of coupled modes"),
+        stage_of_file(case, overrides, "the stability of coupled modes", "centrifugal", "full"),
         modes=modes,
         damped=damped,
         with_pi=not no_pi,

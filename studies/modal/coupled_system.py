@@ -15,13 +15,15 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.coupling.springs import CouplingModes
-from bladewhirl.models.coupling.stage_modes import StageModes, stage_modes
+from bladewhirl.models.coupling.stage_modes import StageModes, at_speed, stage_modes
 from bladewhirl.models.coupling.stage_waves import coupled_waves, standing_obstacles
 from bladewhirl.models.coupling.waves import CoupledWaves
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.mode_names import ALL, SIX, chosen_modes
-from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.models.rotation.at_speed import check_effects
+from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.models.rotation.at_speed import lowest_critical_speed
+from bladewhirl.models.rotation.internal_damping import internal_growth
+from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
 from bladewhirl.solvers.stability.floquet import wave_exponents
 from bladewhirl.solvers.stability.growth import Progress, eigenvalues, growth_rate
 
@@ -77,6 +79,7 @@ class EvenSystem(System):
 
     stage: StageModes  #: the modes chosen, with the amplitudes chosen
     whole: StageModes  #: all modes that couple, with physical amplitudes
+    rotation: RotationMatrices | None = None  #: of the bladed disk; None without its effects
 
     @property
     def modes(self) -> CouplingModes:
@@ -93,6 +96,37 @@ class EvenSystem(System):
     def is_six(self) -> bool:
         """Whether the modes chosen are the paper's six."""
         return set(self.modes.name) == {"casing k=1", "1F k=1", "suspension"}
+
+    def options(self) -> dict[str, object]:
+        """Choices made, and the rotation effects of the case if it has any."""
+        effects = self.stage.modal.case.rotation.effects
+        return super().options() | ({} if effects == "none" else {"rotation_effects": effects})
+
+    def rotor_alone(self, omega: float) -> dict[str, object]:
+        """How the bladed disk alone stands at a speed [rad/s]; empty without rotation effects.
+
+        Returns:
+            critical_speed (normalised) from which on K_Omega is indefinite, rotor_growth_rate
+            [1/s] and its nodal diameter and, where that is positive, holding_damping [N s/m] of
+            each of two bearings that stand still (None where bearings cannot hold it).
+        """
+        if self.rotation is None:
+            return {}
+        case = self.stage.modal.case
+        found = internal_growth(
+            self.stage.modal.disk,
+            self.rotation,
+            omega,
+            case.rotation.effects,
+            damping_ratio=case.damping.ratio if self.damped else 0.0,
+        )
+        critical = lowest_critical_speed(self.rotation) / self.reference
+        return {
+            "critical_speed": critical if np.isfinite(critical) else None,
+            "rotor_growth_rate": found.rate,
+            "rotor_nodal_diameter": found.nodal_diameter,
+            "holding_damping": found.holding,
+        }
 
     def of_diameter(self, k: int) -> EvenSystem:
         """The modes of one nodal diameter."""
@@ -171,7 +205,6 @@ def couple(
         UserError: modes that the stage does not have or springs don't couple, one amplitude for
             modes of more than one nodal diameter, or a chart of a periodic system.
     """
-    check_effects(modal.case, "the stability of coupled modes")
     one_each = modal.casing.structure.is_cyclic and not np.any(
         modal.disk.blade_columns(modal.disk_modes.column) < 0
     )
@@ -181,6 +214,13 @@ def couple(
         raise UserError(
             "stability: expected a stage that some frame holds still, for a chart; here"
             f" {', '.join(obstacles)}: {options} give one point"
+        )
+    effects = modal.case.rotation.effects
+    if effects != "none" and (obstacles or not one_each):
+        raise UserError(
+            "stability: expected a stage of equal blades, on equal shaft springs, in a casing the"
+            f' same all round, for rotation.effects = "{effects}"; here'
+            f" {', '.join(obstacles or ('blades differ',))}"
         )
     if one_each and not obstacles:
         return couple_even(modal, modes=modes, damped=damped, with_pi=with_pi, physical=physical)
@@ -206,15 +246,27 @@ def couple(
 def couple_even(
     modal: ModalStage, *, modes: str, damped: bool, with_pi: bool, physical: bool
 ) -> EvenSystem:
-    """Couple modes of a stage with cyclic symmetry; see `couple`."""
+    """Couple modes of a stage with cyclic symmetry; see `couple`.
+
+    With rotation effects these are its modes at rest, on which the matrices at speed are projected.
+    """
+    case, rotation = modal.case, None
+    if case.rotation.effects == "centrifugal":  # its modes are those at the case's speed
+        effects = case.rotation.model_copy(update={"effects": "none"})
+        still = modal_stage(case.model_copy(update={"rotation": effects}))
+        modal = replace(still, case=case)
     try:
         whole = stage_modes(modal, damping_ratio=modal.case.damping.ratio if damped else 0.0)
     except ValueError as error:
         raise UserError(f"stability: {error}") from None
+    if case.rotation.effects != "none":
+        rotation = rotation_matrices(modal.disk)
+        whole = at_speed(whole, rotation, case.rotation.effects)
     stage = _chosen(whole, modes)
     return EvenSystem(
         stage=stage if physical else stage.with_unit_amplitudes(),
         whole=whole,
+        rotation=rotation,
         with_pi=with_pi,
         damped=damped,
         physical=physical,

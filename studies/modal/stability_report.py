@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +52,8 @@ def report_point(
     """
     data = stability_point(system, omega, kappa)
     point = point_document(data) | system.options()
+    if isinstance(system, EvenSystem):
+        point |= system.rotor_alone(omega)
     if folder is not None:
         if not isinstance(system, EvenSystem):
             raise UserError(
@@ -94,6 +97,8 @@ def _print_point(point: dict[str, Any]) -> None:
     table.add_row("growth rate", f"{point['growth_rate']:.6g} 1/s ({verdict})")
     if "growth_rate_floquet" in point:
         table.add_row("by the monodromy", f"{point['growth_rate_floquet']:.6g} 1/s")
+    for text in rotor_sentences(point, point["speed"]):
+        table.add_row("bladed disk alone", text)
     for name, value in point.get("coupled_mode", {}).items():
         unit = " rad/s" if "speed" in name else "°" if "degrees" in name else ""
         table.add_row(name.replace("_degrees", "").replace("_", " "), f"{value:.6g}{unit}")
@@ -136,11 +141,15 @@ def report_chart(
         if isinstance(system, EvenSystem):
             _draw_even(system, chart, omegas, kappas, folder, line)
     document = chart_document(chart)
+    if isinstance(system, EvenSystem):
+        document |= system.rotor_alone(float(omegas[-1]))
     if as_json:
         typer.echo(json.dumps(document | system.options(), indent=2))
         return
     for sentence in _sentences(document):
         typer.echo(sentence)
+    for sentence in rotor_sentences(document | system.options(), omegas[-1] / system.reference):
+        typer.echo(f"Bladed disk alone: {sentence}.")
     if folder is not None:
         typer.echo(f"Wrote {folder}.")
 
@@ -201,6 +210,34 @@ def chart_document(chart: xr.Dataset) -> dict[str, Any]:
         "coincidence_speeds": [dict(zip(names, pair, strict=True)) for pair in pairs],
         **found,
     }
+
+
+def rotor_sentences(found: Mapping[str, Any], speed: float) -> list[str]:
+    """What a bladed disk with rotation effects does without the casing past its critical speed.
+
+    Args:
+        found: options and `EvenSystem.rotor_alone`.
+        speed: that was looked at, normalised.
+    """
+    critical = found.get("critical_speed")
+    if critical is None or abs(speed) <= critical:
+        return []
+    place = f"at {speed:.4g} ω₁, past its critical speed {critical:.5g} ω₁,"
+    if found["rotation_effects"] == "centrifugal":
+        return [
+            f"{place} spin softening without Coriolis forces makes it diverge, which no rotor does;"
+            ' rotation.effects = "full" holds it'
+        ]
+    if not found["damped"]:
+        return [f"{place} Coriolis forces alone hold it; --damped tells whether damping feeds it"]
+    if found["rotor_growth_rate"] <= 0.0:
+        return [f"{place} it decays"]
+    k, damping = found["rotor_nodal_diameter"], found["holding_damping"]
+    grows = f"{place} internal damping feeds its forward wave with k = {k}, growth"
+    grows += f" {found['rotor_growth_rate']:.4g} 1/s"
+    if damping is None:
+        return [f"{grows}; bearings cannot hold it"]
+    return [f"{grows}; {damping:.4g} N s/m in each of two bearings that stand still hold it"]
 
 
 def _sentences(document: dict[str, Any]) -> list[str]:

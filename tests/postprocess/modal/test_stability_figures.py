@@ -105,10 +105,10 @@ def test_truncation_shows_zones_that_six_modes_hide(tmp_path: Path) -> None:
     six = six_modes()
     second = replace(six, nodal_diameter=np.full(3, 2), name=("casing 2", "1F 2", "s 2"))
     names = ("on_casing", "nodal_diameter", "frequency", "amplitude", "damping_ratio", "paired")
-    whole = CouplingModes(
-        name=six.name + second.name,
-        **{name: np.concatenate([getattr(six, name), getattr(second, name)]) for name in names},
-    )
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(six, name), getattr(second, name)]) for name in names
+    }
+    whole = CouplingModes(name=six.name + second.name, **arrays)
     data = truncation(chart(whole), chart(six))
     figure = plot_truncation(data)
     fills = figure.axes[0].collections

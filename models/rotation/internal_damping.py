@@ -1,0 +1,118 @@
+"""Growth of a bladed disk that its own damping feeds past a critical speed, and what holds it.
+
+Damping of the turning structure resists velocities relative to it. Where K_Omega is indefinite, a
+forward wave turns slower than the disk and is drawn along: it grows. A damper of a bearing that
+stands still resists c (v + Omega z x u) at the centre and takes energy from any whirl.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+from scipy.optimize import brentq
+
+from bladewhirl.meshes.line_mesh import ComplexArray
+from bladewhirl.models.case.rotation import Effects
+from bladewhirl.models.elements.bladed_disk import BladedDiskModel
+from bladewhirl.models.elements.cyclic import nodal_diameters
+from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
+from bladewhirl.models.rotation.matrices import RotationMatrices
+from bladewhirl.models.rotation.waves import Waves, waves
+
+WEAKEST, STRONGEST = 1e-9, 1e3
+"""Bearing damping that is tried, in shares of the centre's mass times speed over a period."""
+
+TRIED = 200
+"""Values of bearing damping that are tried."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class InternalGrowth:
+    """The fastest growth of a bladed disk alone at a speed."""
+
+    rate: float  #: [1/s]; negative where everything decays
+    nodal_diameter: int
+    holding: float | None
+    """Least damping of each of two bearings that stand still, x and y, without which the disk
+    grows [N s/m]; zero where nothing grows, None where bearings cannot hold it."""
+
+
+def internal_growth(
+    disk: BladedDiskModel,
+    matrices: RotationMatrices,
+    omega: float,
+    effects: Effects,
+    *,
+    damping_ratio: float,
+) -> InternalGrowth:
+    """Growth of a bladed disk of equal sectors by the damping of its modes at rest.
+
+    Args:
+        disk: the bladed disk.
+        matrices: its.
+        omega: speed of rotation [rad/s].
+        effects: that count.
+        damping_ratio: of every mode at rest.
+    """
+    layout = matrices.structure.layout
+    assert layout is not None  # its sectors are equal
+    rates, first = {}, None
+    for k in nodal_diameters(layout.sectors):
+        block = _DampedWaves(
+            own=waves(matrices, k, effects), damping_ratio=damping_ratio, omega=omega
+        )
+        rates[k] = block.growth(None, 0.0)
+        if k == 1:
+            first = block
+    fastest = max(rates, key=lambda k: rates[k])
+    others = max((rate for k, rate in rates.items() if k != 1), default=-np.inf)
+    holding: float | None = 0.0
+    if rates[fastest] > 0.0:
+        holding = None
+        if others <= 0.0 and first is not None and disk.centre.size:
+            basis = layout.basis(1).conj().T[:, disk.centre].toarray()
+            holding = _holding(first, np.asarray(basis))
+    return InternalGrowth(rate=rates[fastest], nodal_diameter=int(fastest), holding=holding)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _DampedWaves:
+    """Waves of one nodal diameter with the damping of their modes at rest."""
+
+    own: Waves
+    damping_ratio: float
+    omega: float  #: [rad/s]
+
+    def growth(self, centre: ComplexArray | None, bearing: float) -> float:
+        """Largest growth rate [1/s].
+
+        Args:
+            centre: components of unit forces on the centre along x and y, (n, 2); None without.
+            bearing: damping that stands still [N s/m].
+        """
+        own = self.own
+        square, modes = la.eigh(own.stiffness, own.mass)
+        held = own.mass @ modes
+        damping = (held * (2.0 * self.damping_ratio * np.sqrt(square))) @ held.conj().T
+        damping = damping + 2.0 * self.omega * own.coriolis
+        stiffness = own.stiffness + self.omega**2 * own.softening
+        if centre is not None:
+            turn = np.array([[0.0, -1.0], [1.0, 0.0]])
+            damping = damping + bearing * centre @ centre.conj().T
+            stiffness = stiffness + bearing * self.omega * centre @ turn @ centre.conj().T
+        return float(damped_eigenvalues(own.mass, damping, stiffness)[0].real.max())
+
+
+def _holding(first: _DampedWaves, centre: ComplexArray) -> float | None:
+    """Least bearing damping without growth [N s/m]; None if none of those tried holds it."""
+    mass = float(np.trace(centre.conj().T @ first.own.mass @ centre).real)
+    scale = mass * abs(first.omega)
+    tried = scale * np.geomspace(WEAKEST, STRONGEST, TRIED)
+    below = 0.0
+    for bearing in tried.tolist():
+        if first.growth(centre, bearing) <= 0.0:
+            return float(brentq(lambda c: first.growth(centre, c), below, bearing, rtol=1e-9))
+        below = bearing
+    return None

@@ -1,0 +1,181 @@
+"""Stability of coupled modes on a bladed disk that feels that it turns."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from places import EXAMPLES
+from stages import bladed_disk, oracle
+
+import bladewhirl as bw
+from bladewhirl.models.case.rotation import Effects
+from bladewhirl.models.coupling.springs import periodic_stiffness
+from bladewhirl.models.elements.cyclic import nodal_diameters
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.modal.full_stage import modal_stage
+from bladewhirl.models.rotation.internal_damping import _DampedWaves, internal_growth
+from bladewhirl.models.rotation.matrices import rotation_matrices
+from bladewhirl.models.rotation.waves import waves
+from bladewhirl.solvers.stability.floquet import coupled_floquet, floquet
+from bladewhirl.solvers.stability.growth import (
+    coincidence_speeds,
+    growth_rate,
+    is_unstable,
+    rotor_waves,
+)
+from bladewhirl.solvers.stability.zones import unstable_zones
+from bladewhirl.studies.modal.coupled_system import EvenSystem, couple
+from bladewhirl.studies.modal.stability_report import rotor_sentences
+
+
+@cache
+def coupled(
+    example: str, modes: str = "six", effects: Effects = "full", *, damped: bool = False
+) -> EvenSystem:
+    case = bw.read_case(EXAMPLES / f"{example}.toml", [f"rotation.effects={effects}"])
+    system = couple(modal_stage(case), modes=modes, damped=damped, with_pi=True, physical=False)
+    assert isinstance(system, EvenSystem)
+    return system
+
+
+@pytest.mark.parametrize("speed", [-1.6, 1.6, 2.5])
+@pytest.mark.parametrize("effects", ["centrifugal", "full"])
+@pytest.mark.parametrize("example", ["fan_stage", "curved_blades"])
+def test_the_frame_at_half_speed_agrees_with_real_matrices_over_a_turn(
+    example: str, effects: Effects, speed: float
+) -> None:
+    """The monodromy is that of matrices projected on real modes, without complex numbers."""
+    system = coupled(example, effects=effects, damped=True)
+    omega, modes = speed * system.reference, system.modes
+    rotor, numbers = system.stage.mode_numbers(on_casing=False)
+    fields = system.stage.modal.disk_modes.fields(numbers)
+    assert system.rotation is not None
+    damping, softening = np.diag(modes.damping_rate[modes.entry]), np.zeros((modes.size,) * 2)
+    among, found = np.ix_(rotor, rotor), system.rotation
+    softening[among] = omega**2 * (fields.T @ (found.geometric - found.mass) @ fields)
+    if effects == "full":
+        damping[among] += 2.0 * omega * (fields.T @ found.coriolis @ fields)
+    turn = floquet(
+        lambda times: softening + periodic_stiffness(modes, kappa=400.0, angle=omega * times),
+        period=2.0 * np.pi / abs(omega),
+        damping=damping,
+    )
+    growth = growth_rate(modes, speed=omega, kappa=400.0)
+    assert float(growth) == pytest.approx(float(turn.growth), rel=1e-7, abs=1e-6)
+    (own,) = coupled_floquet(modes, speed=omega, kappa=400.0).values()
+    np.testing.assert_allclose(own.monodromy, turn.monodromy, atol=1e-7 * abs(omega))
+
+
+def test_blades_of_one_hand_have_complex_matrices() -> None:
+    straight, curved = (coupled(name).modes.turning for name in ("fan_stage", "curved_blades"))
+    assert straight is not None
+    assert straight.mirrored
+    assert curved is not None
+    assert not curved.mirrored
+    np.testing.assert_allclose(curved.coriolis, -curved.coriolis.conj().T, atol=1e-12)
+    np.testing.assert_allclose(curved.softening, curved.softening.conj().T, atol=1e-12)
+
+
+def test_more_modes_at_rest_come_nearer_to_waves_at_speed() -> None:
+    errors = []
+    for modes in ("six", "all"):
+        system = coupled("fan_stage", modes)
+        part = system.modes.harmonic(1)
+        assert part.turning is not None
+        rotor, omega = np.flatnonzero(~part.on_casing), 1.05 * system.reference
+        found = rotor_waves(part.turning.take(rotor), part.frequency[rotor], omega).real
+        assert system.rotation is not None
+        exact = -waves(system.rotation, 1, "full").frequencies(omega).real
+        lowest = exact[np.argsort(np.abs(exact))[:2]]
+        errors.append(max(np.abs(found - each).min() / abs(each) for each in lowest))
+    assert errors[0] < 1e-2
+    assert errors[1] < 3e-4
+
+
+def test_an_even_system_without_rotation_is_as_it_was() -> None:
+    system = coupled("fan_stage", effects="none")
+    assert system.modes.turning is None
+    assert system.rotation is None
+    assert "rotation_effects" not in system.options()
+    assert system.rotor_alone(1.0) == {}
+
+
+@pytest.mark.parametrize("modes", ["six", "all"])
+def test_zones_at_speed_are_where_growth_is(modes: str) -> None:
+    system = coupled("fan_stage", modes)
+    low, high = 0.8 * system.reference, 2.2 * system.reference
+    kappas = np.array([200.0, 700.0])
+    zones = unstable_zones(system.modes, kappas=kappas, low=low, high=high)
+    assert len(zones.kappa) >= 2
+    speeds = np.linspace(low, high, 1500)
+    for kappa in kappas:
+        growing = is_unstable(growth_rate(system.modes, speed=speeds, kappa=kappa), speeds)
+        own = zones.kappa == kappa
+        inside = (speeds[:, None] > zones.lower[own]) & (speeds[:, None] < zones.upper[own])
+        away = np.abs(speeds[:, None] - np.append(zones.lower[own], zones.upper[own])).min(axis=1)
+        sure = away > 1e-3 * low
+        np.testing.assert_array_equal(growing[sure], inside.any(axis=1)[sure])
+
+
+def test_zones_begin_at_coincidences_at_speed() -> None:
+    system = coupled("fan_stage")
+    ((pair, speed),) = coincidence_speeds(system.modes).items()
+    assert pair == (0, 1)
+    zones = unstable_zones(
+        system.modes,
+        kappas=np.array([1e-2]),
+        low=0.8 * system.reference,
+        high=2.2 * system.reference,
+    )
+    assert zones.lower == pytest.approx([speed], rel=1e-4)
+    assert zones.upper == pytest.approx([speed], rel=1e-4)
+    at_rest = coincidence_speeds(replace(system.modes, turning=None))
+    assert speed > 1.2 * at_rest[pair]  # Coriolis forces raise the backward wave
+
+
+def test_internal_damping_grows_as_known_and_bearings_hold_it() -> None:
+    disk, row = bladed_disk(disk_thickness=0.01), oracle("rotation")["stages"]["0.01"]
+    matrices = rotation_matrices(disk)
+    for ratio, growth, _ in row["growth_rates_xi_0.005"]:
+        omega = 2.0 * np.pi * row["reference_hz"] * ratio
+        found = internal_growth(disk, matrices, omega, "full", damping_ratio=0.005)
+        if growth < 0.0:  # known of k = 1; others may decay more slowly
+            assert growth - 1e-6 < found.rate < 0.0
+            assert found.holding == 0.0
+            continue
+        assert found.rate == pytest.approx(growth, abs=1e-6)
+        assert found.nodal_diameter == 1
+        assert found.holding is not None
+        layout = matrices.structure.layout
+        assert layout is not None
+        assert 1 in nodal_diameters(layout.sectors)
+        centre = np.asarray(layout.basis(1).conj().T[:, disk.centre].toarray())
+        block = _DampedWaves(own=waves(matrices, 1, "full"), damping_ratio=0.005, omega=omega)
+        assert block.growth(centre, found.holding) == pytest.approx(0.0, abs=1e-7)
+        assert block.growth(centre, 1.1 * found.holding) < 0.0 < block.growth(centre, 0.0)
+
+
+def test_what_feeds_the_bladed_disk_alone_is_told() -> None:
+    damped, undamped = (coupled("fan_stage", damped=both) for both in (True, False))
+    past = 2.5
+    (grows,) = rotor_sentences(damped.rotor_alone(past * damped.reference) | damped.options(), past)
+    assert "internal damping feeds its forward wave with k = 1" in grows
+    assert "N s/m in each of two bearings that stand still hold it" in grows
+    (held,) = rotor_sentences(
+        undamped.rotor_alone(past * undamped.reference) | undamped.options(), past
+    )
+    assert "Coriolis forces alone hold it" in held
+    below = damped.rotor_alone(damped.reference) | damped.options()
+    assert rotor_sentences(below, 1.0) == []
+    static = coupled("fan_stage", effects="centrifugal")
+    found = static.rotor_alone(past * static.reference) | static.options()
+    assert "which no rotor does" in rotor_sentences(found, past)[0]
+
+
+def test_unlike_blades_with_rotation_are_refused() -> None:
+    case = bw.read_case(EXAMPLES / "mistuned_blades.toml", ["rotation.effects=full"])
+    with pytest.raises(UserError, match=r"rotation\.effects = \"full\"; here blades differ"):
+        bw.stability(case, speed=1.0, kappa=100.0, physical=True)
