@@ -71,9 +71,11 @@ def stability(
     -o nothing is written. Where blades differ, growth rates are found by dense matrices: this
     takes --physical, "six" is 1F,suspension,casing:1 with all modes of these families, and a chart
     has no borders of zones. Uneven casings, unequal bearings and, with --damped, dampers are
-    looked at one point at a time, by the monodromy matrix of a turn. With rotation effects the modes
-    are those at rest, coupled by tension, softening and Coriolis forces: "all" comes nearer to the
-    waves at speed than "six".
+    looked at one point at a time, by the monodromy matrix of a turn.
+
+    With rotation effects modes at rest are coupled by tension, softening and Coriolis forces, too;
+    "all" comes nearer to the waves at speed than "six". Past a critical speed it is told where
+    internal damping feeds the bladed disk, and the bearing damping that holds it.
     """
     from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.modal.coupled_system import couple
