@@ -13,6 +13,7 @@ from typing import Any
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.excitation import EXCITATIONS
 from bladewhirl.models.case.template import dumps_case, template
 from bladewhirl.models.inputs.errors import CaseError, Fault, faults_in
 
@@ -36,6 +37,8 @@ MOST_BYTES = 2**24
 
 SET = "--set"
 """Named instead of the file in faults of overridden keys."""
+
+LOAD_TYPE = "excitation.type"
 
 
 def read_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
@@ -72,7 +75,8 @@ def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Ca
         file: what faults call it; a mesh file that it names is looked for beside it.
         overrides: "KEY=VALUE" with a dotted key, which reaches inline tables too, and a TOML
             value; what is not TOML and opens no quote, array or table is a string. A table
-            replaces the whole table: ``excitation={type="none"}``.
+            replaces the whole table: ``excitation={type="none"}``. Another excitation.type drops
+            the keys of the load before that it does not have.
 
     Raises:
         CaseError: not TOML, or faults: all of them.
@@ -92,8 +96,8 @@ def with_values(case: Case, values: Mapping[str, Any]) -> Case:
         CaseError: all faults of the new case.
     """
     tables = case.model_dump(exclude_none=True)
-    for key, value in values.items():
-        _set(tables, key, value)
+    for key in sorted(values, key=_comes_later):
+        _set(tables, key, values[key])
     return case_from(tables)
 
 
@@ -154,7 +158,9 @@ def _find_beside(tables: dict[str, Any], folder: str) -> None:
 def _checked(tables: dict[str, Any], file: str, overrides: Iterable[str]) -> Case:
     overridden: list[str] = []
     faults: list[Fault] = []
-    for override in overrides:
+    for override in sorted(
+        overrides, key=lambda text: _comes_later(text.partition("=")[0].strip())
+    ):
         try:
             with faults_in(SET):
                 key, value = _key_and_value(override)
@@ -207,3 +213,11 @@ def _set(tables: dict[str, Any], key: str, value: Any) -> None:
             expected = f"a key of a table; {parent} is none"
             raise CaseError([Fault(key=key, value=value, expected=expected)])
     table[name] = value
+    if key == LOAD_TYPE and isinstance(value, str) and value in EXCITATIONS:
+        own = EXCITATIONS[value].model_fields
+        tables[parents[0]] = {each: given for each, given in table.items() if each in own}
+
+
+def _comes_later(key: str) -> bool:
+    """A load's keys are given after its type, which drops those of other types."""
+    return key != LOAD_TYPE

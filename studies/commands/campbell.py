@@ -12,7 +12,7 @@ from bladewhirl.studies.commands.options import (
     CaseFile,
     Changes,
     Overwrite,
-    parse_interval,
+    parse_speed_interval,
     print_json,
 )
 
@@ -20,10 +20,16 @@ from bladewhirl.studies.commands.options import (
 def campbell(
     case: CaseFile,
     speeds: Annotated[
-        str, typer.Option(metavar="START:STOP", help="Speeds of the diagrams, times ω₁.")
+        str,
+        typer.Option(
+            metavar="START:STOP", help='Speeds of the diagrams: times ω₁, or "2000 rpm:9000 rpm".'
+        ),
     ] = "0:3",
     operating: Annotated[
-        str, typer.Option(metavar="START:STOP", help="Operating range to shade, times ω₁.")
+        str,
+        typer.Option(
+            metavar="START:STOP", help='Operating range to shade: times ω₁, or "40 Hz:60 Hz".'
+        ),
     ] = "0.6:2",
     families: Annotated[
         int, typer.Option(help="Families of the bladed disk, the suspension pair apart.")
@@ -48,14 +54,17 @@ def campbell(
     from bladewhirl.studies.modal.modes import stage_of_file
     from bladewhirl.studies.runs.figures_folder import check_figure_folder
 
-    shown = parse_interval("--speeds", speeds)
-    operated = parse_interval("--operating", operating)
+    shown = parse_speed_interval("--speeds", speeds)
+    operated = parse_speed_interval("--operating", operating)
     if families < 1:
         raise UserError(f"--families {families}: expected a whole number of one or more")
     folder = output if output is not None or json else Path(f"{case.stem}-campbell")
     check_figure_folder(folder, overwrite=overwrite)
     stage = stage_of_file(case, overrides, "a Campbell diagram", "centrifugal", "full")
-    found = study.campbell(stage, families=families, speeds=shown, operating=operated)
+    reference = stage.reference_frequency
+    found = study.campbell(
+        stage, families=families, speeds=shown(reference), operating=operated(reference)
+    )
     if folder is not None:
         study.draw_campbell(found, folder)
     if json:

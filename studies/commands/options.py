@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
@@ -63,57 +63,134 @@ def refuse_both(scheduler: str | None, workers: int | None) -> None:
         raise UserError("--scheduler, --workers: expected one of them; a scheduler has its workers")
 
 
-def parse_range(option: str, text: str) -> NDArray[np.float64]:
+def parse_range(option: str, text: str, unit: str) -> NDArray[np.float64]:
     """Evenly spaced values from "START:STOP:COUNT", ends included, (COUNT,).
 
     Args:
-        option: what errors call it, "--speeds".
-        text: three numbers with colons between them; START >= 0, STOP > START, COUNT >= 2.
+        option: what errors call it, "--kappas".
+        text: with colons between; START >= 0, STOP > START, COUNT >= 2.
+        unit: SI unit of a plain number, which text with another is converted to.
 
     Raises:
         UserError: anything else.
     """
     import numpy as np
 
-    numbers = "START:STOP:COUNT, two numbers and a whole number"
-    ends, _, last = text.rpartition(":")
-    start, stop = _ends(option, text, ends, numbers)
-    try:
-        count = int(last)
-    except ValueError:
-        raise UserError(f"{option} {text}: expected {numbers}") from None
-    if not 2 <= count <= MOST_POINTS:
-        raise UserError(f"{option} {text}: expected a COUNT from 2 to {MOST_POINTS}")
+    ends, count = _counted(option, text)
+    start, stop = _ends(option, text, ends, _in_unit(unit), f"{RANGE}, [{unit}] or with a unit")
     return np.linspace(start, stop, count)
 
 
-def parse_interval(option: str, text: str) -> tuple[float, float]:
-    """Ends of an interval from "START:STOP".
-
-    Args:
-        option: what errors call it, "--speeds".
-        text: two numbers with a colon between them; START >= 0, STOP > START.
+def parse_interval(option: str, text: str, unit: str) -> tuple[float, float]:
+    """Ends of an interval from "START:STOP", as of `parse_range`.
 
     Raises:
         UserError: anything else.
     """
-    return _ends(option, text, text, "START:STOP, two numbers")
+    return _ends(option, text, text, _in_unit(unit), f"{INTERVAL}, [{unit}] or with a unit")
 
 
-def _ends(option: str, text: str, ends: str, numbers: str) -> tuple[float, float]:
-    def fault(expected: str) -> UserError:
-        return UserError(f"{option} {text}: expected {expected}")
+def parse_speed_interval(option: str, text: str) -> Callable[[float], tuple[float, float]]:
+    """Ends of an interval of speeds, multiples of the reference frequency, once that is known.
 
+    Args:
+        option: what errors call it, "--speeds".
+        text: "START:STOP", each a multiple or text such as "2500 rpm", "40 Hz", "250 rad/s".
+
+    Returns:
+        of a reference frequency [rad/s]: the ends.
+
+    Raises:
+        UserError: anything else; ends of different kinds are put in order when that is called.
+    """
+    return _speeds(option, text, text, INTERVAL)
+
+
+def parse_speed_range(option: str, text: str) -> Callable[[float], NDArray[np.float64]]:
+    """Evenly spaced speeds from "START:STOP:COUNT", as of `parse_speed_interval`."""
+    import numpy as np
+
+    ends, count = _counted(option, text)
+    known = _speeds(option, text, ends, RANGE)
+    return lambda reference: np.linspace(*known(reference), count)
+
+
+INTERVAL = "START:STOP, two numbers"
+RANGE = "START:STOP:COUNT, two numbers and a whole number"
+
+
+def _counted(option: str, text: str) -> tuple[str, int]:
+    """The ends of a range, and its count."""
+    ends, _, last = text.rpartition(":")
     try:
-        start, stop = (float(part) for part in ends.split(":"))
+        count = int(last)
     except ValueError:
-        raise fault(numbers) from None
+        raise UserError(f"{option} {text}: expected {RANGE}") from None
+    if not 2 <= count <= MOST_POINTS:
+        raise UserError(f"{option} {text}: expected a COUNT from 2 to {MOST_POINTS}")
+    return ends, count
+
+
+def _in_unit(unit: str) -> Callable[[str], float]:
+    """Reader of a number, or of text with a unit."""
+    from bladewhirl.models.inputs.units import to_si
+
+    def read(part: str) -> float:
+        try:
+            return float(part)
+        except ValueError:
+            return to_si(part, unit)
+
+    return read
+
+
+def _speeds(
+    option: str, text: str, ends: str, wanted: str
+) -> Callable[[float], tuple[float, float]]:
+    from bladewhirl.models.inputs.units import Speed
+
+    def speed(part: str) -> Speed:
+        try:
+            given: float | str = float(part)
+        except ValueError:
+            given = part.strip()
+        return Speed(given)
+
+    said = f'{wanted}, or speeds such as "2500 rpm"'
+    try:
+        start, stop = (speed(part) for part in ends.split(":"))
+    except ValueError:
+        raise UserError(f"{option} {text}: expected {said}") from None
+    if start.kind == stop.kind:
+        _in_order(option, text, start.value, stop.value)
+
+    def multiples(reference: float) -> tuple[float, float]:
+        first, last = (
+            each.value if each.kind == "normalised" else each.value / reference
+            for each in (start, stop)
+        )
+        return _in_order(option, text, first, last)
+
+    return multiples
+
+
+def _ends(
+    option: str, text: str, ends: str, read: Callable[[str], float], wanted: str
+) -> tuple[float, float]:
+    try:
+        start, stop = (read(part) for part in ends.split(":"))
+    except ValueError:
+        raise UserError(f"{option} {text}: expected {wanted}") from None
     if not (math.isfinite(start) and math.isfinite(stop)):
-        raise fault(f"{numbers.partition(',')[0]} with finite numbers")
+        raise UserError(f"{option} {text}: expected {wanted.partition(',')[0]} with finite numbers")
+    return _in_order(option, text, start, stop)
+
+
+def _in_order(option: str, text: str, start: float, stop: float) -> tuple[float, float]:
     if start < 0.0:
-        raise fault("a START of zero or more")
+        raise UserError(f"{option} {text}: expected a START of zero or more")
     if stop <= start:
-        raise fault(f"a STOP above the START of {start:g}")
+        raise UserError(f"{option} {text}: expected a STOP above the START of {start:g}")
     return start, stop
 
 

@@ -1,4 +1,4 @@
-"""`bladewhirl show`: a case in full, and what follows from it."""
+"""`bladewhirl show`: what follows from a case, and the case in full."""
 
 from __future__ import annotations
 
@@ -27,6 +27,9 @@ def show(
     case: CaseFile,
     overrides: Changes = None,
     json: AsJson = False,
+    with_case: Annotated[
+        bool, typer.Option("--case", help="Print every key of the case after the figures.")
+    ] = False,
     png: Annotated[
         bool, typer.Option("--png", help="Draw the stage: parts, sets, springs, supports.")
     ] = False,
@@ -35,10 +38,10 @@ def show(
         typer.Option("--output", "-o", help="File of the drawing; the case's name.png if none."),
     ] = None,
 ) -> None:
-    """Print a case with every key, and the figures that follow from it.
+    """Print the figures that follow from a case, and with --case every key of it.
 
-    These are masses, lowest frequencies, the speed in rpm, the critical time step, the load of an
-    imbalance, what the reduction kept and how well, and the size of a run.
+    Figures are masses, lowest frequencies of the full model, the speed in rpm, the critical time
+    step, the load of an imbalance, what the reduction kept and how well, and the size of a run.
     """
     from dataclasses import asdict
 
@@ -70,8 +73,9 @@ def show(
         print_json(document)
         return
     console = Console()
-    typer.echo(dumps_case(checked))
     console.print(_figures(properties), _frequencies(properties), sep="\n")
+    if with_case:
+        typer.echo(f"\n{dumps_case(checked)}", nl=False)
 
 
 def _draw(stage: Stage, target: Path) -> None:
@@ -110,7 +114,7 @@ def _rows(properties: StageProperties) -> Iterator[tuple[str, str]]:
     yield "reference frequency", _text(properties.reference_frequency)
     yield "speed", _text(properties.speed)
     if properties.suspension is not None:
-        yield "suspension modes", _text(properties.suspension)
+        yield "suspension modes, reduced model", _text(properties.suspension)
     if properties.imbalance is not None:
         load = properties.imbalance
         yield "imbalance", f"{load.unbalance:.4g} kg m, {load.force:.5g} N at this speed"
@@ -125,7 +129,7 @@ def _rows(properties: StageProperties) -> Iterator[tuple[str, str]]:
         f" of {reduction.internal}",
     )
     yield (
-        "its frequency errors",
+        "its errors against the full model",
         ", ".join(f"{name} {100 * error:.2g} %" for name, error in _families(properties)),
     )
     for body, found in properties.symmetry.items():
@@ -153,7 +157,9 @@ def _frequencies(properties: StageProperties) -> Table:
     """Lowest frequencies by nodal diameter, side by side."""
     from rich.table import Table
 
-    table = Table(box=None, pad_edge=False, title="lowest frequencies", title_justify="left")
+    table = Table(
+        box=None, pad_edge=False, title="lowest frequencies, full model", title_justify="left"
+    )
     table.add_column("k", justify="right", style="cyan")
     for body in ("bladed disk", "casing"):
         table.add_column(f"{body} [Hz]", justify="right")

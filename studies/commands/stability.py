@@ -14,6 +14,7 @@ from bladewhirl.studies.commands.options import (
     Overwrite,
     not_negative,
     parse_range,
+    parse_speed_range,
 )
 
 
@@ -27,7 +28,11 @@ def stability(
         float | None, typer.Option(help="One coupling stiffness [N/m]; with --speed.")
     ] = None,
     speeds: Annotated[
-        str, typer.Option(metavar="START:STOP:COUNT", help="Speeds of the chart, times ω₁.")
+        str,
+        typer.Option(
+            metavar="START:STOP:COUNT",
+            help='Speeds of the chart: times ω₁, or "2000 rpm:9000 rpm:600".',
+        ),
     ] = "0.6:3:600",
     kappas: Annotated[
         str, typer.Option(metavar="START:STOP:COUNT", help="Stiffnesses of the chart [N/m].")
@@ -86,8 +91,8 @@ def stability(
 
     if (speed is None) != (kappa is None):
         raise UserError("--speed, --kappa: expected both, for one point, or neither, for a chart")
-    speed_range = parse_range("--speeds", speeds)
-    kappa_range = parse_range("--kappas", kappas)
+    speed_range = parse_speed_range("--speeds", speeds)
+    kappa_range = parse_range("--kappas", kappas, "N/m")
     not_negative("--line", line)
     not_negative("--kappa", kappa or 0.0)
     folder = output
@@ -106,5 +111,5 @@ def stability(
         omega = given_speed(speed).rad_per_s(system.reference)
         report_point(system, omega, kappa, folder, films=films, as_json=json)
     else:
-        omegas = speed_range * system.reference
+        omegas = speed_range(system.reference) * system.reference
         report_chart(system, omegas, kappa_range, folder, line=line, as_json=json)

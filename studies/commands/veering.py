@@ -26,8 +26,8 @@ def veering(
         str | None,
         typer.Option(
             metavar="START:STOP",
-            help="Stiffness [N/m] of each shaft spring; a thousandth to a thousand times the"
-            " case's by default.",
+            help="Stiffness of each shaft spring, N/m or '1 kN/mm:1 MN/mm'; a thousandth to a"
+            " thousand times the case's by default.",
         ),
     ] = None,
     output: Annotated[
@@ -52,7 +52,7 @@ def veering(
 
     if families < 1:
         raise UserError(f"--families {families}: expected a whole number of one or more")
-    interval = None if stiffnesses is None else parse_interval("--stiffnesses", stiffnesses)
+    interval = None if stiffnesses is None else parse_interval("--stiffnesses", stiffnesses, "N/m")
     if interval is not None and not interval[0] > 0.0:
         raise UserError(f"--stiffnesses {stiffnesses}: expected a START above zero")
     folder = output if output is not None or json else Path(f"{case.stem}-veering")

@@ -24,6 +24,7 @@ from bladewhirl.models.case.file import (
     loads,
     read_case,
     template,
+    with_values,
 )
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.toml import toml_value
@@ -417,3 +418,16 @@ def test_faults_found_later_are_named_like_the_others() -> None:
         "a.toml: march.speed = 1.05: expected less",
         "b.toml: k: expected nothing",
     ]
+
+
+def test_another_type_of_load_drops_the_keys_of_the_one_before() -> None:
+    text = '[excitation]\ntype = "casing-distortion"\nmodal_force = 1e4\nduration = 0.01'
+    changes = ["excitation.unbalance=0.5", "excitation.type=imbalance"]
+    case = loads(text, overrides=changes)
+    assert case.excitation.type == "imbalance"
+    assert case.excitation.unbalance == 0.5
+    assert case == with_values(
+        loads(text), {"excitation.unbalance": 0.5, "excitation.type": "imbalance"}
+    )
+    with pytest.raises(CaseError, match="unbalance"):
+        loads(text, overrides=["excitation.type=none", "excitation.unbalance=0.5"])

@@ -11,10 +11,16 @@ import xarray as xr
 from places import ROOT
 from typer.testing import CliRunner
 
+from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.run.orbits import shaft_orbit
 from bladewhirl.postprocess.run.whirl import whirl
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.commands.options import parse_range
+from bladewhirl.studies.commands.options import (
+    parse_interval,
+    parse_range,
+    parse_speed_interval,
+    parse_speed_range,
+)
 
 FAN_STAGE = str(ROOT / "examples" / "fan_stage.toml")
 POINT = ["--speed", "1.17", "--kappa", "500"]
@@ -232,4 +238,18 @@ def test_bad_input_is_one_line(arguments: list[str], said: str, tmp_path: Path) 
 
 
 def test_range_includes_its_ends() -> None:
-    assert parse_range("--speeds", "0.5:2:4").tolist() == [0.5, 1.0, 1.5, 2.0]
+    assert parse_range("--kappas", "0.5:2:4", "N/m").tolist() == [0.5, 1.0, 1.5, 2.0]
+    assert parse_speed_range("--speeds", "0.5:2:4")(70.0).tolist() == [0.5, 1.0, 1.5, 2.0]
+
+
+def test_ends_take_units_as_keys_do() -> None:
+    assert parse_interval("--stiffnesses", "1 kN/mm:2e7", "N/m") == (1e6, 2e7)
+    hertz = 2 * np.pi * 40.0
+    assert parse_speed_interval("--speeds", "1200 rpm:2.5")(hertz) == pytest.approx((0.5, 2.5))
+    with pytest.raises(UserError, match="expected a STOP above"):
+        parse_speed_interval("--speeds", "3000 rpm:20 Hz")
+    with pytest.raises(UserError, match="expected a STOP above"):
+        parse_speed_interval("--speeds", "3000 rpm:0.5")(hertz)
+    for wrong in ("1 mm:2 mm", "1:2:3", "a:b"):
+        with pytest.raises(UserError, match=r"--speeds .* expected START:STOP"):
+            parse_speed_interval("--speeds", wrong)
