@@ -33,6 +33,8 @@ Look
     `family_energies`, `amplitude_growth`).
     `plot` has a function for each figure, `save_figure` writes one; `render` makes stills, films
     and pages, `export_vtk` a series for ParaView, `report` one HTML page of a run or a sweep.
+Trust
+    `verify` recomputes known answers and compares.
 Errors
     All that a user can put right is a `UserError`, whose `lines` name file, key, value and what
     was expected: `CaseError`, `ResultError`, `ViewError` (a time, window or file

@@ -42,6 +42,7 @@ from .studies.runs.report import report as report
 from .studies.runs.run import run as run
 from .studies.sweeps.sweep import resume_sweep as resume_sweep
 from .studies.sweeps.sweep import run_sweep as run_sweep
+from .studies.verification.table import verify as verify
 
 __all__: list[str]
 __version__: str

@@ -24,7 +24,7 @@ def verify(
         ),
     ] = None,
     full: Annotated[
-        bool, typer.Option("--full", help="With the cases that take long, half an hour in all.")
+        bool, typer.Option("--full", help="With the cases that take long, too.")
     ] = False,
     json: AsJson = False,
     markdown: Annotated[

@@ -18,7 +18,7 @@ from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
 from bladewhirl.models.rotation.growth import speed_of_growth, static_displacement, tip_growth
 from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
 from bladewhirl.models.rotation.waves import waves
-from bladewhirl.models.rotation.whirl_modes import whirl_modes
+from bladewhirl.models.rotation.whirl_modes import WhirlModes, whirl_modes
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.studies.verification.case import Pair, verifies
 from bladewhirl.studies.verification.references import reference
@@ -41,6 +41,12 @@ def known(stage: str) -> Any:
 def turning(stage: str) -> RotationMatrices:
     """What rotation adds to it."""
     return rotation_matrices(bladed_disk(disk_thickness=float(stage)))
+
+
+@cache
+def modes_at(stage: str, omega: float) -> WhirlModes:
+    """All whirling modes of a stage at a speed."""
+    return whirl_modes(turning(stage).at_speed(omega, "full"))
 
 
 @verifies(
@@ -70,7 +76,7 @@ def travelling(stage: str, ratios: tuple[float, ...]) -> Pair:
     for row in known(stage)["speeds"]:
         if row["ratio"] not in ratios:
             continue
-        modes = whirl_modes(turning(stage).at_speed(row["omega"], "full"))
+        modes = modes_at(stage, row["omega"])
         for way in ("backward", "forward"):
             for k in range(12):
                 ways = np.isin(modes.direction, [way, "standing"])
@@ -116,32 +122,34 @@ def growth_of_tips(stage: str) -> Pair:
     disk, matrices = bladed_disk(disk_thickness=float(stage)), turning(stage)
     wanted, found = [], []
     for row in known(stage)["speeds"]:
-        linear = static_displacement(matrices, row["omega"], follows=False)[disk.tip_radial[0]]
-        softened = float(np.mean(tip_growth(disk, matrices, row["omega"])))
-        wanted.append([row["tip_growth"], row["tip_growth_softened"]])
-        found.append([linear, softened])
+        linear = static_displacement(matrices, row["omega"], follows=False)[disk.tip_radial]
+        found.append([linear, np.broadcast_to(tip_growth(disk, matrices, row["omega"]), 22)])
+        wanted.append([[row["tip_growth"]] * 22, [row["tip_growth_softened"]] * 22])
     return wanted, found
 
 
 @verifies(
-    "axial forces in spokes and rim at four speeds, disk of {} m",
+    "axial forces in spokes, rim and blade at four speeds, disk of {} m",
     unit="N",
     source=OWN_FE,
     tolerance=1e-8,
     each=STAGES,
 )
 def axial_forces(stage: str) -> Pair:
-    """Means over the first spoke and the first piece of the rim."""
+    """Means over each, and the root of a blade, rho A Omega^2 (R^2 - r^2) / 2."""
     disk, matrices = bladed_disk(disk_thickness=float(stage)), turning(stage)
     sets, wanted, found = disk.mesh.line_sets, [], []
+    root = disk.mesh.node_sets["roots"][0]
     for row in known(stage)["speeds"]:
         linear = static_displacement(matrices, row["omega"], follows=False)
         force = axial_force(
             disk.model, disk.expansion @ linear, np.array([0.0, 0.5, 1.0]), omega=row["omega"]
         )
         mean = force @ np.array([1.0, 4.0, 1.0]) / 6.0
-        found.append([mean[sets["spokes"][0]], mean[sets["rim"][0]]])
-        wanted.append([row["spoke_force"], row["rim_force"]])
+        (line,) = [n for n in sets["blades"] if disk.mesh.lines[n, 0] == root]
+        found.append([*mean[sets["spokes"]], *mean[sets["rim"]], force[line, 0]])
+        pull = 7800.0 * 1e-3 * row["omega"] ** 2 * (0.5**2 - 0.05**2) / 2.0
+        wanted.append([*[row["spoke_force"]] * 22, *[row["rim_force"]] * 22, pull])
     return wanted, found
 
 
@@ -176,16 +184,12 @@ def speed_of_one_millimetre(stage: str) -> Pair:
     return row["growth_of_1mm"], speed / (2 * np.pi * row["reference_hz"])
 
 
-@verifies(
-    "fastest growth by internal damping of 0.5 %, eight speeds, disk of {} m",
-    unit="1/s",
-    source=OWN_FE,
-    tolerance=1e-6,
-    measure="absolute",
-    each=STAGES,
-)
-def internal_damping(stage: str) -> Pair:
-    """Of waves of one nodal diameter; modal damping of the modes at rest turns with the disk."""
+@cache
+def fastest_waves(stage: str) -> FloatArray:
+    """Growth [1/s] and frequency [rad/s] of the wave of k = 1 that grows fastest, (2, speeds).
+
+    With modal damping of the modes at rest, which turns with the disk.
+    """
     row, matrices = known(stage), turning(stage)
     layout = matrices.structure.layout
     if layout is None:
@@ -201,9 +205,50 @@ def internal_damping(stage: str) -> Pair:
     for ratio, _, _ in row["growth_rates_xi_0.005"]:
         omega = 2 * np.pi * row["reference_hz"] * ratio
         at_speed = stiffness + omega**2 * (geometric - translated)
-        rates, _ = damped_eigenvalues(mass, damping + 2 * omega * coriolis, at_speed)
-        found.append(rates.real.max())
-    return [growth for _, growth, _ in row["growth_rates_xi_0.005"]], found
+        exponents, _ = damped_eigenvalues(mass, damping + 2 * omega * coriolis, at_speed)
+        fastest = exponents[exponents.real.argmax()]
+        found.append([fastest.real, abs(fastest.imag)])
+    return np.array(found).T
+
+
+@verifies(
+    "fastest growth by internal damping of 0.5 %, eight speeds, disk of {} m",
+    unit="1/s",
+    source=OWN_FE,
+    tolerance=1e-6,
+    measure="absolute",
+    each=STAGES,
+)
+def growth_by_internal_damping(stage: str) -> Pair:
+    """Past the critical speed it feeds a wave."""
+    return [row[1] for row in known(stage)["growth_rates_xi_0.005"]], fastest_waves(stage)[0]
+
+
+@verifies(
+    "frequency of the wave that internal damping feeds, disk of {} m",
+    unit="Hz",
+    source=OWN_FE,
+    tolerance=1e-6,
+    each=STAGES,
+)
+def frequency_by_internal_damping(stage: str) -> Pair:
+    """In the rotating frame."""
+    exact = np.abs([row[2] for row in known(stage)["growth_rates_xi_0.005"]])
+    return exact, fastest_waves(stage)[1] / (2 * np.pi)
+
+
+@verifies(
+    "growth of waves without damping at four speeds, disk of {} m",
+    unit="1/s",
+    source="gyroscopic systems keep their energy",
+    tolerance=1e-6,
+    measure="absolute",
+    each=STAGES,
+)
+def undamped_waves(stage: str) -> Pair:
+    """The largest of all modes."""
+    modes = [modes_at(stage, row["omega"]) for row in known(stage)["speeds"]]
+    return np.zeros(len(modes)), [np.abs(each.growth).max() for each in modes]
 
 
 @verifies(

@@ -179,18 +179,24 @@ def verify(
 
 
 def print_table(done: Verification) -> None:
-    """The table for a terminal: a line a case, its source and tolerance below where it fails."""
+    """The table for a terminal."""
     table = rich_table.Table(title=done.summary, box=box.SIMPLE_HEAD, title_justify="left")
-    table.add_column("quantity", ratio=5, overflow="fold")
-    table.add_column("source", ratio=3, overflow="fold", style="dim")
-    for head in ("reference", "ours", "error", "tolerance"):
-        table.add_column(head, justify="right", ratio=2, overflow="fold")
+    table.add_column("quantity, source", ratio=1, overflow="fold")
+    for head in ("reference", "ours", "error", "allowed"):
+        table.add_column(head, justify="right", no_wrap=True)
     table.add_column("", no_wrap=True)
     for subject, outcomes in done.by_subject().items():
         table.add_section()
         table.add_row(f"[bold]{SUBJECTS[subject]}[/]")
         for outcome in outcomes:
-            _, quantity, source, _, *numbers, verdict = map(escape, cells(outcome))
+            unit = "" if outcome.unit == "1" else f" [{outcome.unit}]"
             style = "green" if outcome.passed else "bold red"
-            table.add_row(quantity, source, *numbers, f"[{style}]{verdict}[/]")
+            table.add_row(
+                f"{escape(outcome.quantity + unit)}\n[dim]{escape(outcome.source)}[/]",
+                f"{outcome.reference:.6g}",
+                f"{outcome.ours:.6g}",
+                f"{outcome.error:.1e}",
+                f"{outcome.tolerance:.2g}",
+                f"[{style}]{cells(outcome)[-1]}[/]",
+            )
     Console().print(table)
