@@ -10,7 +10,6 @@ import numpy as np
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.inputs.errors import CaseError, Fault
-from bladewhirl.models.rotation.at_speed import check_effects
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     ReducedCasing,
@@ -27,7 +26,6 @@ def contact_problem(stage: Stage) -> ContactProblem:
     Raises:
         CaseError: all faults of `march_faults`, or loads beyond the largest float.
     """
-    check_effects(stage.case, "a march, which knows no Coriolis forces", "centrifugal")
     faults = list(march_faults(stage))
     if faults:
         raise CaseError(faults)

@@ -24,7 +24,9 @@ NEVER = np.inf
 class ReducedRotor:
     """A bladed disk in modal coordinates, rotating frame."""
 
-    frequency: FloatArray  #: [rad/s], (modes,)
+    frequency: FloatArray
+    """[rad/s], (modes,); negative where spin softening makes its square negative, see
+    `stiffness`."""
     damping_ratio: FloatArray  #: (modes,)
     tip_radial: FloatArray  #: radial displacement of each tip [kg^-1/2], (tips, modes)
     tip_tangential: FloatArray  #: the same towards +theta
@@ -36,6 +38,17 @@ class ReducedRotor:
     dampers: FloatArray  #: rows G of the damping G^T G at points [s^-1/2], (dampers, modes)
     anisotropy: float = 0.0
     """Of springs under the centre that stand still: half of that in x less that in y [N/m]."""
+    gyroscopic: FloatArray | None = None
+    """Coriolis forces 2 Omega G by velocity, skew [rad/s], (modes, modes); None if they don't
+    count. With them the dampers feel contact within the step."""
+    circulation: float = 0.0
+    """Of dampers under the centre that stand still: their strength times the speed [N/m]. In
+    rotating axes a displacement (x, y) gives them a force of it times (y, -x)."""
+
+    @property
+    def stiffness(self) -> FloatArray:
+        """Squared frequencies with their signs [rad2/s2], (modes,)."""
+        return self.frequency * np.abs(self.frequency)
 
     @property
     def whirl_stiffness(self) -> float:
@@ -64,7 +77,19 @@ class ReducedRotor:
             centre=self.centre[:, modes],
             column=self.column[modes],
             dampers=self.dampers[:, modes],
+            gyroscopic=None if self.gyroscopic is None else self.gyroscopic[np.ix_(modes, modes)],
         )
+
+    def turning_force(self, displacement: FloatArray, velocity: FloatArray) -> FloatArray:
+        """Forces on the modes because the rotor turns: Coriolis, and of dampers that stand still.
+
+        Args:
+            displacement: of the modes, (modes,).
+            velocity: theirs.
+        """
+        x, y = self.centre @ displacement
+        force = self.circulation * (np.array([y, -x]) @ self.centre)
+        return np.asarray(force if self.gyroscopic is None else force - self.gyroscopic @ velocity)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,8 +185,12 @@ class ContactProblem:
 def critical_time_step(
     rotor: ReducedRotor, casing: ReducedCasing, springs: CouplingSprings | None
 ) -> float:
-    """2 / omega_max of both bodies as coupled, the stability limit of central differences [s]."""
-    highest = max(rotor.frequency.max(initial=0.0), casing.frequency.max(initial=0.0))
+    """2 / omega_max of both bodies as coupled, the stability limit of central differences [s].
+
+    With Coriolis forces, of eigenvalue i g of M^-1 G, the limit is k dt^2 <= 2 + 2 sqrt(1 +
+    (Omega g dt)^2): never lower, and higher by nothing that matters.
+    """
+    highest = max(np.abs(rotor.frequency).max(initial=0.0), casing.frequency.max(initial=0.0))
     if springs is not None:
         highest = max(highest, springs.highest_frequency)
     return float(2.0 / np.sqrt(highest**2 + rotor.whirl_stiffness))

@@ -132,7 +132,7 @@ def _static_shape(rotor: ReducedRotor, values: FloatArray) -> FloatArray:
     """Modal coordinates of least strain energy that move the boundary as given."""
     rows = np.vstack([rotor.tip_radial, rotor.tip_tangential, rotor.centre])
     free = np.any(rows != 0.0, axis=1)  # a clamped centre has no coordinates
-    flexible = rows[free] / rotor.frequency**2
+    flexible = rows[free] / rotor.stiffness
     forces = np.linalg.solve(flexible @ rows[free].T, values[free])
     return np.asarray(flexible.T @ forces)
 

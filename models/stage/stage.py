@@ -220,6 +220,10 @@ def _reduced_rotor(
         _check_clearance(case, recess)
     centre = np.zeros((2, modes.count))
     centre[: len(disk.centre)] = modes.shapes[disk.centre]  # none when clamped
+    gyroscopic = disk.structure.gyroscopic
+    if gyroscopic is not None:
+        gyroscopic = modes.shapes.T @ (gyroscopic @ modes.shapes)
+        gyroscopic = (gyroscopic - gyroscopic.T) / 2.0
     return ReducedRotor(
         frequency=modes.frequency,
         damping_ratio=np.full(modes.count, case.damping.ratio),
@@ -232,6 +236,7 @@ def _reduced_rotor(
         column=disk.blade_columns(modes.column),
         dampers=np.sqrt(case.shaft.dampings)[:, None] * centre,
         anisotropy=0.0 if case.shaft.clamped else case.shaft.anisotropy,
+        gyroscopic=gyroscopic,
     )
 
 

@@ -24,11 +24,14 @@ class Slots(NamedTuple):
 
 
 class BodyArrays(NamedTuple):
-    """Modal recurrence of one body; flat arrays of rows * columns entries, zero where padded."""
+    """Modal recurrence of one body; flat arrays of rows * columns entries, zero where padded.
+
+    Where Coriolis forces couple modes, A is not diagonal and a, b, c give A (x_{n+1} - x_{n-1}).
+    """
 
     a: Array  #: multiplies x_n
     b: Array  #: multiplies x_{n-1}
-    c: Array  #: inverse of the scheme's diagonal [s2]
+    c: Array  #: multiplies forces: inverse of the scheme's diagonal [s2]
     stiffness: Array  #: omega^2 [rad2/s2]
     damping: Array  #: 2 xi omega [rad/s]
     load: Array  #: load patterns, (patterns, entries)
@@ -51,6 +54,27 @@ class RotorArrays(NamedTuple):
     w: Array  #: r c (r + mu s t)^T for s = -1, 0, 1, by column, (3 tips, tips)
     position: Array  #: angle of each tip in elements of the casing, (padded tips,)
     recess: Array  #: of each tip at rest, on top of the clearance, (padded tips,)
+
+
+class GyroscopicArrays(NamedTuple):
+    """Inverse of the rotor's A = M / dt^2 + (D + 2 Omega G) / (2 dt), with its dampers [s2].
+
+    On a cyclic rotor it is blocks: modes of a column get R of its own and X of its partner's if
+    the column is a cosine, R and -X if it is a sine.
+    """
+
+    blocks: Array
+    """By half registers of cosines, pairs of rows and rows: R of both, X of both; flat."""
+    rest: Array  #: entries that this leaves out, those of single harmonics among them
+    to: Array  #: what each of these moves
+    by: Array  #: and the force that does it
+    full: Array  #: without symmetry: what all modes get of each, (modes, entries); else no rows
+    normal: Array  #: answer to forces by column, (rows, columns); of one column without symmetry
+    normal_across: Array  #: by the partner column
+    shear: Array  #: to friction
+    shear_across: Array
+    circulation: Array  #: forces of dampers that stand still, by ``centre``, (0 or 2, entries)
+    centre: Array  #: what moves them, (0 or 2, entries)
 
 
 class NodalField(NamedTuple):
@@ -218,6 +242,7 @@ class Scratch(NamedTuple):
     fields: FieldScratch
     contact: ContactScratch
     springs: SpringScratch
+    turned: Array  #: modal forces on the rotor, (entries,)
     amplitude: Array  #: of each load pattern, (patterns,)
     stroke: Array  #: of each damper over two steps, (most dampers,)
     damper_force: Array  #: phi on rotor and casing, (2, most dampers)

@@ -106,7 +106,7 @@ def _spread_two(
 
 
 @njit(**COMPILE)
-def _rotor_columns(
+def rotor_columns(
     rotor: RotorArrays, size: int, mixed: bool, ratio: float, c: ContactScratch
 ) -> tuple[int, float]:
     """Forces on the tips by column.
@@ -165,7 +165,7 @@ def correct_rotor(
         f: gets the columns.
         c: has the forces, gets their work.
     """
-    dragging, slide = _rotor_columns(rotor, size, mixed, ratio, c)
+    dragging, slide = rotor_columns(rotor, size, mixed, ratio, c)
     rows, columns = rotor.radial.shape
     on_normal, on_shear, slides = splat(0.0), splat(0.0), splat(slide)
     for h in range(0, columns, LANES):

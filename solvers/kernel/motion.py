@@ -149,18 +149,26 @@ def add_dampers(
     ends: DamperEnds, c: Array, x: Array, slots: Slots, stroke: Array, force: Array, row: int
 ) -> None:
     """Add the dampers' forces to the predicted x_{n+1}."""
-    _strokes(ends.rows, x, slots, stroke)
+    damper_forces(ends, x, slots, stroke, force, row)
     count, width = ends.rows.shape
-    for m in range(count):
-        phi = 0.0
-        for k in range(count):
-            phi -= ends.solve[m, k] * stroke[k]
-        force[row, m] = phi
     for i in range(0, width, LANES):
         pull = splat(0.0)
         for m in range(count):
             pull = fma(load_row(ends.rows, m, i), splat(force[row, m]), pull)
         store_row(x, slots.new, i, fma(load(c, i), pull, load_row(x, slots.new, i)))
+
+
+@njit(**COMPILE)
+def damper_forces(
+    ends: DamperEnds, x: Array, slots: Slots, stroke: Array, force: Array, row: int
+) -> None:
+    """phi of each damper, by its stroke to x_{n+1}."""
+    _strokes(ends.rows, x, slots, stroke)
+    for m in range(len(ends.rows)):
+        phi = 0.0
+        for k in range(len(ends.rows)):
+            phi -= ends.solve[m, k] * stroke[k]
+        force[row, m] = phi
 
 
 @njit(**COMPILE)

@@ -17,6 +17,9 @@ Dampers at points make the damping matrix a full one, G^T G beside the diagonal.
 the prediction by what it gives them, phi = -G (x_p - x_{n-1}) / (2 dt), which without contact is
 the scheme itself; what a contact force changes they feel from the next step on.
 
+Coriolis forces on the rotor make its A = M / dt^2 + (D + 2 Omega G) / (2 dt) a full matrix, of one
+block for each nodal diameter; c is then its inverse, and its dampers are part of it.
+
 Fields are evaluated in two stages so that one code serves cyclic and general stages: modal
 coordinates, laid out as (rows, columns), are first summed over rows with weights, giving one
 number a column, and the columns are then spread over tips or casing nodes by a shape matrix. On a
@@ -45,6 +48,7 @@ from bladewhirl.solvers.kernel.arrays import (
     STEP_CONTACTS,
     CasingArrays,
     DamperArrays,
+    GyroscopicArrays,
     MarchNumbers,
     Records,
     RotorArrays,
@@ -79,6 +83,7 @@ from bladewhirl.solvers.kernel.motion import (
     add_dampers,
     add_loads,
     add_springs,
+    damper_forces,
     damper_loss,
     damping_loss,
     external_work,
@@ -88,6 +93,12 @@ from bladewhirl.solvers.kernel.motion import (
     spring_waves,
     turn_springs,
     write_record,
+)
+from bladewhirl.solvers.kernel.turning import (
+    add_circulation,
+    circulation_work,
+    correct_turning_rotor,
+    turn,
 )
 from bladewhirl.solvers.kernel.vectors import bare, plain
 
@@ -101,6 +112,7 @@ def _predict(
     casing: CasingArrays,
     springs: SpringArrays | None,
     dampers: DamperArrays | None,
+    gyroscopic: GyroscopicArrays | None,
     loaded: bool,
     state: State,
     slots: Slots,
@@ -118,8 +130,12 @@ def _predict(
         add_springs(springs.casing, s.springs.force, one, casing.body.c, y, slots)
     if dampers is not None:
         stroke, force = s.stroke, s.damper_force
-        add_dampers(dampers.rotor, rotor.body.c, x, slots, stroke, force, zero)
+        if gyroscopic is None:
+            add_dampers(dampers.rotor, rotor.body.c, x, slots, stroke, force, zero)
         add_dampers(dampers.casing, casing.body.c, y, slots, stroke, force, one)
+    if gyroscopic is not None:
+        add_circulation(gyroscopic, x, slots)
+        turn(rotor, gyroscopic, x, slots, s.turned)
 
 
 @njit(**COMPILE)
@@ -127,6 +143,7 @@ def _account(
     rotor: RotorArrays,
     casing: CasingArrays,
     dampers: DamperArrays | None,
+    gyroscopic: GyroscopicArrays | None,
     march: MarchNumbers,
     loaded: bool,
     touching: bool,
@@ -153,8 +170,12 @@ def _account(
     work[DAMPING] += lost / march.time_step
     if dampers is not None:
         stroke, force = s.stroke, s.damper_force
+        if gyroscopic is not None:
+            damper_forces(dampers.rotor, x, slots, stroke, force, plain(0))
         work[DAMPING] += damper_loss(dampers.rotor, x, slots, stroke, force, plain(0))
         work[DAMPING] += damper_loss(dampers.casing, y, slots, stroke, force, plain(1))
+    if gyroscopic is not None:
+        work[PARAMETRIC] += circulation_work(gyroscopic, x, slots)
 
 
 @njit(**COMPILE)
@@ -163,6 +184,7 @@ def _march(
     casing: CasingArrays,
     springs: SpringArrays | None,
     dampers: DamperArrays | None,
+    gyroscopic: GyroscopicArrays | None,
     wheel_speed: float | None,
     march: MarchNumbers,
     state: State,
@@ -189,7 +211,7 @@ def _march(
         trial, penetrating = plain(0), plain(0)
         while True:
             if trial != 1:
-                _predict(rotor, casing, springs, dampers, loaded, state, slots, s)
+                _predict(rotor, casing, springs, dampers, gyroscopic, loaded, state, slots, s)
             if trial == 0:
                 turned = march.elements_per_step * (step + 1)
                 place_tips(rotor, casing, march.elements_per_metre, turned, x, slots, fields)
@@ -197,7 +219,12 @@ def _march(
             else:
                 trial, size = contact_multipliers(trial, rotor, casing, state, fields, contact)
                 mixed, ratio = tip_forces(size, march.friction, casing.nodes, fields, contact)
-                correct_rotor(rotor, size, mixed, ratio, x, slots, fields, contact)
+                if gyroscopic is None:
+                    correct_rotor(rotor, size, mixed, ratio, x, slots, fields, contact)
+                else:
+                    correct_turning_rotor(
+                        rotor, gyroscopic, size, mixed, ratio, x, slots, fields, contact, s.turned
+                    )
                 correct_casing(casing, size, mixed, ratio, y, slots, fields, contact)
             found = fields.free_gap if trial == 0 else fields.gap
             within = close_gaps(rotor, casing, limit, fields, found)
@@ -228,7 +255,9 @@ def _march(
         if not within:
             status = DIVERGED
             break
-        _account(rotor, casing, dampers, march, loaded, penetrating > 0, state, slots, s)
+        _account(
+            rotor, casing, dampers, gyroscopic, march, loaded, penetrating > 0, state, slots, s
+        )
         state.work[PARAMETRIC] += turning_work
         slots = Slots(slots.now, slots.new, slots.old)
         step += 1
@@ -246,6 +275,7 @@ def _advance(sources: int) -> Callable[..., tuple[int, int, int]]:
         casing: CasingArrays,
         springs: SpringArrays | None,
         dampers: DamperArrays | None,
+        gyroscopic: GyroscopicArrays | None,
         wheel_speed: float | None,
         march: MarchNumbers,
         state: State,
@@ -259,7 +289,8 @@ def _advance(sources: int) -> Callable[..., tuple[int, int, int]]:
 
         Before the first step, slot 0 of the state holds x_{n-1} and slot 1 x_n; the same holds on
         return. What a march does not have is None, and is then not compiled: ``springs``,
-        ``dampers``, ``wheel_speed`` R Omega [m/s] where sliding is permanent.
+        ``dampers``, ``gyroscopic`` forces, ``wheel_speed`` R Omega [m/s] where sliding is
+        permanent.
 
         Returns:
             status (RUNNING or DIVERGED), the step reached, and the number of records written. On
@@ -268,8 +299,8 @@ def _advance(sources: int) -> Callable[..., tuple[int, int, int]]:
         """
         _ = sources
         return _march(  # type: ignore[no-any-return]
-            bare(rotor), bare(casing), bare(springs), bare(dampers), wheel_speed, bare(march),
-            bare(state), bare(records), bare(s), step, steps, record_every,
+            bare(rotor), bare(casing), bare(springs), bare(dampers), bare(gyroscopic), wheel_speed,
+            bare(march), bare(state), bare(records), bare(s), step, steps, record_every,
         )  # fmt: skip
 
     return advance  # type: ignore[no-any-return]

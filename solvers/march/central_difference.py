@@ -17,6 +17,7 @@ from bladewhirl.solvers.march.packing import (
     make_scratch,
     pack_casing,
     pack_dampers,
+    pack_gyroscopic,
     pack_rotor,
     pack_springs,
 )
@@ -75,6 +76,7 @@ class CentralDifference:
         bodies = self._rotor.body, self._casing.body
         self._dampers = pack_dampers(problem, bodies, self._arrangements, time_step)
         self._springs = pack_springs(problem, self._arrangements, time_step)
+        self._gyroscopic = pack_gyroscopic(problem, self._rotor, rotor, time_step)
         signed = problem.sliding == "signed"
         self._wheel_speed = problem.rotor.tip_radius * problem.speed if signed else None
         self._march = _march_numbers(problem, time_step)
@@ -86,6 +88,7 @@ class CentralDifference:
             [np.cos(load.phase) * (load.ramp <= 0.0) * (load.end > 0.0) for load in problem.loads]
         )
         pulls = initial_spring_forces(problem)
+        turning = problem.rotor.turning_force(start.rotor, start.rotor_velocity)
         slots = []
         for body, loads, arrangement, x, v, pull in (
             (
@@ -94,7 +97,7 @@ class CentralDifference:
                 self._arrangements[0],
                 start.rotor,
                 start.rotor_velocity,
-                pulls[0],
+                pulls[0] + turning,
             ),
             (
                 problem.casing,
@@ -106,10 +109,9 @@ class CentralDifference:
             ),
         ):
             force = amplitudes @ np.reshape(loads, (len(loads), len(x))) + pull
-            drag = 2.0 * body.damping_ratio * body.frequency * v + body.dampers.T @ (
-                body.dampers @ v
-            )
-            acceleration = force - body.frequency**2 * x - drag
+            frequency = np.abs(body.frequency)
+            drag = 2.0 * body.damping_ratio * frequency * v + body.dampers.T @ (body.dampers @ v)
+            acceleration = force - body.frequency * frequency * x - drag
             before = x - dt * v + 0.5 * dt**2 * acceleration
             slots.append(arrangement.pack(np.array([before, x, np.zeros_like(x)])))
         tips = len(problem.rotor.tip_angle)
@@ -147,6 +149,7 @@ class CentralDifference:
             self._casing,
             self._springs,
             self._dampers,
+            self._gyroscopic,
             self._wheel_speed,
             self._march,
             arrays,

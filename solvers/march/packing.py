@@ -6,7 +6,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.coupling.springs import CouplingSprings
-from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing
+from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing, ReducedRotor
 from bladewhirl.solvers.kernel.arrays import (
     U_KIND,
     U_SLOPE,
@@ -18,6 +18,7 @@ from bladewhirl.solvers.kernel.arrays import (
     DamperArrays,
     DamperEnds,
     FieldScratch,
+    GyroscopicArrays,
     NodalField,
     RotorArrays,
     Scratch,
@@ -35,6 +36,9 @@ from bladewhirl.solvers.march.arrangement import (
     dense_arrangement,
     padded,
 )
+
+ROUNDING = 1e-14
+"""Entries of A^-1 below this share of the largest are rounding."""
 
 
 def _lengthened(values: FloatArray) -> FloatArray:
@@ -106,12 +110,18 @@ def pack_rotor(
         shape = np.zeros((tips, arrangement.columns))
         cross_shape = np.zeros((tips, arrangement.columns))
         shape[:, :modes], cross_shape[:, :modes] = rotor.tip_radial, rotor.tip_tangential
-    inverse = scheme_inverse(rotor.frequency, rotor.damping_ratio, dt)
-    weighted, weighted_tangential = rotor.tip_radial * inverse, rotor.tip_tangential * inverse
+    pressed, dragged = _answer_at_tips(rotor, dt)
     spread = aligned_copy(shape)
     loads = [load.rotor for load in problem.loads]
     return arrangement, RotorArrays(
-        body=pack_body(rotor.frequency, rotor.damping_ratio, loads, arrangement, dt),
+        body=pack_body(
+            rotor.frequency,
+            rotor.damping_ratio,
+            loads,
+            arrangement,
+            dt,
+            coupled=rotor.gyroscopic is not None,
+        ),
         radial=arrangement.grid(radial),
         tangential=arrangement.grid(tangential),
         crossed=arrangement.grid(crossed),
@@ -121,14 +131,109 @@ def pack_rotor(
         drag_spread=spread if cyclic else aligned_copy(cross_shape),
         half=arrangement.half,
         shared=cyclic,
-        w=_by_sliding(
-            weighted @ rotor.tip_radial.T,
-            weighted_tangential @ rotor.tip_radial.T,
-            problem.friction,
-        ).reshape(3 * tips, tips),
+        w=_by_sliding(pressed, dragged, problem.friction).reshape(3 * tips, tips),
         position=_lengthened(rotor.tip_angle * len(problem.casing.nodal) / (2.0 * np.pi)),
         recess=_lengthened(rotor.tip_recess),
     )
+
+
+def _answer_at_tips(rotor: ReducedRotor, dt: float) -> tuple[FloatArray, FloatArray]:
+    """Radial answer A^-1 of the tips to forces on them, radial and tangential, (forces, tips)."""
+    if rotor.gyroscopic is None:
+        inverse = scheme_inverse(rotor.frequency, rotor.damping_ratio, dt)
+        radial, tangential = rotor.tip_radial * inverse, rotor.tip_tangential * inverse
+    else:
+        full = turning_inverse(rotor, dt).T
+        radial, tangential = rotor.tip_radial @ full, rotor.tip_tangential @ full
+    return radial @ rotor.tip_radial.T, tangential @ rotor.tip_radial.T
+
+
+def pack_gyroscopic(
+    problem: ContactProblem, packed: RotorArrays, arrangement: Arrangement, dt: float
+) -> GyroscopicArrays | None:
+    """What couples the modes of a rotor that feels Coriolis forces; None where they don't count.
+
+    Args:
+        problem: what is marched.
+        packed: its rotor.
+        arrangement: of the rotor's modes.
+        dt: time step [s].
+    """
+    rotor = problem.rotor
+    if rotor.gyroscopic is None:
+        return None
+    inverse = turning_inverse(rotor, dt)
+    stands_still = [0, 1] if rotor.circulation != 0.0 else []
+    pull = rotor.circulation * rotor.centre * np.array([[1.0], [-1.0]])
+    cyclic, none = arrangement.half > 0, np.zeros(0, dtype=np.int64)
+    blocks, rest, to, by = (
+        _blocks(inverse, arrangement) if cyclic else (aligned(0), aligned(0), none, none)
+    )
+    normal, normal_across, shear, shear_across = (
+        _answers(inverse, arrangement, packed) if cyclic else 4 * [aligned((0, LANES))]
+    )
+    return GyroscopicArrays(
+        blocks=blocks,
+        rest=rest,
+        to=to,
+        by=by,
+        full=arrangement.pack(inverse.T[: 0 if cyclic else None]),
+        normal=normal,
+        normal_across=normal_across,
+        shear=shear,
+        shear_across=shear_across,
+        circulation=arrangement.pack(pull[stands_still]),
+        centre=arrangement.pack(rotor.centre[::-1][stands_still]),
+    )
+
+
+def _blocks(
+    inverse: FloatArray, arrangement: Arrangement
+) -> tuple[FloatArray, FloatArray, IntArray, IntArray]:
+    """A^-1 (modes, modes) of a cyclic rotor as blocks, and the entries that they leave out."""
+    rows, columns, half = arrangement.rows, arrangement.columns, arrangement.half
+    entries = arrangement.entries
+    full = np.zeros((entries, entries))
+    full[np.ix_(arrangement.entry, arrangement.entry)] = inverse
+    grid = full.reshape(rows, columns, rows, columns)
+    cosine = np.arange(half)
+    sine = half + cosine
+    own, across = grid[:, cosine, :, cosine].copy(), grid[:, cosine, :, sine].copy()
+    for to, by, block in (
+        (cosine, cosine, own),
+        (sine, sine, own),
+        (cosine, sine, across),
+        (sine, cosine, -across),
+    ):
+        grid[:, to, :, by] -= block
+    to, by = np.nonzero(np.abs(full) > ROUNDING * np.abs(inverse).max())
+    order = np.argsort(by, kind="stable")
+    blocks = np.zeros((2, half, rows + rows % 2, rows))
+    blocks[:, :, :rows] = own, across
+    registers = blocks.reshape(2, half // HALF, HALF, -1, 2, rows).transpose(1, 3, 5, 0, 4, 2)
+    return aligned_copy(registers.reshape(-1)), full[to, by][order], to[order], by[order]
+
+
+def _answers(inverse: FloatArray, arrangement: Arrangement, rotor: RotorArrays) -> list[FloatArray]:
+    """Answer of a cyclic rotor's modes to normal forces and friction on it by column.
+
+    Returns:
+        answer to the normal force on a mode's own column and on the partner's, then to friction.
+    """
+    columns, half = arrangement.columns, arrangement.half
+    modes, column = np.arange(len(inverse)), arrangement.entry % columns
+    partner = (column + half) % columns
+    found = []
+    for own, across in (
+        (rotor.radial, np.zeros_like(rotor.radial)),
+        (rotor.tangential, rotor.crossed),
+    ):
+        force = np.zeros((len(modes), columns))
+        force[modes, column] = own.ravel()[arrangement.entry]
+        force[modes, partner] += across.ravel()[arrangement.entry]
+        answer = inverse @ force
+        found += [arrangement.grid(answer[modes, each]) for each in (column, partner)]
+    return found
 
 
 def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, FloatArray]:
@@ -237,25 +342,31 @@ def pack_body(
     loads: list[FloatArray],
     arrangement: Arrangement,
     dt: float,
+    *,
+    coupled: bool = False,
 ) -> BodyArrays:
     """Modal recurrence of one body.
 
     Args:
-        frequency: [rad/s], (modes,).
+        frequency: [rad/s], negative where its square is, (modes,).
         damping_ratio: (modes,).
         loads: modal force of each load pattern, (modes,) each.
         arrangement: of the body's modes.
         dt: time step [s].
+        coupled: whether A couples the modes.
     """
     inverse = scheme_inverse(frequency, damping_ratio, dt)
-    decay = damping_ratio * frequency / dt
+    stiffness, size = frequency * np.abs(frequency), np.abs(frequency)
+    decay = damping_ratio * size / dt
+    if coupled:
+        inverse, decay = np.ones_like(inverse), np.full_like(decay, -1.0 / dt**2)
     load = arrangement.pack(np.reshape(loads, (len(loads), len(frequency))))
     return BodyArrays(
-        a=arrangement.pack(inverse * (2.0 / dt**2 - frequency**2)),
+        a=arrangement.pack(inverse * (2.0 / dt**2 - stiffness)),
         b=arrangement.pack(inverse * (decay - 1.0 / dt**2)),
         c=arrangement.pack(inverse),
-        stiffness=arrangement.pack(frequency**2),
-        damping=arrangement.pack(2.0 * damping_ratio * frequency),
+        stiffness=arrangement.pack(stiffness),
+        damping=arrangement.pack(2.0 * damping_ratio * size),
         load=load,
         loaded=_registers_in_use(load),
     )
@@ -280,6 +391,8 @@ def pack_dampers(
     for rows, body, arrangement in zip(given, bodies, arrangements, strict=True):
         strong = arrangement.pack(rows[rows.any(axis=1)])  # those without strength only cost time
         solve = np.linalg.inv(2.0 * dt * np.eye(len(strong)) + strong * body.c @ strong.T)
+        if body is bodies[0] and problem.rotor.gyroscopic is not None:  # its A has them
+            solve = np.eye(len(strong)) / (2.0 * dt)
         ends.append(DamperEnds(strong, solve))
     return DamperArrays(*ends) if any(len(end.rows) for end in ends) else None
 
@@ -349,7 +462,16 @@ def _registers_in_use(patterns: FloatArray) -> IntArray:
 
 def scheme_inverse(frequency: FloatArray, damping_ratio: FloatArray, dt: float) -> FloatArray:
     """Inverse of A = M/dt^2 + D/(2 dt) for each mode [s2], (modes,)."""
-    return np.asarray(1.0 / (1.0 / dt**2 + damping_ratio * frequency / dt))
+    return np.asarray(1.0 / (1.0 / dt**2 + damping_ratio * np.abs(frequency) / dt))
+
+
+def turning_inverse(rotor: ReducedRotor, dt: float) -> FloatArray:
+    """Inverse of the same with dampers and Coriolis forces [s2], (modes, modes)."""
+    inverse = scheme_inverse(rotor.frequency, rotor.damping_ratio, dt)
+    full = np.diag(1.0 / inverse) + rotor.dampers.T @ rotor.dampers / (2.0 * dt)
+    if rotor.gyroscopic is not None:
+        full += rotor.gyroscopic / (2.0 * dt)
+    return np.asarray(np.linalg.inv(full))
 
 
 def make_scratch(
@@ -406,6 +528,7 @@ def make_scratch(
             stretch=np.zeros((4, waves)),
             force=np.zeros((2, waves)),
         ),
+        turned=aligned(arrangements[0].entries),
         amplitude=np.zeros(len(rotor.body.load)),
         stroke=np.zeros(strokes),
         damper_force=np.zeros((2, strokes)),

@@ -11,7 +11,8 @@ stages are those of `solvers.kernel.step`; with A = M / dt^2 + D / (2 dt)
     correct   x_{n+1} = x_p + c (B_N + mu B_T S) lambda
 
 D holds the dampers at points too; c is the inverse of A without them, since they feel what a
-contact force changes from the next step on.
+contact force changes from the next step on. Coriolis forces add Omega G / dt to A and to what
+multiplies x_{n-1}; those on the rotor, and its dampers with them, are in c as well.
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ class Step(NamedTuple):
     force: FloatArray  #: f_n
     pressed: FloatArray  #: B_N^T lambda
     dragged: FloatArray  #: mu B_T^T S lambda
+    circulated: FloatArray  #: of dampers that stand still, by x_n
     damped: FloatArray  #: of the dampers at points
     residual: float  #: of complementarity, see `CentralDifference`
 
@@ -88,22 +90,29 @@ class Reference:
         self._problem, self._dt, self._record_every = problem, dt, record_every
         self._rotor_modes = len(rotor.frequency)
         frequency = np.concatenate([rotor.frequency, casing.frequency])
+        self._stiffness = np.concatenate([rotor.stiffness, casing.frequency**2])
         ratio = np.concatenate([rotor.damping_ratio, casing.damping_ratio])
-        self._stiffness, self._damping = frequency**2, 2.0 * ratio * frequency
-        self._dampers = la.block_diag(rotor.dampers, casing.dampers)
-        diagonal = 1.0 / dt**2 + self._damping / (2.0 * dt)
-        self._inverse = np.linalg.inv(
-            np.diag(diagonal) + self._dampers.T @ self._dampers / (2.0 * dt)
-        )
-        self._compliance = self._inverse if dampers_feel_contact else np.diag(1.0 / diagonal)
+        self._damping = 2.0 * ratio * np.abs(frequency)
+        gyroscopic = np.zeros((len(frequency), len(frequency)))
+        if turning := rotor.gyroscopic is not None:
+            gyroscopic[: self._rotor_modes, : self._rotor_modes] = rotor.gyroscopic
+        dampers = [body.dampers.T @ body.dampers for body in (rotor, casing)]
+        feel = turning or dampers_feel_contact, dampers_feel_contact
+        self._felt = la.block_diag(*(d * feels for d, feels in zip(dampers, feel, strict=True)))
+        self._late = la.block_diag(*dampers) - self._felt  # dampers that feel contact a step late
+        self._by_velocity = gyroscopic + self._felt + self._late
+        inertia = np.diag(1.0 / dt**2 + self._damping / (2.0 * dt))
+        self._inverse = np.linalg.inv(inertia + self._by_velocity / (2.0 * dt))
+        self._compliance = np.linalg.inv(inertia + (gyroscopic + self._felt) / (2.0 * dt))
 
     def init(self) -> ReferenceState:
         """State at t = 0; x_{-1} is consistent with initial velocity and acceleration."""
         start, dt = self._problem.start, self._dt
         x = np.concatenate([start.rotor, start.casing])
         v = np.concatenate([start.rotor_velocity, start.casing_velocity])
-        lost = self._damping * v + self._dampers.T @ (self._dampers @ v)
-        acceleration = self._force(0) - lost - self._stiffness * x - self._spring_force(0, x)
+        lost = self._damping * v + self._by_velocity @ v
+        force = self._force(0) + self._circulation(x)
+        acceleration = force - lost - self._stiffness * x - self._spring_force(0, x)
         normal, _, clearance = self._rows(x, 0)
         none = np.zeros(len(clearance))
         return ReferenceState(
@@ -147,12 +156,11 @@ class Reference:
     def _step(self, state: ReferenceState) -> Step:
         """Predict, look, solve, correct."""
         dt, n, x, before = self._dt, state.step, state.now, state.before
-        force = self._force(n)
+        force, circulated = self._force(n), self._circulation(x)
         restoring = self._stiffness * x + self._spring_force(n, x)
         inertia = 2.0 / dt**2 * x + (self._damping / (2.0 * dt) - 1.0 / dt**2) * before
-        held = self._dampers.T @ (self._dampers @ before) / (2.0 * dt)
-        free = self._inverse @ (force - restoring + inertia + held)
-        damped = self._dampers.T @ (self._dampers @ (free - before)) / (2.0 * dt)
+        held = self._by_velocity @ before / (2.0 * dt)
+        free = self._inverse @ (force + circulated - restoring + inertia + held)
         normal, tangential, clearance = self._rows(free, n + 1)
         slides = self._problem.friction * self._sliding(tangential, x - before)
         free_gap = clearance + normal @ free
@@ -160,6 +168,8 @@ class Reference:
         delassus = normal @ response
         multiplier = complementary(free_gap, delassus)
         after = free + response @ multiplier
+        late = self._late @ (free - before)
+        damped = (self._felt @ (after - before) + late) / (2.0 * dt)
         gap = clearance + normal @ after
         smaller = np.minimum(gap, np.diag(delassus) * multiplier)
         violated = np.where(multiplier > 0.0, np.abs(smaller), np.maximum(-gap, 0.0)).max()
@@ -172,6 +182,7 @@ class Reference:
             force=force,
             pressed=multiplier @ normal,
             dragged=(slides * multiplier) @ tangential,
+            circulated=circulated,
             damped=damped,
             residual=float(violated / scale) if multiplier.any() and scale > 0.0 else 0.0,
         )
@@ -183,6 +194,7 @@ class Reference:
         turned = self._spring_force(n, x) - self._spring_force(n - 1, x)
         lost = moved @ (self._damping * moved) / dt + moved @ step.damped
         done = [moved @ step.force, moved @ step.pressed, moved @ step.dragged, lost]
+        turning = 0.5 * before @ turned + moved @ step.circulated
         before_it = state.statistics
         return ReferenceState(
             step=n + 1,
@@ -193,7 +205,7 @@ class Reference:
             drag=state.drag + dt * step.friction,
             touched=state.touched + touching,
             contacts=int(touching.sum()),
-            work=state.work + np.array([*done, 0.5 * before @ turned]),
+            work=state.work + np.array([*done, turning]),
             statistics=replace(
                 before_it,
                 steps=n + 1,
@@ -214,6 +226,13 @@ class Reference:
         for load in self._problem.loads:
             total += load_factor(load, n * self._dt) * np.concatenate([load.rotor, load.casing])
         return total
+
+    def _circulation(self, x: FloatArray) -> FloatArray:
+        """Force of dampers under the centre that stand still, by x."""
+        rotor = self._problem.rotor
+        skew = rotor.circulation * np.array([[0.0, 1.0], [-1.0, 0.0]])
+        force = rotor.centre.T @ (skew @ (rotor.centre @ x[: self._rotor_modes]))
+        return np.concatenate([force, np.zeros(len(x) - self._rotor_modes)])
 
     def _spring_force(self, n: int, x: FloatArray) -> FloatArray:
         """K*_n x of the springs between the bodies and under the shaft."""
