@@ -25,6 +25,7 @@ SUBJECTS = {
     "results": "Balances from the result file",
     "stability": "Parametric stability",
     "rotation": "Effects of rotation",
+    "whirl": "Marches with Coriolis forces",
 }
 """Modules of cases, in the order of the table."""
 

@@ -11,26 +11,26 @@ import scipy.linalg as la
 from contact_cases import (
     assert_same,
     ledger_residual,
-    one_tip,
-    problem,
     random_problem,
     run,
     thrown,
     wall,
 )
 from places import EXAMPLES
-from stages import observed_order, oracle
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.case.file import case_from, read_case
+from bladewhirl.models.case.file import read_case
 from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.contact_problem import ContactProblem, Load, ReducedRotor, Start
+from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor, Start
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.reference import Reference
+from bladewhirl.studies.verification.references import reference
+from bladewhirl.studies.verification.stages import observed_order
+from bladewhirl.studies.verification.whirl import jeffcott, pulled, stage_at_speed
 
-JEFFCOTT = oracle("jeffcott")["rotor"]
+JEFFCOTT = reference("jeffcott")["rotor"]
 
 
 def coupled(seed: int, *, dampers: bool) -> ContactProblem:
@@ -76,7 +76,7 @@ STAGES: dict[str, tuple[str, ...]] = {
 @pytest.mark.parametrize("example", STAGES)
 @pytest.mark.parametrize("cyclic", [True, False])
 def test_every_kind_of_stage_marches_as_the_reference(example: str, cyclic: bool) -> None:
-    given = thrown(turning_stage(example, *STAGES[example]), 40.0)
+    given = thrown(turning_stage(example, *STAGES[example]), 40.0, spread=0.5)
     assert given.rotor.gyroscopic is not None
     dt, steps = min(1e-6, 0.5 * given.critical_time_step), 120
     fast, plain = CentralDifference(given, dt, 1, cyclic=cyclic), Reference(given, dt, 1)
@@ -96,7 +96,7 @@ def test_an_odd_number_of_blades_and_dampers_that_differ() -> None:
         "shaft.damping=3e4",
         "shaft.damping_y=1e3",
     )
-    given = thrown(turning_stage("imbalance", *changes), 40.0)
+    given = thrown(turning_stage("imbalance", *changes), 40.0, spread=0.5)
     fast, plain = CentralDifference(given, 1e-6, 1), Reference(given, 1e-6, 1)
     assert fast.cyclic[0]
     _, chunk, _ = fast.advance(fast.init(), 120)
@@ -112,59 +112,21 @@ def without_coriolis(given: ContactProblem) -> ContactProblem:
 
 
 def test_forces_of_no_size_change_nothing_but_rounding() -> None:
-    given = thrown(contact_problem(build_stage(read_case(EXAMPLES / "imbalance.toml"))), 40.0)
+    given = thrown(
+        contact_problem(build_stage(read_case(EXAMPLES / "imbalance.toml"))), 40.0, spread=0.5
+    )
     _, chunk, _ = run(given, 1e-6, 120)
     _, same, _ = run(without_coriolis(given), 1e-6, 120)
     assert chunk.contact_impulse.any()
     assert_same(same, chunk)
 
 
-@cache
-def table_1(stage: str, ratio: float = 0.0, damper: float = 0.0) -> ContactProblem:
-    """The stage of the reference results at 1.05, by the thickness of its disk [m].
-
-    Args:
-        stage: that thickness.
-        ratio: of modal damping.
-        damper: beside each spring of the shaft [N s/m].
-    """
-    case = case_from(
-        {
-            "bladed_disk": {"disk": {"thickness": float(stage)}},
-            "shaft": {"stiffness": 3.4e7, "damping": damper},
-            "rotation": {"effects": "full"},
-            "march": {"speed": 1.05, "time_step": 1e-6},
-            "damping": {"ratio": ratio},
-        }
-    )
-    return contact_problem(build_stage(case))
-
-
-def pulled(given: ContactProblem, force: float, ramp: float = 0.0) -> ContactProblem:
-    """A constant force on the centre along x [N]."""
-    still = np.zeros(len(given.casing.frequency))
-    return replace(
-        given, loads=(Load(rotor=force * given.rotor.centre[0], casing=still, ramp=ramp),)
-    )
-
-
-@pytest.mark.parametrize("stage", ["0.01", "0.03"])
-def test_a_step_of_force_on_the_shaft_at_speed(stage: str) -> None:
-    """Against complex modes of an independent full model; the reduction costs half of that."""
-    given, dt = pulled(table_1(stage), 1e3), 4e-6
-    rotor, scheme = given.rotor, CentralDifference(given, dt, 1)
-    rows = np.vstack([rotor.centre, rotor.tip_radial[:1], rotor.tip_tangential[:1]])
-    state = scheme.init()
-    for time, *expected in oracle("rotation")["stages"][stage]["step_1000N_at_1p05"]:
-        state, _, _ = scheme.advance(state, round(time / dt) - state.step)
-        _, chunk, _ = scheme.advance(state, 1, 1)
-        np.testing.assert_allclose(rows @ chunk.rotor_displacement[0], expected, atol=1e-7)
-
-
 def test_a_constant_force_ends_at_the_static_answer_at_speed() -> None:
     """With K_Omega: Coriolis forces vanish as the motion does."""
-    known = {ratio: x for ratio, x, _ in oracle("rotation")["stages"]["0.01"]["steady_per_newton"]}
-    given = pulled(table_1("0.01", ratio=0.05, damper=2e4), 1.0, ramp=0.2)
+    known = {
+        ratio: x for ratio, x, _ in reference("rotation")["stages"]["0.01"]["steady_per_newton"]
+    }
+    given = pulled(stage_at_speed("0.01", ratio=0.05, damper=2e4), 1.0, ramp=0.2)
     _, chunk, _ = run(given, 4e-6, 150_000, every=150_000)
     x, y = given.rotor.centre @ chunk.rotor_displacement[-1]
     assert x == pytest.approx(known[1.05], rel=1e-6)
@@ -182,9 +144,9 @@ def whirls(rotor: ReducedRotor) -> tuple[FloatArray, ComplexArray]:
 
 def test_free_whirl_has_the_frequencies_of_the_whirling_modes() -> None:
     """k = 1 at 1.05: 47.29 Hz backward, 29.74 Hz forward; of the second order in time."""
-    given = table_1("0.01")
+    given = stage_at_speed("0.01")
     w, p = whirls(given.rotor)
-    (row,) = [r for r in oracle("rotation")["stages"]["0.01"]["speeds"] if r["ratio"] == 1.05]
+    (row,) = [r for r in reference("rotation")["stages"]["0.01"]["speeds"] if r["ratio"] == 1.05]
     for way in ("backward", "forward"):
         wanted = 2 * np.pi * row[way]["1"][0]
         mode = int(np.abs(np.abs(w) - wanted).argmin())
@@ -226,76 +188,13 @@ def test_a_disk_that_turns_the_other_way_moves_as_in_a_mirror() -> None:
     np.testing.assert_allclose(other_tangential, -tangential[:, mirrored], atol=size)
 
 
-def jeffcott(
-    omega: float, *, internal: float = 0.0, external: float = 0.0
-) -> tuple[ContactProblem, complex]:
-    """A rigid rotor on two springs in rotating axes, and its answer to the unbalance [m].
-
-    Args:
-        omega: speed of rotation [rad/s].
-        internal: strength of dampers that turn with it [N s/m].
-        external: of dampers that stand still.
-    """
-    mass, stiffness = JEFFCOTT["mass"], JEFFCOTT["stiffness"]
-    square = stiffness / mass - omega**2
-    centre = np.eye(2) / np.sqrt(mass)
-    body = one_tip(
-        np.full(2, np.sign(square) * np.sqrt(abs(square))),
-        centre=centre,
-        dampers=np.sqrt(internal + external) * centre,
-        gyroscopic=2.0 * omega * np.array([[0.0, -1.0], [1.0, 0.0]]),
-        circulation=external * omega,
-    )
-    force = JEFFCOTT["unbalance"] * omega**2
-    load = Load(rotor=force * centre[0], casing=np.zeros(1), ramp=0.5)
-    answer = force / (stiffness - mass * omega**2 + 1j * external * omega)
-    return problem(body, wall(1.0), loads=(load,), speed=omega), answer
-
-
-@pytest.mark.parametrize("case", oracle("jeffcott")["response"], ids=lambda c: c["frequency_hz"])
-def test_unbalance_takes_a_rotor_through_resonance(case: dict[str, float]) -> None:
-    """From rest, amplitude and phase of the steady orbit; below, at and above resonance."""
-    omega = 2.0 * np.pi * case["frequency_hz"]
-    natural = np.sqrt(JEFFCOTT["stiffness"] * JEFFCOTT["mass"])
-    given, _ = jeffcott(omega, external=2.0 * JEFFCOTT["damping_ratio"] * natural)
-    _, chunk, _ = run(given, 1e-4, 40_000, every=40_000)
-    x, y = given.rotor.centre @ chunk.rotor_displacement[-1]
-    expected = case["amplitude"] * np.exp(-1j * case["phase_lag"])
-    assert x + 1j * y == pytest.approx(expected, rel=1e-6)
-
-
-@pytest.mark.parametrize("share", [0.9, 1.3])
-def test_internal_damping_holds_whirl_below_resonance_and_feeds_it_above(share: float) -> None:
-    mass, damping = JEFFCOTT["mass"], 2e3
-    natural = np.sqrt(JEFFCOTT["stiffness"] / mass)
-    omega = share * natural
-    given, _ = jeffcott(omega, internal=damping)
-    # s^2 + (2 i Omega + c / m) s + w^2 - Omega^2 = 0 of x + i y, the forward wave.
-    roots = np.roots([1.0, 2j * omega + damping / mass, natural**2 - omega**2])
-    slow = roots[np.abs(roots.imag).argmin()]
-    assert (slow.real > 0.0) == (share > 1.0)
-    push = Start(
-        rotor=np.array([1e-3, 0.0]),
-        rotor_velocity=1e-3 * np.array([slow.real, slow.imag]),
-        casing=np.zeros(1),
-        casing_velocity=np.zeros(1),
-    )
-    errors = []
-    for dt in (4e-5, 2e-5):
-        free = replace(given, loads=(), start=push)
-        _, chunk, _ = run(free, dt, round(0.2 / dt), every=round(0.01 / dt))
-        found = chunk.rotor_displacement @ [1.0, 1j]
-        exact = 1e-3 * np.exp(slow * chunk.time)
-        errors.append(np.abs(found - exact).max() / np.abs(exact).max())
-        assert ledger_residual(chunk) < 1e-9
-    assert errors[0] < 1e-3
-    np.testing.assert_allclose(observed_order(np.array(errors)), 2.0, atol=0.1)
-
-
 def test_a_damper_that_stands_still_holds_both() -> None:
     """Its loss in rotating axes is less than it takes: turning it does the rest of the work."""
     natural = np.sqrt(JEFFCOTT["stiffness"] / JEFFCOTT["mass"])
-    given, answer = jeffcott(1.3 * natural, internal=1e3, external=5e3)
+    omega, damping = 1.3 * natural, 5e3
+    given = jeffcott(omega, internal=1e3, external=damping)
+    softened = JEFFCOTT["stiffness"] - JEFFCOTT["mass"] * omega**2
+    answer = JEFFCOTT["unbalance"] * omega**2 / (softened + 1j * damping * omega)
     _, chunk, _ = run(given, 1e-4, 30_000, every=100)
     x, y = given.rotor.centre @ chunk.rotor_displacement[-1]
     assert x + 1j * y == pytest.approx(answer, rel=1e-6)
@@ -306,7 +205,7 @@ def test_a_damper_that_stands_still_holds_both() -> None:
 def test_damping_matrices_by_mode_and_at_points_agree() -> None:
     """The same dampers as modal damping of both translations."""
     natural = np.sqrt(JEFFCOTT["stiffness"] / JEFFCOTT["mass"])
-    given, _ = jeffcott(0.9 * natural, internal=2e3)
+    given = jeffcott(0.9 * natural, internal=2e3)
     ratio = 2e3 / JEFFCOTT["mass"] / (2.0 * given.rotor.frequency)
     modal = replace(given.rotor, dampers=np.zeros((0, 2)), damping_ratio=ratio)
     _, chunk, _ = run(given, 1e-4, 2000)

@@ -1,0 +1,130 @@
+"""Marches of rotors that feel Coriolis forces, in rotating axes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from bladewhirl.models.case.file import case_from
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.solvers.march.scheme import make_scheme
+from bladewhirl.studies.verification.bodies import marched, problem, small_rotor, wall
+from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.studies.verification.references import reference
+
+
+def stage_at_speed(thickness: str, *, ratio: float = 0.0, damper: float = 0.0) -> ContactProblem:
+    """The stage of the reference results at 1.05.
+
+    Args:
+        thickness: of the disk's beams [m].
+        ratio: of modal damping.
+        damper: beside each spring of the shaft [N s/m].
+    """
+    case = case_from(
+        {
+            "bladed_disk": {"disk": {"thickness": float(thickness)}},
+            "shaft": {"stiffness": 3.4e7, "damping": damper},
+            "rotation": {"effects": "full"},
+            "march": {"speed": 1.05, "time_step": 1e-6},
+            "damping": {"ratio": ratio},
+        }
+    )
+    return contact_problem(build_stage(case))
+
+
+def pulled(given: ContactProblem, force: float, ramp: float = 0.0) -> ContactProblem:
+    """The same with a constant force on the centre along x [N], after a ramp [s]."""
+    still = np.zeros(len(given.casing.frequency))
+    load = Load(rotor=force * given.rotor.centre[0], casing=still, ramp=ramp)
+    return replace(given, loads=(load,))
+
+
+@verifies(
+    "centre and tip after a step of 1000 N on the shaft at 1.05, to 50 ms, disk of {} m",
+    unit="m",
+    source="complex modes of finite elements that share nothing with this program",
+    tolerance=1e-7,
+    measure="absolute",
+    each=("0.01", "0.03"),
+)
+def step_of_force(thickness: str) -> Pair:
+    """Motions of 1e-4 m; half of the error is the reduction's."""
+    given, dt = pulled(stage_at_speed(thickness), 1e3), 4e-6
+    rotor, scheme = given.rotor, make_scheme(given, dt, 1)
+    rows = np.vstack([rotor.centre, rotor.tip_radial[:1], rotor.tip_tangential[:1]])
+    known, found, state = [], [], scheme.init()
+    for time, *moved in reference("rotation")["stages"][thickness]["step_1000N_at_1p05"]:
+        state, _, _ = scheme.advance(state, round(time / dt) - state.step)
+        _, chunk, _ = scheme.advance(state, 1, 1)
+        known.append(moved)
+        found.append(rows @ chunk.rotor_displacement[0])
+    return known, found
+
+
+def jeffcott(omega: float, *, internal: float = 0.0, external: float = 0.0) -> ContactProblem:
+    """A rigid rotor on two springs with unbalance, its stiffness softened by the speed.
+
+    Args:
+        omega: speed of rotation [rad/s].
+        internal: strength of dampers that turn with it [N s/m].
+        external: of dampers that stand still.
+    """
+    rotor = reference("jeffcott")["rotor"]
+    square = rotor["stiffness"] / rotor["mass"] - omega**2
+    centre = np.eye(2) / np.sqrt(rotor["mass"])
+    body = small_rotor(
+        np.full(2, np.sign(square) * np.sqrt(abs(square))),
+        centre=centre,
+        dampers=np.sqrt(internal + external) * centre,
+        gyroscopic=2.0 * omega * np.array([[0.0, -1.0], [1.0, 0.0]]),
+        circulation=external * omega,
+    )
+    load = Load(rotor=rotor["unbalance"] * omega**2 * centre[0], casing=np.zeros(1), ramp=0.5)
+    return problem(body, wall(1.0), loads=(load,), speed=omega)
+
+
+@verifies(
+    "displacement in rotating axes of a rigid rotor with unbalance on dampers that stand still,"
+    " 15 speeds",
+    unit="m",
+    source="closed form, ROSS 2.3.0 agrees to 1e-6",
+    tolerance=1e-6,
+)
+def unbalance_through_resonance() -> Pair:
+    """Size and phase after 4 s from rest under a constant force; above resonance it turns round."""
+    known = reference("jeffcott")
+    rotor, wanted, found = known["rotor"], [], []
+    damping = 2.0 * rotor["damping_ratio"] * np.sqrt(rotor["stiffness"] * rotor["mass"])
+    for row in known["response"]:
+        given = jeffcott(2.0 * np.pi * row["frequency_hz"], external=damping)
+        chunk = marched(given, 1e-4, 40_000, every=40_000)
+        x, y = given.rotor.centre @ chunk.rotor_displacement[-1]
+        wanted.append([row["amplitude"], -row["phase_lag"]])
+        found.append([np.hypot(x, y), np.arctan2(y, x)])
+    return wanted, found
+
+
+@verifies(
+    "growth rate of a rigid rotor with internal damping, at {} of its critical speed",
+    unit="1/s",
+    source="closed form: s^2 + (2 i Omega + c/m) s + k/m - Omega^2 = 0",
+    tolerance=1e-4,
+    each=(0.9, 1.3),
+)
+def internal_damping(share: float) -> Pair:
+    """Negative below: it holds whirl there, and feeds it above."""
+    rotor, damping, dt = reference("jeffcott")["rotor"], 2e3, 2e-5
+    natural = np.sqrt(rotor["stiffness"] / rotor["mass"])
+    omega = share * natural
+    roots = np.roots([1.0, 2j * omega + damping / rotor["mass"], natural**2 - omega**2])
+    slow = roots[np.abs(roots.imag).argmin()]
+    given = replace(jeffcott(omega, internal=damping), loads=())
+    velocity = 1e-3 * np.array([slow.real, slow.imag])
+    start = replace(given.start, rotor=np.array([1e-3, 0.0]), rotor_velocity=velocity)
+    chunk = marched(replace(given, start=start), dt, 10_000, every=10_000)
+    size = np.linalg.norm(chunk.rotor_displacement, axis=1)
+    return slow.real, np.log(size[-1] / size[0]) / chunk.time[-1]
