@@ -77,6 +77,8 @@ def test_matrices_can_be_read_by_name() -> None:
     place = reduced.position("centre x")
     assert float(first) == reduced.stiffness[place, place] > 0.0
     assert data["mass"].attrs["units"] == "kg"
+    modal = [name.startswith("fixed-interface") for name in reduced.names]
+    np.testing.assert_allclose(reduced.mass[modal][:, modal], np.eye(sum(modal)), atol=1e-9)
     inside = data["stiffness"].sel(row="fixed-interface 3", column="tip 1 radial")
     assert abs(float(inside)) < 1e-6 * float(first)
     assert "centre x" not in damped("clamped").reduced.names
