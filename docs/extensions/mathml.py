@@ -2,22 +2,40 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from typing import Any
 
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 
+_MATHML = "{http://www.w3.org/1998/Math/MathML}"
+_DOTS = ("˙", "¨")
+ET.register_namespace("", _MATHML[1:-1])
+
+
+def formula(tex: str, *, block: bool) -> str:
+    """MathML of a formula; an index of a dotted symbol stands beside it, not below."""
+    root = ET.fromstring(tex2mathml(tex, as_block=block))
+    for symbol in list(root.iter(f"{_MATHML}munderover")):
+        base, index, accent = symbol
+        if accent.text in _DOTS:
+            symbol.tag = f"{_MATHML}msub"
+            dotted = ET.Element(f"{_MATHML}mover", accent="true")
+            dotted.extend([base, accent])
+            symbol[:] = [dotted, index]
+    return ET.tostring(root, encoding="unicode")
+
 
 def visit_math(translator: Any, node: nodes.math) -> None:
     """A formula in a line of text."""
-    translator.body.append(tex2mathml(node.astext()))
+    translator.body.append(formula(node.astext(), block=False))
     raise nodes.SkipNode
 
 
 def visit_math_block(translator: Any, node: nodes.math_block) -> None:
     """A formula on a line of its own."""
-    translator.body.append(f'<div class="math">{tex2mathml(node.astext(), as_block=True)}</div>\n')
+    translator.body.append(f'<div class="math">{formula(node.astext(), block=True)}</div>\n')
     raise nodes.SkipNode
 
 
