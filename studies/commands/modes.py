@@ -63,7 +63,7 @@ def modes(
     if output is None:
         stage = study.stage_of_file(case, overrides, "modes", "centrifugal", "full")
     else:
-        stage = study.stage_of_file(case, overrides, "pictures of modes")
+        stage = study.stage_of_file(case, overrides, "pictures of modes", "centrifugal")
     if output is not None:
         plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
     found = study.modes(stage)

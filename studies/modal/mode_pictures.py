@@ -77,7 +77,7 @@ def draw_modes(stage: ModalStage, plan: Plan, folder: Path) -> None:
     Raises:
         UserError: the folder or a file cannot be written.
     """
-    check_effects(stage.case, "pictures of modes")
+    check_effects(stage.case, "pictures of modes", "centrifugal")
     console = Console(stderr=True)
     quiet = not console.is_terminal
     with written_to(folder), Progress(console=console, transient=True, disable=quiet) as bar:

@@ -20,7 +20,7 @@ PAGES = {
 SLOW = {
     "start",
     "reference/figures",
-    *(f"tutorials/{name}" for name in ("modes", "sweep", "figures")),
+    *(f"tutorials/{name}" for name in ("modes", "rotation", "sweep", "figures")),
 }
 """Pages whose blocks take long."""
 

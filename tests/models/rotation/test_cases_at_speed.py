@@ -143,9 +143,8 @@ def test_a_march_knows_coriolis_forces_below_the_critical_speed() -> None:
 @pytest.mark.parametrize(
     ("command", "effects"),
     [
-        (["stability"], "centrifugal"),
         (["veering"], "full"),
-        (["modes", "-o", "pictures"], "centrifugal"),
+        (["modes", "-o", "pictures"], "full"),
     ],
 )
 def test_what_is_not_known_at_speed_is_refused_in_one_line(
