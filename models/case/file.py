@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import tomllib
@@ -53,6 +54,8 @@ def read_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
     """
     file = fspath(path)
     try:
+        if os.path.exists(file) and not os.path.isfile(file) and not os.path.isdir(file):
+            raise OSError(errno.EINVAL, "it is no regular file")
         with open(file, "rb") as stream:
             content = stream.read(MOST_BYTES + 1)
         text = content.decode("utf-8-sig")

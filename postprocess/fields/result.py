@@ -106,8 +106,8 @@ def open_file(
 def vouched(dataset: xr.Dataset) -> xr.Dataset:
     """A result up to the records that its recorder said were whole; all where it says nothing."""
     steps, step = dataset.attrs.get("steps"), dataset.attrs.get("time_step")
-    if steps is None or step is None or TIME not in dataset.sizes:
-        return dataset
+    if not steps or step is None or TIME not in dataset.sizes:
+        return dataset  # steps = 0: older versions told it at the end only
     time = dataset[TIME].values
     whole = (time <= (steps + 0.5) * step) & (np.arange(len(time)) == np.searchsorted(time, time))
     return dataset.isel({TIME: slice(int(np.cumprod(whole).sum()))})

@@ -15,7 +15,7 @@ import typer
 
 from bladewhirl.studies.commands.campbell import campbell
 from bladewhirl.studies.commands.convergence import convergence
-from bladewhirl.studies.commands.exits import UserErrorGroup
+from bladewhirl.studies.commands.exits import UserErrorGroup, whole_output
 from bladewhirl.studies.commands.export import export
 from bladewhirl.studies.commands.mesh import mesh
 from bladewhirl.studies.commands.modes import modes
@@ -91,4 +91,5 @@ def main() -> None:
     # Matrices of one sector are small: on a busy machine threads make their products wait for
     # each other, twenty times as long as one thread needs. NumPy, not loaded yet, heeds this.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    app()
+    with whole_output():
+        app()

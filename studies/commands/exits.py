@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import errno
+import io
+import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NoReturn
 
 import typer
 from typer.core import TyperGroup
@@ -32,6 +36,32 @@ class UserErrorGroup(TyperGroup):
             for line in error.lines:
                 typer.echo(line, err=True)
             raise typer.Exit(USER_ERROR) from None
+
+
+@contextmanager
+def whole_output() -> Iterator[None]:
+    """Standard output of any encoding; what it does not take in the end is an error in one line."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        yield
+    except OSError as error:  # what the system refuses, of files too
+        _leave(error)
+    finally:
+        try:
+            sys.stdout.flush()
+        except OSError as error:
+            _leave(error)
+
+
+def _leave(error: OSError) -> NoReturn:
+    """Say what the system refused, and end; what standard output still holds is dropped."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    if error.errno != errno.EPIPE:
+        place = error.filename or "standard output"
+        sys.stderr.write(f"{place}: cannot be used ({error.strerror or error})\n")
+    raise SystemExit(USER_ERROR) from None
 
 
 @contextmanager

@@ -10,6 +10,7 @@ import typer
 from bladewhirl.models.inputs.errors import writing
 from bladewhirl.studies.commands.options import (
     End,
+    Replace,
     Rotating,
     RunFolder,
     Start,
@@ -35,12 +36,13 @@ def export(
         Path | None,
         typer.Option("--output", "-o", help=f"Folder for the series; DIR/{VTK} if none."),
     ] = None,
+    overwrite: Replace = False,
 ) -> None:
     """Write a series for ParaView: open series.pvd, press Apply, add Warp By Vector.
 
     Parts are named rotor and casing, with --surface contact too. Fields: displacement, velocity,
     radial_displacement, gap, contact_force (for Glyph), axial and bending strain and stress.
-    An earlier series in the folder is replaced.
+    An earlier series that bladewhirl wrote into the folder is replaced.
     """
     from bladewhirl.postprocess.fields.fields import frame_records, sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
@@ -52,7 +54,13 @@ def export(
         records = frame_records(result, frames, *window)
         with progress_bar(folder.name) as update, writing(folder):
             index = write_series(
-                result, folder, records, rotating=rotating, surface=surface, progress=update
+                result,
+                folder,
+                records,
+                rotating=rotating,
+                surface=surface,
+                overwrite=overwrite,
+                progress=update,
             )
         first, last = result["time"].values[records[[0, -1]]]
         hint = sampling_hint(result, records)

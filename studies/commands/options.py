@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.errors import UserError, writing
 
 if TYPE_CHECKING:
     import numpy as np
@@ -27,6 +27,9 @@ Changes = Annotated[
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Write into a folder that exists.")]
+Replace = Annotated[
+    bool, typer.Option("--overwrite", help="Replace files that bladewhirl did not write.")
+]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")]
 Start = Annotated[
     str | None,
@@ -44,6 +47,26 @@ Scheduler = Annotated[
 
 MOST_POINTS = 100_000
 """Longest range: a chart of that many columns is a slip of the pen."""
+
+
+def claim_output(target: Path, *, named: bool, overwrite: bool) -> None:
+    """See that a file may be written, before anything is drawn.
+
+    Args:
+        target: the file.
+        named: by the user; else it goes into a folder of the program's and is listed there.
+        overwrite: replace it, whosever it is.
+
+    Raises:
+        UserError: it is there, and no manifest lists it.
+    """
+    from bladewhirl.meshes.files.manifest import claim, claim_file
+
+    with writing(target):
+        if named:
+            claim_file(target, overwrite=overwrite)
+        else:
+            claim(target.parent, [target.name], overwrite=overwrite)
 
 
 def print_json(document: Any) -> None:

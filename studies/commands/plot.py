@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES, captions
+from bladewhirl.studies.commands.options import Replace
 
 ALL = "all"
 PLOTS = "plots"
@@ -48,13 +49,15 @@ def plot(
         Path | None,
         typer.Option("--output", "-o", help=f"Folder for the figures; DIR/{PLOTS} if none."),
     ] = None,
+    overwrite: Replace = False,
 ) -> None:
     """Draw figures of a run or a sweep as PNG and PDF, with the data behind each as netCDF.
 
     Without a NAME it lists those that there are.
     Without a window, a run's spectrum and contact-classes are of the last third of the time.
     """
-    from bladewhirl.models.inputs.errors import UserError
+    from bladewhirl.meshes.files.manifest import claim
+    from bladewhirl.models.inputs.errors import UserError, writing
     from bladewhirl.postprocess.fields.fields import ViewError
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.plotting.style import save_figure
@@ -86,11 +89,10 @@ def plot(
                     raise
                 typer.echo(f"{name} left out: {error}", err=True)
                 continue
-            try:
-                folder.mkdir(parents=True, exist_ok=True)
+            with writing(folder):
+                files = [f"{name}{suffix}" for suffix in (".png", ".pdf", ".nc")]
+                claim(folder, files, overwrite=overwrite)
                 save_figure(figure, folder / name, drawn)
-            except OSError as error:
-                raise UserError(f"{folder}: cannot be written ({error.strerror})") from None
             typer.echo(f"Wrote {folder / name}.png, .pdf and .nc.")
 
 

@@ -13,8 +13,10 @@ import typer
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands.options import (
     End,
+    Replace,
     RunFolder,
     Start,
+    claim_output,
     options_of_window,
     parse_time,
     parse_window,
@@ -91,6 +93,7 @@ def render(
     orbit: Annotated[
         bool, typer.Option("--orbit", help="Show the shaft's orbit in an inset.")
     ] = False,
+    overwrite: Replace = False,
 ) -> None:
     """Draw a run as GIF, MP4, PNG or HTML, without a display.
 
@@ -113,6 +116,9 @@ def render(
     _refuse(not still, {"--time": time or None}, "an animation has --from and --to")
     first, last = parse_window(start, end)
     times = [parsed for text in time or [] if (parsed := parse_time("--time", text)) is not None]
+    for kind, target in targets.items():
+        for path, _ in _stills(target, times) if kind == "png" else [(target, None)]:
+            claim_output(path, named=output is not None, overwrite=overwrite)
     with options_of_window(), open_result(directory) as result:
         for inside in times:
             check_inside(result, inside)

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from bladewhirl.studies.commands.options import Replace, claim_output
+
 
 def report(
     directory: Annotated[
@@ -16,13 +18,17 @@ def report(
         Path | None,
         typer.Option("--output", "-o", metavar="FILE", help="File; DIR/report.html if none."),
     ] = None,
+    overwrite: Replace = False,
 ) -> None:
     """Write a report as one HTML file that any browser shows without a network.
 
     It holds the regime and why, the figures of `bladewhirl plot` with words, maps to point at, the
-    numbers, the resolved case and what made it. An older report is replaced.
+    numbers, the resolved case and what made it. An older report of the folder is replaced.
     """
     from bladewhirl.studies.runs.report import report as write_report
+    from bladewhirl.studies.runs.report import report_target
 
-    written = write_report(directory, output)
+    target = report_target(directory, output)
+    claim_output(target, named=output is not None, overwrite=overwrite)
+    written = write_report(directory, target)
     typer.echo(f"Wrote {written}.")

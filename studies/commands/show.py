@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bladewhirl.models.inputs.errors import CaseError, UserError, writing
-from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, print_json
+from bladewhirl.studies.commands.options import (
+    AsJson,
+    CaseFile,
+    Changes,
+    Replace,
+    claim_output,
+    print_json,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -37,6 +44,7 @@ def show(
         Path | None,
         typer.Option("--output", "-o", help="File of the drawing; the case's name.png if none."),
     ] = None,
+    overwrite: Replace = False,
 ) -> None:
     """Print the figures that follow from a case, and with --case every key of it.
 
@@ -66,7 +74,9 @@ def show(
     for hint in stage_hints(stage):
         typer.echo(f"Hint: {hint}.", err=True)
     if png:
-        _draw(stage, output or Path(f"{case.stem}.png"))
+        target = output or Path(f"{case.stem}.png")
+        claim_output(target, named=True, overwrite=overwrite)
+        _draw(stage, target)
     if json:
         tables = checked.model_dump(mode="json", exclude_none=True)
         document = {"case": tables, "derived": asdict(properties)}

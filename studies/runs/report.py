@@ -29,19 +29,27 @@ def report(directory: str | Path, output: str | Path | None = None) -> Path:
         UserError: neither is there, or the file can't be written.
     """
     directory = Path(directory)
-    target = directory / REPORT_NAME if output is None else Path(output)
-    checked_target(target, ".html")
-    made = {RESULT_NAME: _run_page, SWEEP_NAME: _sweep_page}
-    found = [make for name, make in made.items() if (directory / name).is_file()]
-    if not found:
-        raise UserError(
-            f"{directory}: expected the folder of a run or a sweep, with its {' or '.join(made)}"
-        )
+    target = report_target(directory, None if output is None else Path(output))
+    make = next(make for name, make in PAGES.items() if (directory / name).is_file())
     with _writing(target):
         target.parent.mkdir(parents=True, exist_ok=True)  # before anything is drawn
-    page = found[0](directory)
+    page = make(directory)
     with _writing(target):
         return write_page(page, target)
+
+
+def report_target(directory: Path, output: Path | None) -> Path:
+    """File of the report of a folder.
+
+    Raises:
+        UserError: no run and no sweep is there, or the file's name does not end in .html.
+    """
+    target = checked_target(directory / REPORT_NAME if output is None else output, ".html")
+    if not any((directory / name).is_file() for name in PAGES):
+        raise UserError(
+            f"{directory}: expected the folder of a run or a sweep, with its {' or '.join(PAGES)}"
+        )
+    return target
 
 
 @contextmanager
@@ -84,3 +92,7 @@ def _provenance(directory: Path) -> Provenance:
     except (OSError, ValueError):
         return {}
     return found if isinstance(found, dict) else {}
+
+
+PAGES = {RESULT_NAME: _run_page, SWEEP_NAME: _sweep_page}
+"""What makes the page of a folder, by the file that is in it."""

@@ -46,6 +46,7 @@ def test_all_figures_come_with_their_data(directory: Path) -> None:
     assert result.stderr.startswith("regime left out: too short a history to judge growth")
     drawn = [name for name in RUN_FIGURES if name != "regime"]
     expected = {f"{name}.{kind}" for name in drawn for kind in ("png", "pdf", "nc")}
+    expected |= {"manifest.json"}
     assert {path.name for path in (directory / "plots").iterdir()} == expected
     with xr.open_dataset(directory / "plots" / "state-space.nc", engine="h5netcdf") as data:
         assert data.sizes["time"] == 401

@@ -179,3 +179,16 @@ def test_files_that_cannot_be(folder: Path, tmp_path: Path) -> None:
         assert done.exit_code == 2
         assert complaint in done.stderr
         assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_file_of_the_users_is_not_replaced_unasked(tmp_path: Path) -> None:
+    run = made(tmp_path / "run")
+    theirs = [run / "report.html", tmp_path / "theirs.html"]
+    for path, option in zip(theirs, ([], ["-o", str(tmp_path / "theirs.html")]), strict=True):
+        path.write_text("precious")
+        refused = report(run, *option)
+        assert refused.exit_code == 2
+        assert "--overwrite replaces it" in refused.stderr
+        assert path.read_text() == "precious"
+    assert report(run, "--overwrite").exit_code == 0
+    assert report(run).exit_code == 0  # its own now

@@ -1,0 +1,46 @@
+"""What the system refuses ends in one line, whatever it is."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+COMMAND = "from bladewhirl.studies.commands.cli import main; main()"
+
+
+def bladewhirl(*arguments: str, output: str = os.devnull) -> subprocess.CompletedProcess[str]:
+    with Path(output).open("w") as stream:
+        return subprocess.run(
+            [sys.executable, "-c", COMMAND, *arguments],
+            stdout=stream,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, "PYTHONIOENCODING": "ascii"},
+        )
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"]])
+def test_full_standard_output(arguments: list[str]) -> None:
+    if not Path("/dev/full").exists():
+        pytest.skip("this system has no /dev/full")
+    ended = bladewhirl(*arguments, output="/dev/full")
+    told = "standard output: cannot be used (No space left on device)\n"
+    assert (ended.returncode, ended.stderr) == (2, told)
+
+
+def test_a_name_too_long_for_the_system(tmp_path: Path) -> None:
+    ended = bladewhirl("new", str(tmp_path / f"{'a' * 300}.toml"))
+    assert ended.returncode == 2
+    assert ended.stderr.endswith("(File name too long)\n")
+    assert len(ended.stderr.splitlines()) == 1
+
+
+def test_a_pipe_is_no_case(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "case.toml")
+    ended = bladewhirl("show", str(tmp_path / "case.toml"))
+    assert ended.returncode == 2
+    assert ended.stderr.endswith("expected a readable file (it is no regular file)\n")
