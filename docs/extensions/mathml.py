@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+import re
 import xml.etree.ElementTree as ET
 from typing import Any
 
@@ -11,12 +13,16 @@ from sphinx.application import Sphinx
 
 _MATHML = "{http://www.w3.org/1998/Math/MathML}"
 _DOTS = ("˙", "¨")
+_ENTITY = re.compile(r"&(?!lt;|gt;|amp;|quot;)\w+;")
+"""Of HTML, such as a space; XML does not have it."""
+
 ET.register_namespace("", _MATHML[1:-1])
 
 
 def formula(tex: str, *, block: bool) -> str:
     """MathML of a formula; an index of a dotted symbol stands beside it, not below."""
-    root = ET.fromstring(tex2mathml(tex, as_block=block))
+    text = _ENTITY.sub(lambda found: html.unescape(found[0]), tex2mathml(tex, as_block=block))
+    root = ET.fromstring(text)
     for symbol in list(root.iter(f"{_MATHML}munderover")):
         base, index, accent = symbol
         if accent.text in _DOTS:
