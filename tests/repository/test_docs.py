@@ -3,7 +3,6 @@
 import re
 from pathlib import Path
 
-import mathml
 import pytest
 import reference
 from blocks import Session, blocks
@@ -95,14 +94,3 @@ def test_the_modules_that_hold_an_equation_exist(name: str) -> None:
     modules = re.findall(r"`(\w+(?:/\w+)+\.py)`", PAGES[name])
     assert modules
     assert [module for module in modules if not (ROOT / module).is_file()] == []
-
-
-@pytest.mark.parametrize("name", [name for name in PAGES if name.startswith("theory/")])
-def test_formulas_become_mathml(name: str) -> None:
-    formulas = re.findall(r"^\$\$\n(.*?)^\$\$$", PAGES[name], flags=re.MULTILINE | re.DOTALL)
-    for formula in formulas:
-        assert mathml.formula(formula, block=True).startswith("<math")
-
-
-def test_an_index_stands_beside_a_dotted_symbol() -> None:
-    assert "munder" not in mathml.formula(r"{\dot u}_j \quad x_n", block=True)
