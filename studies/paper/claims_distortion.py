@@ -235,10 +235,7 @@ def whirl_slows_down(motion: Motion) -> Finding:
     before, after = (float(part.mean() / 2 / np.pi) for part in (rates[:half], rates[-half:]))
     return Finding(
         ours=f"{before:.3g} Hz, then {after:.3g} Hz",
-        checks=(
-            Check(text=f"slower by {100 * (1 - after / before):.2g} %", met=after < before),
-            at_most("later over earlier frequency", after / before, 0.9),
-        ),
+        checks=(at_most("later over earlier frequency", after / before, 0.9),),
     )
 
 
