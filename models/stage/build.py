@@ -54,6 +54,7 @@ def marched_bodies(stage: Stage) -> tuple[ReducedRotor, ReducedCasing]:
 def march_faults(stage: Stage) -> Iterator[Fault]:
     """Faults of the case that stand in the way of a march."""
     yield from chain(
+        _mode_faults(stage),
         time_step_faults(stage),
         _load_faults(stage),
         _start_faults(stage),
@@ -77,6 +78,13 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
         fastest = element / step / stage.reference_frequency
         expected = f"less than {fastest:.6g}, at which a tip passes a casing element every step"
         yield case_fault(case, "march.speed", expected)
+
+
+def _mode_faults(stage: Stage) -> Iterator[Fault]:
+    """A body of which no mode is kept: results hold the motion of both."""
+    if not len(stage.kept.rotor) or not len(stage.kept.casing):
+        expected = "modes of the bladed disk and of the casing"
+        yield case_fault(stage.case, "reduction.modes", expected)
 
 
 def _load_faults(stage: Stage) -> Iterator[Fault]:

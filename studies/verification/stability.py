@@ -28,7 +28,7 @@ POINT = {"march.speed": 1.17, "coupling.stiffness": 500.0, "reduction.modes": "s
 """The paper's example point, Figs 11 and 14."""
 
 DAMPED = ("0.0", "0.005")
-GROWTH_SOURCE = "monodromy matrix, computed without this program"
+GROWTH_SOURCE = "monodromy matrix of the corrected Eq. (9)"
 MATHIEU = {"a0": mathieu_a(0, 1.0), "b1": mathieu_b(1, 1.0), "a1": mathieu_a(1, 1.0)} | {
     "b2": mathieu_b(2, 1.0),
     "a2": mathieu_a(2, 1.0),

@@ -29,12 +29,12 @@ SUBJECTS = {
 }
 """Modules of cases, in the order of the table."""
 
-HEAD = ("case", "quantity", "source", "values", "reference", "ours", "error", "tolerance", "")
+HEAD = ("", "quantity", "source", "values", "reference", "calculated", "largest error", "allowed")
 
 WORDS = (
-    "Each quantity is computed through the same functions that commands and Python use and compared"
-    " with a reference that was made without this program. Of several values the worst is shown."
-    " Errors are relative unless the tolerance has a unit; (max) is over the largest reference."
+    "Each quantity is computed through the functions that commands and Python use, and compared"
+    " with a closed form, a published value, another program, or what any motion must satisfy. Of"
+    " several values the worst is shown. Errors are relative unless said."
 )
 
 
@@ -122,18 +122,17 @@ INF = float("inf")
 
 def cells(outcome: Outcome) -> Sequence[str]:
     """A line of the table, under `HEAD`."""
-    unit = "" if outcome.unit == "1" else f" {outcome.unit}"
-    bound = {"relative": "", "of largest": " (max)", "absolute": unit}[outcome.measure]
+    unit = "" if outcome.unit == "1" else f" [{outcome.unit}]"
+    bound = {"relative": "", "of largest": " of the largest", "absolute": " absolute"}
     return (
-        outcome.name.partition(".")[2],
-        outcome.quantity,
+        "pass" if outcome.passed else "FAIL",
+        f"{outcome.quantity}{unit}",
         outcome.source,
         str(outcome.values),
-        f"{outcome.reference:.8g}{unit}",
-        f"{outcome.ours:.8g}{unit}",
+        f"{outcome.reference:.6g}",
+        f"{outcome.ours:.6g}",
         f"{outcome.error:.1e}",
-        f"{outcome.tolerance:.2g}{bound}",
-        "pass" if outcome.passed else "FAIL",
+        f"{outcome.tolerance:.2g}{bound[outcome.measure]}",
     )
 
 
@@ -190,14 +189,12 @@ def print_table(done: Verification) -> None:
         table.add_section()
         table.add_row(f"[bold]{SUBJECTS[subject]}[/]")
         for outcome in outcomes:
-            unit = "" if outcome.unit == "1" else f" [{outcome.unit}]"
+            verdict, quantity, source, _, *numbers, _ = map(escape, cells(outcome))
             style = "green" if outcome.passed else "bold red"
             table.add_row(
-                f"{escape(outcome.quantity + unit)}\n[dim]{escape(outcome.source)}[/]",
-                f"{outcome.reference:.6g}",
-                f"{outcome.ours:.6g}",
-                f"{outcome.error:.1e}",
+                f"{quantity}\n[dim]{source}[/]",
+                *numbers,
                 f"{outcome.tolerance:.2g}",
-                f"[{style}]{cells(outcome)[-1]}[/]",
+                f"[{style}]{verdict}[/]",
             )
     Console().print(table)

@@ -125,6 +125,12 @@ def test_a_load_that_no_kept_mode_feels_is_refused() -> None:
     assert "a load on modes that reduction.modes" in line
 
 
+@pytest.mark.parametrize("modes", ["suspension", "casing:1"])
+def test_a_march_needs_modes_of_both_bodies(modes: str) -> None:
+    line = fault(contact_problem, stage(modes))
+    assert line.endswith("expected modes of the bladed disk and of the casing")
+
+
 def test_start_is_projected_by_mass() -> None:
     """What is left out is orthogonal in mass to what is kept, so kinetic energies add up."""
     push = "initial.centre_velocity=[0.3, -0.1]"
