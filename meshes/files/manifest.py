@@ -54,6 +54,16 @@ def claim_file(path: Path, *, overwrite: bool = False) -> None:
         _refuse_foreign([path], overwrite=overwrite)
 
 
+def check_file(path: Path, *, overwrite: bool = False) -> None:
+    """See that a file may be written; nothing is listed yet.
+
+    Raises:
+        FileExistsError: it is there and not listed.
+    """
+    if path.name not in listed(path.parent):
+        _refuse_foreign([path], overwrite=overwrite)
+
+
 def owned(folder: Path) -> Iterator[Path]:
     """Regular files that the manifests of a folder and of those below list; links are never."""
     for place, _, names in os.walk(folder):

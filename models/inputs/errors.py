@@ -75,7 +75,8 @@ def writing(target: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        place = error.filename or target
+        foreign = isinstance(error, FileExistsError) and Path(error.filename) not in target.parents
+        place = error.filename if foreign else target
         raise UserError(f"{place}: cannot be written ({error.strerror or error})") from None
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.studies.commands.options import (
     End,
     Replace,
@@ -101,6 +101,7 @@ def render(
     one factor, so contact looks like contact exactly when there is contact. Animations show 120
     pictures, close enough for a smooth turn, where contact was strongest, unless told otherwise.
     """
+    from bladewhirl.meshes.files.manifest import check_file
     from bladewhirl.postprocess.fields.fields import frame_records
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.pictures.render import animation_records, check_inside
@@ -116,12 +117,17 @@ def render(
     _refuse(not still, {"--time": time or None}, "an animation has --from and --to")
     first, last = parse_window(start, end)
     times = [parsed for text in time or [] if (parsed := parse_time("--time", text)) is not None]
-    for kind, target in targets.items():
-        for path, _ in _stills(target, times) if kind == "png" else [(target, None)]:
-            claim_output(path, named=output is not None, overwrite=overwrite)
+    files = [
+        path
+        for kind, target in targets.items()
+        for path, _ in (_stills(target, times) if kind == "png" else [(target, None)])
+    ]
     with options_of_window(), open_result(directory) as result:
         for inside in times:
             check_inside(result, inside)
+        for path in files:
+            with writing(path):
+                check_file(path, overwrite=overwrite)
         paint = partial(draw, result, exaggeration=exaggeration, frame=frame.value)
         paint = partial(paint, colour=colour.value)
         for kind, target in targets.items():
@@ -145,6 +151,8 @@ def render(
                 _tell_film(result, target, shown)
                 if first is None and last is None:
                     typer.echo("Hint: --from and --to choose another window.", err=True)
+    for path in files:
+        claim_output(path, named=output is not None, overwrite=True)
 
 
 def _tell_film(result: xr.Dataset, target: Path, records: IntArray) -> None:
