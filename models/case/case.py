@@ -117,6 +117,9 @@ class Case(Table):
         yield from self._loads_out_of_reach()
         yield from self._tips_without_blade()
         yield from self._unknown_materials()
+        if self.shaft.damping_frame == "static" and self.rotation.effects != "full":
+            expected = '"rotating", or rotation.effects = "full": it takes Coriolis forces'
+            yield Inconsistency("shaft.damping_frame", expected, ("rotation.effects",))
         if self.sketch is not None:
             for name, field in BladedDisk.model_fields.items():
                 if getattr(self.bladed_disk, name) != field.default:

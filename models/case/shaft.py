@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Literal
 
 from pydantic import Field, StrictBool
 
 from bladewhirl.models.inputs.fields import DampingOrZero, Stiffness
-from bladewhirl.models.inputs.table import Table
+from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.units import handy
 
 
@@ -36,15 +37,21 @@ class Shaft(Table):
     )
     damping: DampingOrZero = Field(
         default=0.0,
-        description="Of a damper beside each of the springs, or beside that along x [N s/m]. They"
-        " always turn with the bladed disk and see its velocity in rotating axes: without Coriolis"
-        " terms, dampers that stand still would drive whirl above the suspension frequency. With"
-        " dampers, contact is of the first order in march.time_step.",
+        description="Of a damper beside each of the springs, or beside that along x [N s/m]. With"
+        " dampers, contact is of the first order in march.time_step, but for rotation.effects ="
+        ' "full".',
     )
     damping_y: DampingOrZero | None = Field(
         default=None,
         description="Of the damper along y [N s/m], where it differs.",
         examples=["1e3"],
+    )
+    damping_frame: Literal["rotating", "static"] = Field(
+        default="rotating",
+        description='Where the dampers stand: "rotating", they turn with the bladed disk, see its'
+        ' velocity in rotating axes, and feed forward whirl above its critical speed; "static",'
+        " they stand still as those of bearings do, c (v + Omega z x u), and hold it. That takes"
+        ' Coriolis forces, rotation.effects = "full", and dampers that are equal.',
     )
     clamped: StrictBool = Field(default=False, description="Hold the centre instead.")
 
@@ -57,6 +64,12 @@ class Shaft(Table):
         frame = f" in the {self.frame} frame" if len(both) > 1 else ""
         dampers = " and ".join(dict.fromkeys(handy(d, "N s/m") for d in self.dampings if d))
         return " and ".join(both) + frame + (f", dampers of {dampers}" if dampers else "")
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Dampers that stand still and differ."""
+        if self.damping_frame == "static" and len(set(self.dampings)) > 1:
+            expected = 'shaft.damping, or shaft.damping_frame = "rotating"'
+            yield Inconsistency("damping_y", expected, ("damping", "damping_frame"))
 
     @property
     def stiffnesses(self) -> tuple[float, float]:

@@ -11,9 +11,11 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.ring_mesh import U, W
+from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.coupling.stage_modes import FAMILIES, SMALLEST_AMPLITUDE, is_radial
 from bladewhirl.models.coupling.waves import CoupledWaves
 from bladewhirl.models.elements.cyclic import evenly_spaced, wave_parts
+from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.inputs.mode_names import ALL, SIX, chosen_modes
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes
@@ -55,8 +57,12 @@ def coupled_waves(modal: ModalStage, *, modes: str, damped: bool, physical: bool
 
     Raises:
         ValueError: modes that the stage does not have, or blades at uneven angles.
+        CaseError: dampers under the shaft that stand still.
     """
     case, disk, casing = modal.case, modal.disk, modal.casing
+    if damped and case.shaft.damping_frame == "static":
+        expected = '"rotating" for the stability of damped modes'
+        raise CaseError([case_fault(case, "shaft.damping_frame", expected)])
     if not evenly_spaced(disk.tip_angles):
         raise ValueError("springs between the bodies need blades at equal angles")
     still = not standing_obstacles(modal, damped=damped)

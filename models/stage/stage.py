@@ -237,6 +237,11 @@ def _reduced_rotor(
         dampers=np.sqrt(case.shaft.dampings)[:, None] * centre,
         anisotropy=0.0 if case.shaft.clamped else case.shaft.anisotropy,
         gyroscopic=gyroscopic,
+        circulation=(
+            case.shaft.damping * turning.omega
+            if turning is not None and case.shaft.damping_frame == "static"
+            else 0.0
+        ),
     )
 
 

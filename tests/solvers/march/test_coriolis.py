@@ -19,7 +19,8 @@ from contact_cases import (
 from places import EXAMPLES
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.case.file import read_case
+from bladewhirl.models.case.file import case_from, read_case
+from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor, Start
@@ -67,6 +68,7 @@ def test_every_step_is_the_one_plain_numpy_takes(seed: int, dampers: bool) -> No
 
 STAGES: dict[str, tuple[str, ...]] = {
     "casing_distortion": (),
+    "unequal_bearings": ("shaft.damping=2e4", "shaft.damping_y=2e4", "shaft.damping_frame=static"),
     "imbalance": ("contact.sliding=signed", "contact.tip_rotation=true", "shaft.damping=2e4"),
     "mistuned_blades": (),
     "shrouded_fan": (),
@@ -200,6 +202,23 @@ def test_a_damper_that_stands_still_holds_both() -> None:
     assert x + 1j * y == pytest.approx(answer, rel=1e-6)
     assert np.abs(chunk.coupling_work).max() > 0.0
     assert ledger_residual(chunk) < 1e-9
+
+
+def test_dampers_that_stand_still_in_a_case() -> None:
+    dampers = ("shaft.damping=2e4", "shaft.damping_frame=static")
+    for speed in (1.05, -1.05):
+        given = turning_stage("imbalance", *dampers, f"march.speed={speed}")
+        assert given.rotor.circulation == pytest.approx(2e4 * given.speed, rel=1e-12)
+    assert stage_at_speed("0.01", damper=2e4).rotor.circulation == 0.0
+    with pytest.raises(CaseError, match=r'damping_frame = "static": expected "rotating", or rot'):
+        case_from({"shaft": {"damping_frame": "static"}})
+    with pytest.raises(CaseError, match=r"shaft\.damping_y = 20(\.0)?: expected shaft\.damping"):
+        case_from(
+            {
+                "rotation": {"effects": "full"},
+                "shaft": {"damping": 10.0, "damping_y": 20.0, "damping_frame": "static"},
+            }
+        )
 
 
 def test_damping_matrices_by_mode_and_at_points_agree() -> None:
