@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from os import PathLike
+from errno import ENOENT
+from os import PathLike, strerror
 from pathlib import Path
 
 from bladewhirl.meshes.files.abaqus_reader import POINT_MASSES, SECTION, read_inp
@@ -58,6 +59,8 @@ def write_line_mesh(path: str | PathLike[str], mesh: GroupedLines) -> None:
     """
     file = Path(path)
     write = WRITERS[_known_suffix(file)]
+    if not file.parent.is_dir():
+        raise FileNotFoundError(ENOENT, strerror(ENOENT), str(file))
     with replacing(file) as draft:
         write(draft, mesh)
 

@@ -46,8 +46,8 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         "regime": summary.regime,
         "because": summary.regime_criterion.rpartition("Here: ")[2],
         "end time": f"{summary.end_time:.6g} s, {summary.end_reason}",
-        "shaft radius, largest": f"{1e3 * summary.shaft_radius_max:.4g} mm",
-        "shaft radius, final": f"{1e3 * summary.shaft_radius_final:.4g} mm",
+        "shaft radius, largest": f"{1e3 * summary.shaft_radius_max:.4g} mm,"
+        f" {1e3 * summary.shaft_radius_final:.4g} mm at the end",
         "whirl, rotating frame": turning("rotating", summary.whirl_frequency_rotating),
         "whirl, static frame": turning("static", summary.whirl_frequency_static),
         "ripple about the mean place": f"{1e3 * summary.ripple_rms:.3g} mm (rms)"
@@ -72,8 +72,8 @@ def summary_rows(summary: Summary) -> dict[str, str]:
             else "–"
         ),
         "contact force, largest": f"{force['force']:.4g} N over {1e3 * force['averaged_over']:.3g}"
-        f" ms, blade {force['blade']} at {force['time']:.4g} s",
-        "contact impulse": f"{summary.contact_impulse:.4g} N s",
+        f" ms, blade {force['blade']} at {force['time']:.4g} s; impulse of all"
+        f" {summary.contact_impulse:.4g} N s",
         **{
             f"stress, {body.replace('_', ' ')}": stress(summary, body)
             for body in summary.stress_max

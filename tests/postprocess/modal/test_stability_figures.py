@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -12,6 +13,7 @@ import xarray as xr
 from matplotlib.collections import PolyCollection, QuadMesh
 from synthetic_result import synthetic_result
 
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.coupling.springs import CouplingModes, paper_modes
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.postprocess.modal.coupled_modes import plot_orbits, plot_phases, plot_shapes
@@ -37,7 +39,7 @@ def system(modes: CouplingModes) -> EvenSystem:
         modes=modes,
         family=modes.name,
         number=np.arange(modes.entries),
-        modal=cast(Any, None),
+        modal=cast(Any, SimpleNamespace(case=Case())),
     )
     return EvenSystem(
         stage=stage, whole=stage, with_pi=True, damped=False, physical=False, reference=UNIT

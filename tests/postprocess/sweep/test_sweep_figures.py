@@ -278,9 +278,8 @@ def test_all_figures_come_with_their_data(
     told = {line.split(" left out")[0] for line in result.stderr.splitlines()}
     drawn = set(SWEEP_FIGURES) - told
     assert told == ({"maps"} & set(SWEEP_FIGURES) if which == "one" else set())
-    assert {path.name for path in tmp_path.iterdir()} == {
-        f"{name}.{kind}" for name in drawn for kind in ("png", "pdf", "nc")
-    }
+    files = {f"{name}.{kind}" for name in drawn for kind in ("png", "pdf", "nc")}
+    assert {path.name for path in tmp_path.iterdir()} == {*files, "manifest.json"}
     for name in drawn:
         with xr.open_dataset(tmp_path / f"{name}.nc", engine="h5netcdf") as data:
             assert "march_speed" in data.coords

@@ -255,6 +255,8 @@ def test_veering_of_a_disk_with_fewer_families_than_asked_for(case: Path) -> Non
     assert run("veering", case, *small).exit_code == 0
 
 
+NO_SPEEDS = ': expected START:STOP, two numbers, or speeds such as "2500 rpm"'
+
 A_FAMILY = "expected a family of the bladed disk, 1F to 9F, suspension"
 BAD_INPUT = {
     "modes --count 0": "--count 0: expected a whole number of one or more",
@@ -272,10 +274,10 @@ BAD_INPUT = {
     " 1F:0 is no pair, it stands",
     "campbell --speeds 3:1": "--speeds 3:1: expected a STOP above the START of 3",
     "campbell --speeds 2:2": "--speeds 2:2: expected a STOP above the START of 2",
-    "campbell --speeds ''": "--speeds : expected START:STOP, two numbers",
-    "campbell --speeds 1": "--speeds 1: expected START:STOP, two numbers",
-    "campbell --speeds 0:1:5": "--speeds 0:1:5: expected START:STOP, two numbers",
-    "campbell --speeds 0:inf": "--speeds 0:inf: expected START:STOP with finite numbers",
+    "campbell --speeds ''": '--speeds : expected START:STOP, two numbers, or speeds such as "2500 rpm"',
+    "campbell --speeds 1": '--speeds 1: expected START:STOP, two numbers, or speeds such as "2500 rpm"',
+    "campbell --speeds 0:1:5": '--speeds 0:1:5: expected START:STOP, two numbers, or speeds such as "2500 rpm"',
+    "campbell --speeds 0:inf": '--speeds 0:inf: expected START:STOP, two numbers, or speeds such as "2500 rpm"',
     "campbell --speeds -1:2": "--speeds -1:2: expected a START of zero or more",
     "campbell --operating 2:0.6": "--operating 2:0.6: expected a STOP above the START of 2",
     "campbell --families 0": "--families 0: expected a whole number of one or more",
@@ -283,7 +285,8 @@ BAD_INPUT = {
     "veering --stiffnesses 0:1e9": "--stiffnesses 0:1e9: expected a START above zero",
     "veering --stiffnesses 2e9:1e9": "--stiffnesses 2e9:1e9: expected a STOP above the START"
     " of 2e+09",
-    "veering --stiffnesses soft": "--stiffnesses soft: expected START:STOP, two numbers",
+    "veering --stiffnesses soft": "--stiffnesses soft: expected START:STOP, two numbers, [N/m]"
+    " or with a unit",
 }
 """Words of a command line, and what is said of them."""
 
