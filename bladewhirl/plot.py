@@ -62,7 +62,7 @@ def _plot(name: str) -> Plot:
     """The function that draws a figure of the registry, with the words of its captions."""
 
     def draw(dataset: xr.Dataset, start: float | None = None, end: float | None = None) -> Figure:
-        from bladewhirl.postprocess.fields.fields import ViewError
+        from bladewhirl.postprocess.fields.kinematics import ViewError
         from bladewhirl.postprocess.run.figures import RunFigures
         from bladewhirl.postprocess.sweep.figures import SweepFigures
 

@@ -5,7 +5,7 @@ import scipy.sparse as sp
 import xarray as xr
 from scipy.sparse.csgraph import dijkstra
 
-from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 
 ROUNDING = 1e-12  #: relative differences of radii below this are none
 

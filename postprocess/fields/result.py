@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.solvers.march.recorder import RESULT_NAME as RESULT_NAME
 from bladewhirl.solvers.march.schema import (
     HISTORY,

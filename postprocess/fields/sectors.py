@@ -9,7 +9,7 @@ import xarray as xr
 from scipy.spatial import KDTree
 
 from bladewhirl.models.elements.cyclic import nodal_diameter_of, real_dft
-from bladewhirl.postprocess.fields.fields import Array, IntArray, ViewError, rotate
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError, rotate
 
 SAME_PLACE = 1e-6
 """Distance, as a share of the tip radius, at which two places are one."""

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from bladewhirl.postprocess.fields.fields import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 
 LATE_SHARE = 1.0 / 3.0
 """Share of the time, at its end, that is taken for the motion after its onset."""

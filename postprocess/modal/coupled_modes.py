@@ -12,7 +12,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures.drawing import Drawing, Ribbon
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
@@ -21,7 +21,7 @@ from bladewhirl.postprocess.plotting.style import (
     new_figure,
     styled,
 )
-from bladewhirl.postprocess.run.whirl import FRAMES, whirl
+from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
 MILLI, MICRO = 1e3, 1e6
 

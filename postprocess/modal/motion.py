@@ -19,7 +19,7 @@ from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
-from bladewhirl.postprocess.fields.fields import casing_rows, line_rows
+from bladewhirl.postprocess.fields.kinematics import casing_rows, line_rows
 from bladewhirl.postprocess.fields.moving_stage import moving_stage, stage_dataset
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, RadialShapes
 

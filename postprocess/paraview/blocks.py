@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.fields import nearest_records
+from bladewhirl.postprocess.fields.kinematics import nearest_records
 from bladewhirl.postprocess.paraview.series import line_parts, surface_parts
 
 if TYPE_CHECKING:

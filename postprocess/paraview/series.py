@@ -17,7 +17,7 @@ import xarray as xr
 
 from bladewhirl.meshes.files.drafts import replacing, write_whole
 from bladewhirl.meshes.files.manifest import claim, owned
-from bladewhirl.postprocess.fields.fields import (
+from bladewhirl.postprocess.fields.kinematics import (
     Array,
     IntArray,
     casing_field,

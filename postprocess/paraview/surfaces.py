@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.hermite import cubic_weights, slope_weights
-from bladewhirl.postprocess.fields.fields import (
+from bladewhirl.postprocess.fields.kinematics import (
     Array,
     IntArray,
     Quantity,

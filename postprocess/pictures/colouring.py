@@ -16,7 +16,7 @@ import xarray as xr
 from matplotlib.colors import to_hex
 
 from bladewhirl.postprocess.fields.blades import line_blades
-from bladewhirl.postprocess.fields.fields import (
+from bladewhirl.postprocess.fields.kinematics import (
     Array,
     IntArray,
     Quantity,

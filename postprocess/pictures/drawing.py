@@ -21,7 +21,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.fields.blades import tip_recess, with_recess
-from bladewhirl.postprocess.fields.fields import (
+from bladewhirl.postprocess.fields.kinematics import (
     Array,
     IntArray,
     ViewError,

@@ -10,7 +10,7 @@ import imageio.v2 as imageio
 import numpy as np
 from PIL import Image
 
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.pictures.offscreen import Pixels
 
 FRAME_RATE = 25  #: pictures a second; 40 ms are a whole number of a GIF's ticks

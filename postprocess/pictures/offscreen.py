@@ -16,7 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.fields.fields import IntArray
+from bladewhirl.postprocess.fields.kinematics import IntArray
 from bladewhirl.postprocess.pictures.drawing import Drawing
 
 if TYPE_CHECKING:

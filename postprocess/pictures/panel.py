@@ -9,7 +9,7 @@ import numpy as np
 import pyvista
 import xarray as xr
 
-from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures.appearance import (
     FAINT,
     FONT,

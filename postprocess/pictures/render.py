@@ -13,7 +13,7 @@ import xarray as xr
 from PIL import Image
 
 from bladewhirl.meshes.files.drafts import replacing
-from bladewhirl.postprocess.fields.fields import (
+from bladewhirl.postprocess.fields.kinematics import (
     FRAMES_PER_REVOLUTION,
     Array,
     IntArray,

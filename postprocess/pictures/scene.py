@@ -4,7 +4,7 @@ import numpy as np
 import pyvista
 from matplotlib.colors import ListedColormap
 
-from bladewhirl.postprocess.fields.fields import Array, IntArray, rotate
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, rotate
 from bladewhirl.postprocess.pictures.appearance import (
     ARROW_WIDTH,
     BACKGROUND,

@@ -10,7 +10,7 @@ import xarray as xr
 from PIL import Image, ImageDraw, ImageFont
 
 from bladewhirl.meshes.files.drafts import replacing
-from bladewhirl.postprocess.fields.fields import IntArray
+from bladewhirl.postprocess.fields.kinematics import IntArray
 from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE
 from bladewhirl.postprocess.pictures.colouring import Field
 from bladewhirl.postprocess.pictures.drawing import Drawing, Frame

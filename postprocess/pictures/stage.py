@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from bladewhirl.meshes.files.drafts import replacing
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.moving_stage import moving_stage
 from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.pictures.appearance import FAINT, engineering

@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.fields.fields import Array, IntArray, rotate
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, rotate
 
 SPRING = 0.075  #: length of a spring at rest
 ZIGZAG = 0.016  #: half of its width

@@ -17,7 +17,7 @@ import xarray as xr
 
 from bladewhirl.meshes.files.drafts import write_whole
 from bladewhirl.postprocess.fields.blades import member_names
-from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures.appearance import (
     ARROW_WIDTH,
     CONTACT_DISC,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined
 
-from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError
 
 
 def checked_target(path: str | Path, *suffixes: str) -> Path:

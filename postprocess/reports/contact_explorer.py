@@ -18,8 +18,8 @@ from bladewhirl.postprocess.reports.interactive import (
 )
 from bladewhirl.postprocess.reports.page import Explorer
 from bladewhirl.postprocess.run.blade_contact import force_limit
-from bladewhirl.postprocess.run.orbits import MILLI
-from bladewhirl.postprocess.run.whirl import FRAMES
+from bladewhirl.postprocess.shaft.orbits import MILLI
+from bladewhirl.postprocess.shaft.whirl import FRAMES
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.kinematics import Array
 
 FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif'
 INK, LINE = "#1c2330", "#dfe3e8"

@@ -17,7 +17,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from bladewhirl.meshes.files.drafts import write_whole
-from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
 from bladewhirl.postprocess.plotting.registry import FigureKind
 from bladewhirl.postprocess.plotting.style import styled

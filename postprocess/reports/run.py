@@ -8,6 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.energy.regimes import classify
+from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.windows import late_part, window_label
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.plotting.style import speed_label
@@ -17,13 +19,11 @@ from bladewhirl.postprocess.reports.provenance import Provenance, case_section, 
 from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
 from bladewhirl.postprocess.run.contact_side import contact_phase
-from bladewhirl.postprocess.run.energies import strain_energies
 from bladewhirl.postprocess.run.figures import RunFigures
-from bladewhirl.postprocess.run.orbits import MILLI
-from bladewhirl.postprocess.run.regimes import classify
 from bladewhirl.postprocess.run.summary import MARCH_REPORT, summarise
 from bladewhirl.postprocess.run.summary_table import summary_rows
-from bladewhirl.postprocess.run.whirl import FRAMES, whirl
+from bladewhirl.postprocess.shaft.orbits import MILLI
+from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
 LATE = "over the last third"
 """The time of a whirl and a contact scenario."""

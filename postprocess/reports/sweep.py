@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.energy.growth_rates import CERTAINTY, rate_text
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.reports.page import (
     Explorer,
@@ -25,8 +26,7 @@ from bladewhirl.postprocess.reports.sweep_explorer import (
     regime_explorer,
 )
 from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table, headline
-from bladewhirl.postprocess.run.growth_rates import CERTAINTY, rate_text
-from bladewhirl.postprocess.run.orbits import MILLI
+from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.sweep.axes import in_handy_units
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.postprocess.sweep.figures import SweepFigures

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.energy.growth_rates import CERTAINTY, rate_text
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.style import SEQUENTIAL
 from bladewhirl.postprocess.reports.interactive import (
     LEGEND_BELOW,
@@ -17,8 +18,7 @@ from bladewhirl.postprocess.reports.interactive import (
     plain_layout,
 )
 from bladewhirl.postprocess.reports.page import Explorer
-from bladewhirl.postprocess.run.growth_rates import CERTAINTY, rate_text
-from bladewhirl.postprocess.run.orbits import MILLI
+from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.sweep.axes import in_handy_units, is_wide, key_label
 from bladewhirl.postprocess.sweep.drawing import REGIME_COLOURS, line_label
 from bladewhirl.postprocess.sweep.frequency_map import DECADES, LINES

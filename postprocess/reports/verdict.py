@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.energy.regimes import CRITERION
 from bladewhirl.postprocess.reports.page import Table
-from bladewhirl.postprocess.run.regimes import CRITERION
 from bladewhirl.postprocess.sweep.quantities import other_keys
 
 MOST_PARTS = 3

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import (
     few_time_ticks,
@@ -26,7 +26,7 @@ from bladewhirl.postprocess.plotting.style import (
     speed_label,
     styled,
 )
-from bladewhirl.postprocess.run.orbits import MILLI
+from bladewhirl.postprocess.shaft.orbits import MILLI
 
 PERMANENT = 0.99
 """Share of the time in contact from which a blade counts as in permanent contact."""

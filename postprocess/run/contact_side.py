@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import (
     few_time_ticks,
@@ -15,7 +15,7 @@ from bladewhirl.postprocess.fields.windows import (
     window_label,
 )
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
-from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.solvers.stability.scenario import (
     STEADY,
     motion_scenario,

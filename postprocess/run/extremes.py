@@ -7,7 +7,7 @@ from typing import TypedDict
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.run.stresses import peak_stresses
 

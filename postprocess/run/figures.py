@@ -7,29 +7,29 @@ from functools import cached_property
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.fields.fields import ViewError
-from bladewhirl.postprocess.fields.windows import late_part, select_window
-from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
-from bladewhirl.postprocess.run.blade_contact import contact_classes, contact_maps
-from bladewhirl.postprocess.run.contact_side import contact_phase
-from bladewhirl.postprocess.run.energies import strain_energies
-from bladewhirl.postprocess.run.family_energies import (
+from bladewhirl.postprocess.energy.families import (
     cyclic_energies,
     family_energies,
     mean_energies,
 )
-from bladewhirl.postprocess.run.growth import amplitude_growth
-from bladewhirl.postprocess.run.orbits import shaft_orbit
-from bladewhirl.postprocess.run.poincare import state_space
-from bladewhirl.postprocess.run.spectra import (
+from bladewhirl.postprocess.energy.growth import amplitude_growth
+from bladewhirl.postprocess.energy.strain import strain_energies
+from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.fields.windows import late_part, select_window
+from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
+from bladewhirl.postprocess.run.blade_contact import contact_classes, contact_maps
+from bladewhirl.postprocess.run.contact_side import contact_phase
+from bladewhirl.postprocess.run.stresses import stress_history
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.poincare import state_space
+from bladewhirl.postprocess.shaft.spectra import (
     modal_lines,
     shaft_spectrogram,
     shaft_spectrum,
     with_lines,
 )
-from bladewhirl.postprocess.run.stresses import stress_history
-from bladewhirl.postprocess.run.whirl import Frame
-from bladewhirl.postprocess.run.whirl_history import whirl_history
+from bladewhirl.postprocess.shaft.whirl import Frame
+from bladewhirl.postprocess.shaft.whirl_history import whirl_history
 
 
 class RunFigures:

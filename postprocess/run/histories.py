@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from bladewhirl.postprocess.fields.fields import casing_rows, record_lengths
+from bladewhirl.postprocess.fields.kinematics import casing_rows, record_lengths
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import in_window

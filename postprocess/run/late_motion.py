@@ -6,13 +6,13 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
-from bladewhirl.postprocess.fields.fields import Array, ViewError
+from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run.blade_contact import contact_classes
 from bladewhirl.postprocess.run.contact_side import contact_phase
-from bladewhirl.postprocess.run.poincare import poincare_map
-from bladewhirl.postprocess.run.whirl import FRAMES, whirl
-from bladewhirl.postprocess.run.whirl_history import whirl_history
+from bladewhirl.postprocess.shaft.poincare import poincare_map
+from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
+from bladewhirl.postprocess.shaft.whirl_history import whirl_history
 
 
 def late_motion(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:

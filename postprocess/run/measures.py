@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.energy.regimes import Regime, classify
+from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part, select_window
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
 from bladewhirl.postprocess.run.contact_side import contact_phase
-from bladewhirl.postprocess.run.energies import strain_energies
-from bladewhirl.postprocess.run.orbits import shaft_orbit
-from bladewhirl.postprocess.run.poincare import poincare_map
-from bladewhirl.postprocess.run.regimes import Regime, classify
-from bladewhirl.postprocess.run.whirl import Frame, Whirl, ripple, whirl
-from bladewhirl.postprocess.run.whirl_history import whirl_history
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.poincare import poincare_map
+from bladewhirl.postprocess.shaft.whirl import Frame, Whirl, ripple, whirl
+from bladewhirl.postprocess.shaft.whirl_history import whirl_history
 
 HOLDERS = ("suspension", "k = 0", "k = 1", "other k", "rest")
 """Groups that hold strain energy; "k" are nodal diameters of the first blade family."""

@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.blades import member_names
-from bladewhirl.postprocess.fields.fields import Array, IntArray, station_angles
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, station_angles
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.fields.sections import rotor_sections

@@ -10,10 +10,13 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.files.drafts import write_whole
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.energy.families import family_energies
+from bladewhirl.postprocess.energy.regimes import RegimeName, classify
+from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION, strain_energies
+from bladewhirl.postprocess.energy.works import Works, late_drive_power, works
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part
-from bladewhirl.postprocess.run.energies import FIRST_FAMILY, SUSPENSION, strain_energies
 from bladewhirl.postprocess.run.extremes import (
     ForcePeak,
     StressPeak,
@@ -22,11 +25,8 @@ from bladewhirl.postprocess.run.extremes import (
     largest_force,
     stress_peaks,
 )
-from bladewhirl.postprocess.run.family_energies import family_energies
-from bladewhirl.postprocess.run.orbits import shaft_orbit
-from bladewhirl.postprocess.run.regimes import RegimeName, classify
-from bladewhirl.postprocess.run.whirl import FRAMES, ripple, strongest_lines, whirl
-from bladewhirl.postprocess.run.works import Works, late_drive_power, works
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.whirl import FRAMES, ripple, strongest_lines, whirl
 
 EnergyHolders = TypedDict(
     "EnergyHolders", {"suspension": float, "1F": dict[str, float], "rest": float}

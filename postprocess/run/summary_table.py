@@ -2,10 +2,10 @@
 
 from rich.table import Table
 
-from bladewhirl.postprocess.run.energies import FIRST_FAMILY
+from bladewhirl.postprocess.energy.strain import FIRST_FAMILY
 from bladewhirl.postprocess.run.stresses import stress_unit
 from bladewhirl.postprocess.run.summary import Summary
-from bladewhirl.postprocess.run.whirl import Frame
+from bladewhirl.postprocess.shaft.whirl import Frame
 
 LARGE_DISPLACEMENT = 0.3
 """Share of the tip radius from which linear bending of a blade is off by a tenth."""

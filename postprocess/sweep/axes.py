@@ -7,9 +7,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator, ScalarFormatter
 
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.units import handy_unit
-from bladewhirl.postprocess.run.growth_rates import CERTAINTY
 from bladewhirl.postprocess.sweep.quantities import cell_edges
 
 WIDE_RANGE = 50.0

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.result import ResultError, open_file
 from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT, index_values
 

@@ -8,12 +8,12 @@ import numpy as np
 import xarray as xr
 from scipy.signal import zoom_fft
 
-from bladewhirl.postprocess.fields.fields import Array
-from bladewhirl.postprocess.run.energies import strain_energies
+from bladewhirl.postprocess.energy.regimes import classify
+from bladewhirl.postprocess.energy.strain import strain_energies
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.run.late_motion import late_motion
-from bladewhirl.postprocess.run.orbits import shaft_orbit
-from bladewhirl.postprocess.run.regimes import classify
 from bladewhirl.postprocess.run.summary import energy_residual
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.sweep.dataset import (
     MODE_LINES,
     SECTIONS,

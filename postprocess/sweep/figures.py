@@ -7,7 +7,7 @@ from pathlib import Path
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.postprocess.sweep.dataset import open_sweep

@@ -17,11 +17,11 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.plotting.legends import Group, legends_below, set_title
 from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL, styled
-from bladewhirl.postprocess.run.orbits import MILLI
-from bladewhirl.postprocess.run.spectra import LINE_DASHES
+from bladewhirl.postprocess.shaft.orbits import MILLI
+from bladewhirl.postprocess.shaft.spectra import LINE_DASHES
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edges
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.postprocess.sweep.drawing import (

@@ -14,7 +14,8 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import FixedLocator, Locator, MaxNLocator, NullLocator
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.fields.fields import Array, ViewError
+from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
+from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.plotting.legends import Group, legends_below, set_title
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
@@ -24,7 +25,6 @@ from bladewhirl.postprocess.plotting.style import (
     styled,
 )
 from bladewhirl.postprocess.plotting.units import length_unit
-from bladewhirl.postprocess.run.growth_rates import CERTAINTY
 from bladewhirl.postprocess.sweep.axes import (
     edges_of,
     in_handy_units,

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.fields import Array, ViewError
+from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 

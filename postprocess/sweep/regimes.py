@@ -12,10 +12,10 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
-from bladewhirl.postprocess.run.growth_rates import CERTAINTY
 from bladewhirl.postprocess.sweep.axes import (
     edges_of,
     in_handy_units,

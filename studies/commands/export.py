@@ -44,7 +44,7 @@ def export(
     radial_displacement, gap, contact_force (for Glyph), axial and bending strain and stress.
     An earlier series that bladewhirl wrote into the folder is replaced.
     """
-    from bladewhirl.postprocess.fields.fields import frame_records, sampling_hint
+    from bladewhirl.postprocess.fields.kinematics import frame_records, sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.paraview.series import write_series
 

@@ -261,7 +261,7 @@ def options_of_window() -> Iterator[None]:
     Raises:
         UserError: the view's, with the options before it where its window is to blame.
     """
-    from bladewhirl.postprocess.fields.fields import ViewError
+    from bladewhirl.postprocess.fields.kinematics import ViewError
 
     try:
         yield

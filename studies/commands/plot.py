@@ -58,7 +58,7 @@ def plot(
     """
     from bladewhirl.meshes.files.manifest import claim
     from bladewhirl.models.inputs.errors import UserError, writing
-    from bladewhirl.postprocess.fields.fields import ViewError
+    from bladewhirl.postprocess.fields.kinematics import ViewError
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.plotting.style import save_figure
     from bladewhirl.postprocess.run.figures import RunFigures

@@ -26,7 +26,7 @@ from bladewhirl.studies.commands.progress import progress_bar
 if TYPE_CHECKING:
     import xarray as xr
 
-    from bladewhirl.postprocess.fields.fields import IntArray
+    from bladewhirl.postprocess.fields.kinematics import IntArray
 
 
 class FrameOfView(StrEnum):
@@ -102,7 +102,7 @@ def render(
     pictures, close enough for a smooth turn, where contact was strongest, unless told otherwise.
     """
     from bladewhirl.meshes.files.manifest import check_file
-    from bladewhirl.postprocess.fields.fields import frame_records
+    from bladewhirl.postprocess.fields.kinematics import frame_records
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.pictures.render import animation_records, check_inside
     from bladewhirl.studies.runs.render import SHEET_PICTURES
@@ -157,7 +157,7 @@ def render(
 
 def _tell_film(result: xr.Dataset, target: Path, records: IntArray) -> None:
     """Say what an animation shows, and whether it turns smoothly."""
-    from bladewhirl.postprocess.fields.fields import sampling_hint
+    from bladewhirl.postprocess.fields.kinematics import sampling_hint
 
     first, last = result["time"].values[records[[0, -1]]]
     typer.echo(f"Wrote {target}: {len(records)} pictures from {first:.6g} s to {last:.6g} s.")

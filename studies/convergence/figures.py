@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
 
 REGIME_MARKERS = {"divergent": "^", "sustained": "o", "damped": "v", "no-contact": "s"}

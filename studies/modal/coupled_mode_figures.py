@@ -13,7 +13,7 @@ from bladewhirl.postprocess.modal.motion import coupled_mode_motion
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.pictures.render import animation_records, render_animation
 from bladewhirl.postprocess.plotting.style import save_figure
-from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion
 from bladewhirl.studies.modal.coupled_mode import divergent_motion, fastest_mode, motion_dataset
 from bladewhirl.studies.modal.coupled_system import EvenSystem

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Literal, get_args
 
-from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.studies.paper.trials import Evidence, NotTestableError
 
 Verdict = Literal["holds", "partly", "does not hold", "not testable"]

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.case.file import loads
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.run.measures import Motion
 from bladewhirl.studies.paper.claim import (
     Check,

@@ -108,12 +108,12 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
         report: what the march alone knows of its quality, see `postprocess.summary`.
         window: of the series.
     """
+    from bladewhirl.postprocess.energy.strain import plot_energy, strain_energies
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.plotting.style import save_figure
-    from bladewhirl.postprocess.run.energies import plot_energy, strain_energies
-    from bladewhirl.postprocess.run.orbits import plot_orbit, shaft_orbit
     from bladewhirl.postprocess.run.summary import summarise, write_summary
     from bladewhirl.postprocess.run.summary_table import displacement_hints
+    from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
 
     with open_result(directory) as result:
         summary = summarise(result, report)
@@ -136,7 +136,7 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
 
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
     """Write the ParaView series; yields hints."""
-    from bladewhirl.postprocess.fields.fields import ViewError, frame_records, sampling_hint
+    from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, sampling_hint
     from bladewhirl.postprocess.paraview.series import write_series
 
     if window.frames == 0:

@@ -63,7 +63,7 @@ def render(
         OffScreenError: the system can't draw.
         UserError: the file can't be written.
     """
-    from bladewhirl.postprocess.fields.fields import ViewError, frame_records, nearest_records
+    from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, nearest_records
     from bladewhirl.postprocess.fields.result import opened
     from bladewhirl.postprocess.pictures import render as pictures
     from bladewhirl.postprocess.pictures.sheet import render_sheet

@@ -22,7 +22,7 @@ import numpy as np
 from bladewhirl.meshes.files.drafts import replacing, write_whole
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.run.regimes import CRITERION
+from bladewhirl.postprocess.energy.regimes import CRITERION
 from bladewhirl.postprocess.sweep.dataset import (
     DONE,
     FAILED,

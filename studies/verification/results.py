@@ -16,7 +16,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.postprocess.fields.result import open_result
-from bladewhirl.postprocess.run.whirl_history import whirl_history
+from bladewhirl.postprocess.shaft.whirl_history import whirl_history
 from bladewhirl.studies.runs.run import run
 from bladewhirl.studies.verification.case import Pair, verifies
 

@@ -10,7 +10,7 @@ import synthetic_result as synthetic
 import xarray as xr
 
 from bladewhirl.models.elements.casing import RADIAL, RADIAL_SLOPE
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.strains import casing_strain_rows, rotor_strain_rows
 
 FORCE = 250.0  # N

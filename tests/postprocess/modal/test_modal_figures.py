@@ -21,7 +21,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.modal.labels import Body
-from bladewhirl.postprocess.fields.fields import casing_field, rotor_field
+from bladewhirl.postprocess.fields.kinematics import casing_field, rotor_field
 from bladewhirl.postprocess.fields.moving_stage import stage_dataset
 from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
 from bladewhirl.postprocess.modal.mode_shapes import Outline, animate_mode, plot_mode_shapes

@@ -19,7 +19,7 @@ from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.postprocess.modal.coupled_modes import plot_orbits, plot_phases, plot_shapes
 from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum, plot_truncation
 from bladewhirl.postprocess.plotting.style import save_figure
-from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion
 from bladewhirl.solvers.stability.growth import growth_rate
 from bladewhirl.studies.modal.coupled_mode import motion_dataset

@@ -5,7 +5,7 @@ import pytest
 import synthetic_result as synthetic
 import xarray as xr
 
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture
 from bladewhirl.postprocess.pictures.stage import holding_words
 from bladewhirl.postprocess.pictures.symbols import BESIDE, FOUNDATION, HATCHES, TEETH

@@ -14,7 +14,7 @@ import synthetic_result as synthetic
 import xarray as xr
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.web_page import FULL, NONE, render_page
 

@@ -12,7 +12,7 @@ from synthetic_result import synthetic_result
 from synthetic_sweep import synthetic_sweep
 
 import bladewhirl as bw
-from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES, FigureKind
 
 

@@ -13,9 +13,9 @@ from matplotlib.image import imread
 from matplotlib.text import Text
 from synthetic_result import synthetic_result
 
+from bladewhirl.postprocess.energy.strain import plot_energy, strain_energies
 from bladewhirl.postprocess.plotting import style
-from bladewhirl.postprocess.run.energies import plot_energy, strain_energies
-from bladewhirl.postprocess.run.orbits import plot_orbit, shaft_orbit
+from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
 
 
 @pytest.fixture(params=["orbit", "orbit, growing", "energy", "energy, growing"])

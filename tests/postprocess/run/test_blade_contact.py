@@ -6,7 +6,7 @@ import synthetic_result as synthetic
 import xarray as xr
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.run.blade_contact import (
     contact_classes,
     contact_maps,
@@ -17,7 +17,7 @@ from bladewhirl.postprocess.run.blade_contact import (
 from bladewhirl.postprocess.run.contact_side import contact_phase, plot_contact_phase
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.run.late_motion import late_motion
-from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 
 STEPS = 1000  # a record, of the synthetic result
 

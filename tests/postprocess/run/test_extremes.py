@@ -5,10 +5,10 @@ import pytest
 import synthetic_result as synthetic
 import xarray as xr
 
+from bladewhirl.postprocess.energy.regimes import classify
+from bladewhirl.postprocess.energy.works import late_drive_power, leading_source, works
 from bladewhirl.postprocess.run.extremes import casing_peaks, largest_force, stress_peaks
-from bladewhirl.postprocess.run.regimes import classify
 from bladewhirl.postprocess.run.stresses import stress_history
-from bladewhirl.postprocess.run.works import late_drive_power, leading_source, works
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ import xarray as xr
 from synthetic_result import RECORD_STEP, synthetic_result
 
 import bladewhirl as bw
-from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError
 
 WINDOWED: list[Callable[..., xr.Dataset]] = [
     bw.casing_displacement,

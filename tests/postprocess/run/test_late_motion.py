@@ -9,8 +9,8 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run.late_motion import late_motion, radius_peaks
-from bladewhirl.postprocess.run.orbits import shaft_orbit
-from bladewhirl.postprocess.run.poincare import poincare_map
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.poincare import poincare_map
 
 WHIRL = -70.0 / (2 * np.pi)  # Hz in rotating axes, counter-clockwise
 

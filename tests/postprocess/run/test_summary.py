@@ -12,15 +12,15 @@ import xarray as xr
 from numpy.typing import NDArray
 from rich.console import Console
 
-from bladewhirl.postprocess.fields.result import open_result
-from bladewhirl.postprocess.run.energies import strain_energies
-from bladewhirl.postprocess.run.growth_rates import (
+from bladewhirl.postprocess.energy.growth_rates import (
     Windows,
     fit_growth,
     longest_half_period,
     windowed_amplitude,
 )
-from bladewhirl.postprocess.run.regimes import Regime, classify
+from bladewhirl.postprocess.energy.regimes import Regime, classify
+from bladewhirl.postprocess.energy.strain import strain_energies
+from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.summary import Summary, energy_residual, summarise, write_summary
 from bladewhirl.postprocess.run.summary_table import displacement_hints, summary_rows, summary_table
 

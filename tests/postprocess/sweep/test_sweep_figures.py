@@ -12,7 +12,7 @@ from synthetic_result import synthetic_result
 from synthetic_sweep import synthetic_sweep
 from typer.testing import CliRunner, Result
 
-from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.sweep import frequency_map as map_module
 from bladewhirl.postprocess.sweep.bifurcation import bifurcation

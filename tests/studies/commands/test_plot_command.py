@@ -10,7 +10,7 @@ import synthetic_result as synthetic
 import xarray as xr
 from typer.testing import CliRunner, Result
 
-from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES
 from bladewhirl.postprocess.run.figures import RunFigures

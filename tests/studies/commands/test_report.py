@@ -18,7 +18,7 @@ from typer.testing import CliRunner, Result
 import bladewhirl as bw
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.run.blade_contact import contact_maps
-from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.studies.commands.cli import app
 
 MARCHED = {

@@ -26,7 +26,7 @@ from bladewhirl.models.case.file import dumps_case, loads, read_case, with_value
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.studies.commands.cli import app
 
 RUNNER = CliRunner()

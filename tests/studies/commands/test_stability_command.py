@@ -12,8 +12,8 @@ from places import ROOT
 from typer.testing import CliRunner
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.run.orbits import shaft_orbit
-from bladewhirl.postprocess.run.whirl import whirl
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.whirl import whirl
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.commands.options import (
     parse_interval,

@@ -28,7 +28,7 @@ from bladewhirl.models.case.file import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.result import ResultError, open_result
 from bladewhirl.postprocess.run.late_motion import late_motion
-from bladewhirl.postprocess.run.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.sweep.dataset import DONE, Layout, open_sweep
 from bladewhirl.postprocess.sweep.figures import LEFT_BY_A_SWEEP
 from bladewhirl.studies.commands.cli import app

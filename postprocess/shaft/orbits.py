@@ -8,13 +8,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from bladewhirl.postprocess.fields.fields import Array, rotate
+from bladewhirl.postprocess.fields.kinematics import Array, rotate
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import in_window, late_part
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
 from bladewhirl.postprocess.plotting.units import length_unit
-from bladewhirl.postprocess.run.whirl import FRAMES, whirl
+from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
 LONG_LINE = 5000
 """Points above which a line is a picture inside a PDF: such files would grow unwieldy."""

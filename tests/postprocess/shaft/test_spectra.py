@@ -6,9 +6,9 @@ import synthetic_result as synthetic
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from bladewhirl.postprocess.fields.fields import ViewError
-from bladewhirl.postprocess.run.orbits import shaft_orbit
-from bladewhirl.postprocess.run.spectra import (
+from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.spectra import (
     LINE_COLOURS,
     LINE_DASHES,
     modal_lines,
@@ -18,7 +18,7 @@ from bladewhirl.postprocess.run.spectra import (
     shaft_spectrum,
     with_lines,
 )
-from bladewhirl.postprocess.run.whirl import Frame
+from bladewhirl.postprocess.shaft.whirl import Frame
 
 RADIUS = 0.8e-3
 

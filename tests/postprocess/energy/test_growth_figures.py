@@ -7,10 +7,10 @@ import pytest
 import synthetic_result as synthetic
 import xarray as xr
 
-from bladewhirl.postprocess.fields.fields import ViewError
-from bladewhirl.postprocess.run.energies import strain_energies
-from bladewhirl.postprocess.run.growth import amplitude_growth, plot_growth
-from bladewhirl.postprocess.run.regimes import classify
+from bladewhirl.postprocess.energy.growth import amplitude_growth, plot_growth
+from bladewhirl.postprocess.energy.regimes import classify
+from bladewhirl.postprocess.energy.strain import strain_energies
+from bladewhirl.postprocess.fields.kinematics import ViewError
 
 RECORDS = 4001  # 4 s: windows that average the slow suspension's ripple
 

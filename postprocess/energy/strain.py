@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import in_window, span_means, span_starts

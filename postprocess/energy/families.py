@@ -16,7 +16,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from bladewhirl.models.elements.cyclic import nodal_diameters
-from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, PLOT_DECADES, SUSPENSION
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import portions, reduce_modes
 from bladewhirl.postprocess.fields.sectors import sectors
@@ -34,7 +35,6 @@ from bladewhirl.postprocess.plotting.style import (
     speed_label,
     styled,
 )
-from bladewhirl.postprocess.run.energies import FIRST_FAMILY, PLOT_DECADES, SUSPENSION
 
 StrArray = NDArray[np.str_]
 

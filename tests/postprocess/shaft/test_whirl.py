@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from bladewhirl.postprocess.fields.fields import rotate
-from bladewhirl.postprocess.run.whirl import FRAMES, Frame, ripple, strongest_lines, whirl
-from bladewhirl.postprocess.run.whirl_history import whirl_history
+from bladewhirl.postprocess.fields.kinematics import rotate
+from bladewhirl.postprocess.shaft.whirl import FRAMES, Frame, ripple, strongest_lines, whirl
+from bladewhirl.postprocess.shaft.whirl_history import whirl_history
 
 SPEEDS = [10.0, 30.0, -10.0]  # turns a second
 RADIUS = 0.8e-3

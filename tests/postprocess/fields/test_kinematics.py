@@ -5,7 +5,7 @@ import pytest
 import synthetic_result as synthetic
 import xarray as xr
 
-from bladewhirl.postprocess.fields import fields
+from bladewhirl.postprocess.fields import kinematics
 
 
 @pytest.fixture(scope="module")
@@ -26,18 +26,18 @@ def at_rest(result: xr.Dataset, **coordinates: float) -> xr.Dataset:
 
 class TestFrameRecords:
     def test_spread_evenly_between_the_ends(self, result: xr.Dataset) -> None:
-        records = fields.frame_records(result, 5, 0.1, 0.3)
+        records = kinematics.frame_records(result, 5, 0.1, 0.3)
         np.testing.assert_array_equal(records, [100, 150, 200, 250, 300])
 
     def test_snapped_to_the_nearest_record(self, result: xr.Dataset) -> None:
-        records = fields.frame_records(result, 3, 0.0104, 0.0130)
+        records = kinematics.frame_records(result, 3, 0.0104, 0.0130)
         np.testing.assert_array_equal(records, [10, 12, 13])
 
     def test_more_frames_than_records_gives_each_record_once(self, result: xr.Dataset) -> None:
-        np.testing.assert_array_equal(fields.frame_records(result, 5000), np.arange(401))
+        np.testing.assert_array_equal(kinematics.frame_records(result, 5000), np.arange(401))
 
     def test_end_beyond_a_run_that_ended_early(self, result: xr.Dataset) -> None:
-        assert fields.frame_records(result, 2, 0.3, 3.0)[-1] == 400
+        assert kinematics.frame_records(result, 2, 0.3, 3.0)[-1] == 400
 
     @pytest.mark.parametrize(
         ("frames", "start", "end"), [(0, None, None), (5, 0.3, 0.2), (5, 0.5, 0.6), (5, -1, 0.1)]
@@ -46,29 +46,29 @@ class TestFrameRecords:
         self, result: xr.Dataset, frames: int, start: float | None, end: float | None
     ) -> None:
         with pytest.raises(ValueError, match="must be"):
-            fields.frame_records(result, frames, start, end)
+            kinematics.frame_records(result, frames, start, end)
 
 
 def test_hint_only_below_24_frames_a_revolution(result: xr.Dataset) -> None:
     revolution = 2 * np.pi / synthetic.SPEED  # 78.5 records
-    coarse = fields.frame_records(result, 10, 0.0, revolution)
-    fine = fields.frame_records(result, 26, 0.0, revolution)
-    hint = fields.sampling_hint(result, coarse)
+    coarse = kinematics.frame_records(result, 10, 0.0, revolution)
+    fine = kinematics.frame_records(result, 26, 0.0, revolution)
+    hint = kinematics.sampling_hint(result, coarse)
     assert hint is not None
     assert "10 frames over 1.0 revolutions" in hint
-    assert fields.sampling_hint(result, fine) is None
+    assert kinematics.sampling_hint(result, fine) is None
     still = result.assign_attrs(speed=0.0)
-    assert fields.sampling_hint(still, coarse) is None
+    assert kinematics.sampling_hint(still, coarse) is None
 
 
 class TestRotor:
     def test_points_turn_with_the_shaft(self, result: xr.Dataset) -> None:
-        quarter = fields.nearest_records(result, np.array([np.pi / 2 / synthetic.SPEED]))
+        quarter = kinematics.nearest_records(result, np.array([np.pi / 2 / synthetic.SPEED]))
         exact = synthetic.SPEED * result.time.values[quarter[0]]
-        tip = fields.rotor_points(result, quarter)[0, int(result.tip_node[0])]
+        tip = kinematics.rotor_points(result, quarter)[0, int(result.tip_node[0])]
         expected = synthetic.TIP_RADIUS * np.array([np.cos(exact), np.sin(exact)])
         np.testing.assert_allclose(tip, expected, atol=1e-15)
-        still = fields.rotor_points(result, quarter, rotating=True)[0]
+        still = kinematics.rotor_points(result, quarter, rotating=True)[0]
         np.testing.assert_array_equal(still, result.rotor_point.values)
 
     def test_translation_in_rotating_axes_turns_in_static_axes(self, result: xr.Dataset) -> None:
@@ -76,27 +76,27 @@ class TestRotor:
         records = np.array([0, 50, 399])
         angle = synthetic.SPEED * result.time.values[records]
         expected = 2e-3 * np.column_stack([-np.sin(angle), np.cos(angle)])
-        field = fields.rotor_field(moved, "displacement", records)
+        field = kinematics.rotor_field(moved, "displacement", records)
         nodes = result.sizes["rotor_node"]
         np.testing.assert_allclose(field, np.repeat(expected[:, None], nodes, 1), atol=1e-17)
 
     def test_velocity_is_the_rate_of_displacement(self, result: xr.Dataset) -> None:
         middle = np.array([200])
-        around = fields.rotor_field(result, "displacement", np.array([199, 201]), rotating=True)
+        around = kinematics.rotor_field(result, "displacement", np.array([199, 201]), rotating=True)
         slope = (around[1] - around[0]) / (2 * synthetic.RECORD_STEP)
-        velocity = fields.rotor_field(result, "velocity", middle, rotating=True)[0]
+        velocity = kinematics.rotor_field(result, "velocity", middle, rotating=True)[0]
         np.testing.assert_allclose(velocity, slope, atol=2e-3 * np.abs(slope).max())
 
     def test_radial_part_of_a_rotation_is_zero_and_of_the_centre_too(
         self, result: xr.Dataset
     ) -> None:
         record = np.array([77])
-        points = fields.rotor_points(result, record)
+        points = kinematics.rotor_points(result, record)
         for dataset in (at_rest(result, rotor_2=1e-3), at_rest(result, rotor_3=1e-3)):
-            field = fields.rotor_field(dataset, "displacement", record)
-            np.testing.assert_allclose(fields.radial_part(field, points), 0.0, atol=1e-18)
-        moved = fields.rotor_field(at_rest(result, rotor_0=1e-3), "displacement", record)
-        radial = fields.radial_part(moved, points)
+            field = kinematics.rotor_field(dataset, "displacement", record)
+            np.testing.assert_allclose(kinematics.radial_part(field, points), 0.0, atol=1e-18)
+        moved = kinematics.rotor_field(at_rest(result, rotor_0=1e-3), "displacement", record)
+        radial = kinematics.radial_part(moved, points)
         assert radial[0, int(result.centre_node)] == 0.0
         np.testing.assert_allclose(radial[0, result.tip_node[0]], 1e-3)
 
@@ -112,7 +112,7 @@ class TestCasing:
             casing_shape=(("casing_node", "casing_component", "casing_mode"), data[:, :, None])
         )
         inside = np.linspace(0.0, angle_of_node[-1], 301)  # the last element closes the ring
-        rows = fields.casing_rows(one_mode, inside)[:, :, 0]
+        rows = kinematics.casing_rows(one_mode, inside)[:, :, 0]
         np.testing.assert_allclose(rows[:, 0], cubic(radius * inside), rtol=1e-12, atol=1e-12)
         np.testing.assert_allclose(rows[:, 1], -2 * rows[:, 0], rtol=1e-12)
 
@@ -121,7 +121,7 @@ class TestCasing:
         errors = []
         for elements in (10, 20, 40):
             ring = synthetic.synthetic_result(casing_elements=elements, records=2)
-            w, u = np.moveaxis(fields.casing_rows(ring, angle)[:, :, 2], 1, 0)
+            w, u = np.moveaxis(kinematics.casing_rows(ring, angle)[:, :, 2], 1, 0)
             errors.append(
                 [
                     np.abs(w - np.cos(2 * angle)).max(),
@@ -136,19 +136,19 @@ class TestCasing:
 
     def test_translation_looks_round(self, result: xr.Dataset) -> None:
         moved = at_rest(result, casing_0=3e-3, casing_1=-1e-3)
-        angle = fields.ring_angles(moved, 9)
+        angle = kinematics.ring_angles(moved, 9)
         record = np.array([5])
-        points = fields.casing_points(moved, record, angle)
-        displaced = points + fields.casing_field(moved, "displacement", record, angle)
+        points = kinematics.casing_points(moved, record, angle)
+        displaced = points + kinematics.casing_field(moved, "displacement", record, angle)
         radii = np.linalg.norm(displaced[0] - [3e-3, -1e-3], axis=1)
         np.testing.assert_allclose(radii, result.attrs["casing_radius"], atol=3e-3 * 2e-6)
 
     def test_seen_from_the_rotor_it_turns_back(self, result: xr.Dataset) -> None:
-        angle = fields.ring_angles(result, 2)
+        angle = kinematics.ring_angles(result, 2)
         records = np.array([10, 300])
         turn = synthetic.SPEED * result.time.values[records]
-        static = fields.casing_field(result, "displacement", records, angle)
-        seen = fields.casing_field(result, "displacement", records, angle, rotating=True)
+        static = kinematics.casing_field(result, "displacement", records, angle)
+        seen = kinematics.casing_field(result, "displacement", records, angle, rotating=True)
         axes = np.stack(
             [
                 np.column_stack([np.cos(turn), np.sin(turn)]),
@@ -162,7 +162,7 @@ class TestCasing:
         node = result.casing_angle.values
         lobed = result.assign(clearance=("casing_node", 1e-3 + 1e-4 * np.arange(len(node))))
         step = node[1]
-        between = fields.clearance_at(lobed, np.array([0.0, 2.25 * step, -0.5 * step]))
+        between = kinematics.clearance_at(lobed, np.array([0.0, 2.25 * step, -0.5 * step]))
         np.testing.assert_allclose(between, [1e-3, 1.225e-3, 2.95e-3])
 
 
@@ -172,7 +172,7 @@ def test_contact_force_pushes_inward_and_drags_backward(result: xr.Dataset) -> N
     pushed["friction_impulse"][:] = 0.0
     pushed["contact_impulse"][30, 4] = 0.5
     pushed["friction_impulse"][30, 4] = 0.05
-    force = fields.contact_forces(pushed, np.array([29, 30]))
+    force = kinematics.contact_forces(pushed, np.array([29, 30]))
     assert not force[0].any()
     angle = float(result.tip_angle[4]) + synthetic.SPEED * float(result.time[30])
     outward, forward = [np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]
@@ -182,7 +182,7 @@ def test_contact_force_pushes_inward_and_drags_backward(result: xr.Dataset) -> N
 
 
 def test_beams_between_nodes_follow_their_cubic(result: xr.Dataset) -> None:
-    points, rows = fields.line_rows(result, 7)
+    points, rows = kinematics.line_rows(result, 7)
     blades = result.rotor_part.values == "blades"
     x, y = np.moveaxis(points[blades], -1, 0)
     angle = np.round(np.arctan2(y, x) / (2 * np.pi / 22)) * (2 * np.pi / 22)
@@ -195,5 +195,5 @@ def test_beams_between_nodes_follow_their_cubic(result: xr.Dataset) -> None:
 
 
 def test_a_quantity_that_there_is_not_is_told(result: xr.Dataset) -> None:
-    with pytest.raises(fields.ViewError, match='"displacement" or "velocity"'):
-        fields.rotor_field(result, "acceleration", np.arange(3))  # type: ignore[arg-type]
+    with pytest.raises(kinematics.ViewError, match='"displacement" or "velocity"'):
+        kinematics.rotor_field(result, "acceleration", np.arange(3))  # type: ignore[arg-type]

@@ -7,13 +7,13 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.fields.fields import Array, IntArray
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import few_time_ticks, span_means, span_starts
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
 from bladewhirl.postprocess.plotting.units import length_unit
-from bladewhirl.postprocess.run.orbits import shaft_orbit
-from bladewhirl.postprocess.run.whirl import FRAMES, LEAST_TURN, Frame, phase, span_rates
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.whirl import FRAMES, LEAST_TURN, Frame, phase, span_rates
 
 PERIODS = 2.0
 """Least length of a span, in periods of the reference frequency: ripple is averaged away."""

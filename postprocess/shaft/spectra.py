@@ -19,7 +19,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.fields.fields import Array
+from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import evenly_spaced, few_time_ticks, window_label
 from bladewhirl.postprocess.plotting.style import (
@@ -29,9 +30,8 @@ from bladewhirl.postprocess.plotting.style import (
     speed_label,
     styled,
 )
-from bladewhirl.postprocess.run.energies import FIRST_FAMILY, SUSPENSION
-from bladewhirl.postprocess.run.orbits import MILLI, shaft_orbit
-from bladewhirl.postprocess.run.whirl import Frame
+from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
+from bladewhirl.postprocess.shaft.whirl import Frame
 
 FEWEST_RECORDS = 16
 """Records without which a spectrum says nothing."""

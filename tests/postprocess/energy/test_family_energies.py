@@ -5,14 +5,14 @@ import pytest
 import synthetic_result as synthetic
 import xarray as xr
 
-from bladewhirl.postprocess.fields.fields import ViewError
-from bladewhirl.postprocess.fields.sectors import sectors
-from bladewhirl.postprocess.run.energies import strain_energies
-from bladewhirl.postprocess.run.family_energies import (
+from bladewhirl.postprocess.energy.families import (
     cyclic_energies,
     family_energies,
     plot_family_energies,
 )
+from bladewhirl.postprocess.energy.strain import strain_energies
+from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.fields.sectors import sectors
 
 
 def with_waves(k: int) -> xr.Dataset:

@@ -11,8 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.fields.fields import Array
-from bladewhirl.postprocess.run.growth_rates import (
+from bladewhirl.postprocess.energy.growth_rates import (
     CERTAINTY,
     RIPPLE_RISE,
     RIPPLE_SHARE,
@@ -24,7 +23,8 @@ from bladewhirl.postprocess.run.growth_rates import (
     growth_windows,
     ripple_windows,
 )
-from bladewhirl.postprocess.run.works import leading_source
+from bladewhirl.postprocess.energy.works import leading_source
+from bladewhirl.postprocess.fields.kinematics import Array
 
 RegimeName = Literal["divergent", "no-contact", "damped", "sustained"]
 

@@ -6,18 +6,18 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.fields.fields import Array, ViewError
-from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.windows import few_time_ticks, in_window
-from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
-from bladewhirl.postprocess.run.energies import strain_energies
-from bladewhirl.postprocess.run.growth_rates import (
+from bladewhirl.postprocess.energy.growth_rates import (
     CERTAINTY,
     growth_windows,
     rate_text,
     ripple_windows,
 )
-from bladewhirl.postprocess.run.regimes import classify
+from bladewhirl.postprocess.energy.regimes import classify
+from bladewhirl.postprocess.energy.strain import strain_energies
+from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.windows import few_time_ticks, in_window
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
 
 
 def amplitude_growth(

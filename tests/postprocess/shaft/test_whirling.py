@@ -5,7 +5,7 @@ import pytest
 import synthetic_result as synthetic
 import xarray as xr
 
-from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.windows import (
     evenly_spaced,
     late_part,
@@ -14,9 +14,9 @@ from bladewhirl.postprocess.fields.windows import (
     span_means,
     span_starts,
 )
-from bladewhirl.postprocess.run.orbits import shaft_orbit
-from bladewhirl.postprocess.run.poincare import plot_state_space, state_space
-from bladewhirl.postprocess.run.whirl_history import plot_whirl_history, whirl_history
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.poincare import plot_state_space, state_space
+from bladewhirl.postprocess.shaft.whirl_history import plot_whirl_history, whirl_history
 
 RATE = -70.0  # rad/s, of the synthetic shaft in rotating axes
 

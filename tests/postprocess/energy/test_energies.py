@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.run.energies import plot_energy, strain_energies
+from bladewhirl.postprocess.energy.strain import plot_energy, strain_energies
 
 GROUPS = {0: "suspension", 1: "suspension", 2: "rest", 3: "1F", 4: "1F"}
 

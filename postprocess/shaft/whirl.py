@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 from scipy.stats import linregress
 
-from bladewhirl.postprocess.fields.fields import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.windows import evenly_spaced, span_starts
 
 Direction = Literal["forward", "backward", "none"]

@@ -7,13 +7,13 @@ import xarray as xr
 from matplotlib.figure import Figure
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
-from bladewhirl.postprocess.fields.fields import ViewError
+from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import late_part, window_label
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
 from bladewhirl.postprocess.plotting.units import handy_unit, length_unit
-from bladewhirl.postprocess.run.orbits import LONG_LINE, PALE, shaft_orbit
-from bladewhirl.postprocess.run.whirl import Frame
+from bladewhirl.postprocess.shaft.orbits import LONG_LINE, PALE, shaft_orbit
+from bladewhirl.postprocess.shaft.whirl import Frame
 
 
 def poincare_map(

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.run.orbits import plot_orbit, shaft_orbit
-from bladewhirl.postprocess.run.whirl import whirl
+from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
+from bladewhirl.postprocess.shaft.whirl import whirl
 
 Array = NDArray[np.float64]
 RADIUS = 0.8e-3

@@ -5,9 +5,9 @@ import pytest
 import synthetic_result as synthetic
 import xarray as xr
 
-from bladewhirl.postprocess.fields.fields import ViewError
-from bladewhirl.postprocess.run.orbits import shaft_orbit
-from bladewhirl.postprocess.run.poincare import plot_state_space, poincare_map, state_space
+from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.poincare import plot_state_space, poincare_map, state_space
 
 RADIUS = 0.8e-3
 

@@ -1,0 +1,1 @@
+"""Motion of the shaft: orbit, whirl, spectra, state space."""
