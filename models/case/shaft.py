@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, StrictBool
 
-from bladewhirl.models.inputs.fields import DampingOrZero, Stiffness
+from bladewhirl.models.inputs.fields import DampingOrZero, Stiffness, quantity
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.units import handy
 
@@ -24,6 +24,12 @@ class Shaft(Table):
         default=None,
         description="Of the spring along y [N/m], where it differs.",
         examples=["2e7"],
+    )
+    suspension_frequency: Annotated[float, quantity("Hz")] | None = Field(
+        default=None,
+        description="Frequency wanted of the suspension pair, of the full bladed disk at rest [Hz];"
+        " both springs get the stiffness that gives it, instead of shaft.stiffness.",
+        examples=["300 Hz"],
     )
     frame: Literal["rotating", "static"] = Field(
         default="rotating",
@@ -60,13 +66,24 @@ class Shaft(Table):
         """Its springs and dampers."""
         if self.clamped:
             return "clamped"
+        if self.suspension_frequency is not None:
+            return f"springs for a suspension at {self.suspension_frequency:g} Hz"
         both = dict.fromkeys(handy(stiffness, "N/m") for stiffness in self.springs)
         frame = f" in the {self.frame} frame" if len(both) > 1 else ""
         dampers = " and ".join(dict.fromkeys(handy(d, "N s/m") for d in self.dampings if d))
         return " and ".join(both) + frame + (f", dampers of {dampers}" if dampers else "")
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Dampers that stand still and differ."""
+        """Dampers that stand still and differ, springs given in two ways."""
+        if self.suspension_frequency is not None:
+            given = [
+                name
+                for name in ("stiffness", "stiffness_y", "clamped")
+                if getattr(self, name) != type(self).model_fields[name].default
+            ]
+            if given:
+                expected = f"to be left out beside shaft.{given[0]}"
+                yield Inconsistency("suspension_frequency", expected, tuple(given))
         if self.damping_frame == "static" and len(set(self.dampings)) > 1:
             expected = 'shaft.damping, or shaft.damping_frame = "rotating"'
             yield Inconsistency("damping_y", expected, ("damping", "damping_frame"))

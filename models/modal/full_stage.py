@@ -21,6 +21,7 @@ from bladewhirl.models.modal.describe import stage_arrays
 from bladewhirl.models.modal.frequencies import lowest_frequencies
 from bladewhirl.models.modal.labels import LabelledModes, labelled_modes
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.modal.suspension import with_sized_shaft
 from bladewhirl.models.modal.whirl_labels import whirl_families
 from bladewhirl.models.rotation.at_speed import TurningDisk, turning_disk
 from bladewhirl.models.rotation.whirl_modes import DENSE_SIZE, WhirlModes, whirl_modes
@@ -99,8 +100,10 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
         count: how many of the lowest of each; all when None.
 
     Raises:
-        CaseError: numbers that finite elements can't be made of.
+        CaseError: a suspension that no springs bring about, or numbers that finite elements can't
+            be made of.
     """
+    case = with_sized_shaft(case)
     with numbers_within_reach(case):
         free, clamped = case_bladed_disk(case, clamped=False), case_bladed_disk(case, clamped=True)
         casing = case_casing(case)

@@ -28,6 +28,7 @@ from bladewhirl.models.modal.labels import mode_families
 from bladewhirl.models.modal.modes import Modes, structure_modes
 from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.modal.suspension import with_sized_shaft
 from bladewhirl.models.rotation.at_speed import TurningDisk, turning_disk
 from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
 from bladewhirl.models.stage.kept_modes import KeptModes, kept_modes
@@ -142,8 +143,10 @@ def build_stage(case: Case) -> Stage:
 
     Raises:
         CaseError: more fixed-interface modes than internal degrees of freedom, a stage too large,
-            modes to keep that it does not have, or numbers that finite elements can't be made of.
+            modes to keep that it does not have, a suspension that no springs bring about, or
+            numbers that finite elements can't be made of.
     """
+    case = with_sized_shaft(case)
     with numbers_within_reach(case):
         at_rest = case_bladed_disk(case, clamped=case.shaft.clamped)
         _check_reduction(case, at_rest)

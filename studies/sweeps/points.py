@@ -85,7 +85,8 @@ def stage_at(case: Case) -> Stage:
             "initial": Initial(),
         }
     )
-    return replace(_body(body), case=case)
+    stage = _body(body)
+    return replace(stage, case=case.model_copy(update={"shaft": stage.case.shaft}))  # as sized
 
 
 @lru_cache(maxsize=KEPT_STAGES)

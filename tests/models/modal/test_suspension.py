@@ -1,0 +1,49 @@
+"""Shaft springs sized for the suspension's frequency."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from stages import SMALL, stage
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import with_values
+from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.modal.full_stage import modal_stage
+from bladewhirl.models.modal.suspension import KEY, with_sized_shaft
+
+
+@pytest.mark.parametrize("wanted", [60.0, 150.0, 400.0])
+def test_the_suspension_is_where_it_is_wanted(wanted: float) -> None:
+    modes = modal_stage(with_values(Case(), {KEY: wanted})).free_modes
+    pair = modes.frequency[modes.find("suspension", 1)] / (2.0 * np.pi)
+    np.testing.assert_allclose(pair, wanted, rtol=1e-9)
+
+
+def test_the_paper_s_springs_come_back() -> None:
+    """The frequency that 34 MN/m give asks for 34 MN/m."""
+    modes = modal_stage(Case()).free_modes
+    found = float(modes.frequency[modes.find("suspension", 1)[0]] / (2.0 * np.pi))
+    shaft = with_sized_shaft(with_values(Case(), {KEY: found})).shaft
+    assert shaft.stiffness == pytest.approx(Case().shaft.stiffness, rel=1e-8)
+
+
+def test_a_stage_has_the_stiffness_found() -> None:
+    """A force at the centre bends the springs by F / k, and results tell k."""
+    built = stage(*SMALL, f"{KEY}=120 Hz")
+    stiffness = built.case.shaft.stiffness
+    rotor = built.rotor
+    flexible = rotor.centre / rotor.frequency**2 @ rotor.centre.T
+    np.testing.assert_allclose(flexible, np.eye(2) / stiffness, rtol=1e-9, atol=1e-17)
+    np.testing.assert_array_equal(built.arrays.shaft_stiffness, stiffness)
+
+
+def test_where_families_repel_no_springs_do() -> None:
+    """Between the modes that 2F and the suspension exchange, the mode at 300 Hz is 2F."""
+    with pytest.raises(CaseError, match="the suspension is at"):
+        with_sized_shaft(with_values(Case(), {KEY: 300.0}))
+
+
+def test_springs_are_given_once() -> None:
+    with pytest.raises(CaseError, match=r"left out beside shaft\.stiffness"):
+        with_values(Case(), {KEY: 300.0, "shaft.stiffness": 1e7})
