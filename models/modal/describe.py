@@ -7,39 +7,40 @@ from __future__ import annotations
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.shaft import Shaft
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
+from bladewhirl.models.elements.build import case_clearance
 from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.elements.supports import ALONG, OUTWARD
 from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.models.rotation.at_speed import TurningDisk, tip_recess
 
 
 def stage_arrays(
+    case: Case,
     disk: BladedDiskModel,
     disk_modes: Modes,
     disk_family: tuple[str, ...],
     casing: CasingModel,
     casing_modes: Modes,
     casing_family: tuple[str, ...],
-    *,
-    shaft: Shaft,
-    clearance: FloatArray,
+    turning: TurningDisk | None,
 ) -> StageArrays:
     """Describe two bodies by some of their modes.
 
     Args:
+        case: of both.
         disk: the bladed disk.
         disk_modes: of it, full or reduced, with fields on its free degrees of freedom.
         disk_family: of each of them, (rotor modes,).
         casing: the casing.
         casing_modes: of it.
         casing_family: of each of them, (casing modes,).
-        shaft: what carries the bladed disk.
-        clearance: at each casing node [m], (casing nodes,).
+        turning: the bladed disk at speed; None without rotation effects.
     """
-    model, mesh, supports = disk.model, disk.mesh, casing.supports
+    model, mesh, supports, shaft = disk.model, disk.mesh, casing.supports, case.shaft
+    growth = np.zeros(len(disk.tip_radial)) if turning is None else turning.growth
     return StageArrays(
         rotor_frequency=disk_modes.frequency,
         rotor_nodal_diameter=disk_modes.nodal_diameter,
@@ -64,6 +65,8 @@ def stage_arrays(
         point_mass=model.masses.mass,
         tip_node=mesh.node_sets["tips"],
         tip_angle=disk.tip_angles,
+        tip_recess=tip_recess(case, disk, turning),
+        tip_growth=growth,
         centre_node=int(mesh.node_sets["centre"][0]),
         shaft_frame=shaft.frame,
         shaft_stiffness=np.zeros(2) if shaft.clamped else np.array(shaft.springs),
@@ -86,5 +89,5 @@ def stage_arrays(
         support_tangential_damping=np.array(
             [np.sum(each.dampers[:, ALONG] ** 2) for each in supports]
         ),
-        clearance=clearance,
+        clearance=case_clearance(case)[:, 0],
     )

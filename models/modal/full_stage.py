@@ -10,7 +10,6 @@ from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import (
     case_bladed_disk,
     case_casing,
-    case_clearance,
     lowest_frequency,
     numbers_within_reach,
     tip_in_sector,
@@ -81,14 +80,14 @@ class ModalStage:
             casing_modes: numbers among `casing_modes`.
         """
         return stage_arrays(
+            self.case,
             self.disk,
             self.disk_modes.expand(disk_modes),
             tuple(self.disk_modes.family[i] for i in disk_modes),
             self.casing,
             self.casing_modes.expand(casing_modes),
             tuple(self.casing_modes.family[i] for i in casing_modes),
-            shaft=self.case.shaft,
-            clearance=case_clearance(self.case)[:, 0],
+            self.turning,
         )
 
 

@@ -37,6 +37,8 @@ class StageArrays:
     point_mass: FloatArray  #: [kg], (masses,)
     tip_node: IntArray  #: (blades,)
     tip_angle: FloatArray  #: from +x [rad], (blades,)
+    tip_recess: FloatArray  #: radius that the clearance counts from less theirs [m], (blades,)
+    tip_growth: FloatArray  #: static, at speed [m], (blades,)
     centre_node: int
     shaft_frame: str  #: that the shaft's springs stand in, "rotating" or "static"
     shaft_stiffness: FloatArray  #: of them along its x and y, none at a held centre [N/m], (2,)

@@ -47,6 +47,24 @@ class TurningDisk:
         return np.asarray(answer[self.disk.tip_radial])
 
 
+def tip_recess(
+    case: Case, disk: BladedDiskModel, turning: TurningDisk | None, omega: float | None = None
+) -> FloatArray:
+    """Radius that the clearance counts from less that of each tip [m], (blades,).
+
+    Tips are those at rest, or at speed where the clearance is cold: what growth leaves of it.
+
+    Args:
+        case: with the clearance.
+        disk: its bladed disk.
+        turning: the same at speed; None without rotation effects.
+        omega: another speed than the case's [rad/s].
+    """
+    if turning is None or case.rotation.clearance == "hot":
+        return disk.model.tip_recess
+    return disk.model.tip_recess - turning.growth_at(turning.omega if omega is None else omega)
+
+
 def check_effects(case: Case, what: str, *known: Effects) -> None:
     """Refuse rotation effects that an analysis does not know.
 

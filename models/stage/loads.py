@@ -14,6 +14,7 @@ from bladewhirl.models.case.excitation import CasingDistortion, Harmonic, Imbala
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.coupling.stage_modes import is_radial
 from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.rotation.at_speed import tip_recess
 from bladewhirl.models.stage.contact_problem import Load, ReducedRotor, Start
 from bladewhirl.models.stage.stage import Stage
 
@@ -78,12 +79,9 @@ def unbalance(stage: Stage) -> float:
     speed = load.clearance_speed.rad_per_s(stage.reference_frequency)
     if stage.turning is None:
         outward = rotor.tip_radial @ (rotor.centre[X] / rotor.frequency**2)
-        recess = rotor.tip_recess
     else:
         outward = stage.turning.tip_answer(X, speed)
-        recess = stage.disk.model.tip_recess
-        if stage.case.rotation.clearance == "cold":
-            recess = recess - stage.turning.growth_at(speed)
+    recess = tip_recess(stage.case, stage.disk, stage.turning, speed)
     room = stage.reduced_casing.clearance[:, 0].min() + recess
     reaching = outward > 0.0
     return float((room[reaching] / outward[reaching]).min() / speed**2)

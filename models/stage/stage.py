@@ -29,7 +29,7 @@ from bladewhirl.models.modal.modes import Modes, structure_modes
 from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.suspension import with_sized_shaft
-from bladewhirl.models.rotation.at_speed import TurningDisk, turning_disk
+from bladewhirl.models.rotation.at_speed import TurningDisk, tip_recess, turning_disk
 from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
 from bladewhirl.models.stage.kept_modes import KeptModes, kept_modes
 from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
@@ -127,14 +127,14 @@ class Stage:
     def arrays(self) -> StageArrays:
         """Description of the stage for a result, by the modes that a march has."""
         return stage_arrays(
+            self.case,
             self.disk,
             self.reduction.modes.take(self.kept.rotor),
             tuple(self.disk_family[mode] for mode in self.kept.rotor),
             self.casing,
             self.casing_modes.take(self.kept.casing),
             tuple(self.casing_family[mode] for mode in self.kept.casing),
-            shaft=self.case.shaft,
-            clearance=self.reduced_casing.clearance[:, 0],
+            self.turning,
         )
 
 
@@ -217,9 +217,8 @@ def _reduced_rotor(
     case: Case, disk: BladedDiskModel, modes: Modes, turning: TurningDisk | None
 ) -> ReducedRotor:
     """The bladed disk in its modes; a cold clearance is what growth leaves of it."""
-    recess = disk.model.tip_recess
-    if turning is not None and case.rotation.clearance == "cold":
-        recess = recess - turning.growth
+    recess = tip_recess(case, disk, turning)
+    if turning is not None:
         _check_clearance(case, recess)
     centre = np.zeros((2, modes.count))
     centre[: len(disk.centre)] = modes.shapes[disk.centre]  # none when clamped

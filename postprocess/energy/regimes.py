@@ -24,7 +24,7 @@ from bladewhirl.postprocess.energy.growth_rates import (
     ripple_windows,
 )
 from bladewhirl.postprocess.energy.works import leading_source
-from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.fields.kinematics import Array, smallest_clearance
 
 RegimeName = Literal["divergent", "no-contact", "damped", "sustained"]
 
@@ -99,8 +99,8 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
 
 def _has_closed(dataset: xr.Dataset, touched: NDArray[np.bool_]) -> bool:
     """Whether a tip has come nearer to the casing by a share of the clearance that matters."""
-    clearance = float(dataset["clearance"].min())
-    return bool(touched.any()) or float(dataset["gap"].min()) <= (1 - CLOSING) * clearance
+    closing = (1 - CLOSING) * smallest_clearance(dataset)
+    return bool(touched.any()) or float(dataset["gap"].min()) <= closing
 
 
 def _growth_text(growth: Growth | None, ripple: Growth | None) -> str:

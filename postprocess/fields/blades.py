@@ -7,8 +7,6 @@ from scipy.sparse.csgraph import dijkstra
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 
-ROUNDING = 1e-12  #: relative differences of radii below this are none
-
 
 def line_blades(dataset: xr.Dataset) -> IntArray:
     """Number of the blade that each beam belongs to, -1 for none, (rotor_line,).
@@ -57,14 +55,6 @@ def _outward_line(points: Array, lines: IntArray, tip: int) -> int:
     span = points[lines[at_tip, 1]] - points[lines[at_tip, 0]]
     along = np.abs(span @ points[tip]) / np.linalg.norm(span, axis=1)
     return int(at_tip[np.argmax(along)])
-
-
-def tip_recess(dataset: xr.Dataset) -> Array:
-    """Shortfall of each tip at rest from the tip radius, negative beyond it, (blade,) [m]."""
-    radius = float(dataset.attrs["tip_radius"])
-    tips = np.linalg.norm(dataset["rotor_point"].values[dataset["tip_node"].values], axis=1)
-    recess: Array = np.where(np.abs(radius - tips) > ROUNDING * radius, radius - tips, 0.0)
-    return recess
 
 
 def with_recess(dataset: xr.Dataset, stations: Array, recess: Array) -> tuple[Array, Array]:

@@ -21,6 +21,8 @@ Quantity = Literal["displacement", "velocity"]
 
 FRAMES_PER_REVOLUTION = 24  #: fewer pictures a revolution make a turning wheel hard to follow
 
+ROUNDING = 1e-12  #: relative differences of radii below this are none
+
 
 class ViewError(UserError, ValueError):
     """A view of a result that can't be had: its window, number of frames, factor or file."""
@@ -254,6 +256,19 @@ def casing_points(
     seen = angle + back[:, None]
     points: Array = dataset.attrs["casing_radius"] * np.stack([np.cos(seen), np.sin(seen)], -1)
     return points
+
+
+def recess_at_rest(dataset: xr.Dataset) -> Array:
+    """Shortfall of each tip at rest from the tip radius, negative beyond it, (blade,) [m]."""
+    radius = float(dataset.attrs["tip_radius"])
+    tips = np.linalg.norm(dataset["rotor_point"].values[dataset["tip_node"].values], axis=1)
+    recess: Array = np.where(np.abs(radius - tips) > ROUNDING * radius, radius - tips, 0.0)
+    return recess
+
+
+def smallest_clearance(dataset: xr.Dataset) -> float:
+    """Smallest clearance that a tip has while nothing moves, at speed where it is cold [m]."""
+    return float(dataset["clearance"].values.min() + dataset["tip_recess"].values.min())
 
 
 def clearance_at(dataset: xr.Dataset, angle: Array) -> Array:

@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.fields.kinematics import Array, recess_at_rest
 from bladewhirl.solvers.march.recorder import RESULT_NAME as RESULT_NAME
 from bladewhirl.solvers.march.schema import (
     HISTORY,
@@ -116,18 +116,22 @@ def vouched(dataset: xr.Dataset) -> xr.Dataset:
 def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     """A result with everything that the schema calls a coordinate as one, whatever its format.
 
-    Format 1 says nothing of how beams change along their lines: they don't.
+    Format 1 says nothing of how beams change along their lines: they don't. Those before 4 say
+    nothing of recess and growth of the tips: it is that at rest, and none.
     """
     indices = {
         name: (name, index_values(name, dataset.sizes[name]), variable.attributes)
         for name, variable in INDICES.items()
         if name in dataset.dims and name not in dataset.coords
     }
+    like = {"rotor_line": "rotor_thickness", "blade": "tip_angle"}
     constant = {
-        name: xr.zeros_like(dataset["rotor_thickness"]).assign_attrs(variable.attributes)
+        name: xr.zeros_like(dataset[like[variable.dimensions[0]]]).assign_attrs(variable.attributes)
         for name, variable in STATIC.items()
-        if name.endswith("_change") and name not in dataset
+        if (name.endswith("_change") or variable.since == 4) and name not in dataset
     }
+    if "tip_recess" in constant:
+        constant["tip_recess"] += recess_at_rest(dataset)
     described = [name for name, variable in STATIC.items() if variable.is_coordinate]
     return dataset.assign(constant).assign_coords(indices).set_coords(described)
 

@@ -72,7 +72,7 @@ def mode_motion(
         "rotor_velocity": velocity if on_disk else rest,
         "casing_displacement": casing,
         "casing_velocity": rest if on_disk else velocity,
-        "gap": stage.disk.model.tip_recess + _gaps(fixed, rotor, casing),
+        "gap": arrays.tip_recess + _gaps(fixed, rotor, casing),
     }
     return moving_stage(arrays, motion).assign_attrs(_attributes(stage), title=title, speed=0.0)
 

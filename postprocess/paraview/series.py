@@ -258,7 +258,9 @@ def _rotor_meshes(dataset: xr.Dataset, records: IntArray, rotating: bool) -> lis
     points = rotor_points(dataset, records, rotating=rotating)
     displacement = rotor_field(dataset, "displacement", records, rotating=rotating)
     tips = dataset["tip_node"].values
-    gap = np.full(points.shape[:2], float(dataset["clearance"].mean()))
+    gap = np.full(
+        points.shape[:2], float(dataset["clearance"].mean() + dataset["tip_recess"].mean())
+    )
     gap[:, tips] = history(dataset, "gap", records)
     force = np.zeros_like(points)
     force[:, tips] = contact_forces(dataset, records, rotating=rotating)

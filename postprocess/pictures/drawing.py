@@ -20,7 +20,7 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.blades import tip_recess, with_recess
+from bladewhirl.postprocess.fields.blades import with_recess
 from bladewhirl.postprocess.fields.kinematics import (
     Array,
     IntArray,
@@ -31,6 +31,7 @@ from bladewhirl.postprocess.fields.kinematics import (
     contact_forces,
     history,
     line_rows,
+    recess_at_rest,
     ring_angles,
     rotate,
     turn,
@@ -134,7 +135,7 @@ class Drawing:
             max(np.linalg.norm(field, axis=-1).max() for field in (self._rotor, self._ring))
         )
         clearance = clearance_at(dataset, self._angle)
-        recess = tip_recess(dataset)
+        recess = dataset["tip_recess"].values
         room = float(clearance.max() + np.max(recess, initial=0.0))
         self.exaggeration = (
             round_factor(self.tip_radius, room, self.largest_displacement)
@@ -142,10 +143,9 @@ class Drawing:
             else exaggeration
         )
         self._inner_radius = self.tip_radius + self.exaggeration * clearance
-        if recess.any():
-            self.nodes, self._stations = with_recess(
-                dataset, self._stations, (self.exaggeration - 1.0) * recess
-            )
+        shift = self.exaggeration * recess - recess_at_rest(dataset)
+        if shift.any():
+            self.nodes, self._stations = with_recess(dataset, self._stations, shift)
         self.colouring = colouring(dataset, colour, records, Stations(BEAM_STATIONS, per_element))
         self._on_rotor = RotorSymbols(dataset, self.tip_radius)
         self._shaft = ShaftSymbols(dataset, self.tip_radius)

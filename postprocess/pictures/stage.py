@@ -133,7 +133,7 @@ def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, In
 
 def size_words(dataset: xr.Dataset) -> list[str]:
     """Number of blades, radius and clearance, in words."""
-    clearance = dataset["clearance"].values
+    clearance = dataset["clearance"].values[:, None] + dataset["tip_recess"].values
     return [
         f"{dataset.sizes['blade']} blades",
         f"tip radius {_length(float(dataset.attrs['tip_radius']))}",

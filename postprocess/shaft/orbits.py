@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from bladewhirl.postprocess.fields.kinematics import Array, rotate
+from bladewhirl.postprocess.fields.kinematics import Array, rotate, smallest_clearance
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import in_window, late_part
@@ -81,7 +81,7 @@ def shaft_orbit(
             "radius": ("time", np.hypot(*rotating.T), "m"),
         },
         {"time": time, "axis": ["x", "y"]},
-        smallest_clearance=float(result["clearance"].min()),
+        smallest_clearance=smallest_clearance(result),
     )
 
 

@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-RESULT_FORMAT = 3
+RESULT_FORMAT = 4
 """Of result.nc. 1 and 2 carry no number: 1 lacks what is marked since 2, and neither has the
-coordinates marked since 3, which are added on opening."""
+coordinates marked since 3; these, and recess and growth of tips, are added on opening."""
 
 SWEEP_FORMAT = 3
 """Of sweep.nc. 1 lacks what is marked since 2, and neither 1 nor 2 keeps swept values in the unit

@@ -178,6 +178,7 @@ def synthetic_result(
             "rotor_shape": (("rotor_node", "rotor_component", "rotor_mode"), rotor_shape),
             "tip_node": ("blade", tips),
             "tip_angle": ("blade", tip_angle),
+            **{name: ("blade", np.zeros(blades)) for name in ("tip_recess", "tip_growth")},
             "centre_node": ((), 0),
             "shaft_frame": ((), "rotating"),
             "shaft_stiffness": ("axis", np.full(2, 3.4e7)),

@@ -87,6 +87,9 @@ def test_a_cold_clearance_is_what_growth_leaves() -> None:
     np.testing.assert_array_equal(hot.rotor.tip_recess, 0.0)
     growth = known(1.05)["tip_growth_softened"]
     np.testing.assert_allclose(cold.rotor.tip_recess, -growth, rtol=1e-8)
+    for stage in (hot, cold):  # a result says both
+        np.testing.assert_array_equal(stage.arrays.tip_recess, stage.rotor.tip_recess)
+        np.testing.assert_allclose(stage.arrays.tip_growth, growth, rtol=1e-8)
     case = with_values(cold.case, {"casing.clearance": 9e-5})
     with pytest.raises(CaseError, match="expected room for the growth of the tips"):
         build_stage(case)

@@ -115,9 +115,10 @@ class TestCoordinates:
             family = found["rotor_displacement"].coords["rotor_family"]
             assert found["rotor_displacement"][:, family == "1F"].sizes["rotor_mode"] == 2
 
-    def test_format_1_has_straight_beams(self, run: Path) -> None:
+    def test_old_formats_have_straight_beams_and_tips_at_rest(self, run: Path) -> None:
         file = run / "result.nc"
         changes = [f"rotor_{name}_change" for name in ("thickness", "width", "young_modulus")]
+        changes += ["tip_recess", "tip_growth"]
         synthetic_result(records=3).drop_vars(changes).to_netcdf(file, engine="h5netcdf")
         with open_result(run) as found:
             assert not any(found[name].any() for name in changes)

@@ -160,20 +160,24 @@ def test_rotating_picture_is_the_static_one_turned_back() -> None:
     assert abs(blade) < np.pi / 22  # the first blade lies near the rotating x axis
 
 
-def test_a_short_blade_touches_where_it_does_in_the_run() -> None:
+@pytest.mark.parametrize("growth", [0.0, 0.2e-3])
+def test_a_short_blade_touches_where_it_does_in_the_run(growth: float) -> None:
+    """Growth of a cold clearance leaves less room for all."""
     recess, blade = 0.3e-3, 5
     result = moved()
     tip = int(result["tip_node"].values[blade])
     result["rotor_point"][tip] *= 1.0 - recess / synthetic.TIP_RADIUS
     unit = result["rotor_point"].values[tip] / (synthetic.TIP_RADIUS - recess)
+    result["tip_recess"] -= growth
+    result["tip_recess"][blade] += recess
     rest = draw(result).picture(0)
     inner = synthetic.TIP_RADIUS + FACTOR * synthetic.CLEARANCE
     gaps = inner - np.linalg.norm(rest.tips, axis=1)
-    expected = np.full(22, FACTOR * synthetic.CLEARANCE)
+    expected = np.full(22, FACTOR * (synthetic.CLEARANCE - growth))
     expected[blade] += FACTOR * recess
     np.testing.assert_allclose(gaps, expected)
     np.testing.assert_allclose(draw(result).nodes[result["tip_node"].values], rest.tips)
-    result["rotor_displacement"][:, :2] = (synthetic.CLEARANCE + recess) * unit
+    result["rotor_displacement"][:, :2] = (synthetic.CLEARANCE - growth + recess) * unit
     touching = draw(result).picture(0)
     assert np.linalg.norm(touching.tips[blade]) == pytest.approx(inner)
     lines = result["rotor_line"].values
