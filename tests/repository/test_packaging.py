@@ -2,8 +2,11 @@
 
 import re
 import tomllib
+from importlib.metadata import metadata
 
 from places import ROOT
+
+PERMISSIVE = re.compile(r"\b(MIT|BSD|Apache|PSF|Python Software Foundation)\b")
 
 FOLDERS = ("meshes", "models", "solvers", "postprocess", "studies")
 
@@ -24,3 +27,14 @@ def test_lower_bounds_are_those_that_were_tried() -> None:
     bounds = [*project["dependencies"], *project["optional-dependencies"]["test"]]
     tried = (ROOT / ".ci" / "lower-bounds.txt").read_text().splitlines()
     assert {re.sub(r"\[.*\]|,<.*", "", bound).replace(">=", "==") for bound in bounds} <= set(tried)
+
+
+def test_dependencies_are_under_permissive_licences() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    for bound in project["dependencies"]:
+        name = re.split(r"[^\w.-]", bound)[0]
+        told = metadata(name)
+        classifiers = [c for c in told.get_all("Classifier", []) if c.startswith("License")]
+        text = " ".join([told.get("License-Expression") or told.get("License") or "", *classifiers])
+        assert PERMISSIVE.search(text), f"{name}: {text}"
+        assert not re.search(r"\bA?GPL", text), f"{name}: {text}"
