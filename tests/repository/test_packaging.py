@@ -33,8 +33,8 @@ def test_dependencies_are_under_permissive_licences() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     for bound in project["dependencies"]:
         name = re.split(r"[^\w.-]", bound)[0]
-        told = metadata(name)
-        classifiers = [c for c in told.get_all("Classifier", []) if c.startswith("License")]
-        text = " ".join([told.get("License-Expression") or told.get("License") or "", *classifiers])
+        told = metadata(name).json
+        classifiers = [line for line in told.get("classifier", ()) if line.startswith("License")]
+        text = str(told.get("license_expression") or classifiers or told["license"])
         assert PERMISSIVE.search(text), f"{name}: {text}"
-        assert not re.search(r"\bA?GPL", text), f"{name}: {text}"
+        assert "GPL" not in text, f"{name}: {text}"
