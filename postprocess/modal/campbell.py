@@ -11,8 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
-from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
+from bladewhirl.postprocess.plotting.axes import Names, frequency_axis, speed_axis, title_of_case
+from bladewhirl.postprocess.plotting.legends import Group, legends_below
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.solvers.stability.coincidence import frequency_in_other_frame
 
 Frame = Literal["rotating", "static"]
@@ -20,41 +22,41 @@ Frame = Literal["rotating", "static"]
 DRAWN_FAMILIES = ("1F", "suspension")
 """Families of the bladed disk that are drawn even where nothing coincides."""
 
-SPEED_AXIS = "rotational speed Ω / ω$_1$ [–]"
 SHADE = "#F0F0F0"
 """Of the operating range."""
 
 RING: dict[str, Any] = {
     "linestyle": "none",
     "marker": "o",
-    "markersize": 3.6,
+    "markersize": 4.0,
     "markerfacecolor": "white",
 }
 """Mark of a coincidence."""
 
-MOST_NUMBERED = 12
-"""Highest nodal diameter whose coincidences get their number."""
+CROSS: dict[str, Any] = {
+    "linestyle": "none",
+    "marker": "X",
+    "markersize": 6.0,
+    "color": COLOURS["contact"],
+    "markeredgecolor": "white",
+    "markeredgewidth": 0.4,
+}
+"""Mark of a critical speed."""
 
-DIGIT_ROOM, NUMBER_ROOM = 0.014, np.array([0.02, 0.05])
-"""Shares of the axes that a number takes, width by the digit; one that would cover another is
-left out."""
-
-HEADROOM = 1.15
+HEADROOM = 1.18
 """Highest frequency shown over the highest coincidence or mode of interest."""
 
 
 def drawn_part(data: xr.Dataset) -> xr.Dataset:
     """Modes and coincidences of a diagram: families of the bladed disk that coincide with the
-    casing inside it, `DRAWN_FAMILIES` whether they do or not, and the casing's lowest mode of each
-    nodal diameter from 1 to the highest of those families.
+    casing in the operating range, `DRAWN_FAMILIES` whether they do or not, and the casing's lowest
+    mode of each nodal diameter from 1 to the highest of those families.
 
     Args:
         data: from `campbell`.
     """
-    first, last = data.attrs["speeds"]
-    speed = data["normalised_speed"].values
-    seen = (first <= speed) & (speed <= last)
-    families = [*DRAWN_FAMILIES, *data["family"].values[seen]]
+    operated = data["in_operating_range"].values.astype(bool) & in_diagram(data)
+    families = [*DRAWN_FAMILIES, *data["family"].values[operated]]
     on_rotor = data["mode_body"].values == "bladed-disk"
     k, frequency = data["mode_nodal_diameter"].values, data["mode_frequency"].values
     rotor = on_rotor & np.isin(data["mode_family"].values, families)
@@ -75,63 +77,76 @@ def drawn_part(data: xr.Dataset) -> xr.Dataset:
     return data.isel(shown)
 
 
+def in_diagram(data: xr.Dataset) -> BoolArray:
+    """Which coincidences lie inside the speeds of the diagrams."""
+    first, last = data.attrs["speeds"]
+    speed = data["normalised_speed"].values
+    return np.asarray((first <= speed) & (speed <= last), dtype=np.bool_)
+
+
 @styled
 def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     """Draw a Campbell diagram: the modes of one body as levels, the other's waves as rays.
 
     In the rotating frame the bladed disk's frequencies are constant and a wave that travels
     forward on the casing has k Omega - omega, backward where that is positive, as drawn. In the
-    static frame it is the other way round: rays are waves that travel backward on the rotor.
-    Where a ray would fall below zero, its wave travels the other way: that part is left out in the
-    rotating frame, as in Fig. 8, and faint in the static one. Circles mark coincidences, those of
-    the first family and the suspension with their k.
+    static frame it is the other way round: rays are waves that travel backward on the rotor, on a
+    logarithmic axis. Where a ray would fall below zero, its wave travels the other way: that part
+    is left out. Circles with their k mark coincidences; the caption counts those left out.
 
     A bladed disk that feels that it turns has branches instead: waves that travel backward at rest
-    full, forward ones thin. Dotted lines are multiples of the speed, crosses critical speeds.
+    full, forward ones dashed, in the static frame those with one nodal diameter only. Dotted lines
+    are multiples of the speed, crosses critical speeds.
 
     Args:
         data: from `campbell`, of which `drawn_part` is drawn.
         frame: whose view.
     """
-    data = drawn_part(data)
-    figure = new_figure(height=0.088)
+    whole, data = data, drawn_part(data)
+    figure = new_figure(width=FULL_WIDTH, height=0.105)
     axes = figure.subplots()
-    first, last = data.attrs["speeds"]
+    reference = float(data.attrs["reference_frequency_hz"])
+    meets = met_frequencies(data, frame)
+    shown = in_diagram(data)
     axes.axvspan(*data.attrs["operating_range"], color=SHADE, zorder=0)
-    level = "bladed-disk" if frame == "rotating" else "casing"
-    meets = data["rotor_frequency" if frame == "rotating" else "casing_frequency"].values
-    meets = meets / data.attrs["reference_frequency_hz"]
-    met_at = data["normalised_speed"].values
-    seen = (met_at >= first) & (met_at <= last)
-    modes = data["normalised_mode_frequency"].values
-    body, k = data["mode_body"].values, data["mode_nodal_diameter"].values
-    turning = "branch" in data.dims
-    highest = modes[body == level].max() if frame == "rotating" else meets[seen].max(initial=1.0)
-    top = HEADROOM * float(highest)
-    axes.set(xlim=(first, last), ylim=(0.0, top))
-    speed = np.linspace(first, last, 2001)
-    # Rays first, and of each body those with one nodal diameter last, so that they lie on top.
-    if turning:
-        _draw_branches(axes, data, frame)
-        orders = np.unique(k[body != "casing"])
-        _draw_engine_orders(axes, data, orders[orders > 0], frame)
-    for mode in np.lexsort((k == 1, body == level)):
-        if turning and body[mode] != "casing":
-            continue
-        y = np.full_like(speed, modes[mode])
-        if body[mode] != level:
-            y = frequency_in_other_frame(modes[mode], k[mode], speed)
-        _draw_mode(axes, speed, y, data.isel(mode=mode), turned=frame == "static")
-    _mark_coincidences(axes, data, meets, seen & (meets <= top))
-    axes.set(xlim=(first, last), ylim=(0.0, top))
-    axes.set(xlabel=SPEED_AXIS, ylabel=f"frequency / ω$_1$, {frame} frame [–]")
-    figure.legend(
-        handles=_legend(data, frame), loc="outside upper center", ncols=3, columnspacing=1.0
-    )
+    axes.set(xlim=data.attrs["speeds"])
+    if frame == "static":
+        axes.set_yscale("log")
+    axes.set_ylim(*frequency_limits(data, frame))
+    names = Names(axes)
+    names.keep_free(data["normalised_speed"].values[shown], meets[shown])
+    if "branch" in data.dims:
+        _mark_critical(axes, names, data, frame)
+    _mark_coincidences(axes, names, data, meets, shown)
+    if "branch" in data.dims:
+        _draw_branches(axes, names, data, frame)
+    _draw_modes(axes, names, data, frame)
+    _draw_engine_orders(axes, names, data, frame)
+    speed_axis(axes, reference)
+    frequency_axis(axes, reference, f"frequency / ω$_1$, {frame} frame [–]")
+    title_of_case(figure, data.attrs["case"], f"Campbell diagram, {frame} frame")
+    legends_below(figure, Group(_legend(data, frame), _left_out(whole, data)))
     return figure
 
 
-def _draw_branches(axes: Axes, data: xr.Dataset, frame: Frame) -> None:
+def met_frequencies(data: xr.Dataset, frame: Frame) -> FloatArray:
+    """Normalised frequency in a frame at which each coincidence happens."""
+    met = data["rotor_frequency" if frame == "rotating" else "casing_frequency"].values
+    return np.asarray(met / data.attrs["reference_frequency_hz"], dtype=np.float64)
+
+
+def frequency_limits(data: xr.Dataset, frame: Frame) -> tuple[float, float]:
+    """Lowest and highest frequency shown of a `drawn_part`, normalised."""
+    level = "bladed-disk" if frame == "rotating" else "casing"
+    modes, met = data["normalised_mode_frequency"].values, met_frequencies(data, frame)
+    own = modes[(data["mode_body"].values == level) & (modes > 0.0)]
+    highest = float(met[in_diagram(data)].max(initial=1.0))
+    if frame == "static":
+        return 0.6 * float(own.min(initial=1.0)), 1.5 * highest
+    return 0.0, HEADROOM * max(float(own.max(initial=1.0)), highest)
+
+
+def _draw_branches(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> None:
     """Waves on a bladed disk that feels that it turns, over the speed."""
     speed = data["line_speed"].values
     signed = data["branch_frequency"].values / data.attrs["reference_frequency_hz"]
@@ -142,103 +157,134 @@ def _draw_branches(axes: Axes, data: xr.Dataset, frame: Frame) -> None:
         data["branch_direction"].values,
         strict=True,
     ):
-        first = int(k) == 1
-        name = "suspension" if family == "suspension" else ("k = 1" if first else "other k")
+        first, forward = int(k) == 1, way == "forward"
+        if forward and not first and frame == "static":
+            continue
+        colour = wave_colour("bladed-disk", str(family), int(k))
+        y = np.abs(row if frame == "rotating" else row - k * speed)
+        if frame == "static" and not first:  # where it travels forward, as casing waves do
+            y = np.where(row < k * speed, y, np.nan)
         axes.plot(
             speed,
-            np.abs(row if frame == "rotating" else row - k * speed),
-            color=COLOURS[name],
-            linewidth=(1.2 if first else 0.7) * (1.0 if way == "backward" else 0.6),
-            alpha=1.0 if way == "backward" else 0.6,
+            y,
+            color=colour,
+            linestyle=(0, (5, 2)) if forward else "-",
+            linewidth=1.2 if first else 0.6,
             zorder=3 if first else 2,
         )
+        if first:
+            name = "suspension" if family == "suspension" else f"{family}, k = 1"
+            names.along(speed, y, f"{name}, {way}", colour)
 
 
-def _draw_engine_orders(axes: Axes, data: xr.Dataset, orders: IntArray, frame: Frame) -> None:
-    """Multiples of the speed in the rotating frame, and critical speeds."""
-    speed, critical = data["line_speed"].values, data["critical_speed"].values
-    height = np.zeros(len(critical))
-    if frame == "static":
-        height = critical * data["critical_nodal_diameter"].values
-    for order in orders if frame == "rotating" else ():
-        axes.plot(speed, order * speed, ":", color=COLOURS["rest"], linewidth=0.5, zorder=1)
-    axes.plot(critical, height, "x", color=COLOURS["contact"], clip_on=False, zorder=6)
+def _draw_modes(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> None:
+    """Levels of one body and rays of the other, with their nodal diameters or families."""
+    level = "bladed-disk" if frame == "rotating" else "casing"
+    body, k = data["mode_body"].values, data["mode_nodal_diameter"].values
+    modes, family = data["normalised_mode_frequency"].values, data["mode_family"].values
+    first_speed, last_speed = data.attrs["speeds"]
+    speed = np.linspace(first_speed, last_speed, 2001)
+    # Rays first, and of each body those with one nodal diameter last, so that they lie on top.
+    order = np.lexsort((k == 1, body == level))
+    for mode in order[np.argsort(k[order] != 1, kind="stable")]:
+        on_disk = body[mode] == "bladed-disk"
+        if "branch" in data.dims and on_disk:
+            continue
+        y = np.full_like(speed, modes[mode])
+        if body[mode] != level:
+            y = frequency_in_other_frame(modes[mode], k[mode], speed)
+            y = np.where(y > 0.0, y, np.nan)
+        colour = wave_colour(str(body[mode]), str(family[mode]), int(k[mode]))
+        first = int(k[mode]) == 1
+        axes.plot(
+            speed,
+            y,
+            color=colour,
+            linestyle="-" if on_disk else "--",
+            linewidth=1.2 if first else 0.6,
+            zorder=3 if first else 2,
+        )
+        if on_disk and first:
+            names.along(speed, y, str(family[mode]), colour)
+        elif not on_disk:
+            names.along(speed, y, f"k = {k[mode]}", COLOURS["k = 0"])
 
 
-def _mark_coincidences(axes: Axes, data: xr.Dataset, meets: FloatArray, shown: BoolArray) -> None:
+def _draw_engine_orders(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> None:
+    """Multiples of the speed, in the static frame the speed itself."""
+    first, last = data.attrs["speeds"]
+    speed = np.linspace(first, last, 201)
+    k = data["mode_nodal_diameter"].values
+    orders = np.unique(k[k > 0]) if frame == "rotating" else np.ones(1, dtype=np.int64)
+    for order in orders.tolist():
+        axes.plot(speed, order * speed, ":", color="#777777", linewidth=0.6, zorder=1)
+        names.along(speed, order * speed, f"{order}Ω" if order > 1 else "Ω", "#555555")
+
+
+def _mark_critical(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> None:
+    """Critical speeds, where a wave stands still in the rotating frame."""
+    speeds, k = data["critical_speed"].values, data["critical_nodal_diameter"].values
+    height = speeds * k if frame == "static" else np.zeros(len(speeds))
+    if not len(speeds):
+        return
+    axes.plot(speeds, height, clip_on=False, zorder=6, **CROSS)
+    names.keep_free(speeds, height)
+    rpm = 60.0 * float(data.attrs["reference_frequency_hz"])
+    for x, y in zip(speeds.tolist(), height.tolist(), strict=True):
+        names.beside(x, y, f"critical {x:.3f}: {rpm * x:.0f} rpm", "#9B4F7A")
+
+
+def _mark_coincidences(
+    axes: Axes, names: Names, data: xr.Dataset, meets: FloatArray, shown: BoolArray
+) -> None:
     speeds, k = data["normalised_speed"].values, data["nodal_diameter"].values
     for here, colour in ((shown & (k != 1), "other k"), (shown & (k == 1), "k = 1")):
-        axes.plot(speeds[here], meets[here], color=COLOURS[colour], clip_on=False, zorder=5, **RING)
-    numbered = shown & (k <= MOST_NUMBERED) & np.isin(data["family"].values, DRAWN_FAMILIES)
-    size = np.array([np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())])
-    placed: dict[bool, FloatArray] = {}  # the last number above a level, and below one
-    for i in np.flatnonzero(numbered):
-        here = np.array([speeds[i], meets[i]])
-        width, height = NUMBER_ROOM
-        room = size * np.array([width + DIGIT_ROOM * len(str(k[i])), height])
-        # Number 1 stands below, where its neighbours have none, if there is room.
-        below = bool(k[i] == 1 and meets[i] > room[1])
-        if below in placed and (np.abs(here - placed[below]) < room).all():
-            continue
-        placed[below] = here
-        offset = (3.0, -9.0) if below else (-4.0, 3.5)
-        axes.annotate(str(k[i]), tuple(here), xytext=offset, textcoords="offset points")
+        if here.any():  # an empty line that is not clipped would stretch the layout
+            ring: dict[str, Any] = {"color": COLOURS[colour], "clip_on": False, "zorder": 5}
+            axes.plot(speeds[here], meets[here], **ring, **RING)
+    for i in np.flatnonzero(shown):
+        names.beside(speeds[i], meets[i], str(k[i]), COLOURS["total"])
 
 
-def _draw_mode(
-    axes: Axes, speed: FloatArray, y: FloatArray, mode: xr.Dataset, *, turned: bool
-) -> None:
-    """A level or a ray; where `turned`, faint where it would fall below zero."""
-    first, on_rotor = int(mode["mode_nodal_diameter"]) == 1, mode["mode_body"] == "bladed-disk"
-    if mode["mode_family"] == "suspension":
-        name = "suspension"
-    elif on_rotor:
-        name = "k = 1" if first else "other k"
-    else:
-        name = "k = 0" if first else "casing"
-    parts: list[tuple[FloatArray, float, float | None]] = [
-        (np.where(y >= 0.0, y, np.nan), 1.2 if first else 0.7, None)
+def wave_colour(body: str, family: str, k: int) -> str:
+    """Colour of a wave, by its body and whether it has one nodal diameter; suspension apart."""
+    if family == "suspension":
+        return COLOURS["suspension"]
+    if body == "bladed-disk":
+        return COLOURS["k = 1" if k == 1 else "other k"]
+    return COLOURS["k = 0" if k == 1 else "casing"]
+
+
+def _left_out(whole: xr.Dataset, drawn: xr.Dataset) -> str:
+    """What is not in the diagram, in words."""
+    every, kept = np.count_nonzero(in_diagram(whole)), np.count_nonzero(in_diagram(drawn))
+    if every == kept:
+        return f"All {kept} coincidences at these speeds are shown, each with its k."
+    return (
+        f"{kept} of {every} coincidences at these speeds are shown, each with its k. Left out:"
+        " families that meet outside the operating range only, and higher casing modes."
+    )
+
+
+def _legend(data: xr.Dataset, frame: Frame) -> list[tuple[Line2D | Patch, str]]:
+    turning = "branch" in data.dims
+
+    def line(name: str, style: Any, width: float, colour: str = "") -> Line2D:
+        return Line2D([], [], color=colour or COLOURS[name], linestyle=style, linewidth=width)
+
+    entries: list[tuple[Line2D | Patch, str]] = [
+        (line("k = 1", "-", 1.2), "bladed disk, k = 1"),
+        (line("other k", "-", 0.7), "bladed disk, other k"),
+        (line("k = 0", "--", 1.2), "casing, k = 1"),
+        (line("casing", "--", 0.7), "casing, other k"),
+        (Line2D([], [], color=COLOURS["total"], **RING), "coincidence of waves with k"),
+        (Patch(color=SHADE), "operating range"),
+        (line("rest", ":", 0.7, "#777777"), "engine orders, multiples of Ω"),
     ]
-    if turned:
-        parts.append((np.where(y < 0.0, -y, np.nan), 0.4, 0.35))
-    for shown, width, alpha in parts:
-        axes.plot(
-            speed,
-            shown,
-            color=COLOURS[name],
-            linestyle="-" if on_rotor else "--",
-            linewidth=width,
-            alpha=alpha,
-            zorder=3 if first else 2,
-        )
-
-
-def _legend(data: xr.Dataset, frame: Frame) -> list[Line2D | Patch]:
-    lines: list[tuple[str, Literal["-", "--"], float, str]] = [
-        ("k = 1", "-", 1.2, "disk, k = 1"),
-        ("other k", "-", 0.7, "disk, other k"),
-        ("suspension", "-", 1.2, "suspension"),
-        ("k = 0", "--", 1.2, "casing, k = 1"),
-        ("casing", "--", 0.7, "casing, other k"),
-    ]
-    if "suspension" not in data["mode_family"].values:
-        del lines[2]
-    turning: list[Line2D | Patch] = []
-    if "branch" in data.dims:
-        order = Line2D([], [], color=COLOURS["rest"], linestyle=":", label="engine order")
-        turning = [
-            Line2D([], [], color=COLOURS["other k"], linewidth=0.5, alpha=0.6, label="forward"),
-            *([order] if frame == "rotating" else []),
-            Line2D(
-                [], [], color=COLOURS["contact"], linestyle="none", marker="x", label="critical"
-            ),
-        ]
-    return [
-        *(
-            Line2D([], [], color=COLOURS[name], linestyle=style, linewidth=width, label=label)
-            for name, style, width, label in lines
-        ),
-        Line2D([], [], color=COLOURS["total"], label="coincidence of k", **RING),
-        Patch(color=SHADE, label="operating range"),
-        *turning,
-    ]
+    if "suspension" in data["mode_family"].values:
+        entries.insert(2, (line("suspension", "-", 1.2), "suspension"))
+    if turning:
+        which = "forward wave" if frame == "rotating" else "forward wave, k = 1"
+        dashed = line("total", (0, (5, 2)), 0.8)
+        entries += [(dashed, which), (Line2D([], [], **CROSS), "critical speed")]
+    return entries

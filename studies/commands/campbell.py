@@ -11,7 +11,7 @@ from bladewhirl.studies.commands.options import (
     AsJson,
     CaseFile,
     Changes,
-    Overwrite,
+    Replace,
     parse_speed_interval,
     print_json,
 )
@@ -38,7 +38,13 @@ def campbell(
         Path | None,
         typer.Option("--output", "-o", help="Folder to make; CASE-campbell by default."),
     ] = None,
-    overwrite: Overwrite = False,
+    html: Annotated[
+        Path | None,
+        typer.Option(
+            help="Page to write with both diagrams to point at, FILE.html.", metavar="FILE"
+        ),
+    ] = None,
+    overwrite: Replace = False,
     json: AsJson = False,
     overrides: Changes = None,
 ) -> None:
@@ -46,29 +52,35 @@ def campbell(
 
     Where k Ω = ω_casing + ω_rotor, Eq. (14), a wave that travels forward on the casing keeps pace
     with one that travels backward on the rotor, and contact feeds both. The table has the speeds
-    inside --speeds; JSON has those of every nodal diameter and family. With --json and no -o
-    nothing is written.
+    inside --speeds; JSON has those of every nodal diameter and family. With --json or --html the
+    folder is made only if -o names one.
     """
     from bladewhirl.models.inputs.errors import UserError
+    from bladewhirl.postprocess.plotting.files import checked_target
     from bladewhirl.studies.modal import campbell as study
     from bladewhirl.studies.modal.modes import stage_of_file
-    from bladewhirl.studies.runs.figures_folder import check_figure_folder
 
     shown = parse_speed_interval("--speeds", speeds)
     operated = parse_speed_interval("--operating", operating)
     if families < 1:
         raise UserError(f"--families {families}: expected a whole number of one or more")
-    folder = output if output is not None or json else Path(f"{case.stem}-campbell")
-    check_figure_folder(folder, overwrite=overwrite)
+    folder = output
+    if output is None and html is None and not json:
+        folder = Path(f"{case.stem}-campbell")
+    if html is not None:
+        checked_target(html, ".html")
     stage = stage_of_file(case, overrides, "a Campbell diagram", "centrifugal", "full")
     reference = stage.reference_frequency
     found = study.campbell(
         stage, families=families, speeds=shown(reference), operating=operated(reference)
     )
     if folder is not None:
-        study.draw_campbell(found, folder)
+        study.draw_campbell(found, folder, overwrite=overwrite)
+    if html is not None:
+        study.write_campbell_page(found, html, overwrite=overwrite)
     if json:
         print_json(study.coincidence_list(found))
         return
     study.print_coincidences(found)
-    typer.echo(f"Wrote {folder}.")
+    for written in filter(None, (folder, html)):
+        typer.echo(f"Wrote {written}.")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import xarray as xr
@@ -12,16 +12,17 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from bladewhirl.meshes.files.manifest import claim_file
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.inputs.errors import writing
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.stage.stage import Stage
-from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
-from bladewhirl.postprocess.plotting.style import save_figure
+from bladewhirl.postprocess.modal.campbell import Frame, drawn_part, plot_campbell
 from bladewhirl.solvers.stability.coincidence import coincidences
 from bladewhirl.studies.modal.campbell_at_speed import at_speed, disk_waves, meetings, names_of
 from bladewhirl.studies.modal.modes import full_stage, rows_of
-from bladewhirl.studies.runs.figures_folder import written_to
+from bladewhirl.studies.runs.figures_folder import save_figures
 
 Interval = tuple[float, float]
 
@@ -106,6 +107,7 @@ def campbell(
         },
         attrs={
             "title": "Campbell diagram",
+            "case": stage.case.title,
             "reference_frequency_hz": reference / (2.0 * np.pi),
             "speeds": speeds,
             "operating_range": operating,
@@ -210,16 +212,30 @@ def _lines_at_speed(found: xr.Dataset) -> Iterator[str]:
     yield (f"Growth takes the cold clearance at {gone['ratio']:.4f} ω₁ = {gone['rpm']:.1f} rpm.")
 
 
-def draw_campbell(found: xr.Dataset, folder: Path) -> None:
+def draw_campbell(found: xr.Dataset, folder: Path, *, overwrite: bool = False) -> None:
     """Draw both diagrams into a folder, with the part of the data that they show.
 
     Raises:
-        UserError: the folder or a file cannot be written.
+        UserError: a file cannot be written, or is there and not the program's.
     """
     shown = drawn_part(found).reset_index("coincidence")
-    with written_to(folder):
-        save_figure(plot_campbell(found, "rotating"), folder / "campbell-rotating", shown)
-        save_figure(plot_campbell(found, "static"), folder / "campbell-static", shown)
+    frames: tuple[Frame, ...] = get_args(Frame)
+    drawn = {f"campbell-{frame}": (plot_campbell(found, frame), shown) for frame in frames}
+    save_figures(folder, drawn, overwrite=overwrite)
+
+
+def write_campbell_page(found: xr.Dataset, path: Path, *, overwrite: bool = False) -> None:
+    """Write both diagrams as a page to point at.
+
+    Raises:
+        UserError: it cannot be written, or is there and not the program's.
+    """
+    from bladewhirl.postprocess.reports.campbell import campbell_page  # takes long to load
+    from bladewhirl.postprocess.reports.page import write_page
+
+    with writing(path):
+        claim_file(path, overwrite=overwrite)
+        write_page(campbell_page(found), path)
 
 
 def _of_families(modes: LabelledModes, wanted: set[str]) -> LabelledModes:

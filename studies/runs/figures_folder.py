@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from bladewhirl.models.inputs.errors import UserError
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bladewhirl.meshes.files.manifest import claim
+from bladewhirl.models.inputs.errors import UserError, writing
+from bladewhirl.postprocess.plotting.style import save_figure
+from bladewhirl.studies.runs.folder import FIGURE_ENDS
 
 
 def check_figure_folder(folder: Path | None, *, overwrite: bool) -> None:
@@ -36,3 +42,23 @@ def written_to(folder: Path) -> Iterator[Path]:
     except OSError as error:
         reason = error.strerror or str(error)
         raise UserError(f"{error.filename or folder}: cannot be written ({reason})") from None
+
+
+def save_figures(
+    folder: Path, figures: Mapping[str, tuple[Figure, xr.Dataset]], *, overwrite: bool = False
+) -> None:
+    """Save figures with their data into a folder, listed in its manifest.
+
+    Args:
+        folder: made if there is none.
+        figures: with the data behind them, by the name of their files.
+        overwrite: replace files that are there, whosever they are.
+
+    Raises:
+        UserError: a file cannot be written, or is there and not the program's.
+    """
+    with writing(folder):
+        files = [f"{name}{suffix}" for name in figures for suffix in FIGURE_ENDS]
+        claim(folder, files, overwrite=overwrite)
+        for name, (figure, data) in figures.items():
+            save_figure(figure, folder / name, data)

@@ -103,13 +103,13 @@ def texts(figure: Figure) -> list[str]:
 
 def test_the_figures_tell_branches_and_critical_speeds() -> None:
     rotating, static = (plot_campbell(diagram(), frame) for frame in ("rotating", "static"))
-    assert {"forward", "engine order", "critical"} <= set(texts(rotating))
-    assert "engine order" not in texts(static)
-    (cross,) = [line for line in rotating.axes[0].lines if line.get_marker() == "x"]
+    assert {"forward wave", "critical speed"} <= set(texts(rotating))
+    assert "forward wave, k = 1" in texts(static)
+    (cross,) = [line for line in rotating.axes[0].lines if line.get_marker() == "X"]
     np.testing.assert_allclose(np.asarray(cross.get_xdata()), KNOWN["critical_speed"], rtol=1e-7)
     np.testing.assert_array_equal(np.asarray(cross.get_ydata()), 0.0)
     at_rest = texts(plot_campbell(campbell(stage_case("none"), families=2), "rotating"))
-    assert not {"forward", "critical"} & set(at_rest)
+    assert not {"forward wave", "critical speed"} & set(at_rest)
 
 
 def test_the_command_says_it_in_words_and_as_json(tmp_path: Path) -> None:

@@ -1,0 +1,165 @@
+"""Axes of speed and frequency, the same in all figures, and names beside what is drawn."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+from bladewhirl.meshes.line_mesh import FloatArray
+
+SPEED = "speed Ω / ω$_1$ [–]"
+FREQUENCY = "frequency / ω$_1$ [–]"
+
+LETTERS_PER_INCH = 14.5
+"""Letters of a title that an inch of a figure has room for."""
+
+LETTER, LINE = 4.4, 9.5
+"""Room of a name's letter and of its line [points]."""
+
+POINT = 4.0
+"""Half the room that is kept free about a point [points]."""
+
+NUMBER = 3
+"""Letters up to which a name beside a point hides nothing behind it."""
+
+SHARE = 0.8
+"""Share of a figure that axes have, at about."""
+
+
+def speed_axis(axes: Axes, reference_hz: float) -> None:
+    """Label an x axis of normalised speeds, with a second one in rpm on top.
+
+    Args:
+        axes: whose x values are multiples of the reference frequency.
+        reference_hz: that frequency [Hz].
+    """
+    axes.set_xlabel(SPEED)
+    second = axes.secondary_xaxis("top", functions=_multiples(60.0 * reference_hz))
+    second.set_xlabel("speed [rpm]")
+
+
+def frequency_axis(axes: Axes, reference_hz: float, label: str = FREQUENCY) -> None:
+    """Label a y axis of normalised frequencies, with a second one in Hz on the right.
+
+    Args:
+        axes: whose y values are multiples of the reference frequency.
+        reference_hz: that frequency [Hz].
+        label: of the first.
+    """
+    axes.set_ylabel(label)
+    second = axes.secondary_yaxis("right", functions=_multiples(reference_hz))
+    second.set_ylabel("frequency [Hz]")
+
+
+Scaling = Callable[[ArrayLike], FloatArray]
+
+
+def _multiples(unit: float) -> tuple[Scaling, Scaling]:
+    """From multiples to an amount, and back."""
+    return lambda x: np.asarray(x) * unit, lambda x: np.asarray(x) / unit
+
+
+def title_of_case(figure: Figure, case: str, shown: str) -> None:
+    """Title a figure with the case's name and what is shown, in as many lines as that takes."""
+    letters = int(LETTERS_PER_INCH * figure.get_figwidth())
+    figure.suptitle("\n".join(textwrap.fill(line, letters) for line in (case, shown) if line))
+
+
+class Names:
+    """Names beside lines and points of axes, where no other name stands."""
+
+    def __init__(self, axes: Axes) -> None:
+        """Prepare for axes whose limits and scales are set."""
+        box = axes.figure.bbox
+        width, height = box.width / axes.figure.dpi, box.height / axes.figure.dpi
+        spec = axes.get_subplotspec()
+        rows, columns = (1, 1) if spec is None else spec.get_gridspec().get_geometry()
+        self._axes = axes
+        self._points = 72.0 * SHARE * np.array([width / columns, height / rows])
+        self._taken: list[tuple[FloatArray, FloatArray]] = []
+
+    def keep_free(self, x: FloatArray, y: FloatArray) -> None:
+        """Let no name cover these points."""
+        room = np.full(2, 2.0 * POINT) / self._points
+        self._taken += [(place - room / 2.0, room) for place in self._shares(x, y)]
+
+    def along(self, x: FloatArray, y: FloatArray, text: str, colour: str) -> bool:
+        """Name a line where it has room, rather at its end; False where it has none."""
+        places = self._shares(x, y)
+        inside = np.all((places > 0.0) & (places < 1.0), axis=1)
+        places = places[inside][::-1]
+        size = self._size(text)
+        for place in places[:: max(1, len(places) // 60)]:
+            corner = np.clip(place - size / 2.0, 0.004, 0.996 - size)
+            near = np.abs(places - corner - size / 2.0)
+            if np.all(near < size / 2.0, axis=1).any() and self._take(corner, size):
+                self._write(corner + size / 2.0, text, colour, ground=True)
+                return True
+        return False
+
+    def beside(self, x: float, y: float, text: str, colour: str) -> bool:
+        """Name a point above, below, or to a side of it; False where there is no room."""
+        (place,) = self._shares(np.array([x]), np.array([y]))
+        size = self._size(text)
+        for corner in self._corners(place, size):
+            inside = np.all((corner >= 0.0) & (corner + size <= 1.0))
+            if inside and self._take(corner, size):
+                self._write(corner + size / 2.0, text, colour, ground=len(text) > NUMBER)
+                return True
+        return False
+
+    def _corners(self, place: FloatArray, size: FloatArray) -> Iterator[FloatArray]:
+        """Lower left corners of a name about a point: above, below, to its sides."""
+        away = POINT / self._points
+        low, middle, high = place - size - away, place - size / 2.0, place + away
+        for x, y in (
+            (low[0], high[1]),
+            (middle[0], high[1]),
+            (high[0], low[1]),
+            (middle[0], low[1]),
+            (high[0], high[1]),
+            (low[0], low[1]),
+            (high[0], middle[1]),
+            (low[0], middle[1]),
+        ):
+            yield np.array([x, y])
+
+    def _shares(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Points as shares of the axes, (points, 2)."""
+        with np.errstate(invalid="ignore"):
+            shown = self._axes.transData.transform(np.column_stack([x, y]))
+        return np.asarray(self._axes.transAxes.inverted().transform(shown))
+
+    def _size(self, text: str) -> FloatArray:
+        bare = text.replace("$", "").replace("_", "")
+        return np.array([LETTER * len(bare) + 2.0, LINE]) / self._points
+
+    def _take(self, corner: FloatArray, size: FloatArray) -> bool:
+        """Whether a box is free, which then is taken."""
+        free = not any(
+            np.all((corner < other + extent) & (other < corner + size))
+            for other, extent in self._taken
+        )
+        if free:
+            self._taken.append((corner, size))
+        return free
+
+    def _write(self, middle: FloatArray, text: str, colour: str, *, ground: bool) -> None:
+        box = {"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.85}
+        self._axes.text(
+            float(middle[0]),
+            float(middle[1]),
+            text,
+            transform=self._axes.transAxes,
+            ha="center",
+            va="center",
+            color=colour,
+            fontsize=6.5,
+            zorder=7,
+            bbox=box if ground else None,
+        )
