@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.case.case import Case
@@ -15,7 +16,6 @@ from bladewhirl.models.elements.build import (
     tip_in_sector,
 )
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
-from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.modal.describe import stage_arrays
 from bladewhirl.models.modal.frequencies import lowest_frequencies
 from bladewhirl.models.modal.labels import LabelledModes, labelled_modes
@@ -53,9 +53,40 @@ class ModalStage:
     free_modes: LabelledModes
     clamped_modes: LabelledModes
     casing_modes: LabelledModes
-    turning: TurningDisk | None  #: as the case has it; None without rotation effects
-    free_whirl: Whirl | None  #: of the bladed disk with a free centre; None without Coriolis
-    clamped_whirl: Whirl | None  #: the same with a clamped centre
+    at_speed: tuple[TurningDisk, TurningDisk] | None
+    """Bladed disk with a free and with a clamped centre; None without rotation effects."""
+
+    @property
+    def turning(self) -> TurningDisk | None:
+        """The bladed disk at speed as the case has it; None without rotation effects."""
+        return None if self.at_speed is None else self.at_speed[int(self.case.shaft.clamped)]
+
+    @cached_property
+    def free_whirl(self) -> Whirl | None:
+        """Whirling modes of the bladed disk with a free centre; None without Coriolis forces."""
+        return self._whirl(0)
+
+    @cached_property
+    def clamped_whirl(self) -> Whirl | None:
+        """The same with a clamped centre."""
+        return self._whirl(1)
+
+    @property
+    def disk_whirl(self) -> Whirl | None:
+        """The same of the bladed disk as the case has it."""
+        return self.clamped_whirl if self.case.shaft.clamped else self.free_whirl
+
+    def _whirl(self, centre: int) -> Whirl | None:
+        """Whirling modes, all of them where sectors are alike, else of the lowest families."""
+        if self.at_speed is None or self.case.rotation.effects != "full":
+            return None
+        structure = self.at_speed[centre].disk.structure
+        layout, count = structure.layout, None
+        if layout is not None and not structure.is_cyclic and structure.size > DENSE_SIZE:
+            count = WHIRL_FAMILIES * layout.sectors
+        modes = whirl_modes(structure, count)
+        family = whirl_families(structure, modes, tip_in_sector(self.free_disk))
+        return Whirl(modes=modes, family=family)
 
     @property
     def speed(self) -> float:
@@ -108,16 +139,12 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
         casing = case_casing(case)
         tip = tip_in_sector(free)
         reference: float | None = None
-        turning: TurningDisk | None = None
-        whirls: tuple[Whirl | None, Whirl | None] = (None, None)
+        both: tuple[TurningDisk, TurningDisk] | None = None
         if case.rotation.effects != "none":
             lowest = lowest_frequencies(free.structure, 1)
             reference = lowest_frequency(free, (found[0] for found in lowest.values()))
-            both = [_at_speed(case, each, reference) for each in (free, clamped)]
-            turning = both[int(case.shaft.clamped)]
-            if case.rotation.effects == "full":
-                whirls = _whirl(both[0].disk.structure, tip), _whirl(both[1].disk.structure, tip)
-            else:
+            both = _at_speed(case, free, reference), _at_speed(case, clamped, reference)
+            if case.rotation.effects == "centrifugal":
                 free, clamped = both[0].disk, both[1].disk
         free_modes = labelled_modes(free.structure, tip, "bladed-disk", count)
         return ModalStage(
@@ -129,9 +156,7 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
             free_modes=free_modes,
             clamped_modes=labelled_modes(clamped.structure, tip, "bladed-disk", count),
             casing_modes=labelled_modes(casing.structure, (RADIAL, TANGENTIAL), "casing", count),
-            turning=turning,
-            free_whirl=whirls[0],
-            clamped_whirl=whirls[1],
+            at_speed=both,
         )
 
 
@@ -140,14 +165,3 @@ def _at_speed(case: Case, at_rest: BladedDiskModel, reference: float) -> Turning
     turning = turning_disk(case, at_rest, reference, stiff=False)
     assert turning is not None  # the case has effects
     return turning
-
-
-def _whirl(structure: Structure, tip: tuple[int, int]) -> Whirl:
-    """Whirling modes, all of them where sectors are alike, else those of the lowest families."""
-    layout = structure.layout
-    if structure.is_cyclic or layout is None or structure.size <= DENSE_SIZE:
-        count = None
-    else:
-        count = WHIRL_FAMILIES * layout.sectors
-    modes = whirl_modes(structure, count)
-    return Whirl(modes=modes, family=whirl_families(structure, modes, tip))

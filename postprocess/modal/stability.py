@@ -7,6 +7,7 @@ so the file saved beside it draws it again. Speeds are in multiples of the refer
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,11 +18,21 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
-from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
+from bladewhirl.postprocess.plotting.axes import (
+    SPEED,
+    Names,
+    frequency_axis,
+    speed_axis,
+    title_of_case,
+)
+from bladewhirl.postprocess.plotting.legends import Group, legends_below
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, is_unstable
 
-SPEED_AXIS = "rotational speed Ω / ω$_1$ [–]"
 KAPPA_AXIS = "coupling stiffness κ [N/m]"
+
+GROWTH_COLOURS = "cividis_r"
+"""Colour map of growth rates: the lighter the slower, beside white where nothing grows."""
 
 MARK: Mapping[str, Any] = {
     "linestyle": "none",
@@ -32,11 +43,11 @@ MARK: Mapping[str, Any] = {
 }
 """Coincidence speeds, on the axis of speeds."""
 
-LETTERS = "ABC"
-"""Names of zones, where there are no more."""
-
 MANY = 24
-"""Branches of a spectrum beyond which lines are thin."""
+"""Branches of a spectrum beyond which lines are thin, and named where they grow only."""
+
+FEW = 4
+"""Zones up to which their names tell both waves that meet."""
 
 TYPES = {
     "oscillatory": COLOURS["total"],
@@ -48,31 +59,31 @@ TYPES = {
 
 @styled
 def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Figure:
-    """Draw the stability chart, Fig. 11: zones, growth rates, coincidence speeds.
-
-    Where few waves can coincide, zones are lettered from the left as in the paper.
+    """Draw the stability chart, Fig. 11: zones with their names, growth rates, coincidence speeds.
 
     Args:
         data: a chart, with zones where there are any.
         point: normalised speed and stiffness [N/m] to mark.
     """
-    figure = new_figure(height=0.062)
-    axes = figure.subplots()
+    figure, axes = _new_chart(data)
     speed, kappa, growth = (data[name].values for name in ("speed", "kappa", "growth"))
     unstable = is_unstable(growth, speed * data.attrs["reference_frequency"])
     shown = np.ma.masked_array(growth, ~unstable)
     colours = Normalize(0.0, float(growth[unstable].max()) if unstable.any() else 1.0)
-    mesh = axes.pcolormesh(speed, kappa, shown, norm=colours, rasterized=True, shading="nearest")
-    figure.colorbar(mesh, ax=axes, label="growth rate [1/s]", pad=0.02)
+    mesh = axes.pcolormesh(
+        speed, kappa, shown, norm=colours, cmap=GROWTH_COLOURS, rasterized=True, shading="nearest"
+    )
+    figure.colorbar(mesh, ax=axes, label="growth rate [1/s]; white is stable", pad=0.02)
     if "zone" in data.dims:
         _draw_borders(axes, data)
         _draw_coincidences(axes, data)
     if point is not None:
         axes.plot(*point, "o", color=COLOURS["contact"], markerfacecolor="none", label="point")
-    _label(axes, data)
+    if "zone" in data.dims:
+        _name_zones(axes, data)
+    title_of_case(figure, data.attrs["case"], _words("Growth of coupled modes", data))
     handles, labels = axes.get_legend_handles_labels()
-    if handles:
-        figure.legend(handles, labels, loc="outside lower center", ncols=3, columnspacing=1.0)
+    legends_below(figure, Group([*zip(handles, labels, strict=True)]))
     return figure
 
 
@@ -81,14 +92,16 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
     """Draw real and imaginary parts along a line of constant stiffness, Fig. 12.
 
     Divergent, damped and oscillatory modes have their own colours; with damping all modes that do
-    not grow are damped. Of many branches only the frequencies near those of growing modes are
-    shown.
+    not grow are damped. Branches are named by the waves that they begin from, growing ones by the
+    two that meet. Of many branches only the frequencies near those of growing modes are shown. The
+    spectrum is its own mirror image: of the frequencies the upper half is drawn.
     """
-    figure = new_figure(height=0.085)
-    upper, lower = figure.subplots(2, 1, sharex=True)
+    figure = new_figure(width=FULL_WIDTH, height=0.12)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.0, 1.5))
+    reference = float(data.attrs["reference_frequency"])
     speed, real = data["speed"].values, data["real"].values
-    frequency = data["imaginary"].values / data.attrs["reference_frequency"]
-    limit = UNSTABLE_GROWTH * speed[:, None] * data.attrs["reference_frequency"]
+    frequency = data["imaginary"].values / reference
+    limit = UNSTABLE_GROWTH * speed[:, None] * reference
     many = real.shape[1] > MANY
     # Where divergent and damped modes share a frequency, the divergent ones are on top.
     kinds = {
@@ -96,20 +109,38 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
         "damped": real < -limit,
         "divergent": real > limit,
     }
+    entries = []
     for kind, here in kinds.items():
         for axes, values in ((upper, real), (lower, frequency)):
-            shown = np.where(_widened(here), values, np.nan)
             thin = many and kind != "divergent"
-            lines = axes.plot(speed, shown, color=TYPES[kind], linewidth=0.3 if thin else 1.0)
+            lines = axes.plot(
+                speed,
+                np.where(_widened(here), values, np.nan),
+                color=TYPES[kind],
+                linewidth=0.3 if thin else 1.2,
+                alpha=0.4 if thin else 1.0,
+            )
         if here.any():
-            lines[0].set_label(kind)
-    if many and kinds["divergent"].any():
-        reach = 1.5 * np.abs(frequency[kinds["divergent"]]).max()
-        lower.set_ylim(-reach, reach)
-    upper.set_ylabel("real part [1/s]")
-    lower.set(ylabel="imaginary part / ω$_1$ [–]", xlabel=SPEED_AXIS, xlim=(speed[0], speed[-1]))
-    figure.legend(*lower.get_legend_handles_labels(), loc="outside upper center", ncols=3)
-    upper.set_title(f"κ = {data.attrs['kappa']:.4g} N/m, frame at half speed")
+            entries.append((lines[0], f"{kind} mode"))
+    growing = kinds["divergent"]
+    above = np.abs(frequency[growing if many and growing.any() else ...]).max()
+    lower.set(ylim=(0.0, (1.5 if many else 1.05) * above), xlim=(speed[0], speed[-1]))
+    upper.set(ylabel="growth rate [1/s]")
+    reach = 1.3 * np.abs(real[growing] if many and growing.any() else real).max()
+    if reach > 0.0:
+        upper.set_ylim(-reach, reach)
+    _name_loops(upper, data)
+    if many:
+        _name_growing(lower, data, frequency, growing)
+    else:
+        _name_branches(lower, data, frequency, growing)
+    speed_axis(upper, reference / (2.0 * np.pi))
+    upper.set_xlabel("")
+    lower.set_xlabel(SPEED)
+    frequency_axis(lower, reference / (2.0 * np.pi), "frequency / ω$_1$, half-speed frame [–]")
+    shown = _words(f"Eigenvalues along κ = {data.attrs['kappa']:.4g} N/m", data)
+    title_of_case(figure, data.attrs["case"], shown)
+    legends_below(figure, Group(entries))
     return figure
 
 
@@ -122,48 +153,117 @@ def plot_truncation(data: xr.Dataset) -> Figure:
     Args:
         data: zones of the whole set and of the truncated one, told apart by `zone_of`.
     """
-    figure = new_figure(height=0.07)
-    axes = figure.subplots()
+    figure, axes = _new_chart(data)
     whole = data["zone_of"].values == "all"
     first = data["zone_nodal_diameter"].values == 1
-    handles, labels = [], []
+    entries: list[tuple[Patch, str]] = []
     for shown, name in ((whole & first, "k = 1"), (whole & ~first, "other k")):
         for zone in _zones(data.isel(zone=shown)):
             axes.fill_betweenx(
-                zone["kappa"],
-                zone["lower"],
-                zone["upper"],
+                zone.kappa,
+                zone.lower,
+                zone.upper,
                 facecolor=COLOURS[name],
                 edgecolor=COLOURS[name],
                 linewidth=0.5,
             )
-        handles.append(Patch(color=COLOURS[name]))
-        labels.append(f"all modes, {name}")
+        entries.append((Patch(color=COLOURS[name]), f"zones of all modes, {name}"))
     _draw_borders(axes, data.isel(zone=~whole))
-    handles.append(Patch(facecolor="none", edgecolor=COLOURS["total"]))
-    labels.append("six modes")
-    _label(axes, data)
-    figure.legend(handles, labels, loc="outside upper center", ncols=3, columnspacing=1.0)
+    entries.append((Patch(facecolor="none", edgecolor=COLOURS["total"]), "zones of six modes"))
+    _name_zones(axes, data.isel(zone=whole))
+    title_of_case(figure, data.attrs["case"], "Unstable zones that the six modes hide")
+    legends_below(figure, Group(entries))
     return figure
 
 
-def _label(axes: Axes, data: xr.Dataset) -> None:
+def _words(shown: str, data: xr.Dataset) -> str:
+    """What is shown, with how many modes and with what damping."""
+    count = len(np.atleast_1d(data.attrs["modes"])) if "modes" in data.attrs else 0
+    modes = f", {count} coupled modes" if count else ""
+    return f"{shown}{modes}{', damped' if data.attrs.get('damped') else ''}"
+
+
+def _new_chart(data: xr.Dataset) -> tuple[Figure, Axes]:
+    """A figure with axes of speed and stiffness."""
+    figure = new_figure(width=FULL_WIDTH, height=0.085)
+    axes = figure.subplots()
     axes.set(
         xlim=tuple(data.attrs["speed_range"]),
         ylim=tuple(data.attrs["kappa_range"]),
-        xlabel=SPEED_AXIS,
         ylabel=KAPPA_AXIS,
     )
+    speed_axis(axes, float(data.attrs["reference_frequency"]) / (2.0 * np.pi))
+    return figure, axes
+
+
+def _name_zones(axes: Axes, data: xr.Dataset) -> None:
+    """Name zones beside their borders, the widest first; those that find no room stay bare."""
+    names = Names(axes)
+    zones = _zones(data)
+    for zone in sorted(zones, key=lambda zone: -np.ptp([zone.lower[-1], zone.upper[-1]])):
+        text = _meeting(zone.casing, zone.rotor, len(zones))
+        if not names.along(zone.upper, zone.kappa, text, COLOURS["total"], aside=1.1):
+            names.along(zone.lower, zone.kappa, text, COLOURS["total"], aside=-1.1)
+
+
+def _meeting(casing: str, rotor: str, zones: int) -> str:
+    """Name of a zone by both waves that meet, where there are many by the rotor's."""
+    return f"{casing} + {rotor}" if zones <= FEW else rotor
+
+
+def _name_loops(axes: Axes, data: xr.Dataset) -> None:
+    """Name the growing stretches of a spectrum by the waves that meet in them."""
+    names = Names(axes)
+    middle = 0.5 * (data["zone_lower"].values + data["zone_upper"].values)
+    for i in np.argsort(-data["zone_growth"].values):
+        pair = str(data["zone_casing"].values[i]), str(data["zone_rotor"].values[i])
+        text = _meeting(*pair, data.sizes["zone"])
+        names.beside(middle[i], data["zone_growth"].values[i], text, COLOURS["k = 1"])
+
+
+def _name_branches(axes: Axes, data: xr.Dataset, frequency: FloatArray, growing: BoolArray) -> None:
+    """Name branches by the waves that they begin from, before they grow or pass zero."""
+    names = Names(axes)
+    for branch in range(frequency.shape[1]):
+        changed = growing[:, branch] | (frequency[:, branch] <= 0.0)
+        until = int(np.argmax(changed)) if changed.any() else len(changed)
+        x, y = data["speed"].values[:until], frequency[:until, branch]
+        name = str(data["branch_name"].values[branch])
+        names.along(x[::-1], y[::-1], name, COLOURS["total"])
+
+
+def _name_growing(axes: Axes, data: xr.Dataset, frequency: FloatArray, growing: BoolArray) -> None:
+    """Name places where branches grow by the waves that meet there."""
+    names = Names(axes)
+    speed = data["speed"].values
+    middle = 0.5 * (data["zone_lower"].values + data["zone_upper"].values)
+    for zone in range(data.sizes["zone"]):
+        row = int(np.abs(speed - middle[zone]).argmin())
+        here = frequency[row][growing[row] & (frequency[row] > 0.0)]
+        if here.size:
+            pair = str(data["zone_casing"].values[zone]), str(data["zone_rotor"].values[zone])
+            text = _meeting(*pair, data.sizes["zone"])
+            names.beside(middle[zone], float(here[0]), text, COLOURS["k = 1"])
 
 
 def _draw_borders(axes: Axes, data: xr.Dataset) -> None:
     for zone in _zones(data):
         for side in ("lower", "upper"):
-            axes.plot(zone[side], zone["kappa"], color=COLOURS["total"], linewidth=0.5)
+            axes.plot(getattr(zone, side), zone.kappa, color=COLOURS["total"], linewidth=0.5)
 
 
-def _zones(data: xr.Dataset) -> list[dict[str, FloatArray]]:
-    """Each zone's stiffnesses and borders, from its coincidence speed upwards in stiffness."""
+@dataclass(frozen=True, kw_only=True)
+class _Zone:
+    """Borders of an unstable zone, from its coincidence speed upwards in stiffness."""
+
+    casing: str
+    rotor: str
+    kappa: FloatArray  #: [N/m]
+    lower: FloatArray  #: normalised, as `upper`
+    upper: FloatArray
+
+
+def _zones(data: xr.Dataset) -> list[_Zone]:
     found = []
     pairs = np.stack([data["zone_casing"].values, data["zone_rotor"].values], axis=-1)
     for pair in np.unique(pairs, axis=0):
@@ -173,33 +273,20 @@ def _zones(data: xr.Dataset) -> list[dict[str, FloatArray]]:
             apex = float(data["zone_start"].values[rows[0]])
             for name, value in (("kappa", 0.0), ("lower", apex), ("upper", apex)):
                 zone[name] = np.insert(zone[name], 0, value)
-        found.append(zone)
+        found.append(_Zone(casing=str(pair[0]), rotor=str(pair[1]), **zone))
     return found
 
 
 def _draw_coincidences(axes: Axes, data: xr.Dataset) -> None:
     low, high = data.attrs["speed_range"]
-    base, top = data.attrs["kappa_range"]
     inside = (data["coincidence"] >= low) & (data["coincidence"] <= high)
-    seen = data.isel(pair=np.flatnonzero(inside)).sortby("coincidence")
+    seen = data.isel(pair=np.flatnonzero(inside))
     first = (seen["coincidence_nodal_diameter"] == 1).values
     for here, name in ((first, "k = 1"), (~first, "other k")):
         if here.any():
             speeds = seen["coincidence"].values[here]
-            label = f"coincidence, {name}"
-            axes.plot(speeds, np.full(len(speeds), base), color=COLOURS[name], label=label, **MARK)
-    if seen.sizes["pair"] <= len(LETTERS):
-        for letter, speed, rotor in zip(
-            LETTERS, seen["coincidence"].values, seen["coincidence_rotor"].values, strict=False
-        ):
-            axes.annotate(
-                f"{letter}: {rotor}",
-                (speed, top),
-                xytext=(6, 2),
-                textcoords="offset points",
-                ha="center",
-                va="bottom",
-            )
+            base = np.full(len(speeds), data.attrs["kappa_range"][0])
+            axes.plot(speeds, base, color=COLOURS[name], label=f"coincidence, {name}", **MARK)
 
 
 def _widened(here: BoolArray) -> BoolArray:

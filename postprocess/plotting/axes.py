@@ -18,7 +18,7 @@ FREQUENCY = "frequency / ω$_1$ [–]"
 LETTERS_PER_INCH = 14.5
 """Letters of a title that an inch of a figure has room for."""
 
-LETTER, LINE = 4.4, 9.5
+LETTER, LINE = 3.8, 9.0
 """Room of a name's letter and of its line [points]."""
 
 POINT = 4.0
@@ -88,16 +88,26 @@ class Names:
         room = np.full(2, 2.0 * POINT) / self._points
         self._taken += [(place - room / 2.0, room) for place in self._shares(x, y)]
 
-    def along(self, x: FloatArray, y: FloatArray, text: str, colour: str) -> bool:
-        """Name a line where it has room, rather at its end; False where it has none."""
+    def along(
+        self, x: FloatArray, y: FloatArray, text: str, colour: str, *, aside: float = 0.0
+    ) -> bool:
+        """Name a line where it has room, rather at its end; False where it has none.
+
+        Args:
+            x: of its points, with `y`.
+            y: of its points.
+            text: the name.
+            colour: of the name.
+            aside: how far to the right of the line, in halves of the name's width; 0 is on it.
+        """
         places = self._shares(x, y)
-        inside = np.all((places > 0.0) & (places < 1.0), axis=1)
-        places = places[inside][::-1]
+        places = places[np.all((places > 0.0) & (places < 1.0), axis=1)][::-1]
         size = self._size(text)
         for place in places[:: max(1, len(places) // 60)]:
-            corner = np.clip(place - size / 2.0, 0.004, 0.996 - size)
-            near = np.abs(places - corner - size / 2.0)
-            if np.all(near < size / 2.0, axis=1).any() and self._take(corner, size):
+            middle = place + np.array([0.5 * aside * size[0], 0.0])
+            corner = np.clip(middle - size / 2.0, 0.004, 0.996 - size)
+            near = np.abs(places - corner - size / 2.0) < size * np.array([0.5 + abs(aside), 0.5])
+            if np.all(near, axis=1).any() and self._take(corner, size):
                 self._write(corner + size / 2.0, text, colour, ground=True)
                 return True
         return False
@@ -106,7 +116,10 @@ class Names:
         """Name a point above, below, or to a side of it; False where there is no room."""
         (place,) = self._shares(np.array([x]), np.array([y]))
         size = self._size(text)
-        for corner in self._corners(place, size):
+        corners = [*self._corners(place, size)]
+        if len(text) > NUMBER:  # above a point a word reads better than before it
+            corners[:2] = corners[1::-1]
+        for corner in corners:
             inside = np.all((corner >= 0.0) & (corner + size <= 1.0))
             if inside and self._take(corner, size):
                 self._write(corner + size / 2.0, text, colour, ground=len(text) > NUMBER)

@@ -69,7 +69,7 @@ def unstable_zones(
     kappas = np.asarray(kappas, dtype=np.float64)
     kappas = kappas[kappas > 0.0]
     found: list[UnstableZones] = []
-    for k in modes.harmonics:
+    for k in modes.harmonics if kappas.size else ():
         chosen = np.flatnonzero((modes.nodal_diameter == k) & (modes.amplitude != 0.0))
         bodies = np.unique(modes.on_casing[chosen])
         if k == 0 or len(bodies) < 2:
@@ -111,10 +111,10 @@ def exchanges(
         as the speed grows.
     """
     undamped = replace(modes, damping_ratio=np.zeros(modes.entries))
-    mu = np.asarray(np.linalg.eigvals(whirl_matrix(undamped, speed, kappa, with_pi=with_pi)))
-    nu = mu[..., None] + np.multiply.outer(speed, modes.frame_rate)[:, None, :]
     if modes.turning is not None:
         return _exchanges_of_vectors(undamped, speed, kappa, with_pi=with_pi)
+    mu = np.asarray(np.linalg.eigvals(whirl_matrix(undamped, speed, kappa, with_pi=with_pi)))
+    nu = mu[..., None] + np.multiply.outer(speed, modes.frame_rate)[:, None, :]
     with np.errstate(divide="ignore"):  # a wave that stays alone has an infinite share: its sign
         shares = nu.real * (modes.amplitude / np.abs(modes.frequency**2 - nu**2)) ** 2
     return _count_exchanges(mu, shares.sum(axis=-1))
@@ -165,17 +165,30 @@ def _intervals(
         growth = growth_rate(modes, speed=speed, kappa=kappa, with_pi=with_pi)
         return growth - UNSTABLE_GROWTH * np.abs(speed)
 
-    rows, starts, ends = [], [], []
-    for i, kappa in enumerate(kappas):
-        speeds = np.unique(np.append(np.linspace(low, high, SAMPLES), inside[:, row == i]))
-        there = excess(speeds, kappa) > 0.0
-        changes = np.flatnonzero(there[1:] != there[:-1])
-        begins = there[changes + 1]
-        border = _border(excess, speeds[changes], speeds[changes + 1], kappa)
-        starts.append(np.append(speeds[:1][there[:1]], border[begins]))
-        ends.append(np.append(border[~begins], speeds[-1:][there[-1:]]))
-        rows.append(np.full(len(starts[-1]), i))
-    return np.concatenate(rows), np.concatenate(starts), np.concatenate(ends)
+    line = [
+        np.unique(np.append(np.linspace(low, high, SAMPLES), inside[:, row == i]))
+        for i in range(len(kappas))
+    ]
+    own = np.repeat(np.arange(len(kappas)), [len(speeds) for speeds in line])
+    speeds = np.concatenate(line)
+    there = excess(speeds, kappas[own]) > 0.0
+    changes = np.flatnonzero((there[1:] != there[:-1]) & (own[1:] == own[:-1]))
+    border = _border(excess, speeds[changes], speeds[changes + 1], kappas[own[changes]])
+    begins = there[changes + 1]
+    edges = np.diff(own, prepend=-1, append=len(kappas)) > 0
+    begun, ended = np.flatnonzero(there & edges[:-1]), np.flatnonzero(there & edges[1:])
+    rows, starts = _ascending(own, speeds, begun, changes[begins], border[begins])
+    _, ends = _ascending(own, speeds, ended, changes[~begins], border[~begins])
+    return rows, starts, ends
+
+
+def _ascending(
+    own: IntArray, speeds: FloatArray, cut: IntArray, changes: IntArray, border: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Rows and speeds of one side of all zones: at the range's end, where cut, or at a border."""
+    row, speed = np.append(own[cut], own[changes]), np.append(speeds[cut], border)
+    order = np.lexsort((speed, row))
+    return row[order], speed[order]
 
 
 def _ladder(

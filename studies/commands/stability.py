@@ -11,7 +11,7 @@ from bladewhirl.studies.commands.options import (
     AsJson,
     CaseFile,
     Changes,
-    Overwrite,
+    Replace,
     not_negative,
     parse_range,
     parse_speed_range,
@@ -63,7 +63,7 @@ def stability(
     films: Annotated[
         bool, typer.Option(help="Also the divergent mode as VTK series and GIF.")
     ] = True,
-    overwrite: Overwrite = False,
+    overwrite: Replace = False,
     json: AsJson = False,
     overrides: Changes = None,
 ) -> None:
@@ -87,7 +87,6 @@ def stability(
     from bladewhirl.studies.modal.modes import stage_of_file
     from bladewhirl.studies.modal.stability import given_speed
     from bladewhirl.studies.modal.stability_report import report_chart, report_point
-    from bladewhirl.studies.runs.figures_folder import check_figure_folder
 
     if (speed is None) != (kappa is None):
         raise UserError("--speed, --kappa: expected both, for one point, or neither, for a chart")
@@ -98,7 +97,6 @@ def stability(
     folder = output
     if output is None and speed is None and not json:
         folder = Path(f"{case.stem}-stability")
-    check_figure_folder(folder, overwrite=overwrite)
     system = couple(
         stage_of_file(case, overrides, "the stability of coupled modes", "centrifugal", "full"),
         modes=modes,
@@ -109,7 +107,10 @@ def stability(
     )
     if speed is not None and kappa is not None:
         omega = given_speed(speed).rad_per_s(system.reference)
-        report_point(system, omega, kappa, folder, films=films, as_json=json)
+        drawn = {"films": films, "overwrite": overwrite}
+        report_point(system, omega, kappa, folder, as_json=json, **drawn)
     else:
         omegas = speed_range(system.reference) * system.reference
-        report_chart(system, omegas, kappa_range, folder, line=line, as_json=json)
+        report_chart(
+            system, omegas, kappa_range, folder, line=line, overwrite=overwrite, as_json=json
+        )

@@ -7,16 +7,18 @@ from pathlib import Path
 import numpy as np
 
 from bladewhirl.meshes.files.drafts import replacing, write_whole
+from bladewhirl.meshes.files.manifest import claim
 from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.models.inputs.errors import writing
 from bladewhirl.postprocess.modal.coupled_modes import plot_orbits, plot_phases, plot_shapes
 from bladewhirl.postprocess.modal.motion import coupled_mode_motion
 from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.pictures.render import animation_records, render_animation
-from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion
 from bladewhirl.studies.modal.coupled_mode import divergent_motion, fastest_mode, motion_dataset
 from bladewhirl.studies.modal.coupled_system import EvenSystem
+from bladewhirl.studies.runs.figures_folder import save_figures
 from bladewhirl.studies.runs.folder import case_files
 
 ANIMATION = "animation.gif"
@@ -27,7 +29,13 @@ SHAPES = 4
 
 
 def draw_coupled_mode(
-    system: EvenSystem, omega: float, kappa: float, folder: Path, *, films: bool
+    system: EvenSystem,
+    omega: float,
+    kappa: float,
+    folder: Path,
+    *,
+    films: bool,
+    overwrite: bool = False,
 ) -> None:
     """Draw the fastest growing coupled mode in time, with its data, into a folder.
 
@@ -37,27 +45,41 @@ def draw_coupled_mode(
         kappa: spring stiffness [N/m]; a mode grows there.
         folder: where to; made where it is not there.
         films: write a VTK series and a GIF too.
+        overwrite: replace files that are there, whosever they are.
+
+    Raises:
+        UserError: a file cannot be written, or is there and not the program's.
     """
     part = system.of_diameter(fastest_mode(system, omega, kappa).nodal_diameter)
     stage = part.stage
     motion = divergent_motion(part, omega, kappa)
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, content in case_files(stage.modal.case).items():
-        write_whole(folder / name, content)
+    texts = case_files(stage.modal.case)
     moving = coupled_mode_motion(stage, motion, stage.springs(kappa, with_pi=system.with_pi))
-    with replacing(folder / MOTION_NAME) as draft:
-        moving.to_netcdf(draft, engine="h5netcdf")
-    measured = motion_dataset(motion, reference=system.reference)
-    save_figure(plot_phases(measured), folder / "phases", measured)
+    moving = moving.assign_attrs(case=stage.modal.case.title, kappa=kappa)
+    with writing(folder):
+        names = [*texts, MOTION_NAME, *([ANIMATION] if films else [])]
+        claim(folder, names, overwrite=overwrite)
+        for name, content in texts.items():
+            write_whole(folder / name, content)
+        with replacing(folder / MOTION_NAME) as draft:
+            moving.to_netcdf(draft, engine="h5netcdf")
+    measured = motion_dataset(motion, reference=system.reference).assign_attrs(
+        case=stage.modal.case.title, kappa=kappa
+    )
     records = _one_whirl(motion)
     shapes = moving.isel(time=records)[["gap", "rotor_displacement", "casing_displacement"]]
-    save_figure(plot_shapes(moving, records), folder / "shapes", shapes)
+    figures = {
+        "phases": (plot_phases(measured), measured),
+        "shapes": (plot_shapes(moving, records), shapes),
+    }
     if motion.nodal_diameter == 1:
-        orbit = shaft_orbit(moving)
-        save_figure(plot_orbits(orbit), folder / "orbit", orbit)
+        orbit = shaft_orbit(moving).assign_attrs(case=stage.modal.case.title, kappa=kappa)
+        figures["orbit"] = plot_orbits(orbit), orbit
+    save_figures(folder, figures, overwrite=overwrite)
     if films:
-        export_vtk(moving, folder / "vtk")
-        render_animation(moving, folder / ANIMATION, animation_records(moving))
+        with writing(folder):
+            export_vtk(moving, folder / "vtk", overwrite=overwrite)
+            render_animation(moving, folder / ANIMATION, animation_records(moving))
 
 
 def _one_whirl(motion: CoupledMotion) -> IntArray:

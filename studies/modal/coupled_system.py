@@ -27,6 +27,9 @@ from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matri
 from bladewhirl.solvers.stability.floquet import wave_exponents
 from bladewhirl.solvers.stability.growth import Progress, eigenvalues, growth_rate
 
+FASTEST = 1000.0
+"""Speed that is looked at, at most, in multiples of the highest coupled frequency."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class System(ABC):
@@ -36,6 +39,7 @@ class System(ABC):
     damped: bool
     physical: bool
     reference: float  #: frequency that speeds are multiples of [rad/s]
+    case: str = ""  #: title of the case
 
     @property
     @abstractmethod
@@ -57,6 +61,20 @@ class System(ABC):
     ) -> FloatArray:
         """Growth rate [1/s] on a grid of speeds [rad/s] and stiffnesses [N/m], (kappas, omegas)."""
 
+    def check_speed(self, omega: float) -> None:
+        """Refuse a speed [rad/s] so far above all frequencies that growth is lost in rounding.
+
+        Raises:
+            UserError: it is.
+        """
+        highest = FASTEST * float(self.modes.frequency.max()) / self.reference
+        if not abs(omega) <= highest * self.reference:
+            raise UserError(
+                f"stability: speed {omega / self.reference:.6g} ω₁: expected at most"
+                f" {highest:.4g}, {FASTEST:g} times the highest coupled frequency; beyond it growth"
+                " is lost in rounding"
+            )
+
     def options(self) -> dict[str, object]:
         """Choices made, for reports."""
         return {
@@ -70,7 +88,8 @@ class System(ABC):
     def attributes(self) -> dict[str, object]:
         """The same as attributes of a Dataset: NetCDF has no booleans."""
         options = self.options()
-        return {n: int(v) if isinstance(v, bool) else v for n, v in options.items()}
+        made = {n: int(v) if isinstance(v, bool) else v for n, v in options.items()}
+        return made | {"case": self.case}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -240,6 +259,7 @@ def couple(
         damped=damped,
         physical=physical,
         reference=modal.reference_frequency,
+        case=modal.case.title,
     )
 
 
@@ -271,6 +291,7 @@ def couple_even(
         damped=damped,
         physical=physical,
         reference=modal.reference_frequency,
+        case=modal.case.title,
     )
 
 

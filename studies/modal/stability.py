@@ -102,6 +102,7 @@ def stability_point(system: System, omega: float, kappa: float) -> xr.Dataset:
         omega: speed [rad/s].
         kappa: spring stiffness [N/m].
     """
+    system.check_speed(omega)
     spectrum = system.spectrum(omega, kappa)
     growth, own = spectrum[0].real, {}
     if isinstance(system, EvenSystem):

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.solvers.stability.growth import Progress, coincidence_speeds, eigenvalues
 from bladewhirl.solvers.stability.tracking import track
 from bladewhirl.solvers.stability.zones import unstable_zones
 from bladewhirl.studies.modal.coupled_system import EvenSystem, System
+
+StringArray = NDArray[np.str_]
 
 BORDER_STIFFNESSES = 61
 """Stiffnesses at which the borders of zones are found."""
@@ -34,8 +38,9 @@ def stability_chart(
         kappas: spring stiffnesses [N/m], ascending.
         progress: called with the points done and the points in all.
     """
+    system.check_speed(omegas[-1])
     growth = system.growth(omegas, kappas, progress)
-    data = _ranges(omegas, kappas, system.reference)
+    data = _ranges(system, omegas, kappas)
     if isinstance(system, EvenSystem):
         data = zones(system, system.modes, omegas, kappas)
     return (
@@ -71,7 +76,7 @@ def zones(
     casings, rotors = np.array(list(pairs), dtype=np.int64).reshape(-1, 2).T
     coincidence = MULTIPLES | {"long_name": "coincidence speed, Eq. (14)"}
     starts = [pairs[pair] / unit for pair in zip(found.casing, found.rotor, strict=True)]
-    return _ranges(omegas, kappas, unit).assign(
+    return _ranges(system, omegas, kappas).assign(
         zone_kappa=("zone", found.kappa, {"units": "N/m"}),
         zone_lower=("zone", found.lower / unit, MULTIPLES),
         zone_upper=("zone", found.upper / unit, MULTIPLES),
@@ -87,13 +92,15 @@ def zones(
     )
 
 
-def _ranges(omegas: FloatArray, kappas: FloatArray, reference: float) -> xr.Dataset:
+def _ranges(system: System, omegas: FloatArray, kappas: FloatArray) -> xr.Dataset:
     """An empty chart of a range."""
+    unit = system.reference
     return xr.Dataset(
         attrs={
             "title": "stability chart",
-            "reference_frequency": reference,
-            "speed_range": [omegas[0] / reference, omegas[-1] / reference],
+            "case": system.case,
+            "reference_frequency": unit,
+            "speed_range": [omegas[0] / unit, omegas[-1] / unit],
             "kappa_range": [kappas[0], kappas[-1]],
         }
     )
@@ -126,15 +133,44 @@ def spectrum_along(system: EvenSystem, omegas: FloatArray, kappa: float) -> xr.D
     along = np.unique(np.append(np.linspace(low, high, LINE_SPEEDS), inside))
     spectra = eigenvalues(system.modes, speed=along, kappa=kappa, with_pi=system.with_pi)
     branches, plane = track(along, spectra), ("speed", "branch")
+    names, unit = np.array(system.modes.name), system.reference
     return xr.Dataset(
         data_vars={
             "real": (plane, branches.real, {"units": "1/s", "long_name": "growth rate"}),
             "imaginary": (plane, branches.imag, {"units": "rad/s", "long_name": "frequency"}),
+            "branch_name": ("branch", _branch_names(system.modes, along[0], branches[0])),
+            "zone_lower": ("zone", found.lower / unit, MULTIPLES),
+            "zone_upper": ("zone", found.upper / unit, MULTIPLES),
+            "zone_growth": ("zone", found.growth, {"units": "1/s"}),
+            "zone_casing": ("zone", names[found.casing]),
+            "zone_rotor": ("zone", names[found.rotor]),
         },
-        coords={"speed": ("speed", along / system.reference, MULTIPLES)},
-        attrs={
+        coords={"speed": ("speed", along / unit, MULTIPLES)},
+        attrs=system.attributes()
+        | {
             "title": "eigenvalues in the invariant frame",
             "kappa": kappa,
-            "reference_frequency": system.reference,
+            "reference_frequency": unit,
         },
     )
+
+
+def _branch_names(modes: CouplingModes, omega: float, spectrum: ComplexArray) -> StringArray:
+    """Names of branches by the waves of single modes that they are nearest to at a speed [rad/s].
+
+    Args:
+        modes: the coupled modes.
+        omega: speed [rad/s].
+        spectrum: eigenvalues there, (branches,).
+    """
+    alone, names = [], []
+    for entry in range(modes.entries):
+        part = modes.take(np.array([entry]))
+        values = eigenvalues(part, speed=omega, kappa=0.0)
+        waves = len(values) // 2 if part.paired[0] else 0
+        turned = np.append(values[:waves], values[waves:].conj()).imag + omega * part.frame_rate[0]
+        ways = ["forward" if rate > 0.0 else "backward" for rate in turned]
+        alone.append(values)
+        names += [f"{part.name[0]}{f', {way}' if waves else ''}" for way in ways]
+    distance = np.abs(spectrum[:, None] - np.concatenate(alone)) ** 2
+    return np.asarray(np.array(names)[linear_sum_assignment(distance)[1]], dtype=np.str_)

@@ -11,6 +11,7 @@ import numpy as np
 import rich
 import typer
 import xarray as xr
+from matplotlib.figure import Figure
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
@@ -18,7 +19,6 @@ from rich.table import Table
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum, plot_truncation
-from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.solvers.stability.growth import is_unstable
 from bladewhirl.studies.modal.coupled_mode import MEASURES
 from bladewhirl.studies.modal.coupled_system import EvenSystem, System
@@ -29,6 +29,7 @@ from bladewhirl.studies.modal.stability_chart import (
     truncation,
     zones,
 )
+from bladewhirl.studies.runs.figures_folder import save_figures
 
 FEW = 4
 """Modes that are listed by name."""
@@ -38,7 +39,14 @@ COLUMNS = ("kappa", "lower", "upper", "growth")
 
 
 def report_point(
-    system: System, omega: float, kappa: float, folder: Path | None, *, films: bool, as_json: bool
+    system: System,
+    omega: float,
+    kappa: float,
+    folder: Path | None,
+    *,
+    films: bool,
+    overwrite: bool,
+    as_json: bool,
 ) -> None:
     """Print growth rate and spectrum at a point; draw the divergent mode where there is one.
 
@@ -48,6 +56,7 @@ def report_point(
         kappa: spring stiffness [N/m].
         folder: where the divergent mode is drawn; not at all when None.
         films: draw it as VTK series and GIF too.
+        overwrite: replace files that are there, whosever they are.
         as_json: print one JSON document instead of a table.
     """
     data = stability_point(system, omega, kappa)
@@ -68,7 +77,7 @@ def report_point(
         # This takes long to load.
         from bladewhirl.studies.modal.coupled_mode_figures import draw_coupled_mode
 
-        draw_coupled_mode(system, omega, kappa, folder, films=films)
+        draw_coupled_mode(system, omega, kappa, folder, films=films, overwrite=overwrite)
         point["coupled_mode"] = {n: data[n].item() for n in MEASURES if n in data}
     if as_json:
         typer.echo(json.dumps(point, indent=2))
@@ -112,6 +121,7 @@ def report_chart(
     folder: Path | None,
     *,
     line: float,
+    overwrite: bool,
     as_json: bool,
 ) -> None:
     """Chart the growth rate, draw all figures, report zones or the largest growth.
@@ -122,6 +132,7 @@ def report_chart(
         kappas: spring stiffnesses [N/m], ascending.
         folder: where figures and data go; none are made when None.
         line: stiffness along which eigenvalues are drawn [N/m].
+        overwrite: replace files that are there, whosever they are.
         as_json: print one JSON document instead of lines.
     """
     with Progress(
@@ -136,10 +147,10 @@ def report_chart(
             system, omegas, kappas, lambda done, _: bar.update(task, completed=done)
         )
     if folder is not None:
-        folder.mkdir(parents=True, exist_ok=True)
-        save_figure(plot_chart(chart), folder / "stability", chart)
+        figures = {"stability": (plot_chart(chart), chart)}
         if isinstance(system, EvenSystem):
-            _draw_even(system, chart, omegas, kappas, folder, line)
+            figures |= _even_figures(system, chart, omegas, kappas, line)
+        save_figures(folder, figures, overwrite=overwrite)
     document = chart_document(chart)
     if isinstance(system, EvenSystem):
         document |= system.rotor_alone(float(omegas[-1]))
@@ -154,20 +165,20 @@ def report_chart(
         typer.echo(f"Wrote {folder}.")
 
 
-def _draw_even(
+def _even_figures(
     system: EvenSystem,
     chart: xr.Dataset,
     omegas: FloatArray,
     kappas: FloatArray,
-    folder: Path,
     line: float,
-) -> None:
+) -> dict[str, tuple[Figure, xr.Dataset]]:
     """Eigenvalues along a line of the chart and, of other modes than six, what six hide."""
     spectrum = spectrum_along(system, omegas, line)
-    save_figure(plot_spectrum(spectrum), folder / "spectrum", spectrum)
+    figures = {"spectrum": (plot_spectrum(spectrum), spectrum)}
     if not system.is_six:
         hidden = truncation(chart, zones(system, system.six, omegas, kappas))
-        save_figure(plot_truncation(hidden), folder / "truncation", hidden)
+        figures["truncation"] = plot_truncation(hidden), hidden
+    return figures
 
 
 def chart_document(chart: xr.Dataset) -> dict[str, Any]:

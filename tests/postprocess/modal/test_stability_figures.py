@@ -78,7 +78,9 @@ def test_chart_draws_its_zones_up_from_the_coincidence_speeds(tmp_path: Path) ->
     assert len(borders) == 4
     starts = sorted(float(np.asarray(line.get_xdata())[0]) for line in borders)
     assert starts == pytest.approx([1.055, 1.055, 2.555, 2.555])
-    assert [text.get_text() for text in axes.texts] == ["A: 1F", "B: suspension"]
+    assert [text.get_text() for text in axes.texts] == ["casing + 1F", "casing + suspension"]
+    lightest = np.mean(mesh.to_rgba(np.array([0.0, 1.0, 10.0]))[:, :3], axis=1)
+    assert lightest[0] == lightest.max()  # what hardly grows is nearly as light as what is stable
     paths = save_figure(figure, tmp_path / "stability", data)
     assert [path.suffix for path in paths] == [".png", ".pdf", ".nc"]
     with xr.open_dataset(tmp_path / "stability.nc", engine="h5netcdf") as saved:
@@ -96,8 +98,12 @@ def test_spectrum_shows_three_types_of_modes(tmp_path: Path) -> None:
     data = spectrum_along(system(six_modes()), np.array([0.6, 3.0]) * UNIT, 500.0)
     figure = plot_spectrum(data)
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels == ["oscillatory", "damped", "divergent"]
+    assert labels == ["oscillatory mode", "damped mode", "divergent mode"]
     drawn = np.array([line.get_ydata() for line in figure.axes[0].lines], dtype=np.float64)
+    upper, lower = ({text.get_text() for text in axes.texts} for axes in figure.axes)
+    assert upper == {"casing + 1F", "casing + suspension"}
+    ways = [f"{name}, {way}" for name in six_modes().name for way in ("forward", "backward")]
+    assert lower == set(ways)
     growth = growth_rate(six_modes(), speed=data["speed"].values * UNIT, kappa=500.0).max()
     assert [np.nanmin(drawn), np.nanmax(drawn)] == pytest.approx([-growth, growth])
     save_figure(figure, tmp_path / "spectrum", data)

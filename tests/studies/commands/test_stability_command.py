@@ -11,6 +11,7 @@ import xarray as xr
 from places import ROOT
 from typer.testing import CliRunner
 
+from bladewhirl.meshes.files.manifest import MANIFEST_NAME, listed
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.whirl import whirl
@@ -69,6 +70,13 @@ def test_physical_amplitudes_are_hundreds_of_times_weaker() -> None:
     assert not point["unstable"]
 
 
+def test_speeds_beyond_all_frequencies_are_refused() -> None:
+    for given in (["--speed", "1e300", "--kappa", "500"], ["--speeds", "1:1e9:3"]):
+        result = RUNNER.invoke(app, ["stability", FAN_STAGE, *given, "--json"])
+        assert (result.exit_code, result.stdout) == (2, "")
+        assert "beyond it growth is lost in rounding" in result.stderr
+
+
 def test_rest_has_no_monodromy() -> None:
     point = json.loads(run("--speed", "0", "--kappa", "500", "--json"))
     assert point["growth_rate"] == pytest.approx(0.0, abs=1e-6)
@@ -91,9 +99,11 @@ def test_chart_with_its_figures_and_data(tmp_path: Path) -> None:
         assert chart["growth"].shape == (20, 40)
         zone = chart.isel(zone=(chart["zone_rotor"] == "1F k=1").values)
         assert zone["zone_lower"].values[-1] == pytest.approx(1.1423, abs=2e-3)
+    assert "stability.png" in listed(folder)
+    (folder / MANIFEST_NAME).unlink()  # whose are they now?
     refused = RUNNER.invoke(app, ["stability", FAN_STAGE, *SMALL, "-o", str(folder)])
     assert refused.exit_code == 2
-    assert refused.stderr == f"{folder}: already exists; --overwrite writes into it\n"
+    assert "--overwrite replaces it" in refused.stderr
 
 
 def test_chart_as_one_document(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
