@@ -1,22 +1,20 @@
-"""Writes reproduction.md with its picture, and the count in README.md, from what commands left.
+"""Writes the scorecard of reproduction.md, and the count in README.md.
 
     bladewhirl reproduce -o REPRODUCTION
-    bladewhirl search --faithful --every-claim -o SEARCH
-    bladewhirl search heavy --rounds 0 -o SEARCH
-    bladewhirl search light --rounds 1 -o SEARCH
-    python docs/reproduction.py REPRODUCTION SEARCH
+    python docs/reproduction.py REPRODUCTION
 
-A folder that is left out leaves its part of the page as it is, and the count without REPRODUCTION.
+The rest of the page is left as it is. The page names the commit that the checkout is at, which has
+to be the one that REPRODUCTION was made from.
 """
 
 from __future__ import annotations
 
 import json
 import re
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from shutil import copyfile
 from typing import Any
 
 from bladewhirl.studies.paper.scorecard import counted
@@ -26,45 +24,34 @@ PAGE, README = DOCS / "reproduction.md", DOCS.parent / "README.md"
 COUNT = re.compile(r"(?<=<!-- scorecard -->\n).*?(?=\n<!-- scorecard end -->)", re.DOTALL)
 """The sentence of README.md on the scorecard."""
 
-TITLE, SCORECARD, VALUES = (
-    "# What holds of the paper",
-    "Scorecard",
-    "Values that the paper leaves out",
-)
-"""Headings of the page."""
-
-ALTERNATIVE = "A row for each claim, a column for each single change of the default: the verdicts"
-"""Of the picture of all claims."""
+CARD = re.compile(r"(?<=^## Scorecard\n).*?(?=^## )", re.DOTALL | re.MULTILINE)
+"""What stands below the page's first heading."""
 
 
-def main(arguments: list[str]) -> None:
+def main(folder: str) -> None:
     """Write both."""
-    parts = present(PAGE.read_text(encoding="utf-8")) if PAGE.exists() else {}
-    for folder in map(Path, arguments):
-        if (folder / "scorecard.json").exists():
-            scorecard = json.loads((folder / "scorecard.json").read_text(encoding="utf-8"))
-            parts[SCORECARD] = "\n".join(scored(scorecard))
-            text = README.read_text(encoding="utf-8")
-            count = COUNT.search(text)
-            if count is None:
-                sys.exit(f"{README}: expected the marks of the scorecard")
-            text = text[: count.start()] + sentence(scorecard) + text[count.end() :]
-            README.write_text(text, encoding="utf-8")
-        else:
-            report = (folder / "report.md").read_text(encoding="utf-8")
-            copyfile(folder / "sensitivity.png", PAGE.with_name("sensitivity.png"))
-            parts[VALUES] = f"{report.rstrip()}\n\n![{ALTERNATIVE}](sensitivity.png)"
-    lines = [
-        TITLE,
-        *(f"## {name}\n\n{parts[name]}" for name in (SCORECARD, VALUES) if name in parts),
-    ]
-    PAGE.write_text("\n\n".join(lines) + "\n", encoding="utf-8")
+    card = json.loads((Path(folder) / "scorecard.json").read_text(encoding="utf-8"))
+    replace(PAGE, CARD, "\n" + "\n".join(scored(card)) + "\n\n")
+    replace(README, COUNT, sentence(card))
 
 
-def present(page: str) -> dict[str, str]:
-    """Parts of the page by heading."""
-    _, *found = re.split(r"^## (.+)\n", page, flags=re.MULTILINE)
-    return {name: text.strip() for name, text in zip(found[::2], found[1::2], strict=True)}
+def replace(path: Path, part: re.Pattern[str], text: str) -> None:
+    """Write another text into a part of a file.
+
+    Raises:
+        SystemExit: the file has no such part.
+    """
+    before = path.read_text(encoding="utf-8")
+    found = part.search(before)
+    if found is None:
+        sys.exit(f"{path}: expected {part.pattern}")
+    path.write_text(before[: found.start()] + text + before[found.end() :], encoding="utf-8")
+
+
+def commit() -> str:
+    """Name of the commit that the checkout is at."""
+    command = ["git", "-C", str(DOCS), "rev-parse", "--short=10", "HEAD"]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
 def sentence(scorecard: dict[str, Any]) -> str:
@@ -79,7 +66,7 @@ def sentence(scorecard: dict[str, Any]) -> str:
 def scored(scorecard: dict[str, Any]) -> Iterator[str]:
     """The scorecard as Markdown."""
     yield from (sentence(scorecard).split(";")[0] + ".", "")
-    yield from ("| condition | |", "|---|---|")
+    yield from ("| condition | |", "|---|---|", f"| commit | {commit()} |")
     for name, value in scorecard["conditions"].items():
         yield f"| {name.replace('_', ' ')} | {value if value != {} else 'none'} |"
     yield from ("", "| | claim | paper | ours | verdict |", "|---|---|---|---|---|")
@@ -93,4 +80,4 @@ def scored(scorecard: dict[str, Any]) -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main(*sys.argv[1:])

@@ -25,7 +25,6 @@ from bladewhirl.studies.commands.render import render
 from bladewhirl.studies.commands.report import report
 from bladewhirl.studies.commands.reproduce import reproduce
 from bladewhirl.studies.commands.run import run
-from bladewhirl.studies.commands.search import search
 from bladewhirl.studies.commands.show import show
 from bladewhirl.studies.commands.stability import stability
 from bladewhirl.studies.commands.sweep import sweep
@@ -58,7 +57,6 @@ for command in (
     report,
     reproduce,
     run,
-    search,
     show,
     stability,
     sweep,

@@ -72,11 +72,9 @@ def reproduce(
     from bladewhirl.studies.sweeps.sweep import Watch
 
     refuse_both(scheduler, workers)
-    changes = override_values(overrides or [])
     plan = Plan(
         claims=chosen_claims(claims or []),
-        changes=changes,
-        modal_changes=changes,
+        changes=override_values(overrides or []),
         quick=quick,
         repeats=repeats or (1 if quick else REPEATS),
         speed_step=speed_step,

@@ -3,13 +3,17 @@
 A claim is judged by code: its evaluator looks at numbers computed by bladewhirl and returns checks,
 each a comparison with a stated threshold. All met: it holds; some: partly; none, or an essential
 one not met: it does not hold. What cannot be judged is not testable, with the reason.
+
+What each claim says, where, and the marches (`trials.TRIALS`) and sweeps (`trials.SURVEYS`) it is
+judged by is in claims.csv beside this module; the modules claims_* judge.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import csv
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from importlib import resources
 from typing import Literal, get_args
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
@@ -64,7 +68,7 @@ Evaluator = Callable[..., Finding]
 """Called with the marches of a claim, then its sweeps; with the `Evidence` where it has neither."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Claim:
     """A statement of the paper that can be computed, and the function that judges it."""
 
@@ -73,8 +77,8 @@ class Claim:
     figures: tuple[str, ...]  #: of the paper
     text: str  #: the claim in our words
     paper: str  #: the paper's value
-    trials: tuple[str, ...]  #: marches it is judged by, see `trials.TRIALS`
-    sweeps: tuple[str, ...]  #: sweeps it is judged by, see `trials.SURVEYS`
+    trials: tuple[str, ...]  #: marches it is judged by
+    sweeps: tuple[str, ...]  #: sweeps it is judged by
     evaluate: Evaluator
 
     def judge(self, evidence: Evidence) -> Finding:
@@ -91,31 +95,35 @@ CLAIMS: dict[int, Claim] = {}
 """All claims by number, filled by the modules claims_*."""
 
 
-def claim(
-    number: int,
-    text: str,
-    *,
-    paper: str,
-    section: str,
-    figures: Iterable[str] = (),
-    trials: Iterable[str] = (),
-    sweeps: Iterable[str] = (),
-) -> Callable[[Evaluator], Evaluator]:
+def _written() -> dict[int, dict[str, str]]:
+    """Rows of claims.csv by number."""
+    text = resources.files(__package__).joinpath("claims.csv").read_text(encoding="utf-8")
+    return {int(row.pop("number")): row for row in csv.DictReader(text.splitlines())}
+
+
+ROWS = _written()
+
+
+def evaluates(number: int) -> Callable[[Evaluator], Evaluator]:
     """Register the function that judges a claim."""
 
     def register(evaluate: Evaluator) -> Evaluator:
-        if number in CLAIMS:
-            raise ValueError(f"claim {number} is there already")
-        needs = tuple(trials), tuple(sweeps)
-        CLAIMS[number] = Claim(number, section, tuple(figures), text, paper, *needs, evaluate)
+        row = ROWS[number]
+        CLAIMS[number] = Claim(
+            number=number,
+            section=row["section"],
+            text=row["text"],
+            paper=row["paper"],
+            evaluate=evaluate,
+            **{name: _listed(row[name]) for name in ("figures", "trials", "sweeps")},
+        )
         return evaluate
 
     return register
 
 
-def section_claims(section: str) -> Callable[..., Callable[[Evaluator], Evaluator]]:
-    """The decorator `claim` for one section of the paper."""
-    return partial(claim, section=section)
+def _listed(cell: str) -> tuple[str, ...]:
+    return tuple(cell.split("; ")) if cell else ()
 
 
 def near(name: str, value: float, target: float, tolerance: float, unit: str = "") -> Check:

@@ -15,12 +15,10 @@ from bladewhirl.studies.paper.claim import (
     at_most,
     between,
     equal,
-    section_claims,
+    evaluates,
 )
 from bladewhirl.studies.paper.claims_imbalance import MILLI, done_points, in_contact
 from bladewhirl.studies.paper.trials import NotTestableError
-
-claim = section_claims("4.3.1")
 
 AROUND = (0.95, 1.15)
 """Speeds that count as around the first coincidence, 1.05."""
@@ -53,13 +51,7 @@ def _listed(groups: list[tuple[float, float]]) -> str:
     return ", ".join(words) or "none"
 
 
-@claim(
-    18,
-    "Casing distortion moves the shaft most around the first coincidence, 1.05.",
-    paper="around 1.05",
-    figures=["15"],
-    sweeps=["distortion"],
-)
+@evaluates(18)
 def highest_around_the_coincidence(sweep: xr.Dataset) -> Finding:
     sweep = done_points(sweep)
     speed, radius = sweep["march_speed"].values, sweep["shaft_radius_max"].values
@@ -75,14 +67,7 @@ def highest_around_the_coincidence(sweep: xr.Dataset) -> Finding:
     )
 
 
-@claim(
-    19,
-    "There are other critical speeds that the coincidence does not predict, 1.39 among them.",
-    paper="several, 1.39",
-    figures=["15"],
-    trials=["distortion at 1.39"],
-    sweeps=["distortion"],
-)
+@evaluates(19)
 def other_critical_speeds(motion: Motion, sweep: xr.Dataset) -> Finding:
     speed, regime = _regimes(sweep)
     groups = _runs_of(speed, regime == "divergent")
@@ -96,13 +81,7 @@ def other_critical_speeds(motion: Motion, sweep: xr.Dataset) -> Finding:
     )
 
 
-@claim(
-    20,
-    "At 1.05 the motion diverges; the shaft is at 3.6 mm after 3 s.",
-    paper="3.6 mm at 3 s",
-    figures=["16"],
-    trials=["distortion at 1.05"],
-)
+@evaluates(20)
 def divergence_at_the_coincidence(motion: Motion) -> Finding:
     radius = MILLI * float(motion.radius[-1])
     planned = loads(motion.result.attrs["case"]).march.duration
@@ -116,13 +95,7 @@ def divergence_at_the_coincidence(motion: Motion) -> Finding:
     )
 
 
-@claim(
-    21,
-    "While diverging the shaft whirls backward in rotating axes.",
-    paper="backward",
-    figures=["16"],
-    trials=["distortion at 1.05"],
-)
+@evaluates(21)
 def backward_in_rotating_axes(motion: Motion) -> Finding:
     whirl = motion.late_whirl("rotating")
     return Finding(
@@ -131,13 +104,7 @@ def backward_in_rotating_axes(motion: Motion) -> Finding:
     )
 
 
-@claim(
-    22,
-    "1F with k = 1 leads the divergence; k = 0 and the suspension are present, other k negligible.",
-    paper="k = 1 leads",
-    figures=["17"],
-    trials=["distortion at 1.05"],
-)
+@evaluates(22)
 def one_nodal_diameter_leads(motion: Motion) -> Finding:
     share = {name: 100 * value for name, value in motion.share(*motion.late).items()}
     leader = max(share, key=lambda name: share[name])
@@ -154,13 +121,7 @@ def one_nodal_diameter_leads(motion: Motion) -> Finding:
     )
 
 
-@claim(
-    23,
-    "Growth is fast after about 1.8 s.",
-    paper="1.8 s",
-    figures=["17"],
-    trials=["distortion at 1.05"],
-)
+@evaluates(23)
 def fast_growth(motion: Motion) -> Finding:
     """Fast is ten times the energy at the end of the transient, however far a march is followed."""
     if motion.end <= 2 * EARLY:
@@ -176,13 +137,7 @@ def fast_growth(motion: Motion) -> Finding:
     )
 
 
-@claim(
-    24,
-    "The suspension matters in the first half second, 1F after it.",
-    paper="first 0.5 s",
-    figures=["17"],
-    trials=["distortion at 1.05"],
-)
+@evaluates(24)
 def suspension_matters_early(motion: Motion) -> Finding:
     if motion.end <= 1.5 * EARLY:
         raise NotTestableError(f"the march ended after {motion.end:.3g} s, in the transient")
@@ -197,14 +152,7 @@ def suspension_matters_early(motion: Motion) -> Finding:
     )
 
 
-@claim(
-    25,
-    "At 1.39 the shaft whirls forward in static axes, contact being on its side with a phase"
-    " shift.",
-    paper="forward, standard, shifted",
-    figures=["18"],
-    trials=["distortion at 1.39"],
-)
+@evaluates(25)
 def forward_in_static_axes(motion: Motion) -> Finding:
     whirl = motion.late_whirl("static")
     return Finding(
@@ -220,13 +168,7 @@ def forward_in_static_axes(motion: Motion) -> Finding:
     )
 
 
-@claim(
-    26,
-    "While diverging the whirl slows down in static axes.",
-    paper="3 turns in 0.2 s, then 2",
-    figures=["18"],
-    trials=["distortion at 1.39"],
-)
+@evaluates(26)
 def whirl_slows_down(motion: Motion) -> Finding:
     rates = np.abs(motion.late_whirl_rates)
     if not motion.diverges or len(rates) < 4:
@@ -239,13 +181,7 @@ def whirl_slows_down(motion: Motion) -> Finding:
     )
 
 
-@claim(
-    27,
-    "Motion is sustained near critical speeds and damped elsewhere.",
-    paper="sustained near, damped elsewhere",
-    figures=["15"],
-    sweeps=["distortion"],
-)
+@evaluates(27)
 def sustained_near_critical_speeds(sweep: xr.Dataset) -> Finding:
     speed, regime = _regimes(sweep)
     critical = speed[regime == "divergent"]
@@ -264,12 +200,7 @@ def sustained_near_critical_speeds(sweep: xr.Dataset) -> Finding:
     )
 
 
-@claim(
-    28,
-    "With the centre clamped motion is damped.",
-    paper="damped only",
-    trials=["clamped at 1.05", "clamped at 1.39"],
-)
+@evaluates(28)
 def clamped_centre(*motions: Motion) -> Finding:
     names = [motion.regime.name for motion in motions]
     regimes = dict(zip(("1.05", "1.39"), names, strict=True))
@@ -279,12 +210,7 @@ def clamped_centre(*motions: Motion) -> Finding:
     )
 
 
-@claim(
-    39,
-    "A distortion with two nodal diameters leaves the centre at rest.",
-    paper="at rest",
-    trials=["ovalisation"],
-)
+@evaluates(39)
 def ovalisation_leaves_the_centre(motion: Motion) -> Finding:
     largest = MILLI * float(motion.radius.max())
     contact = "contact" if motion.touched else "no contact"
@@ -297,13 +223,7 @@ def ovalisation_leaves_the_centre(motion: Motion) -> Finding:
     )
 
 
-@claim(
-    40,
-    "Sustained orbits have a radius of about the clearance.",
-    paper="about 1 mm",
-    figures=["15"],
-    sweeps=["distortion"],
-)
+@evaluates(40)
 def sustained_radius(sweep: xr.Dataset) -> Finding:
     clearance = loads(sweep.attrs["case"]).casing.clearance
     sweep = done_points(sweep)
@@ -319,13 +239,7 @@ def sustained_radius(sweep: xr.Dataset) -> Finding:
     )
 
 
-@claim(
-    41,
-    "At every speed 1F responds most, the suspension little.",
-    paper="1F at every speed",
-    figures=["15"],
-    sweeps=["distortion"],
-)
+@evaluates(41)
 def first_family_at_every_speed(sweep: xr.Dataset) -> Finding:
     energy = done_points(sweep)["energy_mean"]
     names = energy["energy_group"].values.astype(str)
@@ -340,13 +254,7 @@ def first_family_at_every_speed(sweep: xr.Dataset) -> Finding:
     )
 
 
-@claim(
-    42,
-    "At 1.05 the precession is almost nil in static axes.",
-    paper="almost nil",
-    figures=["16"],
-    trials=["distortion at 1.05"],
-)
+@evaluates(42)
 def hardly_any_precession(motion: Motion) -> Finding:
     rate = abs(motion.late_whirl("static").rate) / motion.reference
     return Finding(
@@ -355,13 +263,7 @@ def hardly_any_precession(motion: Motion) -> Finding:
     )
 
 
-@claim(
-    43,
-    "Modes above 1F and suspension carry part of the energy in the early transient.",
-    paper="part of it",
-    figures=["17"],
-    trials=["distortion at 1.05"],
-)
+@evaluates(43)
 def higher_modes_early(motion: Motion) -> Finding:
     rest = 100 * motion.share(0.0, min(EARLY, motion.end))["rest"]
     return Finding(

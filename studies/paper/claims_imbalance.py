@@ -13,12 +13,10 @@ from bladewhirl.studies.paper.claim import (
     at_most,
     between,
     equal,
+    evaluates,
     near,
-    section_claims,
 )
 from bladewhirl.studies.paper.trials import NotTestableError
-
-claim = section_claims("4.3.2")
 
 MILLI, MICRO = 1e3, 1e6
 
@@ -45,13 +43,7 @@ def in_contact(motion: Motion) -> Check:
     return Check(text=text, met=motion.touches_late, essential=True)
 
 
-@claim(
-    29,
-    "Imbalance moves the shaft less than casing distortion where that interacts.",
-    paper="smaller in general",
-    figures=["15", "19"],
-    sweeps=["distortion", "imbalance"],
-)
+@evaluates(29)
 def smaller_than_distortion(distortion: xr.Dataset, imbalance: xr.Dataset) -> Finding:
     first, second = done_points(distortion), done_points(imbalance)
     critical = first["march_speed"].values[first["regime"].values == "divergent"]
@@ -67,14 +59,7 @@ def smaller_than_distortion(distortion: xr.Dataset, imbalance: xr.Dataset) -> Fi
     )
 
 
-@claim(
-    30,
-    "At 1.05 the imbalance gives a limit cycle: an orbit of 1.1 mm with a ripple of 0.1 mm, steady"
-    " after 1.1 s, tight on the Poincaré map.",
-    paper="1.1 mm, 0.1 mm",
-    figures=["20"],
-    trials=["imbalance at 1.05"],
-)
+@evaluates(30)
 def limit_cycle(motion: Motion) -> Finding:
     """A cycle is one where the ripple has a size of its own, not where the mean radius has."""
     mean, size = motion.radius_between(*motion.late)
@@ -103,14 +88,7 @@ def limit_cycle(motion: Motion) -> Finding:
     )
 
 
-@claim(
-    31,
-    "Under imbalance at 1.05 the suspension holds most energy, then 1F with k = 1; ten times less"
-    " than under casing distortion.",
-    paper="suspension first, a tenth",
-    figures=["17", "20"],
-    trials=["imbalance at 1.05", "distortion at 1.05"],
-)
+@evaluates(31)
 def suspension_leads(motion: Motion, other: Motion) -> Finding:
     energy = motion.energy(*motion.late)
     total = energy.pop("total")
@@ -127,13 +105,7 @@ def suspension_leads(motion: Motion, other: Motion) -> Finding:
     )
 
 
-@claim(
-    32,
-    "Under imbalance at 1.05 some blades stay in contact, two come and go, the rest are free.",
-    paper="several, 2, the rest",
-    figures=["21"],
-    trials=["imbalance at 1.05"],
-)
+@evaluates(32)
 def three_kinds_of_blades(motion: Motion) -> Finding:
     blades = motion.blades
     return Finding(
@@ -147,13 +119,7 @@ def three_kinds_of_blades(motion: Motion) -> Finding:
     )
 
 
-@claim(
-    33,
-    "Under imbalance contact is on the side of the shaft's displacement.",
-    paper="standard",
-    figures=["21"],
-    trials=["imbalance at 1.05"],
-)
+@evaluates(33)
 def contact_with_the_shaft(motion: Motion) -> Finding:
     return Finding(
         ours=f"{motion.scenario}, shaft leads by {motion.lead:.0f}°",
@@ -161,15 +127,7 @@ def contact_with_the_shaft(motion: Motion) -> Finding:
     )
 
 
-@claim(
-    34,
-    "Imbalance gives high amplitudes from 1.42 to 1.75 without divergence; at 1.6 energy grows"
-    " after 0.5 s to a peak of 800 J at 1.8 to 2.2 s.",
-    paper="800 J at 1.8–2.2 s",
-    figures=["19", "22"],
-    trials=["imbalance at 1.6"],
-    sweeps=["imbalance"],
-)
+@evaluates(34)
 def high_amplitudes_without_divergence(motion: Motion, sweep: xr.Dataset) -> Finding:
     sweep = done_points(sweep)
     speed, radius = sweep["march_speed"].values, sweep["shaft_radius_max"].values
@@ -192,12 +150,7 @@ def high_amplitudes_without_divergence(motion: Motion, sweep: xr.Dataset) -> Fin
     )
 
 
-@claim(
-    44,
-    "Under imbalance at 1.05 the casing vibrates by some 10 micrometres.",
-    paper="order of 10 µm",
-    trials=["imbalance at 1.05"],
-)
+@evaluates(44)
 def casing_hardly_moves(motion: Motion) -> Finding:
     size = MICRO * motion.casing_motion
     return Finding(
@@ -205,14 +158,7 @@ def casing_hardly_moves(motion: Motion) -> Finding:
     )
 
 
-@claim(
-    45,
-    "Under imbalance at 1.6 the suspension leads for 0.2 s, all other k take part, and longer runs"
-    " settle at the level of 1.05.",
-    paper="suspension first; settles",
-    figures=["22"],
-    trials=["imbalance at 1.6", "imbalance at 1.6, twice as long", "imbalance at 1.05"],
-)
+@evaluates(45)
 def course_at_high_speed(motion: Motion, long: Motion, usual: Motion) -> Finding:
     early = motion.share(0.0, 0.2)
     leader = max(early, key=lambda name: early[name])

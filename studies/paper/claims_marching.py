@@ -8,22 +8,15 @@ from bladewhirl.studies.paper.claim import (
     at_least,
     at_most,
     equal,
-    section_claims,
+    evaluates,
 )
-from bladewhirl.studies.paper.trials import MODES, TIME_STEPS, NotTestableError
-
-claim = section_claims("4.2")
+from bladewhirl.studies.paper.trials import MODES, NotTestableError
 
 CONVERGED = 0.01
 """Relative distance of two orbits below which they count as the same."""
 
 
-@claim(
-    16,
-    "Displacements and impulses have converged at a time step of 1 µs.",
-    paper="converged",
-    trials=[f"time step {step:g} s" for step in TIME_STEPS],
-)
+@evaluates(16)
 def time_step_converged(coarse: Motion, chosen: Motion, fine: Motion) -> Finding:
     impulses = [float(m.result["contact_impulse"].sum()) for m in (chosen, fine)]
     apart, before = orbit_distance(chosen, fine), orbit_distance(coarse, fine)
@@ -40,12 +33,7 @@ def time_step_converged(coarse: Motion, chosen: Motion, fine: Motion) -> Finding
     )
 
 
-@claim(
-    17,
-    "The kind of motion has converged in the number of modes, the displacement not asymptotically.",
-    paper="regime converged, displacement not",
-    trials=[f"{count} modes" for count in MODES],
-)
+@evaluates(17)
 def modes_converged(*motions: Motion) -> Finding:
     regimes = {motion.regime.name for motion in motions}
     *others, last = motions

@@ -18,8 +18,8 @@ from bladewhirl.studies.paper.claim import (
     at_least,
     at_most,
     between,
-    claim,
     equal,
+    evaluates,
     near,
 )
 from bladewhirl.studies.paper.trials import Evidence
@@ -37,13 +37,7 @@ NOTHING = 1e-6
 """Relative motion or change below which there is none."""
 
 
-@claim(
-    1,
-    "The centre of the disk moves in modes with one nodal diameter only.",
-    paper="k = 1 only",
-    section="3.1",
-    figures=["6"],
-)
+@evaluates(1)
 def centre_moves_with_one_nodal_diameter(evidence: Evidence) -> Finding:
     motion = evidence.modal.centre_motion
     others = max(value for k, value in motion.items() if k != 1)
@@ -56,13 +50,7 @@ def centre_moves_with_one_nodal_diameter(evidence: Evidence) -> Finding:
     )
 
 
-@claim(
-    2,
-    "Clamping the centre changes the frequencies of k = 1 only.",
-    paper="k = 1 only",
-    section="3.2.1",
-    figures=["7"],
-)
+@evaluates(2)
 def clamping_shifts_one_nodal_diameter(evidence: Evidence) -> Finding:
     shift = evidence.modal.clamping_shift
     others = max(value for k, value in shift.items() if k != 1)
@@ -75,13 +63,7 @@ def clamping_shifts_one_nodal_diameter(evidence: Evidence) -> Finding:
     )
 
 
-@claim(
-    3,
-    "The suspension pair lies between the first two families, near 2.5.",
-    paper="f_o about 2.5",
-    section="3.2.1",
-    figures=["7"],
-)
+@evaluates(3)
 def suspension_between_families(evidence: Evidence) -> Finding:
     pair, second = evidence.modal.suspension, evidence.modal.second_family
     return Finding(
@@ -93,24 +75,13 @@ def suspension_between_families(evidence: Evidence) -> Finding:
     )
 
 
-@claim(
-    4,
-    "A shaft spring is about 500 times as stiff as a blade at its tip, tangentially.",
-    paper="about 500",
-    section="2.1",
-)
+@evaluates(4)
 def shaft_over_blade(evidence: Evidence) -> Finding:
     ratio = evidence.modal.shaft_over_blade
     return Finding(ours=f"{ratio:.4g}", checks=(near("ratio", ratio, 500.0, 125.0),))
 
 
-@claim(
-    5,
-    "With 110 fixed-interface modes the bladed disk has 156 unknowns and errors below 0.75 % in"
-    " the frequencies of the first five families.",
-    paper="156; below 0.75 %",
-    section="4.2",
-)
+@evaluates(5)
 def reduction_error(evidence: Evidence) -> Finding:
     error = {family: 100 * value for family, value in evidence.modal.reduction_error.items()}
     families = [f"{rank}F" for rank in range(1, 6)]
@@ -124,51 +95,26 @@ def reduction_error(evidence: Evidence) -> Finding:
     )
 
 
-@claim(
-    6,
-    "1F with k = 1 and the casing coincide at a speed of about 1.05.",
-    paper="1.05",
-    section="3.2.2",
-    figures=["8"],
-)
+@evaluates(6)
 def first_coincidence(evidence: Evidence) -> Finding:
     speed = evidence.modal.first_coincidence
     return Finding(ours=f"{speed:.4g}", checks=(near("coincidence", speed, 1.05, 0.02),))
 
 
-@claim(
-    7,
-    "The suspension pair and the casing coincide at a speed of about 2.6.",
-    paper="2.6",
-    section="3.2.2",
-    figures=["8"],
-)
+@evaluates(7)
 def suspension_coincidence(evidence: Evidence) -> Finding:
     speed = evidence.modal.suspension_coincidence
     return Finding(ours=f"{speed:.4g}", checks=(near("coincidence", speed, 2.6, 0.05),))
 
 
-@claim(
-    8,
-    "Several nodal diameters of the first family coincide between 0.7 and 1.3.",
-    paper="several in [0.7, 1.3]",
-    section="3.2.2",
-    figures=["8"],
-)
+@evaluates(8)
 def first_family_crossings(evidence: Evidence) -> Finding:
     found = evidence.modal.first_family_crossings
     listed = ", ".join(f"k = {k} at {speed:.3g}" for k, speed in found.items())
     return Finding(ours=listed or "none", checks=(at_least("crossings", len(found), 3),))
 
 
-@claim(
-    9,
-    "Free k = 1 modes touch on the side of the shaft's displacement (standard, phase 0) or"
-    " opposite to it (inverted, phase pi).",
-    paper="phases 0 and 180°",
-    section="3.2.2",
-    figures=["9", "10"],
-)
+@evaluates(9)
 def two_contact_scenarios(evidence: Evidence) -> Finding:
     found = evidence.modal.scenarios
     lead = {name: abs(float(np.degrees(scenario.lead))) for name, scenario in found.items()}
@@ -201,13 +147,7 @@ def _zones(evidence: Evidence) -> dict[str, UnstableZones]:
     return zones
 
 
-@claim(
-    10,
-    "Two unstable zones start at the coincidence speeds and widen with the coupling stiffness.",
-    paper="A from 1.05, B from 2.6",
-    section="3.3.1",
-    figures=["11"],
-)
+@evaluates(10)
 def zones_widen(evidence: Evidence) -> Finding:
     starts = {
         "1F": evidence.modal.first_coincidence,
@@ -231,13 +171,7 @@ def zones_widen(evidence: Evidence) -> Finding:
     return Finding(ours="; ".join(ours) or "no zone", checks=tuple(checks))
 
 
-@claim(
-    11,
-    "The speed 1.17 at a coupling stiffness of 500 N/m is unstable.",
-    paper="unstable",
-    section="3.3.1",
-    figures=["11"],
-)
+@evaluates(11)
 def example_point_is_unstable(evidence: Evidence) -> Finding:
     growth = _example_growth(evidence)
     unstable = bool(is_unstable(growth, EXAMPLE["speed"] * evidence.system.reference))
@@ -247,13 +181,7 @@ def example_point_is_unstable(evidence: Evidence) -> Finding:
     )
 
 
-@claim(
-    12,
-    "Inside a zone oscillatory, damped and divergent modes coexist.",
-    paper="all three",
-    section="3.3.1",
-    figures=["12"],
-)
+@evaluates(12)
 def three_kinds_of_modes(evidence: Evidence) -> Finding:
     real, limit = _example_spectrum(evidence).real, UNSTABLE_GROWTH * _example_speed(evidence)
     counts = {
@@ -267,13 +195,7 @@ def three_kinds_of_modes(evidence: Evidence) -> Finding:
     )
 
 
-@claim(
-    13,
-    "Coupling shifts the first unstable speed upward.",
-    paper="upward",
-    section="3.3.1",
-    figures=["11"],
-)
+@evaluates(13)
 def coupling_shifts_upward(evidence: Evidence) -> Finding:
     zone, reference = _zones(evidence)["1F"], evidence.system.reference
     if len(zone.kappa) < 2:
@@ -291,13 +213,7 @@ def coupling_shifts_upward(evidence: Evidence) -> Finding:
     )
 
 
-@claim(
-    14,
-    "Waves that travel the same way cause no instability.",
-    paper="none",
-    section="3.3.1",
-    figures=["11"],
-)
+@evaluates(14)
 def no_instability_beside_the_zones(evidence: Evidence) -> Finding:
     """Zones are of waves that travel against each other; nothing else may be unstable.
 
@@ -330,15 +246,7 @@ def no_instability_beside_the_zones(evidence: Evidence) -> Finding:
     )
 
 
-@claim(
-    15,
-    "The divergent mode is a backward wave on the bladed disk in rotating axes and a forward one on"
-    " the casing, with shaft and smallest clearance in phase; its backward whirl in rotating axes"
-    " is a forward one in static axes.",
-    paper="backward, forward, in phase",
-    section="3.3.2",
-    figures=["13", "14"],
-)
+@evaluates(15)
 def divergent_mode(evidence: Evidence) -> Finding:
     system = evidence.system
     if not is_unstable(_example_growth(evidence), _example_speed(evidence)):

@@ -13,13 +13,11 @@ from bladewhirl.studies.paper.claim import (
     at_most,
     between,
     equal,
+    evaluates,
     near,
-    section_claims,
 )
 from bladewhirl.studies.paper.claims_imbalance import MILLI, done_points
 from bladewhirl.studies.paper.trials import KAPPAS, NotTestableError
-
-claim = section_claims("4.3.3")
 
 LIMIT = 1.52
 """Normalised speed above which the paper's truncated space diverges under imbalance."""
@@ -34,14 +32,7 @@ DIVERGING = "six modes, imbalance at 1.65, kappa 0"
 UNBALANCED = [f"six modes, imbalance at 1.05, kappa {kappa:g}" for kappa in KAPPAS]
 
 
-@claim(
-    35,
-    "With six modes and no coupling the distortion at 1.05 diverges, led by 1F with k = 1, then"
-    " the suspension, far more strongly than in the full space.",
-    paper="k = 1, then suspension; far stronger",
-    figures=["23"],
-    trials=[DISTORTED[0], "distortion at 1.05"],
-)
+@evaluates(35)
 def truncated_space_diverges(six: Motion, full: Motion) -> Finding:
     energy = six.energy(*six.late)
     energy.pop("total")
@@ -61,13 +52,7 @@ def truncated_space_diverges(six: Motion, full: Motion) -> Finding:
     )
 
 
-@claim(
-    36,
-    "Coupling of 0, 500 and 1000 N/m shifts the critical speed near 1.05 upward.",
-    paper="shifted",
-    figures=["24"],
-    sweeps=["six modes, distortion"],
-)
+@evaluates(36)
 def coupling_shifts_the_critical_speed(sweep: xr.Dataset) -> Finding:
     """Critical is the middle of the speeds that diverge: their peaks end at the same limit.
 
@@ -106,13 +91,7 @@ def middle_of_divergence(sweep: xr.Dataset, kappa: float) -> float:
     return float(speeds.mean()) if len(speeds) else np.nan
 
 
-@claim(
-    37,
-    "With six modes the imbalance at 1.05 gives an orbit of 1.2 mm, whatever the coupling.",
-    paper="1.2 mm, ripple 0.1 mm",
-    figures=["25"],
-    trials=UNBALANCED,
-)
+@evaluates(37)
 def coupling_does_not_matter_to_imbalance(*motions: Motion) -> Finding:
     radii, ripples = np.transpose([motion.radius_between(*motion.late) for motion in motions])
     spread = float(np.ptp(radii) / radii.mean())
@@ -129,15 +108,7 @@ def coupling_does_not_matter_to_imbalance(*motions: Motion) -> Finding:
     )
 
 
-@claim(
-    38,
-    "With six modes the imbalance diverges above 1.52, whatever the coupling, and 1F with k = 1"
-    " leads.",
-    paper="above 1.52, k = 1",
-    figures=["26"],
-    trials=[DIVERGING],
-    sweeps=["six modes, imbalance"],
-)
+@evaluates(38)
 def truncated_space_diverges_under_imbalance(motion: Motion, sweep: xr.Dataset) -> Finding:
     sweep = done_points(sweep)
     divergent = (sweep["regime"] == "divergent").transpose("march_speed", ...).values
@@ -156,12 +127,7 @@ def truncated_space_diverges_under_imbalance(motion: Motion, sweep: xr.Dataset) 
     )
 
 
-@claim(
-    46,
-    "Under distortion the coupling changes neither frequencies, energy shares nor contact side.",
-    paper="unchanged",
-    trials=DISTORTED,
-)
+@evaluates(46)
 def coupling_does_not_change_the_motion(*motions: Motion) -> Finding:
     quiet = [m for m in motions if not m.touched]
     if quiet:

@@ -58,8 +58,7 @@ class Plan:
     """Claims to judge, under which conditions."""
 
     claims: tuple[Claim, ...]
-    changes: Mapping[str, Any]  #: of the contact cases, by dotted key
-    modal_changes: Mapping[str, Any]  #: of the modal case
+    changes: Mapping[str, Any]  #: of all cases, by dotted key
     quick: bool
     repeats: int
     speed_step: float | None = None  #: of all sweeps over speed; their own when None
@@ -131,7 +130,6 @@ def reproduce_claims(
             directory=directory,
             store=store,
             changes=plan.changes,
-            modal_changes=plan.modal_changes,
             quick=plan.quick,
             speed_step=plan.speed_step,
             repeat=repeat,
@@ -158,7 +156,6 @@ def reproduce_claims(
             "repeats": plan.repeats,
             "perturbation": PERTURBATION,
             "changes": dict(plan.changes),
-            "modal_changes": dict(plan.modal_changes),
         },
     )
     return card, first

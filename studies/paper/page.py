@@ -41,7 +41,7 @@ def scorecard_page(card: Scorecard, drawn: Mapping[str, Sequence[DrawnPanel]]) -
 
     Args:
         card: the scorecard.
-        drawn: panels of each figure of the paper, from `paper_figures.draw_figures`.
+        drawn: panels of each figure of the paper, from `figures.draw_figures`.
     """
     conditions = "".join(
         f"<tr><th>{escape(name.replace('_', ' '))}</th><td>{escape(_words(value))}</td></tr>"

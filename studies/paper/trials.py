@@ -176,9 +176,7 @@ class Evidence:
     directory: Path
     store: RunStore
     changes: Mapping[str, Any] = field(default_factory=dict)  #: of all cases, by dotted key
-    modal_changes: Mapping[str, Any] | None = None  #: of the modal case; as `changes` when None
     quick: bool = False  #: whether marches are short, and sweeps coarse
-    coarse: bool = False  #: whether sweeps are coarse
     speed_step: float | None = None  #: of all sweeps over speed; their own when None
     repeat: int = 0  #: number of the repeat, whose force is perturbed
     _open: ExitStack = field(default_factory=ExitStack)
@@ -198,8 +196,7 @@ class Evidence:
     @property
     def modal_case(self) -> Case:
         """The case of modal work."""
-        changes = self.changes if self.modal_changes is None else self.modal_changes
-        return changed("modal", changes)
+        return changed("modal", self.changes)
 
     @cached_property
     def stage(self) -> ModalStage:
@@ -256,7 +253,7 @@ class Evidence:
     def _swept(self, name: str, watch: Watch | None) -> xr.Dataset:
         survey = SURVEYS[name]
         case = self._timed(changed(survey.load, {**self.changes, **survey.changes}), 1.0)
-        axes = survey.axes(coarse=self.quick or self.coarse, step=self.speed_step)
+        axes = survey.axes(coarse=self.quick, step=self.speed_step)
         points = math.prod(len(values) for values in axes.values())
         slug = name.replace(", ", "-").replace(" ", "-")
         directory = self.directory / f"{slug}-{run_key(case)}-{points}"

@@ -252,7 +252,6 @@ def test_the_step_of_all_sweeps_can_be_chosen() -> None:
     plan = Plan(
         claims=chosen_claims([29, 36]),
         changes={},
-        modal_changes={},
         quick=True,
         repeats=1,
         speed_step=0.005,
@@ -292,7 +291,7 @@ def test_an_obstacle_becomes_a_finding() -> None:
 
 
 def short_plan(claims: tuple[Claim, ...], repeats: int) -> Plan:
-    return Plan(claims=claims, changes=SHORT, modal_changes={}, quick=False, repeats=repeats)
+    return Plan(claims=claims, changes=SHORT, quick=False, repeats=repeats)
 
 
 def test_a_claim_on_a_march_is_judged_over_repeats(tmp_path: Path) -> None:
@@ -335,7 +334,7 @@ def test_a_figure_that_cannot_be_had_says_why(tmp_path: Path) -> None:
     with Evidence(
         directory=tmp_path,
         store=RunStore(directory=tmp_path),
-        modal_changes={"casing.support": 8e6},
+        changes={"casing.support": 8e6},
     ) as evidence:
         (panel,) = draw_figures(evidence, ["13"], tmp_path / "figures")["13"]
     assert panel.picture is None
@@ -391,7 +390,7 @@ def test_the_page_says_what_is_computed(tmp_path: Path) -> None:
     page = (ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8")
     said = dict(re.findall(r"^\| (\d+) \|.*\| ([a-z ]+) \|$", page, flags=re.MULTILINE))
     numbers = (*range(1, 16), 20, 21, 22, 23, 24, 30, 33, 42, 43, 44)
-    plan = Plan(claims=chosen_claims(numbers), changes={}, modal_changes={}, quick=False, repeats=1)
+    plan = Plan(claims=chosen_claims(numbers), changes={}, quick=False, repeats=1)
     card, evidence = reproduce_claims(plan, tmp_path, workers=1)
     with evidence:
         found = {str(score.claim.number): score.verdict for score in card.scores}
@@ -412,33 +411,22 @@ def test_the_page_and_the_readme_say_what_was_computed(
     maker: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     card = card_of(lambda: Finding(ours="a | b", checks=checks(True, False)))
-    card_folder, search_folder = tmp_path / "card", tmp_path / "search"
-    card_folder.mkdir()
-    search_folder.mkdir()
-    (card_folder / "scorecard.json").write_text(card.to_json())
-    (search_folder / "report.md").write_text("5 sets were screened.\n")
-    (search_folder / "sensitivity.png").write_bytes(b"a picture")
-    readme = tmp_path / "README.md"
+    (tmp_path / "scorecard.json").write_text(card.to_json())
+    readme, page = tmp_path / "README.md", tmp_path / "reproduction.md"
     readme.write_text("before\n<!-- scorecard -->\nold\n<!-- scorecard end -->\nafter\n")
+    page.write_text("# Title\n\n## Scorecard\n\nold\n\n## Values\n\nkept\n")
     monkeypatch.setattr(maker, "README", readme)
-    monkeypatch.setattr(maker, "PAGE", tmp_path / "reproduction.md")
-    maker.main([str(card_folder), str(search_folder)])
+    monkeypatch.setattr(maker, "PAGE", page)
+    maker.main(str(tmp_path))
     count = "of 1 claims 0 hold, 1 partly, 0 do not hold, 0 not testable"
     before, said, after = readme.read_text().split("<!-- scorecard")
     assert count in said
     assert (before, after) == ("before\n", " end -->\nafter\n")
-    page = (tmp_path / "reproduction.md").read_text()
-    assert count in page
-    assert "| a \\| b | partly |" in page
-    assert "* 1, partly: not met: False; met: True." in page
-    assert re.search(r"5 sets were screened\.\n\n!\[.+\]\(sensitivity\.png\)\n$", page)
-    assert (tmp_path / "sensitivity.png").read_bytes() == b"a picture"
-    again = card_of(lambda: Finding(ours="c", checks=checks(True)))
-    (card_folder / "scorecard.json").write_text(again.to_json())
-    maker.main([str(card_folder)])
-    newer = (tmp_path / "reproduction.md").read_text()
-    assert "| c | holds |" in newer
-    assert newer.split("## Values")[1] == page.split("## Values")[1]
+    written = page.read_text()
+    assert written.startswith(f"# Title\n\n## Scorecard\n\n`bladewhirl reproduce`: {count}.\n")
+    assert re.search(r"^\| commit \| [0-9a-f]{10} \|$", written, flags=re.MULTILINE)
+    assert "| a \\| b | partly |" in written
+    assert written.endswith("* 1, partly: not met: False; met: True.\n\n## Values\n\nkept\n")
 
 
 def test_the_readme_counts_what_its_page_lists(maker: Any) -> None:

@@ -1,1 +1,0 @@
-"""The search for the parameters that the paper leaves out."""
