@@ -49,7 +49,9 @@ class CouplingModes:
     name: tuple[str, ...]  #: what to call each entry, for tables and legends
     on_casing: BoolArray  #: body of each entry: casing, otherwise rotor, (entries,)
     nodal_diameter: IntArray  #: k of each entry, (entries,)
-    frequency: FloatArray  #: natural frequency of each entry, uncoupled [rad/s], (entries,)
+    frequency: FloatArray
+    """Natural frequency of each entry, uncoupled [rad/s], (entries,); negative where its square
+    is, past a critical speed."""
     amplitude: FloatArray  #: radial amplitude at the springs [kg^-1/2], (entries,)
     damping_ratio: FloatArray  #: modal damping ratio of each entry, (entries,)
     paired: BoolArray  #: whether the entry is a cosine/sine pair, (entries,)
@@ -67,7 +69,7 @@ class CouplingModes:
                 raise ValueError(f"{item.name}: values must be finite")
             array.setflags(write=False)
             object.__setattr__(self, item.name, array)
-        for name in ("nodal_diameter", "frequency", "damping_ratio"):
+        for name in ("nodal_diameter", "damping_ratio"):
             if np.any(getattr(self, name) < 0):
                 raise ValueError(f"{name}: values must not be negative")
         if np.any(self.paired & (self.nodal_diameter == 0)):
@@ -275,5 +277,5 @@ def periodic_stiffness(
     modes: CouplingModes, *, kappa: float, angle: ArrayLike, with_pi: bool = True
 ) -> FloatArray:
     """Whole stiffness diag(omega^2) + K* of Eq. (9), corrected, (..., size, size) [1/s^2]."""
-    uncoupled = np.diag(modes.frequency[modes.entry] ** 2)
+    uncoupled = np.diag((modes.frequency * np.abs(modes.frequency))[modes.entry])
     return uncoupled + coupling_stiffness(modes, kappa=kappa, angle=angle, with_pi=with_pi)

@@ -11,7 +11,7 @@ import scipy.sparse.linalg as spla
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.elements.cyclic import NO_COLUMN, nodal_diameter_of
 from bladewhirl.models.elements.structure import Structure
-from bladewhirl.models.modal.modes import DENSE_LIMIT, Modes
+from bladewhirl.models.modal.modes import DENSE_LIMIT, Modes, natural_frequencies
 
 Frequencies = Mapping[int, FloatArray]
 """Ascending frequencies [rad/s] by nodal diameter, a pair given once; all under -1 without
@@ -28,7 +28,9 @@ def lowest_frequencies(structure: Structure, count: int) -> Frequencies:
     layout = structure.layout
     if layout is not None and structure.is_cyclic:
         return {
-            k: _roots(la.eigvalsh(stiffness, mass, subset_by_index=(0, _most(count, mass))))
+            k: natural_frequencies(
+                structure, la.eigvalsh(stiffness, mass, subset_by_index=(0, _most(count, mass)))
+            )
             for k, (mass, stiffness) in layout.blocks(structure.mass, structure.stiffness)
         }
     total = count * (layout.sectors if layout else 1)
@@ -45,7 +47,7 @@ def lowest_frequencies(structure: Structure, count: int) -> Frequencies:
         squares = la.eigvalsh(
             structure.stiffness.toarray(), mass, subset_by_index=(0, _most(total, mass))
         )
-    return {NO_COLUMN: _roots(np.sort(squares))}
+    return {NO_COLUMN: natural_frequencies(structure, np.sort(squares))}
 
 
 def family_errors(modes: Modes, family: list[str], full: Frequencies) -> dict[str, float]:
@@ -63,7 +65,7 @@ def family_errors(modes: Modes, family: list[str], full: Frequencies) -> dict[st
         position = rank.get(column, 0)
         rank[column] = position + 1
         exact = full[NO_COLUMN if column == NO_COLUMN else nodal_diameter_of(column)]
-        if position < len(exact) and exact[position] > 0.0:
+        if position < len(exact) and exact[position] != 0.0:
             error = abs(modes.frequency[mode] / exact[position] - 1.0)
             errors[family[mode]] = max(errors.get(family[mode], 0.0), float(error))
     return errors
@@ -71,7 +73,3 @@ def family_errors(modes: Modes, family: list[str], full: Frequencies) -> dict[st
 
 def _most(count: int, mass: np.ndarray[tuple[int, ...], np.dtype[np.inexact]]) -> int:
     return min(count, len(mass)) - 1
-
-
-def _roots(squares: FloatArray) -> FloatArray:
-    return np.sqrt(np.maximum(squares, 0.0))

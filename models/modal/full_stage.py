@@ -162,6 +162,6 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
 
 def _at_speed(case: Case, at_rest: BladedDiskModel, reference: float) -> TurningDisk:
     """A bladed disk with its rotation effects."""
-    turning = turning_disk(case, at_rest, reference, stiff=False)
+    turning = turning_disk(case, at_rest, reference)
     assert turning is not None  # the case has effects
     return turning

@@ -25,6 +25,7 @@ from bladewhirl.models.modal.modes import (
     align_phase,
     constrained_eigh,
     families,
+    natural_frequencies,
     structure_modes,
 )
 
@@ -168,7 +169,7 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
         amplitudes += [vector for vector in vectors.T for _ in own]
     order = np.argsort(np.concatenate(squares), kind="stable")
     modes = Modes(
-        frequency=np.sqrt(np.maximum(np.concatenate(squares)[order], 0.0)),
+        frequency=natural_frequencies(structure, np.concatenate(squares)[order]),
         shapes=np.zeros((0, len(order))),  # not expanded: labels need none
         column=np.concatenate(columns)[order],
         nodal_diameter=np.concatenate(diameters)[order],

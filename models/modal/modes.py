@@ -139,7 +139,7 @@ def collect_modes(
             count += 1
         order = order[:count]
     square, shapes, column = square[order], shapes[:, order], column[order]
-    frequency = np.sqrt(np.maximum(square, 0.0))
+    frequency = natural_frequencies(structure, square)
     strain = np.einsum("im,im->m", shapes, structure.elastic @ shapes)
     in_springs = np.einsum("im,im->m", shapes, structure.springs @ shapes)
     floor = np.finfo(float).tiny
@@ -159,6 +159,17 @@ def collect_modes(
         spring_share=in_springs / np.maximum(np.abs(strain), floor),
         sectors=structure.layout.sectors if structure.layout else 0,
     )
+
+
+def natural_frequencies(structure: Structure, squares: FloatArray) -> FloatArray:
+    """Frequencies of given squares [rad/s]; those of a structure that turns keep their sign.
+
+    Squares below zero are rounding at rest. Past a critical speed they belong to modes that
+    Coriolis forces alone hold.
+    """
+    if structure.at_rest is None:
+        return np.sqrt(np.maximum(squares, 0.0))
+    return np.asarray(np.sign(squares) * np.sqrt(np.abs(squares)))
 
 
 def is_first_of_pair(columns: IntArray, position: int) -> bool:

@@ -81,32 +81,30 @@ def check_effects(case: Case, what: str, *known: Effects) -> None:
         raise CaseError([case_fault(case, "rotation.effects", f"{choice} for {what}")])
 
 
-def turning_disk(
-    case: Case, at_rest: BladedDiskModel, reference: float, *, stiff: bool
-) -> TurningDisk | None:
+def turning_disk(case: Case, at_rest: BladedDiskModel, reference: float) -> TurningDisk | None:
     """The bladed disk at the case's speed; None where the case has no rotation effects.
 
     Args:
         case: with the effects and the speed.
         at_rest: its bladed disk.
         reference: frequency that a normalised speed is relative to [rad/s].
-        stiff: whether it has to be stiff without Coriolis forces, even where they count.
 
     Raises:
-        CaseError: a speed from the lowest critical one on, where it is not.
+        CaseError: a speed from the lowest critical one on, without the Coriolis forces that hold it.
     """
     effects = case.rotation.effects
     if effects == "none":
         return None
     omega = case.march.speed.rad_per_s(reference)
     matrices = rotation_matrices(at_rest)
-    highest = lowest_critical_speed(matrices)
-    if abs(omega) >= highest and (stiff or effects == "centrifugal"):
-        expected = (
-            f"less than {highest / reference:.6g}, the critical speed from which on Coriolis"
-            " forces alone hold the bladed disk"
-        )
-        raise CaseError([case_fault(case, "march.speed", expected)])
+    if effects == "centrifugal":
+        highest = lowest_critical_speed(matrices)
+        if abs(omega) >= highest:
+            expected = (
+                f"less than {highest / reference:.6g}, the critical speed from which on Coriolis"
+                ' forces alone hold the bladed disk (rotation.effects = "full")'
+            )
+            raise CaseError([case_fault(case, "march.speed", expected)])
     disk = replace(at_rest, structure=matrices.at_speed(omega, effects))
     return TurningDisk(disk=disk, matrices=matrices, omega=omega)
 

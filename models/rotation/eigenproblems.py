@@ -61,6 +61,19 @@ def _descending(w: ComplexArray) -> IntArray:
     return np.lexsort([w.imag, -w.real])
 
 
+def modal_damping(mass: Matrix, stiffness: Matrix, ratio: float) -> Matrix:
+    """Damping matrix that gives every mode of a structure the same ratio, (n, n).
+
+    Args:
+        mass: Hermitian, positive definite.
+        stiffness: of strain alone, Hermitian; squares below zero are rounding.
+        ratio: of each mode.
+    """
+    squares, modes = la.eigh(stiffness, mass)
+    held = mass @ modes
+    return np.asarray((held * (2.0 * ratio * np.sqrt(np.maximum(squares, 0.0)))) @ held.conj().T)
+
+
 def damped_eigenvalues(
     mass: Matrix, damping: Matrix, stiffness: Matrix
 ) -> tuple[ComplexArray, ComplexArray]:

@@ -10,14 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg as la
 from scipy.optimize import brentq
 
 from bladewhirl.meshes.line_mesh import ComplexArray
 from bladewhirl.models.case.rotation import Effects
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.cyclic import nodal_diameters
-from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
+from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues, modal_damping
 from bladewhirl.models.rotation.matrices import RotationMatrices
 from bladewhirl.models.rotation.waves import Waves, waves
 
@@ -93,9 +92,7 @@ class _DampedWaves:
             bearing: damping that stands still [N s/m].
         """
         own = self.own
-        square, modes = la.eigh(own.stiffness, own.mass)
-        held = own.mass @ modes
-        damping = (held * (2.0 * self.damping_ratio * np.sqrt(square))) @ held.conj().T
+        damping = modal_damping(own.mass, own.stiffness, self.damping_ratio)
         damping = damping + 2.0 * self.omega * own.coriolis
         stiffness = own.stiffness + self.omega**2 * own.softening
         if centre is not None:

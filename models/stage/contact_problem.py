@@ -38,9 +38,9 @@ class ReducedRotor:
     dampers: FloatArray  #: rows G of the damping G^T G at points [s^-1/2], (dampers, modes)
     anisotropy: float = 0.0
     """Of springs under the centre that stand still: half of that in x less that in y [N/m]."""
-    gyroscopic: FloatArray | None = None
-    """Coriolis forces 2 Omega G by velocity, skew [rad/s], (modes, modes); None if they don't
-    count. With them the dampers feel contact within the step."""
+    by_velocity: FloatArray | None = None
+    """Coriolis forces 2 Omega G and damping of modes that are not these [1/s], (modes, modes); None
+    where Coriolis forces don't count. With them the dampers feel contact within the step."""
     circulation: float = 0.0
     """Of dampers under the centre that stand still: their strength times the speed [N/m]. In
     rotating axes a displacement (x, y) gives them a force of it times (y, -x)."""
@@ -77,11 +77,13 @@ class ReducedRotor:
             centre=self.centre[:, modes],
             column=self.column[modes],
             dampers=self.dampers[:, modes],
-            gyroscopic=None if self.gyroscopic is None else self.gyroscopic[np.ix_(modes, modes)],
+            by_velocity=(
+                None if self.by_velocity is None else self.by_velocity[np.ix_(modes, modes)]
+            ),
         )
 
     def turning_force(self, displacement: FloatArray, velocity: FloatArray) -> FloatArray:
-        """Forces on the modes because the rotor turns: Coriolis, and of dampers that stand still.
+        """Forces on the modes by `by_velocity`, and of dampers that stand still by displacement.
 
         Args:
             displacement: of the modes, (modes,).
@@ -89,7 +91,9 @@ class ReducedRotor:
         """
         x, y = self.centre @ displacement
         force = self.circulation * (np.array([y, -x]) @ self.centre)
-        return np.asarray(force if self.gyroscopic is None else force - self.gyroscopic @ velocity)
+        return np.asarray(
+            force if self.by_velocity is None else force - self.by_velocity @ velocity
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

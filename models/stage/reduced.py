@@ -21,7 +21,7 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton_basis
-from bladewhirl.models.rotation.eigenproblems import gyroscopic_frequencies
+from bladewhirl.models.rotation.eigenproblems import gyroscopic_frequencies, modal_damping
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -124,10 +124,7 @@ def reduced_disk(
         gyroscopic = 0.5 * (gyroscopic - gyroscopic.T)
         damped = basis.T @ (structure.elastic @ basis)
         damped = 0.5 * (damped + damped.T)
-    squares, vectors = la.eigh(damped, mass)
-    held = mass @ vectors
-    rates = 2.0 * case.damping.ratio * np.sqrt(np.maximum(squares, 0.0))
-    damping = (held * rates) @ held.T
+    damping = modal_damping(mass, damped, case.damping.ratio)
     blades, free = len(disk.tip_radial), len(sets["centre"])
     centre = 2 * blades + np.arange(free)
     damping[centre, centre] += np.array(case.shaft.dampings)[:free]

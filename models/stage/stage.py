@@ -30,6 +30,7 @@ from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.suspension import with_sized_shaft
 from bladewhirl.models.rotation.at_speed import TurningDisk, tip_recess, turning_disk
+from bladewhirl.models.rotation.eigenproblems import modal_damping
 from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
 from bladewhirl.models.stage.kept_modes import KeptModes, kept_modes
 from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
@@ -37,6 +38,9 @@ from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
 FULL_FREQUENCIES = 7
 """Frequencies of the full model found for each nodal diameter: five families, the suspension
 pair, and one more."""
+
+ROUNDING = 1e-11
+"""Share of a damping matrix's largest entry below which one is rounding."""
 
 MOST_ENTRIES = 5e8
 """Largest number of entries (4 GB) in the shapes of a reduced model's modes."""
@@ -92,6 +96,8 @@ class Stage:
         hertz = self.reduction.modes.frequency[here] / (2.0 * np.pi)
         low, high = f"{hertz.min():.4g}", f"{hertz.max():.4g}"
         span = f"{low} Hz" if low == high else f"{low} to {high} Hz"
+        if hertz.min() < 0.0:
+            span += " (negative squares, held by Coriolis forces)"
         error = self.frequency_error.get(name)
         return span if error is None else f"{span}, {100.0 * error:.2g} % off the full model"
 
@@ -154,7 +160,7 @@ def build_stage(case: Case) -> Stage:
         tip, wall = tip_in_sector(at_rest), (RADIAL, TANGENTIAL)
         full = lowest_frequencies(at_rest.structure, FULL_FREQUENCIES)
         reference = _reference_frequency(case, at_rest, full)
-        turning = turning_disk(case, at_rest, reference, stiff=True)
+        turning = turning_disk(case, at_rest, reference)
         disk = at_rest if turning is None else turning.disk
         if turning is not None:
             full = lowest_frequencies(disk.structure, FULL_FREQUENCIES)
@@ -164,7 +170,7 @@ def build_stage(case: Case) -> Stage:
             case.reduction.fixed_interface_modes,
             tip,
         )
-        lowest_frequency(disk, reduction.modes.frequency)  # not lost in the reduction
+        lowest_frequency(disk, np.abs(reduction.modes.frequency))  # not lost in the reduction
         casing_modes = structure_modes(casing.structure, wall)
         disk_family = mode_families(disk.structure, reduction.modes, tip, "bladed-disk")
         casing_family = mode_families(casing.structure, casing_modes, wall, "casing")
@@ -222,13 +228,10 @@ def _reduced_rotor(
         _check_clearance(case, recess)
     centre = np.zeros((2, modes.count))
     centre[: len(disk.centre)] = modes.shapes[disk.centre]  # none when clamped
-    gyroscopic = disk.structure.gyroscopic
-    if gyroscopic is not None:
-        gyroscopic = modes.shapes.T @ (gyroscopic @ modes.shapes)
-        gyroscopic = (gyroscopic - gyroscopic.T) / 2.0
+    by_velocity = _by_velocity(case, disk, modes)
     return ReducedRotor(
         frequency=modes.frequency,
-        damping_ratio=np.full(modes.count, case.damping.ratio),
+        damping_ratio=np.full(modes.count, case.damping.ratio if by_velocity is None else 0.0),
         tip_radial=modes.shapes[disk.tip_radial],
         tip_tangential=modes.shapes[disk.tip_tangential],
         centre=centre,
@@ -238,13 +241,29 @@ def _reduced_rotor(
         column=disk.blade_columns(modes.column),
         dampers=np.sqrt(case.shaft.dampings)[:, None] * centre,
         anisotropy=0.0 if case.shaft.clamped else case.shaft.anisotropy,
-        gyroscopic=gyroscopic,
+        by_velocity=by_velocity,
         circulation=(
             case.shaft.damping * turning.omega
             if turning is not None and case.shaft.damping_frame == "static"
             else 0.0
         ),
     )
+
+
+def _by_velocity(case: Case, disk: BladedDiskModel, modes: Modes) -> FloatArray | None:
+    """Coriolis forces and damping of the modes at rest, on modes at speed, (modes, modes).
+
+    None where Coriolis forces don't count; damping is then that of the modes themselves.
+    """
+    structure, shapes = disk.structure, modes.shapes
+    if structure.gyroscopic is None:
+        return None
+    skew = shapes.T @ (structure.gyroscopic @ shapes)
+    strained = shapes.T @ (structure.elastic @ shapes)
+    damping = modal_damping(np.eye(modes.count), strained, case.damping.ratio)
+    damping = (damping + damping.T) / 2.0
+    damping[np.abs(damping) < ROUNDING * np.abs(damping).max()] = 0.0
+    return np.asarray((skew - skew.T) / 2.0 + damping)
 
 
 def _check_clearance(case: Case, recess: FloatArray) -> None:

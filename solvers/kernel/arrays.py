@@ -69,6 +69,9 @@ class GyroscopicArrays(NamedTuple):
     to: Array  #: what each of these moves
     by: Array  #: and the force that does it
     full: Array  #: without symmetry: what all modes get of each, (modes, entries); else no rows
+    loss: Array
+    """Damping by column: of pairs of rows, upper triangle, twice what is beside the diagonal."""
+    full_loss: Array  #: the same of all entries, where columns are damped together; else no rows
     normal: Array  #: answer to forces by column, (rows, columns); of one column without symmetry
     normal_across: Array  #: by the partner column
     shear: Array  #: to friction

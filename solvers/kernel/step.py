@@ -18,7 +18,8 @@ the prediction by what it gives them, phi = -G (x_p - x_{n-1}) / (2 dt), which w
 the scheme itself; what a contact force changes they feel from the next step on.
 
 Coriolis forces on the rotor make its A = M / dt^2 + (D + 2 Omega G) / (2 dt) a full matrix, of one
-block for each nodal diameter; c is then its inverse, and its dampers are part of it.
+block for each nodal diameter; c is then its inverse, and its dampers and the damping of its modes
+at rest are part of it.
 
 Fields are evaluated in two stages so that one code serves cyclic and general stages: modal
 coordinates, laid out as (rows, columns), are first summed over rows with weights, giving one
@@ -83,7 +84,6 @@ from bladewhirl.solvers.kernel.motion import (
     add_dampers,
     add_loads,
     add_springs,
-    damper_forces,
     damper_loss,
     damping_loss,
     external_work,
@@ -99,6 +99,7 @@ from bladewhirl.solvers.kernel.turning import (
     circulation_work,
     correct_turning_rotor,
     turn,
+    turning_loss,
 )
 from bladewhirl.solvers.kernel.vectors import bare, plain
 
@@ -166,16 +167,17 @@ def _account(
     if loaded:
         work[EXTERNAL] += external_work(rotor.body, s.amplitude, x, slots)
         work[EXTERNAL] += external_work(casing.body, s.amplitude, y, slots)
-    lost = damping_loss(rotor.body, x, slots) + damping_loss(casing.body, y, slots)
+    lost = damping_loss(casing.body, y, slots)
+    if gyroscopic is None:
+        lost += damping_loss(rotor.body, x, slots)
+    else:
+        lost += turning_loss(rotor, gyroscopic, x, slots, s.turned)
+        work[PARAMETRIC] += circulation_work(gyroscopic, x, slots)
     work[DAMPING] += lost / march.time_step
     if dampers is not None:
         stroke, force = s.stroke, s.damper_force
-        if gyroscopic is not None:
-            damper_forces(dampers.rotor, x, slots, stroke, force, plain(0))
         work[DAMPING] += damper_loss(dampers.rotor, x, slots, stroke, force, plain(0))
         work[DAMPING] += damper_loss(dampers.casing, y, slots, stroke, force, plain(1))
-    if gyroscopic is not None:
-        work[PARAMETRIC] += circulation_work(gyroscopic, x, slots)
 
 
 @njit(**COMPILE)

@@ -26,6 +26,7 @@ from bladewhirl.solvers.kernel.vectors import (
     LANES,
     add,
     fma,
+    load,
     load_half,
     load_half_row,
     load_row,
@@ -67,6 +68,33 @@ def circulation_work(gyroscopic: GyroscopicArrays, x: Array, slots: Slots) -> fl
         moved -= _product(gyroscopic.circulation, m, x, slots.old)
         work += 0.5 * moved * _product(gyroscopic.centre, m, x, slots.now)
     return work
+
+
+@njit(**COMPILE)
+def turning_loss(
+    rotor: RotorArrays, gyroscopic: GyroscopicArrays, x: Array, slots: Slots, moved: Array
+) -> float:
+    """d^T D d with d = (x_{n+1} - x_{n-1}) / 2; ``moved`` is scratch."""
+    rows, columns = rotor.radial.shape
+    for i in range(0, x.shape[1], LANES):
+        store(moved, i, sub(load_row(x, slots.new, i), load_row(x, slots.old, i)))
+    loss = splat(0.0)
+    for n in range(len(gyroscopic.full_loss)):
+        by = splat(moved[n])
+        for i in range(n - n % LANES, x.shape[1], LANES):
+            loss = fma(mul(by, load_row(gyroscopic.full_loss, n, i)), load(moved, i), loss)
+    if len(gyroscopic.loss) == 0:
+        return 0.25 * float(total(loss))
+    for h in range(0, columns, LANES):
+        pair = 0
+        for m in range(rows):
+            force = splat(0.0)
+            for n in range(m, rows):
+                with_it = load(moved, n * columns + h)
+                force = fma(load_row(gyroscopic.loss, pair, h), with_it, force)
+                pair += 1
+            loss = fma(force, load(moved, m * columns + h), loss)
+    return 0.25 * float(total(loss))
 
 
 @njit(**COMPILE)

@@ -120,7 +120,7 @@ def pack_rotor(
             loads,
             arrangement,
             dt,
-            coupled=rotor.gyroscopic is not None,
+            coupled=rotor.by_velocity is not None,
         ),
         radial=arrangement.grid(radial),
         tangential=arrangement.grid(tangential),
@@ -139,11 +139,11 @@ def pack_rotor(
 
 def _answer_at_tips(rotor: ReducedRotor, dt: float) -> tuple[FloatArray, FloatArray]:
     """Radial answer A^-1 of the tips to forces on them, radial and tangential, (forces, tips)."""
-    if rotor.gyroscopic is None:
+    if rotor.by_velocity is None:
         inverse = scheme_inverse(rotor.frequency, rotor.damping_ratio, dt)
         radial, tangential = rotor.tip_radial * inverse, rotor.tip_tangential * inverse
     else:
-        full = turning_inverse(rotor, dt).T
+        full = _turning_inverse(rotor_damping(rotor), dt).T
         radial, tangential = rotor.tip_radial @ full, rotor.tip_tangential @ full
     return radial @ rotor.tip_radial.T, tangential @ rotor.tip_radial.T
 
@@ -160,9 +160,11 @@ def pack_gyroscopic(
         dt: time step [s].
     """
     rotor = problem.rotor
-    if rotor.gyroscopic is None:
+    if rotor.by_velocity is None:
         return None
-    inverse = turning_inverse(rotor, dt)
+    damping = rotor_damping(rotor)
+    inverse = _turning_inverse(damping, dt)
+    loss, full_loss = _losses((damping + damping.T) / 2.0, arrangement)
     stands_still = [0, 1] if rotor.circulation != 0.0 else []
     pull = rotor.circulation * rotor.centre * np.array([[1.0], [-1.0]])
     cyclic, none = arrangement.half > 0, np.zeros(0, dtype=np.int64)
@@ -178,6 +180,8 @@ def pack_gyroscopic(
         to=to,
         by=by,
         full=arrangement.pack(inverse.T[: 0 if cyclic else None]),
+        loss=loss,
+        full_loss=full_loss,
         normal=normal,
         normal_across=normal_across,
         shear=shear,
@@ -212,6 +216,29 @@ def _blocks(
     blocks[:, :, :rows] = own, across
     registers = blocks.reshape(2, half // HALF, HALF, -1, 2, rows).transpose(1, 3, 5, 0, 4, 2)
     return aligned_copy(registers.reshape(-1)), full[to, by][order], to[order], by[order]
+
+
+def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, FloatArray]:
+    """What gives d^T D d: by pairs of rows in a column or, if columns are damped together, by all.
+
+    Args:
+        damping: D, symmetric [1/s], (modes, modes).
+        arrangement: of the modes.
+
+    Returns:
+        (pairs of rows, columns) and (entries, entries): upper triangles, twice what is beside the
+        diagonal. One of them has no rows.
+    """
+    rows, columns, entries = arrangement.rows, arrangement.columns, arrangement.entries
+    full = aligned((entries, entries))
+    full[np.ix_(arrangement.entry, arrangement.entry)] = damping
+    twice = np.triu(2.0 * full) - np.diag(np.diag(full))
+    together = np.equal.outer(np.arange(entries) % columns, np.arange(entries) % columns)
+    if np.abs(full[~together]).max(initial=0.0) > ROUNDING * np.abs(damping).max(initial=0.0):
+        return aligned((0, LANES)), aligned_copy(twice)
+    grid = twice.reshape(rows, columns, rows, columns)
+    pairs = [grid[m, range(columns), n, range(columns)] for m in range(rows) for n in range(m, rows)]
+    return aligned_copy(np.array(pairs)), aligned((0, LANES))
 
 
 def _answers(inverse: FloatArray, arrangement: Arrangement, rotor: RotorArrays) -> list[FloatArray]:
@@ -390,9 +417,9 @@ def pack_dampers(
     given = (problem.rotor.dampers, problem.casing.dampers)
     for rows, body, arrangement in zip(given, bodies, arrangements, strict=True):
         strong = arrangement.pack(rows[rows.any(axis=1)])  # those without strength only cost time
+        if body is bodies[0] and problem.rotor.by_velocity is not None:  # its A has them
+            strong = strong[:0]
         solve = np.linalg.inv(2.0 * dt * np.eye(len(strong)) + strong * body.c @ strong.T)
-        if body is bodies[0] and problem.rotor.gyroscopic is not None:  # its A has them
-            solve = np.eye(len(strong)) / (2.0 * dt)
         ends.append(DamperEnds(strong, solve))
     return DamperArrays(*ends) if any(len(end.rows) for end in ends) else None
 
@@ -460,18 +487,21 @@ def _registers_in_use(patterns: FloatArray) -> IntArray:
     return places
 
 
+def _turning_inverse(damping: FloatArray, dt: float) -> FloatArray:
+    """Inverse of A of a rotor whose modes are coupled by velocity [s2], (modes, modes)."""
+    return np.asarray(np.linalg.inv(np.eye(len(damping)) / dt**2 + damping / (2.0 * dt)))
+
+
 def scheme_inverse(frequency: FloatArray, damping_ratio: FloatArray, dt: float) -> FloatArray:
     """Inverse of A = M/dt^2 + D/(2 dt) for each mode [s2], (modes,)."""
     return np.asarray(1.0 / (1.0 / dt**2 + damping_ratio * np.abs(frequency) / dt))
 
 
-def turning_inverse(rotor: ReducedRotor, dt: float) -> FloatArray:
-    """Inverse of the same with dampers and Coriolis forces [s2], (modes, modes)."""
-    inverse = scheme_inverse(rotor.frequency, rotor.damping_ratio, dt)
-    full = np.diag(1.0 / inverse) + rotor.dampers.T @ rotor.dampers / (2.0 * dt)
-    if rotor.gyroscopic is not None:
-        full += rotor.gyroscopic / (2.0 * dt)
-    return np.asarray(np.linalg.inv(full))
+def rotor_damping(rotor: ReducedRotor) -> FloatArray:
+    """Forces of a rotor's modes by velocity: damping by ratio, dampers, Coriolis, (modes, modes)."""
+    by_mode = np.diag(2.0 * rotor.damping_ratio * np.abs(rotor.frequency))
+    assert rotor.by_velocity is not None  # callers look
+    return np.asarray(by_mode + rotor.dampers.T @ rotor.dampers + rotor.by_velocity)
 
 
 def make_scratch(

@@ -93,17 +93,17 @@ class Reference:
         self._stiffness = np.concatenate([rotor.stiffness, casing.frequency**2])
         ratio = np.concatenate([rotor.damping_ratio, casing.damping_ratio])
         self._damping = 2.0 * ratio * np.abs(frequency)
-        gyroscopic = np.zeros((len(frequency), len(frequency)))
-        if turning := rotor.gyroscopic is not None:
-            gyroscopic[: self._rotor_modes, : self._rotor_modes] = rotor.gyroscopic
+        turning = rotor.by_velocity is not None
         dampers = [body.dampers.T @ body.dampers for body in (rotor, casing)]
         feel = turning or dampers_feel_contact, dampers_feel_contact
         self._felt = la.block_diag(*(d * feels for d, feels in zip(dampers, feel, strict=True)))
         self._late = la.block_diag(*dampers) - self._felt  # dampers that feel contact a step late
-        self._by_velocity = gyroscopic + self._felt + self._late
+        if rotor.by_velocity is not None:
+            self._felt[: self._rotor_modes, : self._rotor_modes] += rotor.by_velocity
+        self._by_velocity = self._felt + self._late
         inertia = np.diag(1.0 / dt**2 + self._damping / (2.0 * dt))
         self._inverse = np.linalg.inv(inertia + self._by_velocity / (2.0 * dt))
-        self._compliance = np.linalg.inv(inertia + (gyroscopic + self._felt) / (2.0 * dt))
+        self._compliance = np.linalg.inv(inertia + self._felt / (2.0 * dt))
 
     def init(self) -> ReferenceState:
         """State at t = 0; x_{-1} is consistent with initial velocity and acceleration."""

@@ -80,7 +80,7 @@ def jeffcott(omega: float, *, internal: float = 0.0, external: float = 0.0) -> C
         np.full(2, np.sign(square) * np.sqrt(abs(square))),
         centre=centre,
         dampers=np.sqrt(internal + external) * centre,
-        gyroscopic=2.0 * omega * np.array([[0.0, -1.0], [1.0, 0.0]]),
+        by_velocity=2.0 * omega * np.array([[0.0, -1.0], [1.0, 0.0]]),
         circulation=external * omega,
     )
     load = Load(rotor=rotor["unbalance"] * omega**2 * centre[0], casing=np.zeros(1), ramp=0.5)

@@ -134,8 +134,8 @@ def test_without_effects_nothing_is_assembled_anew() -> None:
 
 
 def test_a_march_knows_coriolis_forces_below_the_critical_speed() -> None:
-    assert contact_problem(build_stage(turning())).rotor.gyroscopic is None
-    skew = contact_problem(build_stage(turning("full"))).rotor.gyroscopic
+    assert contact_problem(build_stage(turning())).rotor.by_velocity is None
+    skew = contact_problem(build_stage(turning("full"))).rotor.by_velocity
     assert skew is not None
     np.testing.assert_array_equal(skew, -skew.T)
     assert np.abs(skew).max() > 0.0

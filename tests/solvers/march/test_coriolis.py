@@ -39,7 +39,8 @@ def coupled(seed: int, *, dampers: bool) -> ContactProblem:
     given, random = random_problem(seed, speed=30.0), np.random.default_rng(seed)
     modes = len(given.rotor.frequency)
     skew = 300.0 * random.normal(size=(modes, modes))
-    rotor = replace(given.rotor, gyroscopic=skew - skew.T, anisotropy=1e4, circulation=2e4)
+    half = 3.0 * random.normal(size=(modes, modes))
+    rotor = replace(given.rotor, by_velocity=skew - skew.T + half.T @ half, anisotropy=1e4, circulation=2e4)
     if dampers:
         rotor = replace(rotor, dampers=3.0 * random.normal(size=(2, modes)))
         casing = random.normal(size=(3, len(given.casing.frequency)))
@@ -79,7 +80,7 @@ STAGES: dict[str, tuple[str, ...]] = {
 @pytest.mark.parametrize("cyclic", [True, False])
 def test_every_kind_of_stage_marches_as_the_reference(example: str, cyclic: bool) -> None:
     given = thrown(turning_stage(example, *STAGES[example]), 40.0, spread=0.5)
-    assert given.rotor.gyroscopic is not None
+    assert given.rotor.by_velocity is not None
     dt, steps = min(1e-6, 0.5 * given.critical_time_step), 120
     fast, plain = CentralDifference(given, dt, 1, cyclic=cyclic), Reference(given, dt, 1)
     state, chunk, _ = fast.advance(fast.init(), steps)
@@ -110,7 +111,7 @@ def test_an_odd_number_of_blades_and_dampers_that_differ() -> None:
 def without_coriolis(given: ContactProblem) -> ContactProblem:
     """The same rotor, its Coriolis forces counted but zero."""
     still = np.zeros((len(given.rotor.frequency),) * 2)
-    return replace(given, rotor=replace(given.rotor, gyroscopic=still))
+    return replace(given, rotor=replace(given.rotor, by_velocity=still))
 
 
 def test_forces_of_no_size_change_nothing_but_rounding() -> None:
@@ -137,9 +138,9 @@ def test_a_constant_force_ends_at_the_static_answer_at_speed() -> None:
 
 def whirls(rotor: ReducedRotor) -> tuple[FloatArray, ComplexArray]:
     """Frequencies, positive and negative, and modes of a reduced rotor."""
-    assert rotor.gyroscopic is not None
+    assert rotor.by_velocity is not None
     w, p = gyroscopic_eigen(
-        np.eye(len(rotor.frequency)), np.diag(rotor.stiffness), rotor.gyroscopic
+        np.eye(len(rotor.frequency)), np.diag(rotor.stiffness), rotor.by_velocity
     )
     return w.real, p
 
@@ -245,10 +246,10 @@ def test_reference_solution_of_a_reduced_rotor() -> None:
         start=replace(given.start, casing=np.zeros(1), casing_velocity=np.zeros(1)),
     )
     modes = len(rotor.frequency)
-    assert rotor.gyroscopic is not None
+    assert rotor.by_velocity is not None
     x, y = rotor.centre
     stiffness = np.diag(rotor.stiffness) - rotor.circulation * (np.outer(x, y) - np.outer(y, x))
-    damping = np.diag(2.0 * rotor.damping_ratio * rotor.frequency) + rotor.gyroscopic
+    damping = np.diag(2.0 * rotor.damping_ratio * rotor.frequency) + rotor.by_velocity
     damping += rotor.dampers.T @ rotor.dampers
     rates = np.zeros((2 * modes + 1,) * 2)
     rates[:modes, modes:-1] = np.eye(modes)
