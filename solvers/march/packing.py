@@ -237,7 +237,9 @@ def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, 
     if np.abs(full[~together]).max(initial=0.0) > ROUNDING * np.abs(damping).max(initial=0.0):
         return aligned((0, LANES)), aligned_copy(twice)
     grid = twice.reshape(rows, columns, rows, columns)
-    pairs = [grid[m, range(columns), n, range(columns)] for m in range(rows) for n in range(m, rows)]
+    pairs = [
+        grid[m, range(columns), n, range(columns)] for m in range(rows) for n in range(m, rows)
+    ]
     return aligned_copy(np.array(pairs)), aligned((0, LANES))
 
 

@@ -16,20 +16,29 @@ from bladewhirl.studies.verification.case import Pair, verifies
 from bladewhirl.studies.verification.references import reference
 
 
-def stage_at_speed(thickness: str, *, ratio: float = 0.0, damper: float = 0.0) -> ContactProblem:
-    """The stage of the reference results at 1.05.
+def stage_at_speed(
+    thickness: str,
+    *,
+    speed: float = 1.05,
+    ratio: float = 0.0,
+    damper: float = 0.0,
+    frame: str = "rotating",
+) -> ContactProblem:
+    """The stage of the reference results.
 
     Args:
         thickness: of the disk's beams [m].
+        speed: of rotation, normalised.
         ratio: of modal damping.
         damper: beside each spring of the shaft [N s/m].
+        frame: that dampers stand in.
     """
     case = case_from(
         {
             "bladed_disk": {"disk": {"thickness": float(thickness)}},
-            "shaft": {"stiffness": 3.4e7, "damping": damper},
+            "shaft": {"stiffness": 3.4e7, "damping": damper, "damping_frame": frame},
             "rotation": {"effects": "full"},
-            "march": {"speed": 1.05, "time_step": 1e-6},
+            "march": {"speed": speed, "time_step": 1e-6},
             "damping": {"ratio": ratio},
         }
     )

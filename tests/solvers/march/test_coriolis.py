@@ -21,7 +21,7 @@ from places import EXAMPLES
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.file import case_from, read_case
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen
+from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues, gyroscopic_eigen
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor, Start
 from bladewhirl.models.stage.stage import build_stage
@@ -40,7 +40,9 @@ def coupled(seed: int, *, dampers: bool) -> ContactProblem:
     modes = len(given.rotor.frequency)
     skew = 300.0 * random.normal(size=(modes, modes))
     half = 3.0 * random.normal(size=(modes, modes))
-    rotor = replace(given.rotor, by_velocity=skew - skew.T + half.T @ half, anisotropy=1e4, circulation=2e4)
+    rotor = replace(
+        given.rotor, by_velocity=skew - skew.T + half.T @ half, anisotropy=1e4, circulation=2e4
+    )
     if dampers:
         rotor = replace(rotor, dampers=3.0 * random.normal(size=(2, modes)))
         casing = random.normal(size=(3, len(given.casing.frequency)))
@@ -134,6 +136,55 @@ def test_a_constant_force_ends_at_the_static_answer_at_speed() -> None:
     x, y = given.rotor.centre @ chunk.rotor_displacement[-1]
     assert x == pytest.approx(known[1.05], rel=1e-6)
     assert abs(y) < 1e-6 * x
+
+
+def test_past_the_critical_speed_the_shaft_moves_against_the_force() -> None:
+    """K_Omega is indefinite there; what a damper that stands still adds to it is skew."""
+    speed, damper = 2.5, 5e4
+    given = pulled(
+        stage_at_speed("0.01", speed=speed, damper=damper, frame="static"), 1.0, ramp=0.1
+    )
+    assert given.rotor.frequency.min() < 0.0
+    rows = reference("rotation")["stages"]["0.01"]["steady_per_newton"]
+    (answer,) = [x for ratio, x, _ in rows if ratio == speed]
+    assert answer < 0.0
+    x, y = np.linalg.solve(
+        np.eye(2) / answer + damper * given.speed * np.array([[0.0, -1.0], [1.0, 0.0]]),
+        [1.0, 0.0],
+    )
+    _, chunk, _ = run(given, 4e-6, 150_000, every=150_000)
+    reached = given.rotor.centre @ chunk.rotor_displacement[-1]
+    np.testing.assert_allclose(reached, [x, y], atol=1e-4 * np.hypot(x, y))
+    assert ledger_residual(chunk) < 1e-8
+
+
+def test_internal_damping_feeds_whirl_past_the_critical_speed() -> None:
+    """At the rate of complex modes of the full model, while it loses energy."""
+    growth, _ = next(
+        row[1:]
+        for row in reference("rotation")["stages"]["0.01"]["growth_rates_xi_0.005"]
+        if row[0] == 2.5
+    )
+    given = stage_at_speed("0.01", speed=2.5, ratio=0.005)
+    rotor = given.rotor
+    assert rotor.by_velocity is not None
+    rates, modes = damped_eigenvalues(
+        np.eye(len(rotor.frequency)), rotor.by_velocity, np.diag(rotor.stiffness)
+    )
+    first = int(rates.real.argmax())
+    assert rates[first].real == pytest.approx(growth, rel=1e-4)
+    whirl, still = 1e-4 * modes[:, first], np.zeros(len(given.casing.frequency))
+    start = Start(
+        rotor=whirl.real,
+        rotor_velocity=(rates[first] * whirl).real,
+        casing=still,
+        casing_velocity=still,
+    )
+    _, chunk, _ = run(replace(given, start=start), 4e-6, 50_000, every=50)
+    exact = (whirl * np.exp(rates[first] * chunk.time)[:, None]).real
+    np.testing.assert_allclose(chunk.rotor_displacement, exact, atol=1e-4 * np.abs(exact).max())
+    assert chunk.energy[-1] < chunk.energy[0] < 0.0
+    assert ledger_residual(chunk) < 1e-9
 
 
 def whirls(rotor: ReducedRotor) -> tuple[FloatArray, ComplexArray]:
