@@ -90,7 +90,7 @@ def turning_disk(case: Case, at_rest: BladedDiskModel, reference: float) -> Turn
         reference: frequency that a normalised speed is relative to [rad/s].
 
     Raises:
-        CaseError: a speed from the lowest critical one on, without the Coriolis forces that hold it.
+        CaseError: a speed from the lowest critical one on, without Coriolis forces.
     """
     effects = case.rotation.effects
     if effects == "none":

@@ -500,7 +500,7 @@ def scheme_inverse(frequency: FloatArray, damping_ratio: FloatArray, dt: float) 
 
 
 def rotor_damping(rotor: ReducedRotor) -> FloatArray:
-    """Forces of a rotor's modes by velocity: damping by ratio, dampers, Coriolis, (modes, modes)."""
+    """Forces of a rotor's modes by velocity [1/s], (modes, modes)."""
     by_mode = np.diag(2.0 * rotor.damping_ratio * np.abs(rotor.frequency))
     assert rotor.by_velocity is not None  # callers look
     return np.asarray(by_mode + rotor.dampers.T @ rotor.dampers + rotor.by_velocity)
