@@ -124,7 +124,7 @@ def reduced_disk(
         gyroscopic = 0.5 * (gyroscopic - gyroscopic.T)
         damped = basis.T @ (structure.elastic @ basis)
         damped = 0.5 * (damped + damped.T)
-    damping = modal_damping(mass, damped, case.damping.ratio)
+    damping = modal_damping(mass, damped, case.damping.ratio).real
     blades, free = len(disk.tip_radial), len(sets["centre"])
     centre = 2 * blades + np.arange(free)
     damping[centre, centre] += np.array(case.shaft.dampings)[:free]

@@ -260,7 +260,7 @@ def _by_velocity(case: Case, disk: BladedDiskModel, modes: Modes) -> FloatArray 
         return None
     skew = shapes.T @ (structure.gyroscopic @ shapes)
     strained = shapes.T @ (structure.elastic @ shapes)
-    damping = modal_damping(np.eye(modes.count), strained, case.damping.ratio)
+    damping = modal_damping(np.eye(modes.count), strained, case.damping.ratio).real
     damping = (damping + damping.T) / 2.0
     damping[np.abs(damping) < ROUNDING * np.abs(damping).max()] = 0.0
     return np.asarray((skew - skew.T) / 2.0 + damping)
