@@ -1,16 +1,27 @@
-"""Plots to point at that maps of runs and sweeps share: layout, buttons, thinned numbers."""
+"""Plots to point at that maps of runs and sweeps share: layout, buttons, bars of colours."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.plotting.style import SEQUENTIAL
 
 FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif'
 INK, LINE = "#1c2330", "#dfe3e8"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plot:
+    """A plot that the program inside a page draws: Plotly's traces and layout, arrays as such."""
+
+    traces: Sequence[Mapping[str, Any]]
+    layout: Mapping[str, Any]
+
+
+COLOUR_SCALE = SEQUENTIAL.capitalize()
+"""The common colour map by its name in Plotly."""
 
 LEGEND_BELOW = {"orientation": "h", "y": -0.16, "yanchor": "top"}
 
@@ -62,10 +73,3 @@ def buttons(labels: Sequence[str], owner: Sequence[int | None]) -> list[dict[str
 def colour_bar(title: str) -> dict[str, Any]:
     """A bar of colours with its title along it."""
     return {"title": {"text": title, "side": "right"}, "thickness": 14}
-
-
-def rounded(values: Array) -> Any:
-    """Five digits, as lists: enough to read, and half the size of a page."""
-    size = np.abs(values)
-    digits = 10.0 ** (4 - np.floor(np.log10(size, out=np.zeros(size.shape), where=size > 0)))
-    return (np.round(values * digits) / digits).tolist()

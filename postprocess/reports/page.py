@@ -8,22 +8,22 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import Any, ClassVar
 
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from bladewhirl.meshes.files.drafts import write_whole
-from bladewhirl.postprocess.fields.kinematics import ViewError
+from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
 from bladewhirl.postprocess.plotting.registry import FigureKind
 from bladewhirl.postprocess.plotting.style import styled
-
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
+from bladewhirl.postprocess.reports.interactive import Plot
 
 DPI = 200
 """Of the pictures: sharp where a column of 8 cm is shown as wide as half a laptop's screen."""
@@ -75,18 +75,26 @@ class Text(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Explorer(Block):
-    """Plots to point at, side by side; pointing at the first moves the marker of the second."""
+    """Plots to point at, side by side."""
 
     kind = "explorer"
 
-    plots: Sequence[go.Figure]
-    marked: Sequence[Sequence[Sequence[float]]] = ()
-    """Places of each marker of the second plot, the last traces of it: (marker, column, x y)."""
+    plots: Sequence[Plot]
 
-    @property
-    def documents(self) -> list[str]:
-        """The plots as JSON that may stand in a page."""
-        return [plot.to_json().replace("</", "<\\/") for plot in self.plots]
+
+@dataclass(frozen=True, kw_only=True)
+class Instants(Explorer):
+    """A machine, an orbit and histories, with a cursor that goes through instants."""
+
+    kind = "instants"
+
+    times: Array  #: of the instants [s]
+    first: int  #: number of the instant that is shown first
+    words: Sequence[str]  #: what touches at each
+    places: Sequence[Array]
+    """Of each of the orbit's markers, which are its last traces, at every instant: (instant, 2)."""
+    machine: Sequence[Mapping[str, Any]]  #: outlines, lowest first: `colour`, and `places`
+    """in 16 bits, (instant, outline, point, 2)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,22 +154,25 @@ def _report_figure(
 @styled
 def _as_png(figure: Figure) -> str:
     file = io.BytesIO()
-    figure.savefig(file, format="png", dpi=DPI)
+    figure.set_dpi(DPI)
+    FigureCanvasAgg(figure).print_figure(file)
     return base64.b64encode(file.getvalue()).decode("ascii")
 
 
 def page_html(page: Page) -> str:
     """The page as HTML."""
-    # Loaded when used: its maps' program has five megabytes.
-    from plotly.offline import get_plotlyjs
-
     draws = any(isinstance(block, Explorer) for part in page.sections for block in part.blocks)
     return filled_template(
         "bladewhirl.postprocess.reports",
         "page.html",
         page=page,
-        program=get_plotlyjs() if draws else "",
+        program=_plotly() if draws else "",
     )
+
+
+def _plotly() -> str:
+    """The program that draws maps: five megabytes; Plotly's Python side is not needed."""
+    return resources.files("plotly").joinpath("package_data/plotly.min.js").read_text("utf-8")
 
 
 def write_page(page: Page, path: str | Path) -> Path:

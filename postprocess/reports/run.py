@@ -13,7 +13,7 @@ from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.windows import late_part, window_label
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.plotting.style import speed_label
-from bladewhirl.postprocess.reports.contact_explorer import contact_explorer
+from bladewhirl.postprocess.reports.instants import instants
 from bladewhirl.postprocess.reports.page import Page, ReportFigure, Section, Table, report_figures
 from bladewhirl.postprocess.reports.provenance import Provenance, case_section, subject
 from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table
@@ -46,13 +46,19 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
         ViewError: fewer than two records.
     """
     figures = RunFigures(dataset)
-    regime = classify(dataset, strain_energies(dataset)["total"].values)
+    energy = strain_energies(dataset)
+    regime = classify(dataset, energy["total"].values)
     meaning = _sentence(REGIMES[regime.name].meaning)
     classes = contact_classes(_late(dataset))
     reason = str(dataset.attrs.get("end_reason", "completed"))
     ended = reason in ("completed", "divergent")
 
     sections = [
+        Section(
+            name="instant",
+            title="At one instant",
+            blocks=[instants(dataset, figures.contact, figures.orbit, energy)],
+        ),
         Section(
             name="verdict",
             title="Regime, and why",
@@ -65,14 +71,13 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
             name="contact",
             title="Contact of blades and casing",
             blocks=[
-                contact_explorer(figures.contact, figures.orbit),
                 *_drawn(figures, "contact"),
                 _blades(dataset, classes),
             ],
         ),
         Section(name="frequencies", title="Frequencies", blocks=_drawn(figures, "frequencies")),
         Section(name="energy", title="Strain energy and stress", blocks=_drawn(figures, "energy")),
-        Section(name="numbers", title="Numbers", blocks=[_summary(dataset)]),
+        Section(name="numbers", title="Numbers", blocks=[_summary(figures)]),
         case_section(
             dataset,
             provenance,
@@ -137,13 +142,14 @@ def _late(dataset: xr.Dataset) -> xr.Dataset:
     return late if late.sizes["time"] > 1 else dataset
 
 
-def _summary(dataset: xr.Dataset) -> Table:
+def _summary(figures: RunFigures) -> Table:
+    dataset = figures.result
     known = {name: dataset.attrs.get(name, math.nan) for name in MARCH_REPORT}
     done = float(dataset["time"].values[-1]) / float(dataset.attrs["time_step"])
     missing = any(math.isnan(float(known[name])) for name in MARCH_REPORT)
     if missing:
         known |= {"steps": round(done), "unsolved_steps": 0}
-    rows = summary_rows(summarise(dataset, known))
+    rows = summary_rows(summarise(dataset, known, figures.stresses))
     left_out = {"because", *(UNKNOWN if missing else ())}  # the page begins with the reason
     kept = [row for row in rows.items() if row[0] not in left_out]
     return Table(name="summary", title="Summary", rows=kept)

@@ -10,9 +10,10 @@ import xarray as xr
 
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY, rate_text
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.plotting.style import SEQUENTIAL
 from bladewhirl.postprocess.reports.interactive import (
+    COLOUR_SCALE,
     LEGEND_BELOW,
+    Plot,
     buttons,
     colour_bar,
     plain_layout,
@@ -67,8 +68,6 @@ def frequency_explorer(maps: xr.Dataset) -> Explorer:
     Args:
         maps: from `frequency_map.frequency_map`.
     """
-    import plotly.graph_objects as go
-
     maps = in_handy_units(maps)
     in_multiples = maps["frequency"].attrs["units"] == "1"
     unit = "/ reference frequency" if in_multiples else "[Hz]"
@@ -96,7 +95,7 @@ def frequency_explorer(maps: xr.Dataset) -> Explorer:
         name="frequency-explorer",
         title="Frequency map",
         caption=MAP_CAPTION,
-        plots=[go.Figure(traces, layout)],
+        plots=[Plot(traces=traces, layout=layout)],
     )
 
 
@@ -107,23 +106,22 @@ def points_explorer(points: xr.Dataset) -> Explorer:
         points: over (line, key): `regime`, `shaft_radius_max` [m], `growth_rate` and
             `growth_error` [1/s], `end_time` [s], `touched` [1], as `sweep_report` has them.
     """
-    import plotly.graph_objects as go
-
     points = in_handy_units(points)
     key = points[str(points.attrs["along"])]
     regime, words = points["regime"].values, _words(points)
     place = np.broadcast_to(key.values, regime.shape)
     radius = MILLI * points["shaft_radius_max"].values
     traces = [
-        go.Scatter(
-            x=place[own],
-            y=radius[own],
-            mode="markers",
-            name=f"{name} ({np.count_nonzero(own)})",
-            marker={"color": colour, "symbol": SYMBOLS[name], "size": 9, "line": {"width": 1.5}},
-            text=words[own].tolist(),
-            hovertemplate="%{text}<extra></extra>",
-        )
+        {
+            "type": "scatter",
+            "x": place[own],
+            "y": radius[own],
+            "mode": "markers",
+            "name": f"{name} ({np.count_nonzero(own)})",
+            "marker": {"color": colour, "symbol": SYMBOLS[name], "size": 9, "line": {"width": 1.5}},
+            "text": words[own],
+            "hovertemplate": "%{text}<extra></extra>",
+        }
         for name, colour in REGIME_COLOURS.items()
         if (own := regime == name).any()
     ]
@@ -143,7 +141,7 @@ def points_explorer(points: xr.Dataset) -> Explorer:
         name="points-explorer",
         title="Every point",
         caption=POINTS_CAPTION,
-        plots=[go.Figure(traces, layout)],
+        plots=[Plot(traces=traces, layout=layout)],
     )
 
 
@@ -154,8 +152,6 @@ def regime_explorer(points: xr.Dataset, other: str) -> Explorer:
         points: as `points_explorer` takes it.
         other: the other swept key.
     """
-    import plotly.graph_objects as go
-
     points = in_handy_units(points)
     key = points[str(points.attrs["along"])]
     names = list(REGIME_COLOURS)
@@ -168,19 +164,20 @@ def regime_explorer(points: xr.Dataset, other: str) -> Explorer:
         for edge in (low, high)
     ]
     # Heatmaps space their cells by the values; categories would hide how far apart they are.
-    heat = go.Heatmap(
-        x=key.values,
-        y=points[other].values,
-        z=code,
-        zmin=-0.5,
-        zmax=len(names) - 0.5,
-        colorscale=scale,
-        colorbar={"tickvals": list(range(len(names))), "ticktext": names, "thickness": 14},
-        text=_words(points).tolist(),
-        hovertemplate="%{text}<extra></extra>",
-        xgap=1,
-        ygap=1,
-    )
+    heat = {
+        "type": "heatmap",
+        "x": key.values,
+        "y": points[other].values,
+        "z": code,
+        "zmin": -0.5,
+        "zmax": len(names) - 0.5,
+        "colorscale": scale,
+        "colorbar": {"tickvals": list(range(len(names))), "ticktext": names, "thickness": 14},
+        "text": _words(points),
+        "hovertemplate": "%{text}<extra></extra>",
+        "xgap": 1,
+        "ygap": 1,
+    }
     layout = plain_layout(
         xaxis={**_key_axis(key), "showgrid": False},
         yaxis={**_key_axis(points[other]), "showgrid": False},
@@ -189,13 +186,11 @@ def regime_explorer(points: xr.Dataset, other: str) -> Explorer:
         name="regime-explorer",
         title="Regime map",
         caption=REGIME_MAP_CAPTION,
-        plots=[go.Figure([heat], layout)],
+        plots=[Plot(traces=[heat], layout=layout)],
     )
 
 
 def _map_traces(one: xr.Dataset, top: float, *, shown: bool) -> Sequence[Any]:
-    import plotly.graph_objects as go
-
     key = str(one.attrs["along"])
     place = _thinned(one[key].values, MOST_COLUMNS, np.maximum, 0)
     frequency = one["frequency"].values
@@ -204,43 +199,45 @@ def _map_traces(one: xr.Dataset, top: float, *, shown: bool) -> Sequence[Any]:
     amplitude = _thinned(MILLI * one["amplitude"].values, MOST_COLUMNS, np.fmax, 0)
     amplitude = np.fmax.reduceat(amplitude, starts, axis=1).T
     floor = 10.0 ** (top - DECADES)
-    level = np.log10(np.maximum(amplitude, floor))
     ticks = np.arange(np.ceil(top - DECADES), np.floor(top) + 1)
     traces: list[Any] = [
-        go.Heatmap(
-            x=place,
-            y=middle.astype(np.float32),
-            z=level.astype(np.float32),
-            zmin=top - DECADES,
-            zmax=top,
-            colorscale=SEQUENTIAL,
-            colorbar={
+        {
+            "type": "heatmap",
+            "x": place,
+            "y": middle,
+            "z": np.log10(np.maximum(amplitude, floor)),
+            "zmin": top - DECADES,
+            "zmax": top,
+            "colorscale": COLOUR_SCALE,
+            "colorbar": {
                 **colour_bar("amplitude of the shaft [mm]"),
                 "tickvals": ticks.tolist(),
                 "ticktext": [f"{10.0**tick:g}" for tick in ticks],
             },
-            customdata=_words_of(amplitude),
-            hovertemplate=(
-                "%{x:.5g}, frequency %{y:.4g}<br>amplitude %{customdata} mm<extra></extra>"
+            "customdata": amplitude,
+            "hoverongaps": False,
+            "hovertemplate": (
+                "%{x:.5g}, frequency %{y:.4g}<br>amplitude %{customdata:.3g} mm<extra></extra>"
             ),
-            visible=shown,
-        )
+            "visible": shown,
+        }
     ]
     known = one.isel({key: np.flatnonzero(np.isfinite(one["engine_order"][:, 0].values))})
     along = known[key].values
 
     def line(level: Array, name: str, group: str, look: Mapping[str, Any], legend: bool) -> Any:
-        return go.Scatter(
-            x=along,
-            y=level,
-            mode="lines",
-            line=look,
-            name=group,
-            legendgroup=group,
-            showlegend=legend,
-            visible=shown,
-            hovertemplate=f"{name}: %{{y:.4g}}<extra></extra>",
-        )
+        return {
+            "type": "scatter",
+            "x": along,
+            "y": level,
+            "mode": "lines",
+            "line": look,
+            "name": group,
+            "legendgroup": group,
+            "showlegend": legend,
+            "visible": shown,
+            "hovertemplate": f"{name}: %{{y:.4g}}<extra></extra>",
+        }
 
     named = "engine orders"
     for order in known["order"].values:
@@ -300,8 +297,3 @@ def _starts(count: int, most: int) -> Any:
 
 def _thinned(values: Array, most: int, reduce: np.ufunc, axis: int) -> Array:
     return np.asarray(reduce.reduceat(values, _starts(values.shape[axis], most), axis=axis))
-
-
-def _words_of(values: Array) -> list[list[str]]:
-    """Numbers to read."""
-    return [["–" if np.isnan(value) else f"{value:.3g}" for value in row] for row in values]

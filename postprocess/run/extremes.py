@@ -9,7 +9,6 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.result import portions
-from bladewhirl.postprocess.run.stresses import peak_stresses
 
 FORCE_TIME = 1e-3
 """Time that contact forces are averaged over [s], or that between two records if it is longer: a
@@ -90,22 +89,21 @@ def largest_force(dataset: xr.Dataset) -> ForcePeak:
     )
 
 
-def stress_peaks(dataset: xr.Dataset) -> dict[str, StressPeak]:
+def stress_peaks(peaks: xr.Dataset) -> dict[str, StressPeak]:
     """Largest stress of the bladed disk and of the casing.
 
     Args:
-        dataset: a result.
+        peaks: of every member, from `stresses.peak_stresses` or `stresses.stress_history`.
     """
-    peaks = peak_stresses(dataset)
     of_casing = peaks["member"].values == "casing"
     found = {}
     for body, own in (("bladed_disk", ~of_casing), ("casing", of_casing)):
         members = peaks.isel(member=np.flatnonzero(own))
-        one = members.isel(member=int(np.abs(members["stress"].values).argmax()))
+        one = members.isel(member=int(np.abs(members["peak_stress"].values).argmax()))
         found[body] = StressPeak(
-            stress=float(one["stress"]),
+            stress=float(one["peak_stress"]),
             member=str(one["member"].values),
-            radius=float(one["radius"]),
-            time=float(one["time"]),
+            radius=float(one["peak_radius"]),
+            time=float(one["peak_time"]),
         )
     return found

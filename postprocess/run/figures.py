@@ -60,6 +60,11 @@ class RunFigures:
         """Gaps and contact forces over blade and time."""
         return contact_maps(self.result)
 
+    @cached_property
+    def stresses(self) -> xr.Dataset:
+        """Stresses and strains of every member over time."""
+        return stress_history(self.result)
+
     def after_onset(self, dataset: xr.Dataset) -> xr.Dataset:
         """The last third of a whole run, all of a window."""
         return late_part(dataset) if self._is_whole else dataset
@@ -135,7 +140,7 @@ def phases(run: RunFigures) -> xr.Dataset:
 
 def stress(run: RunFigures) -> xr.Dataset:
     """From `stresses.stress_history`."""
-    return stress_history(run.result)
+    return run.stresses
 
 
 def growth(run: RunFigures) -> xr.Dataset:

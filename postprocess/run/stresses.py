@@ -6,6 +6,7 @@ where beams meet, no centrifugal stress. At a surface it is axial plus or minus 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -15,13 +16,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.blades import member_names
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, station_angles
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import portions
 from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.fields.strains import (
     StrainRows,
-    Strains,
     casing_strain_rows,
     rotor_strain_rows,
 )
@@ -37,11 +37,11 @@ from bladewhirl.postprocess.plotting.style import (
 CASING_PIECES = 4
 """Pieces of a casing element at whose ends strains are taken: they are not linear in it."""
 
-PORTION_BYTES = 64e6
-"""Room that the strains of the records looked at together take."""
+PORTION_BYTES = 4e6
+"""Room that strains of the records looked at together take: such products are worth two cores."""
 
-PEAK_BYTES = 8e6
-"""The same where peaks alone are looked for, as in the summary of any run, however long."""
+CACHED_BYTES = 1e6
+"""The same of those whose extremes are looked for together: it stays in a core's cache."""
 
 COLUMNS = 1000
 """Spans of time that a line of the figure has at most; the largest of each is drawn."""
@@ -56,15 +56,20 @@ UNITS = {
 }
 """Histories of every member, with their units."""
 
+PEAKS = {"peak_stress": "Pa", "peak_time": "s", "peak_radius": "m"}
+"""Extremes of every member, with their units."""
+
 
 class _Body(NamedTuple):
-    """A body whose beams are sorted into members."""
+    """A body whose beams are sorted into members; points are all stations of its elements."""
 
     history: str
-    rows: StrainRows
-    modulus: Array  #: (element, station or 1) [Pa]
-    place: Array  #: of each station, undeformed (element, station, 2) [m]
-    member: IntArray  #: (element,), sorted
+    axial: Array  #: strains for unit modal coordinates (point, mode)
+    bending: Array  #: the same
+    modulus: Array  #: (point, 1) [Pa]
+    radius: Array  #: undeformed (point,) [m]
+    starts: IntArray  #: first point of each member
+    columns: slice  #: the members, among those of all bodies
 
 
 def stress_history(
@@ -92,36 +97,27 @@ def stress_history(
     names, bodies = _bodies(dataset)
     time = dataset["time"].values
     out = {name: np.empty((len(time), len(names))) for name in UNITS}
-    peak = {name: np.zeros(len(names)) for name in ("stress", "time", "radius")}
-    first = 0
-    for body in bodies:
-        starts = np.flatnonzero(np.diff(body.member, prepend=-1))
-        columns = slice(first, first + len(starts))
-        first += len(starts)
-        for portion in portions(dataset, _records_together(body)):
-            strains = Strains.of(dataset[body.history].isel(time=portion).values, body.rows)
-            axial, bending = strains.axial, np.abs(strains.bending)
-            modulus = body.modulus
-            found = {
-                "axial_strain": _largest(axial, starts),
-                "axial_stress": _largest(modulus * axial, starts),
-                "bending_strain": _maximum(bending, starts),
-                "bending_stress": _maximum(modulus * bending, starts),
-                "largest_stress": _maximum(modulus * (axial + bending), starts),
-                "smallest_stress": -_maximum(modulus * (bending - axial), starts),
-            }
-            for name, values in found.items():
-                out[name][portion, columns] = values
-            _note_peaks(peak, columns, body, starts, time[portion], axial, bending)
+    peak = {name: np.zeros(len(names)) for name in PEAKS}
+    for body, portion, axial, bending in _strains(dataset, bodies):
+        stress, bent = body.modulus * axial, body.modulus * bending
+        found = {
+            "axial_strain": _largest(axial, body.starts),
+            "axial_stress": _largest(stress, body.starts),
+            "bending_strain": _maximum(bending, body.starts),
+            "bending_stress": _maximum(bent, body.starts),
+            "largest_stress": _maximum(stress + bent, body.starts),
+            "smallest_stress": -_maximum(bent - stress, body.starts),
+        }
+        for name, values in found.items():
+            out[name][portion, body.columns] = values.T
+        _note_peaks(peak, body, time[portion], axial, bending)
     plane = ("time", "member")
     return labelled(
         dataset,
         "stresses, linear, by beam theory",
         {
             **{name: (plane, values, UNITS[name]) for name, values in out.items()},
-            "peak_stress": ("member", peak["stress"], "Pa"),
-            "peak_time": ("member", peak["time"], "s"),
-            "peak_radius": ("member", peak["radius"], "m"),
+            **{name: ("member", values, PEAKS[name]) for name, values in peak.items()},
         },
         {"time": time, "member": names},
         blades=dataset.sizes["blade"],
@@ -135,20 +131,13 @@ def peak_stresses(dataset: xr.Dataset) -> xr.Dataset:
         dataset: a result.
 
     Returns:
-        over member: `stress` [Pa], signed, `time` [s] and `radius` [m], as of `stress_history`.
+        over member: `peak_stress`, `peak_time` and `peak_radius`, as of `stress_history`.
     """
     names, bodies = _bodies(dataset)
     time = dataset["time"].values
-    peak = {name: np.zeros(len(names)) for name in ("stress", "time", "radius")}
-    first = 0
-    for body in bodies:
-        starts = np.flatnonzero(np.diff(body.member, prepend=-1))
-        columns = slice(first, first + len(starts))
-        first += len(starts)
-        for portion in portions(dataset, _records_together(body, PEAK_BYTES)):
-            strains = Strains.of(dataset[body.history].isel(time=portion).values, body.rows)
-            bending = np.abs(strains.bending)
-            _note_peaks(peak, columns, body, starts, time[portion], strains.axial, bending)
+    peak = {name: np.zeros(len(names)) for name in PEAKS}
+    for body, portion, axial, bending in _strains(dataset, bodies):
+        _note_peaks(peak, body, time[portion], axial, bending)
     return xr.Dataset(
         {name: ("member", values) for name, values in peak.items()}, coords={"member": names}
     )
@@ -158,68 +147,87 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
     names, member = member_names(dataset)
     order = np.argsort(member, kind="stable")
     present = np.unique(member)
-    rotor = rotor_strain_rows(dataset)
     ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
     nodes = dataset.sizes["casing_node"]
-    angles = station_angles(dataset, CASING_PIECES)
-    ring = dataset.attrs["casing_radius"] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    bodies = [
-        _Body(
-            "rotor_displacement",
-            StrainRows(*(row[order] for row in rotor)),
-            rotor_sections(dataset, "young_modulus", 1)[order],
-            ends[order],
-            member[order],
-        ),
-        _Body(
-            "casing_displacement",
-            casing_strain_rows(dataset, CASING_PIECES),
-            dataset["casing_young_modulus"].values[:, None],
-            ring,
-            np.zeros(nodes, dtype=np.int64),
-        ),
-    ]
-    return [*(names[number] for number in present), "casing"], bodies
+    rotor = _body(
+        "rotor_displacement",
+        StrainRows(*(row[order] for row in rotor_strain_rows(dataset))),
+        rotor_sections(dataset, "young_modulus", 1)[order],
+        np.linalg.norm(ends[order], axis=-1),
+        member[order],
+        first=0,
+    )
+    casing = _body(
+        "casing_displacement",
+        casing_strain_rows(dataset, CASING_PIECES),
+        dataset["casing_young_modulus"].values[:, None],
+        np.full((nodes, CASING_PIECES + 1), dataset.attrs["casing_radius"]),
+        np.zeros(nodes, dtype=np.int64),
+        first=len(present),
+    )
+    return [*(names[number] for number in present), "casing"], [rotor, casing]
 
 
-def _records_together(body: _Body, room: float = PORTION_BYTES) -> int:
-    """Records whose strains fit in the room given to them."""
-    stations = int(np.prod(body.rows.axial.shape[:2]))
-    return max(1, int(room / (8 * 4 * stations)))
+def _body(
+    history: str, rows: StrainRows, modulus: Array, radius: Array, member: IntArray, *, first: int
+) -> _Body:
+    """A body from values of every (element, station); `first` is the number of its first member."""
+    stations = rows.axial.shape[1]
+    starts = stations * np.flatnonzero(np.diff(member, prepend=-1))
+    return _Body(
+        history,
+        rows.axial.reshape(-1, rows.axial.shape[-1]),
+        rows.bending.reshape(-1, rows.bending.shape[-1]),
+        np.broadcast_to(modulus, radius.shape).reshape(-1, 1),
+        radius.ravel(),
+        starts,
+        slice(first, first + len(starts)),
+    )
+
+
+def _strains(
+    dataset: xr.Dataset, bodies: list[_Body]
+) -> Iterator[tuple[_Body, slice, Array, Array]]:
+    """Axial strain and size of the bending strain, (point, record), of a few records at a time."""
+    for body in bodies:
+        together, cached = (
+            max(1, int(room / (8 * len(body.radius)))) for room in (PORTION_BYTES, CACHED_BYTES)
+        )
+        for read in portions(dataset, together):
+            coordinates = dataset[body.history].isel(time=read).values.T
+            axial, bending = body.axial @ coordinates, body.bending @ coordinates
+            for first in range(0, axial.shape[1], cached):
+                own = slice(first, first + cached)
+                portion = slice(read.start + first, min(read.start + own.stop, read.stop))
+                yield body, portion, axial[:, own], np.abs(bending[:, own])
 
 
 def _maximum(values: Array, starts: IntArray) -> Array:
-    """Largest value of each member (record, member), of values (record, element, station)."""
-    return np.asarray(np.maximum.reduceat(values.max(axis=2), starts, axis=1))
+    """Largest value of each member (member, record), of values (point, record)."""
+    return np.asarray(np.maximum.reduceat(values, starts, axis=0))
 
 
 def _largest(values: Array, starts: IntArray) -> Array:
     """The value largest in magnitude of each member, signed."""
-    high, low = _maximum(values, starts), -_maximum(-values, starts)
+    high, low = _maximum(values, starts), np.minimum.reduceat(values, starts, axis=0)
     return np.where(high >= -low, high, low)
 
 
 def _note_peaks(
-    peak: dict[str, Array],
-    columns: slice,
-    body: _Body,
-    starts: IntArray,
-    time: Array,
-    axial: Array,
-    bending: Array,
+    peak: dict[str, Array], body: _Body, time: Array, axial: Array, bending: Array
 ) -> None:
     """Bring the extremes of all times up to date with those of a portion of records."""
     size = body.modulus * (np.abs(axial) + bending)
-    ranges = pairwise([*starts, size.shape[1]])
-    for column, (first, end) in enumerate(ranges, columns.start):
-        own = size[:, first:end]
-        at = np.unravel_index(int(np.argmax(own)), own.shape)
-        if own[at] <= abs(peak["stress"][column]):
+    ranges = pairwise([*body.starts, len(size)])
+    for column, (first, end) in enumerate(ranges, body.columns.start):
+        own = size[first:end]
+        point, record = np.unravel_index(int(own.argmax()), own.shape)
+        if own[point, record] <= abs(peak["peak_stress"][column]):
             continue
-        sign = 1.0 if axial[:, first:end][at] >= 0 else -1.0
-        peak["stress"][column] = sign * own[at]
-        peak["time"][column] = time[at[0]]
-        peak["radius"][column] = np.linalg.norm(body.place[first:end][at[1:]])
+        sign = 1.0 if axial[first + point, record] >= 0 else -1.0
+        peak["peak_stress"][column] = sign * own[point, record]
+        peak["peak_time"][column] = time[record]
+        peak["peak_radius"][column] = body.radius[first + point]
 
 
 @styled

@@ -25,6 +25,7 @@ from bladewhirl.postprocess.run.extremes import (
     largest_force,
     stress_peaks,
 )
+from bladewhirl.postprocess.run.stresses import peak_stresses
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.whirl import FRAMES, ripple, strongest_lines, whirl
 
@@ -117,7 +118,9 @@ class Summary:
         return json.dumps(asdict(self), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
-def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary:
+def summarise(
+    dataset: xr.Dataset, march_report: Mapping[str, float], stresses: xr.Dataset | None = None
+) -> Summary:
     """Sum up a result, read portion by portion.
 
     Args:
@@ -125,6 +128,7 @@ def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary
         march_report: `complementarity_residual`, `unsolved_steps`, `dt_over_critical`, `steps`,
             `wall_time` [s] and `us_per_step` [µs], which the histories don't hold; other entries
             are ignored.
+        stresses: from `stresses.stress_history`, where it is known.
 
     Raises:
         ValueError: an entry of the report is missing.
@@ -164,7 +168,7 @@ def summarise(dataset: xr.Dataset, march_report: Mapping[str, float]) -> Summary
         casing_displacement_max=casing_peaks(dataset),
         contact_force_max=largest_force(dataset),
         contact_impulse=float(dataset["contact_impulse"].sum()),
-        stress_max=stress_peaks(dataset),
+        stress_max=stress_peaks(peak_stresses(dataset) if stresses is None else stresses),
         yield_strength=dataset.attrs.get("yield_strength"),
         contact_share=(contact_steps / max(steps, 1)).tolist(),
         gap_violation_max=max(0.0, -float(dataset["gap"].min())),

@@ -13,7 +13,6 @@ from typing import Literal
 
 import numpy as np
 import xarray as xr
-from scipy.stats import linregress
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 from bladewhirl.postprocess.fields.windows import evenly_spaced, span_starts
@@ -99,17 +98,17 @@ def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
     if len(time) < 2 or not orbit["radius"].values.any():
         return Whirl(rate=float("nan"), error=float("nan"), goes_round=False)
     angle, doubtful = phase(orbit, frame)
-    fit = linregress(time, angle)
-    turned = abs(fit.slope) * np.ptp(time)
-    swing = np.ptp(angle - fit.slope * time) + 2 * np.pi * np.count_nonzero(doubtful)
+    rate = _slope(time, angle)
+    turned = abs(rate) * np.ptp(time)
+    swing = np.ptp(angle - rate * time) + 2 * np.pi * np.count_nonzero(doubtful)
     error = _slope_error(time, angle)
     return Whirl(
-        rate=float(fit.slope),
+        rate=rate,
         error=error,
         goes_round=bool(
             turned >= LEAST_TURN * 2 * np.pi
             and turned > swing
-            and not abs(fit.slope) <= CERTAINTY * error
+            and not abs(rate) <= CERTAINTY * error
         ),
     )
 
@@ -182,7 +181,13 @@ def strongest_lines(orbit: xr.Dataset, frame: Frame) -> tuple[SpectralLine, ...]
 def span_rates(time: Array, angle: Array, starts: IntArray) -> Array:
     """Slope of the angle in each span [rad/s]; nan in one of a single record."""
     parts = zip(np.split(time, starts[1:]), np.split(angle, starts[1:]), strict=True)
-    return np.array([linregress(t, a).slope if len(t) > 1 else np.nan for t, a in parts])
+    return np.array([_slope(t, a) if len(t) > 1 else np.nan for t, a in parts])
+
+
+def _slope(time: Array, angle: Array) -> float:
+    """Of the straight line nearest to the angle by least squares [rad/s]."""
+    own = np.cov(time, angle, bias=True)
+    return float(own[0, 1] / own[0, 0])
 
 
 def _slope_error(time: Array, angle: Array) -> float:

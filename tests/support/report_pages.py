@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import re
 from html.parser import HTMLParser
 from typing import Any
+
+import numpy as np
 
 LOADING = {"src", "srcset", "data", "poster", "action", "background", "formaction"}
 
@@ -19,7 +22,7 @@ class Parsed(HTMLParser):
         self.pictures: dict[str, str] = {}
         self.tags: list[str] = []
         self.plots: list[dict[str, Any]] = []
-        self.marked: list[list[list[float]]] = []
+        self.machine: dict[str, Any] = {}
         self.words = ""
         self.styles = ""
         self._open = ""
@@ -43,9 +46,9 @@ class Parsed(HTMLParser):
 
     def handle_data(self, data: str) -> None:
         if self._open == "plot-data":
-            self.plots.append(json.loads(data))
-        elif self._open == "marked":
-            self.marked = json.loads(data)
+            self.plots.append(json.loads(data, object_hook=_unpacked))
+        elif self._open == "machine":
+            self.machine = json.loads(data, object_hook=_unpacked)
         elif self._open == "style":
             self.styles += data
         elif self._open != "script":
@@ -57,3 +60,11 @@ class Parsed(HTMLParser):
         loading = [tag for tag in self.tags if tag in ("link", "iframe", "object", "embed", "base")]
         imported = re.findall(r"url\(|@import", self.styles)
         return [*(text for text in self.references if not re.match(own, text)), *loading, *imported]
+
+
+def _unpacked(found: dict[str, Any]) -> Any:
+    """Arrays as Plotly reads them."""
+    if "bdata" not in found:
+        return found
+    values = np.frombuffer(base64.b64decode(found["bdata"]), dtype=found["dtype"])
+    return values.reshape([int(size) for size in found["shape"].split(",")])

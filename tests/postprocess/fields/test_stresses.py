@@ -67,7 +67,7 @@ def test_peaks_are_the_extremes_of_all_times(result: xr.Dataset) -> None:
 
 def test_portions_do_not_show(result: xr.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = stress_history(result)
-    monkeypatch.setattr(stresses, "PORTION_BYTES", 8 * 4 * 528 * 7.0)
+    monkeypatch.setattr(stresses, "PORTION_BYTES", 8 * 528 * 7.0)
     xr.testing.assert_allclose(stress_history(result), whole, rtol=1e-13)
 
 

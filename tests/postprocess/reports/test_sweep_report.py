@@ -67,9 +67,7 @@ def test_points_and_maps_are_those_of_the_sweep(page: Parsed) -> None:
     assert shown["sustained (2)"]["text"][0].startswith("<b>sustained</b><br>march.speed = 1.2<br>")
     assert "largest shaft displacement 1.3 mm" in shown["sustained (2)"]["text"][0]
     heat = maps["data"][0]
-    told = np.array(
-        [[np.nan if cell == "–" else float(cell) for cell in row] for row in heat["customdata"]]
-    )
+    told = heat["customdata"]
     assert np.isnan(told[:, 3]).all()  # the failed point
     np.testing.assert_allclose(told[:, :3].max(axis=0), [0.4, 1.3, 1.2], rtol=0.2)
 

@@ -16,6 +16,7 @@ from report_pages import Parsed
 from typer.testing import CliRunner, Result
 
 import bladewhirl as bw
+from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.run.blade_contact import contact_maps
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
@@ -73,7 +74,7 @@ def test_all_figures_are_inside(page: Parsed) -> None:
     drawn = {name for name, kind in RUN_FIGURES.items() if kind.section} - {
         "regime"
     }  # so short a run has no growth rate
-    assert len(drawn) == 14
+    assert len(drawn) == 12
     assert set(page.pictures) == drawn
     for picture in page.pictures.values():
         content = base64.b64decode(picture.partition(",")[2])
@@ -85,7 +86,7 @@ def test_all_figures_are_inside(page: Parsed) -> None:
 def test_contents_lead_to_sections(folder: Path, page: Parsed) -> None:
     text = (folder / "report.html").read_text(encoding="utf-8")
     links = [own[1:] for own in page.references if own.startswith("#")]
-    assert len(links) == page.tags.count("section") == 7
+    assert len(links) == page.tags.count("section") == 8
     assert all(f'<section id="{name}">' in text for name in links)
 
 
@@ -105,19 +106,27 @@ def test_numbers_are_those_of_the_run(page: Parsed) -> None:
         assert expected in words, expected
 
 
-def test_the_map_shows_the_run(folder: Path, page: Parsed) -> None:
+def test_it_begins_with_the_run_at_one_instant(folder: Path, page: Parsed) -> None:
     with xr.open_dataset(folder / "result.nc", engine="h5netcdf") as result:
         maps, orbit = contact_maps(result), shaft_orbit(result).load()
-    contact, path = page.plots
-    told = np.array(contact["data"][0]["customdata"])  # blade, span, (N, N, mm)
+        largest = result["time"].values[result["contact_impulse"].values.max(axis=1).argmax()]
+        total = strain_energies(result)["total"].values
+    path, histories = page.plots
+    told = histories["data"][0]["customdata"]  # blade, span, (N, N, mm)
     np.testing.assert_allclose(told[..., 0], maps["force"].values.T, rtol=1e-4)
     np.testing.assert_allclose(told[..., 1], maps["friction"].values.T, rtol=1e-4)
     np.testing.assert_allclose(told[..., 2], 1e3 * maps["gap"].values.T, rtol=1e-4)
-    # The marker that follows the pointer: where the shaft is at the end of each span.
+    energy = {line["name"]: line["y"] for line in histories["data"][3:]}
+    np.testing.assert_allclose(energy["total"], total, rtol=1e-6)
+    # The markers that follow the cursor, and where it begins.
     assert len(path["data"]) == 1 + 2 + 2
-    for places, frame in zip(page.marked, ("rotating", "static"), strict=True):
-        expected = 1e3 * orbit[frame].sel(time=maps["time"], method="nearest").values
-        np.testing.assert_allclose(places, expected, rtol=1e-4, atol=1e-9)
+    times = page.machine["times"]
+    assert np.any(times == largest)
+    for places, frame in zip(page.machine["places"], ("static", "rotating"), strict=True):
+        expected = 1e3 * orbit[frame].sel(time=times).values
+        np.testing.assert_allclose(places, expected, rtol=1e-6, atol=1e-9)
+    for outlines in page.machine["machine"]:
+        assert len(outlines["places"]) == len(times) == len(page.machine["words"])
 
 
 @pytest.mark.parametrize(
