@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -20,11 +20,8 @@ from bladewhirl.postprocess.modal.campbell import (
     wave_colour,
 )
 from bladewhirl.postprocess.plotting.style import COLOURS
-from bladewhirl.postprocess.reports.interactive import LEGEND_BELOW, plain_layout, rounded
+from bladewhirl.postprocess.reports.interactive import LEGEND_BELOW, Plot, plain_layout
 from bladewhirl.postprocess.reports.page import Explorer, Page, Section, Table
-
-if TYPE_CHECKING:
-    import plotly.graph_objects as go
 
 POINTS = 121
 """Speeds along a line."""
@@ -126,13 +123,11 @@ def _table(data: xr.Dataset, inside: BoolArray) -> Table:
 
 
 def _explorer(data: xr.Dataset, frame: Frame) -> Explorer:
-    import plotly.graph_objects as go
-
     traces = [_line(wave, frame, data) for wave in _waves(data)]
     first: set[str] = set()
     for trace in traces:  # one entry of the legend for each family
-        trace.showlegend = trace.legendgroup not in first
-        first.add(trace.legendgroup)
+        trace["showlegend"] = trace["legendgroup"] not in first
+        first.add(trace["legendgroup"])
     axis: dict[str, Any] = {"title": {"text": f"frequency / ω₁, {frame} frame"}}
     limits = frequency_limits(drawn_part(data), frame)
     if frame == "static":
@@ -146,16 +141,25 @@ def _explorer(data: xr.Dataset, frame: Frame) -> Explorer:
         hovermode="closest",
     )
     low, high = data.attrs["operating_range"]
-    shade = go.layout.Shape(
-        x0=low, x1=high, y0=0, y1=1, yref="paper", fillcolor="#f0f0f0", line_width=0, layer="below"
-    )
-    layout["shapes"] = [shade]
+    layout["shapes"] = [
+        {
+            "type": "rect",
+            "x0": low,
+            "x1": high,
+            "y0": 0,
+            "y1": 1,
+            "yref": "paper",
+            "fillcolor": "#f0f0f0",
+            "line": {"width": 0},
+            "layer": "below",
+        }
+    ]
     marks = [_coincidences(data, frame), *_critical(data, frame)]
     return Explorer(
         name=f"{frame}-frame",
         title=f"Seen in the {frame} frame",
         caption=CAPTION if frame == "rotating" else "",
-        plots=[go.Figure([*traces, *marks], layout)],
+        plots=[Plot(traces=[*traces, *marks], layout=layout)],
     )
 
 
@@ -195,31 +199,30 @@ def _waves(data: xr.Dataset) -> Iterator[_Wave]:
                 yield _Wave(way="forward", rotating=np.full_like(speed, -frequency), **wave)
 
 
-def _line(wave: _Wave, frame: Frame, data: xr.Dataset) -> go.Scatter:
-    import plotly.graph_objects as go
-
+def _line(wave: _Wave, frame: Frame, data: xr.Dataset) -> dict[str, Any]:
     hertz = float(data.attrs["reference_frequency_hz"])
     on_casing, first = wave.body == "casing", wave.nodal_diameter == 1
     here = np.abs(getattr(wave, frame))
-    numbers = rounded(np.column_stack([hertz * here, 60.0 * hertz * wave.speed]))
+    numbers = np.column_stack([hertz * here, 60.0 * hertz * wave.speed]).tolist()
     ways = zip(_ways(wave.rotating), _ways(wave.static), strict=True)
     group = f"casing {wave.family}" if on_casing else wave.family
     lowest = ("rigid", "1F") if on_casing else DRAWN_FAMILIES
-    return go.Scatter(
-        x=rounded(wave.speed),
-        y=rounded(here),
-        customdata=[[*pair, *both] for pair, both in zip(numbers, ways, strict=True)],
-        hovertemplate=f"{POINTED}<extra>{group}, k = {wave.nodal_diameter}</extra>",
-        mode="lines",
-        line={
+    return {
+        "type": "scatter",
+        "x": wave.speed,
+        "y": here,
+        "customdata": [[*pair, *both] for pair, both in zip(numbers, ways, strict=True)],
+        "hovertemplate": f"{POINTED}<extra>{group}, k = {wave.nodal_diameter}</extra>",
+        "mode": "lines",
+        "line": {
             "color": wave_colour(wave.body, wave.family, wave.nodal_diameter),
             "width": 2.2 if first else 1.1,
             "dash": "dot" if on_casing else "solid" if wave.way == "backward" else "dash",
         },
-        name=group,
-        legendgroup=group,
-        visible=True if wave.family in lowest else "legendonly",
-    )
+        "name": group,
+        "legendgroup": group,
+        "visible": True if wave.family in lowest else "legendonly",
+    }
 
 
 def _ways(signed: FloatArray) -> list[str]:
@@ -228,44 +231,48 @@ def _ways(signed: FloatArray) -> list[str]:
     ]
 
 
-def _coincidences(data: xr.Dataset, frame: Frame) -> go.Scatter:
-    import plotly.graph_objects as go
-
+def _coincidences(data: xr.Dataset, frame: Frame) -> dict[str, Any]:
     shown = data.isel(coincidence=in_diagram(data))
-    return go.Scatter(
-        x=shown["normalised_speed"].values,
-        y=met_frequencies(shown, frame),
-        customdata=[
+    return {
+        "type": "scatter",
+        "x": shown["normalised_speed"].values,
+        "y": met_frequencies(shown, frame),
+        "customdata": [
             [int(k), str(family), str(casing), round(float(rpm), 1)]
             for k, family, casing, rpm in zip(
                 *(shown[n].values for n in ("nodal_diameter", "family", "casing_family", "speed")),
                 strict=True,
             )
         ],
-        hovertemplate="%{customdata[1]} meets casing %{customdata[2]}<br>%{x:.4f} ω₁,"
-        " %{customdata[3]} rpm<extra>k = %{customdata[0]}</extra>",
-        mode="markers",
-        marker={"size": 9, "color": "#ffffff", "line": {"color": COLOURS["total"], "width": 1.5}},
-        name="coincidence",
-    )
+        "hovertemplate": (
+            "%{customdata[1]} meets casing %{customdata[2]}<br>%{x:.4f} ω₁,"
+            " %{customdata[3]} rpm<extra>k = %{customdata[0]}</extra>"
+        ),
+        "mode": "markers",
+        "marker": {
+            "size": 9,
+            "color": "#ffffff",
+            "line": {"color": COLOURS["total"], "width": 1.5},
+        },
+        "name": "coincidence",
+    }
 
 
-def _critical(data: xr.Dataset, frame: Frame) -> Iterator[go.Scatter]:
-    import plotly.graph_objects as go
-
+def _critical(data: xr.Dataset, frame: Frame) -> Iterator[dict[str, Any]]:
     if "branch" not in data.dims:
         return
     speed, k = data["critical_speed"].values, data["critical_nodal_diameter"].values
-    yield go.Scatter(
-        x=speed,
-        y=speed * k if frame == "static" else np.zeros(len(speed)),
-        text=[
+    yield {
+        "type": "scatter",
+        "x": speed,
+        "y": speed * k if frame == "static" else np.zeros(len(speed)),
+        "text": [
             f"{family}, k = {n}"
             for n, family in zip(k, data["critical_family"].values, strict=True)
         ],
-        hovertemplate="critical speed %{x:.5f} ω₁<extra>%{text}</extra>",
-        mode="markers",
-        marker={"size": 11, "symbol": "x", "color": COLOURS["contact"]},
-        name="critical speed",
-        cliponaxis=False,
-    )
+        "hovertemplate": "critical speed %{x:.5f} ω₁<extra>%{text}</extra>",
+        "mode": "markers",
+        "marker": {"size": 11, "symbol": "x", "color": COLOURS["contact"]},
+        "name": "critical speed",
+        "cliponaxis": False,
+    }

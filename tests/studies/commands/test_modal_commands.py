@@ -240,7 +240,9 @@ def test_the_page_to_point_at_tells_every_wave(case: Path, tmp_path: Path) -> No
     assert not parsed.outside()
     rotating, static = parsed.plots
     crossing = next(trace for trace in static["data"] if trace["name"] == "critical speed")
-    assert crossing["x"] == crossing["y"]  # waves with k = 1 that stand still on the disk
+    assert (
+        crossing["x"].tolist() == crossing["y"].tolist()
+    )  # waves with k = 1 that stand still on the disk
     first = next(trace for trace in rotating["data"] if "1F, k = 1" in trace["hovertemplate"])
     hertz, rpm, *ways = first["customdata"][60]
     assert hertz / first["y"][60] == pytest.approx(rpm / 60.0 / first["x"][60], rel=1e-3)
