@@ -13,14 +13,14 @@ from bladewhirl.models.case.file import with_values
 
 Scenario = Literal["modal", "distortion", "imbalance"]
 
-CONTACT = {"casing.support": 2.6e6, "damping.ratio": 0.001}
+CONTACT = {"casing.support": 7.975e6, "damping.ratio": 0.001}
 """In which the stage of the two scenarios differs from that of modal work."""
 
 CASES: Mapping[Scenario, Case] = {
     "modal": Case(),
     "distortion": with_values(
         Case(title="Casing distortion of one nodal diameter"),
-        {**CONTACT, "excitation": {"type": "casing-distortion", "duration": 0.009}},
+        {**CONTACT, "excitation": {"type": "casing-distortion", "duration": 0.01}},
     ),
     "imbalance": with_values(
         Case(title="Mass imbalance"),
