@@ -1,7 +1,8 @@
 """Speed of the contact march as ratios that any machine can give: `python benchmarks/march.py`.
 
-Three things are timed in turn, in one process: the compiled kernel with everything on (contact,
-ledger, a record every 100 steps), the same march in plain NumPy (`Reference`), and as
+Four things are timed in turn, in one process: the compiled kernel with everything on (contact,
+ledger, a record every 100 steps), the same with Coriolis forces and the damping of modes at rest
+(`rotation.effects = "full"`), the same march in plain NumPy (`Reference`), and as
 a floor the two dense products that a step would need without symmetry, compiled: 44 x 156 for the
 tips, 80 x 160 for the casing's nodes. All run on the paper's stage in three states:
 
@@ -48,11 +49,13 @@ class Setting:
     name: str
     problem: ContactProblem
     scheme: CentralDifference
+    turning: CentralDifference  #: with Coriolis forces
     state: CentralDifferenceState
 
-    def kernel(self, steps: int) -> float:
+    def kernel(self, steps: int, *, turning: bool = False) -> float:
         """Contacts a step."""
-        _, chunk, end = self.scheme.advance(self.state, steps)
+        scheme = self.turning if turning else self.scheme
+        _, chunk, end = scheme.advance(self.state, steps)
         if end is not None:
             raise RuntimeError(f"{self.name}: the march ended")
         whole = chunk.step[-1] - chunk.step[0]
@@ -81,9 +84,16 @@ def settings() -> list[Setting]:
     """The three states."""
 
     def reached(name: str, problem: ContactProblem, steps: int) -> Setting:
-        scheme = CentralDifference(problem, TIME_STEP, RECORD_EVERY)
+        rotor = replace(problem.rotor, by_velocity=coriolis)
+        scheme, turning = (
+            CentralDifference(each, TIME_STEP, RECORD_EVERY)
+            for each in (problem, replace(problem, rotor=rotor))
+        )
         state, _, _ = scheme.advance(scheme.init(), steps)
-        return Setting(name=name, problem=problem, scheme=scheme, state=state)
+        return Setting(name=name, problem=problem, scheme=scheme, turning=turning, state=state)
+
+    full = read_case(EXAMPLES / "imbalance.toml", ['rotation.effects="full"'])
+    coriolis = build_stage(full).rotor.by_velocity
 
     imbalance, distortion = (
         contact_problem(build_stage(read_case(EXAMPLES / f"{name}.toml", changes)))
@@ -141,8 +151,9 @@ def main() -> None:
     repeat = parser.parse_args().repeat
     table = Table(title=f"Contact march, best of {repeat} interleaved timings")
     for column in (
-        "state", "contacts a step", "kernel [µs]", "NumPy [µs]", "floor [µs]",
-        "NumPy / kernel", "floor / kernel", "kernel and NumPy differ by",
+        "state", "contacts a step", "kernel [µs]", "with Coriolis [µs]", "NumPy [µs]",
+        "floor [µs]", "with Coriolis / kernel", "NumPy / kernel", "floor / kernel",
+        "kernel and NumPy differ by",
     ):  # fmt: skip
         table.add_column(column, justify="left" if column == "state" else "right")
     products = floor()
@@ -151,24 +162,29 @@ def main() -> None:
     for setting, difference, contacts in rows:
         plain, begin = setting.numpy()
         numpy_march = partial(plain.advance, begin)
+        turning = partial(setting.kernel, turning=True)
+        turning(KERNEL_STEPS)
         times = np.array(
             [
                 (
                     microseconds(setting.kernel, KERNEL_STEPS),
+                    microseconds(turning, KERNEL_STEPS),
                     microseconds(numpy_march, NUMPY_STEPS),
                     microseconds(products, FLOOR_STEPS),
                 )
                 for _ in range(repeat)
             ]
         )
-        kernel, numpy, bare = times.min(axis=0)
+        kernel, coriolis, numpy, bare = times.min(axis=0)
         table.add_row(
-            setting.name, f"{contacts:.2f}", f"{kernel:.2f}", f"{numpy:.1f}", f"{bare:.2f}",
+            setting.name, f"{contacts:.2f}", f"{kernel:.2f}", f"{coriolis:.2f}", f"{numpy:.1f}",
+            f"{bare:.2f}",
+            f"{coriolis / kernel:.2f}",
             f"{numpy / kernel:.1f}",
             f"{bare / kernel:.2f}",
             f"{difference:.0e}",
         )  # fmt: skip
-    Console(width=120).print(table)
+    Console(width=150).print(table)
 
 
 if __name__ == "__main__":

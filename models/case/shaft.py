@@ -36,16 +36,16 @@ class Shaft(Table):
         description='Where springs that differ stand: "rotating", they turn with the bladed disk'
         " as a shaft does that is not round, x along blade 0, and its matrices are constant;"
         ' "static", they stand still as unequal bearings do, and its stiffness swings twice a turn'
-        " about the mean of both. Modes are then those on the mean. Without rotation.effects there"
-        " are no Coriolis or centrifugal terms, so that a speed near the suspension frequency"
-        " excites it by the"
-        " swing, which a round rotor on such bearings would not be.",
+        " about the mean of both. Modes are then those on the mean. With rotation.effects ="
+        ' "full" a round rotor answers them as on bearings that stand still; without Coriolis and'
+        " centrifugal terms a speed near the suspension frequency excites it by the swing, which it"
+        " would not.",
     )
     damping: DampingOrZero = Field(
         default=0.0,
         description="Of a damper beside each of the springs, or beside that along x [N s/m]. With"
-        " dampers, contact is of the first order in march.time_step, but for rotation.effects ="
-        ' "full".',
+        " dampers, contact is of the first order in march.time_step; with rotation.effects ="
+        ' "full" they feel it within the step.',
     )
     damping_y: DampingOrZero | None = Field(
         default=None,

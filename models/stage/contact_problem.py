@@ -51,6 +51,19 @@ class ReducedRotor:
         return self.frequency * np.abs(self.frequency)
 
     @property
+    def damping(self) -> FloatArray:
+        """All forces by velocity, Coriolis among them [1/s], (modes, modes)."""
+        by_ratio = np.diag(2.0 * self.damping_ratio * np.abs(self.frequency))
+        coupled = 0.0 if self.by_velocity is None else self.by_velocity
+        return np.asarray(by_ratio + self.dampers.T @ self.dampers + coupled)
+
+    @property
+    def circulation_stiffness(self) -> FloatArray:
+        """What dampers that stand still add to the stiffness, skew [rad2/s2], (modes, modes)."""
+        x, y = self.centre
+        return np.asarray(self.circulation * (np.outer(y, x) - np.outer(x, y)))
+
+    @property
     def whirl_stiffness(self) -> float:
         """Most that the anisotropy adds to any squared frequency [1/s^2]."""
         largest = np.linalg.eigvalsh(self.centre @ self.centre.T).max()
@@ -89,11 +102,8 @@ class ReducedRotor:
             displacement: of the modes, (modes,).
             velocity: theirs.
         """
-        x, y = self.centre @ displacement
-        force = self.circulation * (np.array([y, -x]) @ self.centre)
-        return np.asarray(
-            force if self.by_velocity is None else force - self.by_velocity @ velocity
-        )
+        force = -self.circulation_stiffness @ displacement
+        return force if self.by_velocity is None else force - self.by_velocity @ velocity
 
 
 @dataclass(frozen=True, kw_only=True)

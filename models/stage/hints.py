@@ -8,6 +8,7 @@ import numpy as np
 
 from bladewhirl.models.case.plausibility import case_hints
 from bladewhirl.models.geometry.beam_model import BeamModel
+from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
 from bladewhirl.models.stage.stage import Stage
 
 LOWEST_FREQUENCY = 1.0
@@ -19,7 +20,12 @@ AS_FAR_OUT = 0.9
 
 def stage_hints(stage: Stage) -> tuple[str, ...]:
     """One line for each of them, those of the case first."""
-    return (*case_hints(stage.case), *_too_soft(stage), *_free_ends(stage.disk.model))
+    return (
+        *case_hints(stage.case),
+        *_too_soft(stage),
+        *_fed_whirl(stage),
+        *_free_ends(stage.disk.model),
+    )
 
 
 def _too_soft(stage: Stage) -> Iterator[str]:
@@ -28,6 +34,23 @@ def _too_soft(stage: Stage) -> Iterator[str]:
         yield (
             f"the reference frequency is {hertz:.3g} Hz, and speeds count in it: see that sizes,"
             " material and springs are in SI, or text with a unit"
+        )
+
+
+def _fed_whirl(stage: Stage) -> Iterator[str]:
+    """Whirl that grows by the bladed disk's own damping, and what holds it."""
+    rotor = stage.rotor
+    if not rotor.frequency.min() < 0.0:
+        return
+    stiffness = np.diag(rotor.stiffness) + rotor.circulation_stiffness
+    rates, _ = damped_eigenvalues(np.eye(len(stiffness)), rotor.damping, stiffness)
+    growth = float(rates.real.max())
+    if growth > 0.0:
+        yield (
+            f"past a critical speed damping that turns with the bladed disk lets it whirl by"
+            f" itself, growing by {growth:.3g} 1/s;"
+            ' shaft.damping with damping_frame = "static" holds it, bladewhirl stability says how'
+            " much it takes"
         )
 
 

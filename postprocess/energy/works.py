@@ -76,7 +76,10 @@ def late_drive_power(dataset: xr.Dataset) -> float:
 
 
 def leading_source(dataset: xr.Dataset) -> str:
-    """What gave most energy, in words; empty where nothing gave any."""
+    """What gave most energy, in words; empty where nothing gave any.
+
+    Past a critical speed squares of frequencies are negative, and whirl grows as it loses energy.
+    """
     found = works(dataset)
     given = {
         "load": found["load"],
@@ -85,6 +88,12 @@ def leading_source(dataset: xr.Dataset) -> str:
         "springs": found["springs"],
     }
     name = max(given, key=lambda each: given[each])
+    energy, lost = float(dataset["energy"][-1]), found["damping"]
+    if dataset["rotor_frequency"].values.min() < 0.0 and energy < 0.0 and lost > 2.0 * given[name]:
+        return (
+            "damping that turns with the bladed disk feeds whirl past its critical speed, taking"
+            f" {lost:.3g} J in rotating axes"
+        )
     if not given[name] > 0.0:
         return ""
     return f"most energy came from {SOURCES[name]}, {given[name]:.3g} J"

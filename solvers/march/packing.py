@@ -143,7 +143,7 @@ def _answer_at_tips(rotor: ReducedRotor, dt: float) -> tuple[FloatArray, FloatAr
         inverse = scheme_inverse(rotor.frequency, rotor.damping_ratio, dt)
         radial, tangential = rotor.tip_radial * inverse, rotor.tip_tangential * inverse
     else:
-        full = _turning_inverse(rotor_damping(rotor), dt).T
+        full = _turning_inverse(rotor.damping, dt).T
         radial, tangential = rotor.tip_radial @ full, rotor.tip_tangential @ full
     return radial @ rotor.tip_radial.T, tangential @ rotor.tip_radial.T
 
@@ -162,7 +162,7 @@ def pack_gyroscopic(
     rotor = problem.rotor
     if rotor.by_velocity is None:
         return None
-    damping = rotor_damping(rotor)
+    damping = rotor.damping
     inverse = _turning_inverse(damping, dt)
     loss, full_loss = _losses((damping + damping.T) / 2.0, arrangement)
     stands_still = [0, 1] if rotor.circulation != 0.0 else []
@@ -497,13 +497,6 @@ def _turning_inverse(damping: FloatArray, dt: float) -> FloatArray:
 def scheme_inverse(frequency: FloatArray, damping_ratio: FloatArray, dt: float) -> FloatArray:
     """Inverse of A = M/dt^2 + D/(2 dt) for each mode [s2], (modes,)."""
     return np.asarray(1.0 / (1.0 / dt**2 + damping_ratio * np.abs(frequency) / dt))
-
-
-def rotor_damping(rotor: ReducedRotor) -> FloatArray:
-    """Forces of a rotor's modes by velocity [1/s], (modes, modes)."""
-    by_mode = np.diag(2.0 * rotor.damping_ratio * np.abs(rotor.frequency))
-    assert rotor.by_velocity is not None  # callers look
-    return np.asarray(by_mode + rotor.dampers.T @ rotor.dampers + rotor.by_velocity)
 
 
 def make_scratch(

@@ -89,6 +89,26 @@ def test_blade_ends_that_are_no_tips(tips: int, ends: float, free: int) -> None:
         assert "(-0.4045, -0.2939) m" in lines[0]
 
 
+@pytest.mark.parametrize(("damper", "told"), [(0.0, True), (2e3, False)])
+def test_whirl_that_internal_damping_feeds(damper: float, told: bool) -> None:
+    case = with_values(
+        Case(),
+        {
+            "bladed_disk": {"blades": 4, "elements_per_blade": 2},
+            "reduction.fixed_interface_modes": 8,
+            "rotation.effects": "full",
+            "march.speed": 2.5,
+            "damping.ratio": 0.005,
+            "shaft": {"damping": damper, "damping_frame": "static"},
+        },
+    )
+    stage = build_stage(case)
+    assert stage.rotor.frequency.min() < 0.0
+    lines = stage_hints(stage)
+    assert len(lines) == told
+    assert all(line.startswith("past a critical speed damping that turns") for line in lines)
+
+
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     path = tmp_path / "small.toml"
