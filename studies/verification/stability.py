@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
@@ -13,13 +14,15 @@ from scipy.special import mathieu_a, mathieu_b
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
-from bladewhirl.models.coupling.springs import CouplingSprings, periodic_stiffness
+from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings, periodic_stiffness
+from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.stability.floquet import Floquet, floquet
 from bladewhirl.solvers.stability.growth import coincidence_speeds, growth_rate
 from bladewhirl.solvers.stability.zones import unstable_zones
+from bladewhirl.studies.modal.coupled_system import EvenSystem, couple
 from bladewhirl.studies.verification.bodies import marched
 from bladewhirl.studies.verification.case import Pair, verifies
 from bladewhirl.studies.verification.references import reference
@@ -168,6 +171,57 @@ def growth_of_a_march(ratio: str) -> Pair:
     size, late = np.linalg.norm(chunk.rotor_displacement, axis=1), chunk.time > 1.0
     rate = np.polyfit(chunk.time[late], np.log(size[late]), 1)[0]
     return reference("published")["growth_at_1.17_500"][ratio], rate
+
+
+@verifies(
+    "growth of a march of the six modes with Coriolis forces at (1.65, 1000 N/m)",
+    unit="1/s",
+    source="monodromy matrix of the six modes with rotation effects",
+    tolerance=1e-3,
+)
+def growth_of_a_march_at_speed() -> Pair:
+    """Inside the zone that begins at 1.055 without them, at 1.39 with them."""
+    turned, modes = six_modes_at_speed()
+    held = springs(turned)
+    chunk = marched(turned, 1e-5, 200_000, every=500)
+    size, late = np.linalg.norm(chunk.rotor_displacement, axis=1), chunk.time > 1.0
+    rate = np.polyfit(chunk.time[late], np.log(size[late]), 1)[0]
+    return growth_rate(modes, speed=turned.speed, kappa=held.kappa), rate
+
+
+def six_modes_at_speed() -> tuple[ContactProblem, CouplingModes]:
+    """The paper's six modes on a disk that feels that it turns: to be marched, and at rest.
+
+    The march takes those of the stiffness at speed, in which its Coriolis forces are full.
+    """
+    changes = {"march.speed": 1.65, "coupling.stiffness": 1000.0, "damping.ratio": 0.005}
+    push = {"reduction.modes": "six", "initial.centre_velocity": [1e-12, 0.0]}
+    at_rest = contact_problem(build_stage(with_values(Case(), changes | push)))
+    case = with_values(Case(), changes | {"rotation.effects": "full"})
+    system = couple(modal_stage(case), modes="six", damped=True, with_pi=True, physical=False)
+    assert isinstance(system, EvenSystem)
+    held, omega = springs(at_rest), at_rest.speed
+    modes = replace(held.modes, turning=system.modes.turning)
+    assert modes.turning is not None
+    own = ~modes.on_casing
+    turning = modes.turning.take(np.flatnonzero(own))
+    square, axes = np.linalg.eigh(
+        np.diag(modes.frequency[own] ** 2) + omega**2 * turning.softening.real
+    )
+    frequency = np.sign(square) * np.sqrt(np.abs(square))
+    damping = axes.T @ np.diag(modes.damping_rate[own]) @ axes
+    coriolis = 2.0 * omega * axes.T @ turning.coriolis.imag @ axes
+    by_velocity = np.kron(damping, np.eye(2)) + np.kron(coriolis, [[0.0, -1.0], [1.0, 0.0]])
+    rotor = replace(
+        at_rest.rotor,
+        frequency=np.repeat(frequency, 2),
+        damping_ratio=np.zeros(2 * len(frequency)),
+        by_velocity=by_velocity,
+    )
+    both, amplitude = modes.frequency.copy(), modes.amplitude.copy()
+    both[own], amplitude[own] = frequency, axes.T @ amplitude[own]
+    stiff = replace(held, modes=replace(held.modes, frequency=both, amplitude=amplitude))
+    return replace(at_rest, rotor=rotor, springs=stiff), modes
 
 
 @verifies(

@@ -94,8 +94,8 @@ def test_whirl_that_internal_damping_feeds(damper: float, told: bool) -> None:
     case = with_values(
         Case(),
         {
-            "bladed_disk": {"blades": 4, "elements_per_blade": 2},
-            "reduction.fixed_interface_modes": 8,
+            "bladed_disk.elements_per_blade": 2,
+            "reduction.fixed_interface_modes": 22,
             "rotation.effects": "full",
             "march.speed": 2.5,
             "damping.ratio": 0.005,
