@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 from bladewhirl.meshes.files.drafts import replacing
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.labels import Body
+from bladewhirl.postprocess.fields.enlarged import magnify
 from bladewhirl.postprocess.fields.kinematics import casing_rows, line_rows, ring_angles, rotate
-from bladewhirl.postprocess.pictures.drawing import magnify
 from bladewhirl.postprocess.pictures.films import shared_palette, write_gif
 from bladewhirl.postprocess.pictures.offscreen import Pixels
 from bladewhirl.postprocess.plotting.style import (

@@ -26,6 +26,7 @@ from bladewhirl.postprocess.fields.kinematics import (
     history,
     line_rows,
     ring_angles,
+    rotate,
 )
 from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.fields.strains import Strains, casing_strain_rows, rotor_strain_rows
@@ -34,7 +35,14 @@ from bladewhirl.postprocess.plotting.units import length_unit
 from bladewhirl.postprocess.run.stresses import stress_unit
 
 Field = Literal[
-    "displacement", "velocity", "axial-strain", "bending-strain", "stress", "gap", "part"
+    "displacement",
+    "deformation",
+    "velocity",
+    "axial-strain",
+    "bending-strain",
+    "stress",
+    "gap",
+    "part",
 ]
 
 DIVERGING = "RdBu_r"
@@ -95,9 +103,9 @@ class Colouring:
 
 
 def colouring(
-    dataset: xr.Dataset, field: Field, records: IntArray, stations: Stations
+    dataset: xr.Dataset, field: Field, records: IntArray, stations: Stations, rotating: bool
 ) -> Colouring:
-    """A field at the given records.
+    """A field at the given records, seen from the rotor or standing still.
 
     Raises:
         ViewError: no such field.
@@ -107,7 +115,8 @@ def colouring(
         raise ViewError(f"colour must be one of {', '.join(get_args(Field))}, got {field!r}")
     makers: Mapping[str, Callable[[], Colouring]] = {
         "displacement": lambda: _magnitude(dataset, "displacement", records, stations),
-        "velocity": lambda: _magnitude(dataset, "velocity", records, stations),
+        "deformation": lambda: _magnitude(dataset, "deformation", records, stations),
+        "velocity": lambda: _magnitude(dataset, "velocity", records, stations, rotating),
         "gap": lambda: _gap(dataset, records, stations),
         "part": lambda: _parts(dataset, records, stations),
     }
@@ -116,22 +125,38 @@ def colouring(
 
 
 def _magnitude(
-    dataset: xr.Dataset, quantity: Quantity, records: IntArray, stations: Stations
+    dataset: xr.Dataset,
+    field: str,
+    records: IntArray,
+    stations: Stations,
+    rotating: bool = False,
 ) -> Colouring:
-    """Magnitude of displacement or velocity."""
+    """Magnitude of displacement, of what it is beyond the body's mean motion, or of its rate in
+    the axes of the picture.
+    """
     _, rows = line_rows(dataset, stations.per_line)
+    beams = rows.reshape(-1, 2, rows.shape[-1])
     angle = ring_angles(dataset, stations.per_element)
-    rotor, casing = (
-        np.linalg.norm(combine(history(dataset, f"{body}_{quantity}", records), own), axis=-1)
-        for body, own in (
-            ("rotor", rows.reshape(-1, 2, rows.shape[-1])),
-            ("casing", casing_rows(dataset, angle)),
-        )
-    )
+    polar = np.moveaxis(casing_rows(dataset, angle), 1, 2)
+    ring = np.moveaxis(rotate(polar, angle[:, None]), 2, 1)
+    centre = dataset["rotor_shape"].values[int(dataset["centre_node"]), :2]
+    speed = float(dataset.attrs["speed"])
+    seen = []
+    for body, shape, mean, spin in (
+        ("rotor", beams, centre, 0.0 if rotating else speed),
+        ("casing", ring, ring.mean(axis=0), -speed if rotating else 0.0),
+    ):
+        own = shape - mean if field == "deformation" else shape
+        values = combine(history(dataset, f"{body}_displacement", records), own)
+        if field == "velocity":
+            rate = combine(history(dataset, f"{body}_velocity", records), own)
+            values = rate + spin * rotate(values, np.pi / 2)
+        seen.append(np.linalg.norm(values, axis=-1))
+    rotor, casing = seen
     largest = float(max(rotor.max(), casing.max()))
-    unit, scale = length_unit(largest) if quantity == "displacement" else ("m/s", 1.0)
+    unit, scale = ("m/s", 1.0) if field == "velocity" else length_unit(largest)
     return Colouring(
-        name=quantity,
+        name=field,
         unit=unit,
         scale=scale,
         rotor=_on_both_sides(rotor.reshape(len(records), *rows.shape[:2])),

@@ -50,10 +50,11 @@ class StageScene:
         first = drawing.picture(0)
         self._outlines, self._ribbons = [], []
         for ribbon in (first.casing, first.rotor):
-            quads = _strip_quads(*ribbon.values.shape[:2])
-            corners = ribbon.values.size
-            self._outlines.append(self._add(corners, quads, layer=0, color=INK))
-            self._ribbons.append(self._add(corners, quads, layer=1))
+            lines, stations = ribbon.values.shape[:2]
+            outline = _strip_quads(lines, stations, 1)
+            self._outlines.append(self._add(ribbon.values.size, outline, layer=0, color=INK))
+            halves = _strip_quads(lines, stations, 2)
+            self._ribbons.append(self._add(2 * ribbon.values.size, halves, layer=1))
         # Strokes have light edges: they cross parts of any colour.
         self._edges, self._strokes = (
             {
@@ -96,12 +97,15 @@ class StageScene:
     def show(self, picture: Picture) -> None:
         """Move everything to where it is in the picture; points and colours change in place."""
         circle = self._size * CIRCLE
-        for outline, mesh, ribbon in zip(
-            self._outlines, self._ribbons, (picture.casing, picture.rotor), strict=True
+        # The outline of the wall's inner surface lies inside it: what is drawn apart is apart.
+        edge = OUTLINE * self._size
+        for outline, mesh, ribbon, inner in zip(
+            self._outlines, self._ribbons, (picture.casing, picture.rotor), (0.0, edge), strict=True
         ):
-            _move(outline, widened(ribbon.sides, OUTLINE * self._size))
-            _move(mesh, ribbon.sides)
-            mesh.point_data["value"][:] = self.drawing.colouring.scale * ribbon.values.ravel()
+            _move(outline, widened(ribbon.sides, inner, edge))
+            _move(mesh, _halves(widened(ribbon.sides, inner - edge, 0.0)))
+            values = np.repeat(ribbon.values, 2, axis=-1)
+            mesh.point_data["value"][:] = self.drawing.colouring.scale * values.ravel()
         for name, width, _, strokes in strokes_of(picture.symbols):
             _move(self._edges[name], stroke_corners(strokes, (width + 2 * EDGE) * self._size))
             _move(self._strokes[name], stroke_corners(strokes, width * self._size))
@@ -204,11 +208,23 @@ def _stroke_quads(strokes: int) -> IntArray:
     return np.arange(4 * strokes).reshape(-1, 4)
 
 
-def _strip_quads(lines: int, stations: int) -> IntArray:
-    """Quads (quad, 4) of ribbons whose points are ordered (line, station, side)."""
-    start = 2 * (np.arange(lines)[:, None] * stations + np.arange(stations - 1)).reshape(-1, 1)
-    quads: IntArray = start + np.array([0, 1, 3, 2])
-    return quads
+def _strip_quads(lines: int, stations: int, strips: int) -> IntArray:
+    """Quads (quad, 4) of ribbons of some strips side by side, whose points are ordered (line,
+    station, strip, side).
+    """
+    across = 2 * strips
+    start = across * (np.arange(lines)[:, None] * stations + np.arange(stations - 1))
+    corners = np.array([0, 1, across + 1, across])
+    quads: IntArray = start[..., None, None] + 2 * np.arange(strips)[:, None] + corners
+    return quads.reshape(-1, 4)
+
+
+def _halves(sides: Array) -> Array:
+    """Ribbon sides (line, station, 2, 2) as those of two strips (line, station, 4, 2): each half
+    has the colour of its own surface, which would be a hair's width if it faded to the middle.
+    """
+    middle = sides.mean(axis=2)
+    return np.stack([sides[:, :, 0], middle, middle, sides[:, :, 1]], axis=2)
 
 
 def disc_triangles(discs: int) -> IntArray:

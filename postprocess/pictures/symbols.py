@@ -57,6 +57,41 @@ class _Holders(NamedTuple):
     scale: float = 1.0  #: of their size
 
 
+class StageSymbols:
+    """All symbols of a stage; the casing's stations at `angles` (station,) carry its supports."""
+
+    def __init__(self, dataset: xr.Dataset, angles: Array) -> None:
+        radius = float(dataset.attrs["tip_radius"])
+        self._on_casing = CasingSymbols(dataset, radius)
+        self._on_shaft = ShaftSymbols(dataset, radius)
+        self._on_rotor = RotorSymbols(dataset, radius)
+        away = np.angle(np.exp(1j * (self._on_casing.angles[:, None] - angles)))
+        self._feet = np.argmin(np.abs(away), axis=1)
+
+    def drawn(
+        self,
+        wall: Array,
+        rest: Array,
+        centre: Array,
+        nodes: Array,
+        casing_turn: float,
+        rotor_turn: float,
+    ) -> Symbols:
+        """Symbols for the wall's drawn outer surface (station, 2), the same at rest, the drawn
+        centre (2,) and nodes (rotor_node, 2), each turned from its body's axes by an angle [rad].
+        """
+        spring_turn = casing_turn if self._on_shaft.static else rotor_turn
+        return together(
+            (
+                self._on_casing.symbols(wall[self._feet], rest[self._feet]),
+                self._on_shaft.springs(rotate(centre, rotor_turn - spring_turn)),
+                self._on_shaft.dampers(centre),
+                self._on_rotor.symbols(nodes),
+            ),
+            (casing_turn, spring_turn, rotor_turn, rotor_turn),
+        )
+
+
 class CasingSymbols:
     """Supports of the casing, in static axes, with its feet on the wall's outer surface at
     `angles` (foot,).

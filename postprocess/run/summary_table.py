@@ -3,12 +3,10 @@
 from rich.table import Table
 
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY
+from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT
 from bladewhirl.postprocess.run.stresses import stress_unit
 from bladewhirl.postprocess.run.summary import Summary
 from bladewhirl.postprocess.shaft.whirl import Frame
-
-LARGE_DISPLACEMENT = 0.3
-"""Share of the tip radius from which linear bending of a blade is off by a tenth."""
 
 
 def summary_rows(summary: Summary) -> dict[str, str]:

@@ -40,6 +40,7 @@ class FieldOfColour(StrEnum):
     """What beams and wall are coloured by."""
 
     displacement = "displacement"
+    deformation = "deformation"
     velocity = "velocity"
     axial_strain = "axial-strain"
     bending_strain = "bending-strain"

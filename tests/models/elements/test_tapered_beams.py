@@ -124,7 +124,7 @@ def test_pictures_and_words_have_the_section_at_the_place() -> None:
     np.testing.assert_allclose(ends, thickness[:, None] * [0.6, 0.5, 0.4], rtol=1e-14)
     sides = Drawing(tapered, np.array([0])).picture(0).rotor.sides
     gap = np.linalg.norm(sides[:, :, 1] - sides[:, :, 0], axis=-1)
-    np.testing.assert_allclose(gap[:, [0, -1]], thickness[:, None] * [1.2, 0.8], rtol=1e-9)
+    np.testing.assert_allclose(gap[:, [0, 3]], thickness[:, None] * [1.2, 1.0], rtol=1e-9)
     blades = thickness[result["rotor_part"].values.astype(str) == "blades"]
     low, high = 1e3 * 0.8 * blades.min(), 1e3 * 1.2 * blades.max()
     assert thickness_words(tapered, "blades") == f"{low:.3g} to {high:.3g} mm"

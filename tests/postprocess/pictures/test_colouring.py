@@ -27,8 +27,8 @@ def still(**motion: tuple[float, ...]) -> xr.Dataset:
     return result
 
 
-def coloured(result: xr.Dataset, field: Field) -> Colouring:
-    found = colouring(result, field, RECORDS, STATIONS)
+def coloured(result: xr.Dataset, field: Field, *, rotating: bool = True) -> Colouring:
+    found = colouring(result, field, RECORDS, STATIONS, rotating)
     lines, nodes = result.sizes["rotor_line"], result.sizes["casing_node"]
     assert found.rotor.shape == (2, lines, 3, 2)
     assert found.casing.shape == (2, nodes * 9, 2)
@@ -42,6 +42,28 @@ def test_magnitudes_of_motion() -> None:
     np.testing.assert_allclose(found.rotor, 5.0)
     np.testing.assert_allclose(found.casing, 1.0, rtol=1e-5)
     assert (found.unit, found.limits, found.signed) == ("m/s", (0.0, 5.0), False)
+
+
+def test_a_velocity_is_the_rate_in_the_axes_of_the_picture() -> None:
+    """A shaft that stands still in rotating axes turns with them, by Omega r, and a casing that
+    stands aside turns back when seen from the rotor.
+    """
+    shifted = {"rotor_displacement": (3e-3, 4e-3, 0, 0, 0), "casing_displacement": (1e-3, 0, 0, 0)}
+    for rotating, rotor, casing in ((False, 5e-3, 0.0), (True, 0.0, 1e-3)):
+        found = coloured(still(**shifted), "velocity", rotating=rotating)
+        np.testing.assert_allclose(found.rotor, synthetic.SPEED * rotor)
+        np.testing.assert_allclose(found.casing, synthetic.SPEED * casing, rtol=1e-5)
+
+
+def test_deformation_is_displacement_beyond_a_shift() -> None:
+    shift = {"rotor_displacement": (3e-3, 4e-3, 0, 0, 0), "casing_displacement": (1e-3, 0, 0, 0)}
+    found = coloured(still(**shift), "deformation")
+    np.testing.assert_allclose(found.rotor, 0.0, atol=1e-15)
+    np.testing.assert_allclose(found.casing, 0.0, atol=1e-8)  # cubics follow a circle
+    bent = shift | {"rotor_displacement": (3e-3, 4e-3, 0, 1e-4, 0)}
+    bent["casing_displacement"] = (1e-3, 0, 2e-4, 0)
+    found = coloured(still(**bent), "deformation")
+    assert (found.rotor.max(), found.casing.max()) == pytest.approx((1e-4, 2e-4), rel=1e-3)
 
 
 def test_bending_is_opposite_at_the_two_sides() -> None:
@@ -89,8 +111,10 @@ def test_parts_have_colours_of_their_own() -> None:
 
 
 def test_what_there_is_not() -> None:
-    with pytest.raises(ViewError, match="colour must be one of displacement, velocity"):
-        colouring(still(), "heat", RECORDS, STATIONS)  # type: ignore[arg-type]
+    with pytest.raises(
+        ViewError, match="colour must be one of displacement, deformation, velocity"
+    ):
+        colouring(still(), "heat", RECORDS, STATIONS, False)  # type: ignore[arg-type]
 
 
 def test_units_of_strain() -> None:

@@ -1,0 +1,210 @@
+"""Places of bodies whose displacements and clearance are multiplied by one factor, for all views.
+
+A clearance of 1 mm on a radius of 0.5 m is invisible, and so is motion within it. Drawn
+displacements are therefore multiplied by a factor, and **so is the clearance**: the casing's inner
+wall is drawn at tip radius + factor (clearance + w), a tip at tip radius + factor u_r, so the drawn
+gap is the factor times the true gap and bodies touch in the picture exactly when they touch in the
+run. A blade that ends short of the tip radius, or beyond it, is drawn so by the factor, too.
+Thicknesses stay true; the end of a blade is cut along the wall that it faces, so that no corner
+reaches the wall before the tip does.
+
+Multiplied small displacements are no longer small. Each body is therefore first shifted by its
+mean motion (the rotor by that of its centre, the ring by the mean over its circumference), along
+straight lines, and what remains is drawn in polar coordinates about the shifted centre,
+(r, theta) -> (r + factor u_r, theta + factor u_theta / r). So a shift stays a shift and a circle a
+circle, while a blade that bends swings on an arc instead of growing longer into the casing: the
+linear model knows no second order of a bending either.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+import xarray as xr
+
+from bladewhirl.postprocess.fields.blades import line_blades, with_recess
+from bladewhirl.postprocess.fields.kinematics import (
+    Array,
+    IntArray,
+    ViewError,
+    casing_rows,
+    clearance_at,
+    combine,
+    history,
+    line_rows,
+    recess_at_rest,
+    ring_angles,
+    rotate,
+    turn,
+)
+from bladewhirl.postprocess.fields.sections import rotor_sections
+
+DRAWN_CLEARANCE = 0.1  #: share of the tip radius that the clearance takes, if factors are automatic
+DRAWN_MOTION = 0.25  #: share that the largest displacement may take then
+LARGE_DISPLACEMENT = 0.3  #: share of the tip radius from which bending in a line is off by a tenth
+
+
+class EnlargedStage:
+    """Both bodies at chosen records, each in its own axes, displacements and clearance multiplied.
+
+    Args:
+        dataset: a result.
+        records: numbers of records.
+        factor: None chooses a round number by which the clearance is drawn as a tenth of the tip
+            radius, or less where the largest displacement would then leave the picture.
+        per_line: pieces of a beam.
+        per_element: pieces of an element of the casing.
+
+    Raises:
+        ViewError: a factor that is not positive.
+    """
+
+    def __init__(
+        self,
+        dataset: xr.Dataset,
+        records: IntArray,
+        *,
+        factor: float | None,
+        per_line: int,
+        per_element: int,
+    ) -> None:
+        if factor is not None and not (np.isfinite(factor) and factor > 0):
+            raise ViewError(f"exaggeration must be a positive number, got {factor}")
+        self._dataset = dataset
+        self.tip_radius = float(dataset.attrs["tip_radius"])
+        #: from the rotor's to the casing's axes (record,) [rad]
+        self.turns = turn(dataset, records)
+        self.line, rows = line_rows(dataset, per_line)
+        self._thickness = rotor_sections(dataset, "thickness", per_line)
+        q = history(dataset, "rotor_displacement", records)
+        self.rotor_displacement = combine(q, rows.reshape(-1, 2, rows.shape[-1]))
+        self._node = combine(q, dataset["rotor_shape"].values[:, :2])
+        self.centre = self._node[:, int(dataset["centre_node"])]
+        self.angle = ring_angles(dataset, per_element)
+        ring = combine(
+            history(dataset, "casing_displacement", records), casing_rows(dataset, self.angle)
+        )
+        self.ring_displacement = rotate(ring, self.angle)
+        self.wall_thickness = np.repeat(dataset["casing_thickness"].values, per_element)
+        self.largest_displacement = float(
+            max(
+                np.linalg.norm(field, axis=-1).max()
+                for field in (self.rotor_displacement, self.ring_displacement)
+            )
+        )
+        clearance, recess = clearance_at(dataset, self.angle), dataset["tip_recess"].values
+        room = float(clearance.max() + np.max(recess, initial=0.0))
+        self.factor = (
+            round_factor(self.tip_radius, room, self.largest_displacement)
+            if factor is None
+            else factor
+        )
+        self.inner_radius = self.tip_radius + self.factor * clearance
+        self.nodes = dataset["rotor_point"].values  #: at rest, as drawn (rotor_node, 2) [m]
+        shift = self.factor * recess - recess_at_rest(dataset)
+        if shift.any():
+            self.nodes, self.line = with_recess(dataset, self.line, shift)
+
+    def rotor_line(self, index: int) -> Array:
+        """Beams' stations (line, station, 2) [m] at the index-th record."""
+        shift = self.centre[index]
+        flat = self.line.reshape(-1, 2)
+        line = magnify(flat, self.rotor_displacement[index], shift, self.factor)
+        return line.reshape(self.line.shape)
+
+    def rotor_nodes(self, index: int) -> Array:
+        """Nodes (rotor_node, 2) [m] at the index-th record."""
+        return magnify(self.nodes, self._node[index], self.centre[index], self.factor)
+
+    def wall(self, index: int) -> Array:
+        """Inner and outer surface of the casing (station, side, 2) [m]."""
+        ring = self.ring_displacement[index]
+        rest = self.inner_radius[:, None] * _directions(self.angle)
+        inner = magnify(rest, ring, ring.mean(axis=0), self.factor)
+        tangent = np.roll(inner, -1, axis=0) - np.roll(inner, 1, axis=0)
+        outward = -rotate(_unit(tangent), np.pi / 2)
+        return np.stack([inner, inner + self.wall_thickness[:, None] * outward], axis=1)
+
+    def wall_at_rest(self) -> Array:
+        """Outer surface of the casing at rest (station, 2) [m]."""
+        radius = self.inner_radius + self.wall_thickness
+        return np.asarray(radius[:, None] * _directions(self.angle))
+
+    def rotor_sides(self, index: int, line: Array, wall: Array) -> Array:
+        """Right and left sides of the beams (line, station, side, 2) [m] along their drawn
+        `line`, ends of blades cut along the `wall`.
+        """
+        half = self._thickness[..., None] / 2 * _normals(line)
+        sides = np.stack([line - half, line + half], axis=2)
+        beams, stations = self._ends
+        corner, middle = sides[beams, stations], line[beams, stations][:, None]
+        inner = wall[:, 0]
+        ahead = float(self.turns[index])
+        wall_angle, wall_radius = _polar(inner)
+        (angle, _), (at_tip, radius) = _polar(corner), _polar(middle)
+        facing, before = (
+            np.interp(each + ahead, wall_angle, wall_radius, period=2 * np.pi)
+            for each in (angle, at_tip)
+        )
+        sides[beams, stations] = (radius + facing - before)[..., None] * _directions(angle)
+        return sides
+
+    @cached_property
+    def _ends(self) -> tuple[IntArray, IntArray]:
+        """Beams that end blades at their tips, and the station of that end (beam,)."""
+        lines, tips = self._dataset["rotor_line"].values, self._dataset["tip_node"].values
+        ending = np.isin(lines, tips) & (line_blades(self._dataset) >= 0)[:, None]
+        beams, end = np.nonzero(ending)
+        return beams, np.where(end == 1, self.line.shape[1] - 1, 0)
+
+
+def magnify(points: Array, displacement: Array, shift: Array, factor: float) -> Array:
+    """Drawn positions (point, 2) of points moved by `factor` times their displacement.
+
+    `shift` (2,) is the part that all share, drawn straight; the rest is drawn in polar
+    coordinates (module docstring). A point at the centre, which has no radius, gets the shift.
+    """
+    radius = np.linalg.norm(points, axis=-1)
+    away = radius > 0
+    unit = np.divide(points, radius[:, None], out=np.zeros_like(points), where=away[:, None])
+    rest = displacement - shift
+    radial = np.sum(rest * unit, axis=-1)
+    tangential = np.sum(rest * rotate(unit, np.pi / 2), axis=-1)
+    swing = np.divide(factor * tangential, radius, out=np.zeros_like(radius), where=away)
+    drawn: Array = factor * shift + (radius + factor * radial)[:, None] * rotate(unit, swing)
+    return drawn
+
+
+def round_factor(tip_radius: float, clearance: float, largest_displacement: float) -> float:
+    """An exaggeration of 1, 2 or 5 times a power of ten that keeps the picture readable: the
+    clearance at most a tenth of the tip radius, the largest displacement at most a quarter.
+    """
+    limits = [
+        share * tip_radius / length
+        for share, length in ((DRAWN_CLEARANCE, clearance), (DRAWN_MOTION, largest_displacement))
+        if length > 0
+    ]
+    limit = max(1.0, min(limits, default=1.0))
+    decade = 10.0 ** np.floor(np.log10(limit))
+    # A rounding error must not turn a limit of exactly 50 into 20.
+    return float(decade * max(step for step in (1, 2, 5) if step * decade <= limit * (1 + 1e-9)))
+
+
+def _directions(angle: Array) -> Array:
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def _polar(points: Array) -> tuple[Array, Array]:
+    """Angles [rad] and radii of points (..., 2)."""
+    return np.arctan2(points[..., 1], points[..., 0]), np.linalg.norm(points, axis=-1)
+
+
+def _unit(vectors: Array) -> Array:
+    unit: Array = vectors / np.linalg.norm(vectors, axis=-1)[..., None]
+    return unit
+
+
+def _normals(line: Array) -> Array:
+    """Unit normals (line, station, 2) of drawn lines, from second-order differences."""
+    return rotate(_unit(np.gradient(line, axis=1, edge_order=2)), np.pi / 2)
