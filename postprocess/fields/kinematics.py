@@ -32,7 +32,9 @@ def rotate(vectors: Array, angle: Array | float) -> Array:
     """Plane vectors (..., 2) turned counter-clockwise by `angle` [rad], broadcast over (...)."""
     cos, sin = np.cos(angle), np.sin(angle)
     x, y = vectors[..., 0], vectors[..., 1]
-    turned: Array = np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+    first = cos * x - sin * y
+    turned: Array = np.empty((*first.shape, 2))
+    turned[..., 0], turned[..., 1] = first, sin * x + cos * y
     return turned
 
 

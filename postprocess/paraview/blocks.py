@@ -8,7 +8,8 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import nearest_records
-from bladewhirl.postprocess.paraview.series import line_parts, surface_parts
+from bladewhirl.postprocess.paraview.grids import CELL_TYPES
+from bladewhirl.postprocess.paraview.parts import StageParts
 
 if TYPE_CHECKING:
     import pyvista
@@ -29,8 +30,8 @@ def stage_blocks(
         time: of which the nearest record is taken [s].
         surface: boxes of true thickness and width, not lines.
         rotating: seen from the rotor.
-        factor: on the displacement that points are moved by; 0 leaves them undeformed, with
-            `displacement` to warp by.
+        factor: displacement and clearance are drawn larger by, as `render` does; 0 leaves points
+            undeformed, with `displacement` and, for a factor that suits, `warp` to warp by.
 
     Raises:
         ResultError: an old result that knows no sections.
@@ -38,10 +39,15 @@ def stage_blocks(
     import pyvista
 
     record = nearest_records(dataset, np.array([time]))
-    parts, _ = (surface_parts if surface else line_parts)(dataset, rotating)
+    parts = StageParts(
+        dataset, record, surface=surface, rotating=rotating, exaggeration=factor or None
+    )
     blocks = pyvista.MultiBlock()
-    for name, meshes in parts.items():
-        block = pyvista.from_meshio(meshes(record)[0])
-        block.points = block.points + factor * block.point_data["displacement"]
+    for name, grid in next(parts.grids()).items():
+        block = pyvista.UnstructuredGrid({CELL_TYPES[grid.kind]: grid.cells}, grid.points)
+        block.point_data.update(grid.point_data)
+        block.cell_data.update(grid.cell_data)
+        if factor:
+            block.points = block.points + grid.point_data["warp"]
         blocks[name] = block
     return blocks

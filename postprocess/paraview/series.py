@@ -1,46 +1,39 @@
-"""A run as a ParaView time series: line meshes written through meshio, and their index.
+"""A run as a ParaView time series: grids of the parts at instants, and their index.
 
-The folder holds `series.pvd` (open this), `mesh.vtu` (the undeformed mesh with its named sets)
-and `frames/` (one .vtu per body and instant). meshio has no .pvd, so the index is written here;
-it is replaced atomically after every frame, so that a killed export leaves a readable series.
+The folder holds `series.pvd` (open this), `view.py` (or run this in ParaView), `mesh.vtu` (the
+undeformed mesh with its named sets) and `frames/` (one .vtu per part and instant). The index is
+complete after every instant, so that a killed export leaves a readable series.
 """
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from importlib.resources import files
 from pathlib import Path
+from pprint import pformat
+from typing import Any
 from xml.sax.saxutils import quoteattr
 
-import meshio
 import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.files.drafts import replacing, write_whole
 from bladewhirl.meshes.files.manifest import claim, owned
 from bladewhirl.postprocess.fields.kinematics import (
-    Array,
     IntArray,
-    casing_field,
     casing_points,
-    casing_polar_field,
     contact_forces,
     frame_records,
     history,
-    radial_part,
-    ring_angles,
-    rotor_field,
-    rotor_points,
     sampling_hint,
 )
-from bladewhirl.postprocess.fields.sections import rotor_sections
-from bladewhirl.postprocess.fields.strains import Strains, casing_strain_rows, rotor_strain_rows
-from bladewhirl.postprocess.paraview.surfaces import SurfaceSeries, casing_boxes, rotor_boxes
+from bladewhirl.postprocess.paraview.grids import Grid, write_vtu
+from bladewhirl.postprocess.paraview.parts import StageParts
 
 logger = logging.getLogger(__name__)
 
-ARC_POINTS = 360  #: the casing is cut into at least this many chords, so that it looks round
-PORTION = 300  #: records whose fields are computed together, at most
-PORTION_POINTS = 1_000_000  #: and points at all of them together, of large stages
+FILL = "SERIES: dict[str, Any] = {}"
+"""Line of view.py where it is told what the series holds."""
 
 Progress = Callable[[int, int], None]
 
@@ -54,40 +47,43 @@ def export_vtk(
     end: float | None = None,
     rotating: bool = False,
     surface: bool = False,
+    exaggeration: float | None = None,
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Path:
     """Write a time series of the run between `start` and `end` [s]; returns series.pvd's path.
 
-    Two parts, `rotor` and `casing`, as line cells. Points are undeformed, the rotor's turned by
-    Omega t; fields are true in size, so Warp By Vector with factor 1 gives the deformed stage:
+    Parts are `rotor`, `casing`, the tips as `contact`, and `supports`: springs, dampers, struts and
+    links as lines. Points are undeformed, the rotor's turned by Omega t. Fields are true in size:
 
     * `displacement` [m], `velocity` [m/s]: vectors in static axes. The velocity is the rate of
-      displacement, without the transport velocity of the turning disk.
+      displacement in them, without the transport velocity of the turning disk.
     * `radial_displacement` [m]: along the outward radius; zero at the centre.
-    * `gap` [m], rotor only: at a tip the smallest gap since the record before; elsewhere the
-      undeformed clearance (its mean), so that no value is missing and a threshold on small gaps
-      ("All Scalars" off) selects the ends of the blades that touch.
-    * `contact_force` [N], rotor only: at a tip the impulse since the record before divided by
-      `record_step`, as a vector (normal inward, positive friction towards -theta); zero elsewhere.
-    * on cells `axial_strain`, `bending_strain` [1], `axial_stress`, `bending_stress` [Pa]: of a
-      cell's two ends the one larger in magnitude, bending at the right or inner surface
-      (`strains`).
+    * `axial_strain`, `bending_strain` [1], `axial_stress`, `bending_stress` [Pa] (`strains`), and
+      `surface_stress` [Pa], their sum at the surface; of lines at the surface where it is larger.
+    * `gap` [m]: of a blade the smallest at its tip since the record before, elsewhere the
+      clearance, so that no value is missing and a threshold selects the blades that touch.
+    * `contact_force` [N], contact only: the impulse since the record before divided by the time
+      between, as a vector (normal inward, positive friction towards -theta).
+    * on cells `part` and `blade`, whole numbers, -1 for none, and `thickness` [m].
 
-    With `surface`, beams and wall are boxes of their true thickness and width, made of quads,
-    strains and stresses are on points, with `surface_stress` [Pa] the sum of axial and bending
-    at each corner, and a third part, `contact`, holds the tips with `gap` and `contact_force`.
+    `warp` [m] leads from the points to where `bladewhirl render` draws them: Warp By Vector with it
+    and factor 1 shows displacement and clearance multiplied by `exaggeration`, chosen when None,
+    and bodies touch there exactly when they do in the run.
+
+    With `surface`, beams and wall are boxes of their true thickness and width, made of quads.
     With `rotating`, everything is seen from the rotor: its points stay, the casing's turn back,
-    and all vectors are in rotating axes. Frames that the manifest of the folder lists go first;
+    and all vectors are in rotating axes. Records before anything moves are left out: ParaView would
+    take their range for the colours. Frames that the manifest of the folder lists go first;
     other files are replaced with `overwrite` only.
     `progress` is told frames done and frames in all.
 
     Raises:
-        ViewError: an empty window or number of frames.
+        ViewError: an empty window or number of frames, or an exaggeration that is not positive.
         ResultError: an old result that knows no sections.
         FileExistsError: a file that the manifest does not list is in the way.
     """
-    records = frame_records(dataset, frames, start, end)
+    records = series_records(dataset, frames, start, end)
     hint = sampling_hint(dataset, records)
     if hint:
         logger.info(hint)
@@ -97,9 +93,21 @@ def export_vtk(
         records,
         rotating=rotating,
         surface=surface,
+        exaggeration=exaggeration,
         overwrite=overwrite,
         progress=progress,
     )
+
+
+def series_records(
+    dataset: xr.Dataset, frames: int, start: float | None = None, end: float | None = None
+) -> IntArray:
+    """Records of a series, as of `frame_records`, from the first on in which something moves."""
+    records = frame_records(dataset, frames, start, end)
+    moving = np.zeros(len(records), dtype=np.bool_)
+    for body in ("rotor", "casing"):
+        moving |= history(dataset, f"{body}_displacement", records).any(axis=1)
+    return records[int(np.argmax(moving)) :]
 
 
 def write_series(
@@ -109,32 +117,36 @@ def write_series(
     *,
     rotating: bool = False,
     surface: bool = False,
+    exaggeration: float | None = None,
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Path:
     """Write the series of chosen records, see `export_vtk`; returns series.pvd's path."""
-    parts, points = (surface_parts if surface else line_parts)(dataset, rotating)
+    parts = StageParts(
+        dataset, records, surface=surface, rotating=rotating, exaggeration=exaggeration
+    )
     folder = Path(directory)
-    frames = {frame_name(part, number) for part in parts for number in range(len(records))}
+    claimed = {frame_name(part, number) for part in PARTS for number in range(len(records))}
     earlier = [*owned(folder)]
-    claim(folder, {"series.pvd", "mesh.vtu", *frames}, overwrite=overwrite)
+    claim(folder, {"series.pvd", "mesh.vtu", "view.py", *claimed}, overwrite=overwrite)
     # The index is emptied first: it must never name a frame that is gone.
     series = SeriesWriter(folder=folder)
     for path in earlier:
         if path.parent == folder / "frames":
             path.unlink()
     with replacing(folder / "mesh.vtu") as draft:
-        meshio.write(draft, undeformed_mesh(dataset))
-    # In portions, so that memory does not grow with the number of frames.
-    together = max(1, min(PORTION, PORTION_POINTS // points))
-    for portion in np.array_split(records, -(-len(records) // together)):
-        time = dataset["time"].values[portion]
-        meshes = [meshes_of(portion) for meshes_of in parts.values()]
-        for instant, *at_instant in zip(time, *meshes, strict=True):
-            series.add(float(instant), dict(zip(parts, at_instant, strict=True)))
-            if progress is not None:
-                progress(series.frames, len(records))
+        write_vtu(draft, undeformed_mesh(dataset))
+    script = files("bladewhirl.postprocess.paraview").joinpath("view.py").read_text("utf-8")
+    about = f"SERIES = {pformat(_about(dataset, records, parts))}"
+    write_whole(folder / "view.py", script.replace(FILL, about))
+    for time, grids in zip(dataset["time"].values[records], parts.grids(), strict=True):
+        series.add(float(time), grids)
+        if progress is not None:
+            progress(series.frames, len(records))
     return series.index
+
+
+PARTS = ("rotor", "casing", "contact", "supports")
 
 
 def frame_name(part: str, number: int) -> str:
@@ -142,29 +154,23 @@ def frame_name(part: str, number: int) -> str:
     return f"frames/{part}_{number:05d}.vtu"
 
 
-Parts = Mapping[str, Callable[[IntArray], list[meshio.Mesh]]]
-"""Functions that make the meshes of each part at some records."""
-
-
-def line_parts(dataset: xr.Dataset, rotating: bool) -> tuple[Parts, int]:
-    """Parts as line cells, and their number of points; ResultError for an old result."""
-    parts: Parts = {
-        "rotor": lambda records: _rotor_meshes(dataset, records, rotating),
-        "casing": lambda records: _casing_meshes(dataset, records, rotating),
+def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts) -> dict[str, Any]:
+    """What view.py is told: the instant to show, ranges, names."""
+    force = np.linalg.norm(contact_forces(dataset, records), axis=-1).max(axis=1)
+    moved = np.linalg.norm(history(dataset, "rotor_displacement", records), axis=1)
+    shown = int(np.argmax(force if force.any() else moved))
+    return {
+        "title": str(dataset.attrs["title"]),
+        "time": float(dataset["time"].values[records[shown]]),
+        "exaggeration": parts.exaggeration,
+        "largest_displacement": parts.largest_displacement,
+        "largest_force": float(force.max()),
+        "tip_radius": float(dataset.attrs["tip_radius"]),
+        "parts": parts.names,
     }
-    return parts, dataset.sizes["rotor_node"] + ARC_POINTS
 
 
-def surface_parts(dataset: xr.Dataset, rotating: bool) -> tuple[Parts, int]:
-    """Parts as boxes, and their number of points; ResultError for an old result."""
-    rotor = SurfaceSeries(dataset, rotor_boxes(dataset), rotating=rotating)
-    casing = SurfaceSeries(dataset, casing_boxes(dataset), rotating=rotating)
-    parts: Parts = {
-        "rotor": rotor.meshes,
-        "casing": casing.meshes,
-        "contact": lambda records: _contact_meshes(dataset, records, rotating),
-    }
-    return parts, rotor.points + casing.points
+FOOT = b"  </Collection>\n</VTKFile>\n"
 
 
 @dataclass(kw_only=True)
@@ -172,49 +178,39 @@ class SeriesWriter:
     """Writes one .vtu per part and instant, and keeps `series.pvd` true to what is on disk."""
 
     folder: Path
-    _entries: list[str] = field(default_factory=list, init=False)
-    _frames: int = field(default=0, init=False)
+    frames: int = field(default=0, init=False)  #: number of instants written
 
     def __post_init__(self) -> None:
         (self.folder / "frames").mkdir(parents=True, exist_ok=True)
-        self._write_index()
-
-    @property
-    def frames(self) -> int:
-        """Number of instants written."""
-        return self._frames
+        head = (
+            b'<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" '
+            b'byte_order="LittleEndian">\n  <Collection>\n'
+        )
+        write_whole(self.index, head + FOOT)
 
     @property
     def index(self) -> Path:
         """Path of the .pvd file."""
         return self.folder / "series.pvd"
 
-    def add(self, time: float, parts: dict[str, meshio.Mesh]) -> None:
+    def add(self, time: float, parts: dict[str, Grid]) -> None:
         """Write the parts at an instant [s] and enter them in the index under their names."""
-        for number, (name, mesh) in enumerate(parts.items()):
-            file = frame_name(name, self._frames)
-            meshio.write(self.folder / file, mesh)
-            self._entries.append(
+        entries = ""
+        for number, (name, grid) in enumerate(parts.items()):
+            file = frame_name(name, self.frames)
+            write_vtu(self.folder / file, grid)
+            entries += (
                 f'    <DataSet timestep="{time!r}" part="{number}" name={quoteattr(name)} '
-                f"file={quoteattr(file)}/>"
+                f"file={quoteattr(file)}/>\n"
             )
-        self._frames += 1
-        self._write_index()
-
-    def _write_index(self) -> None:
-        lines = [
-            '<?xml version="1.0"?>',
-            '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">',
-            "  <Collection>",
-            *self._entries,
-            "  </Collection>",
-            "</VTKFile>",
-            "",
-        ]
-        write_whole(self.index, "\n".join(lines))
+        # In place and at once: a kill leaves an index that ends before this instant or after it.
+        with self.index.open("r+b", buffering=0) as index:
+            index.seek(-len(FOOT), 2)
+            index.write(entries.encode() + FOOT)
+        self.frames += 1
 
 
-def undeformed_mesh(dataset: xr.Dataset) -> meshio.Mesh:
+def undeformed_mesh(dataset: xr.Dataset) -> Grid:
     """Both bodies as one line mesh at t = 0; named sets are 0/1 arrays on cells and points.
 
     Cells carry `rotor`, `casing`, each part of the rotor (`blades`, `spokes`, ...) and
@@ -240,9 +236,10 @@ def undeformed_mesh(dataset: xr.Dataset) -> meshio.Mesh:
     part = dataset["rotor_part"].values.astype(str)
     for name in np.unique(part):
         cell_data[name] = _members(cells, np.flatnonzero(part == name))
-    return meshio.Mesh(
-        _in_space(np.vstack([rotor, ring])),
-        [("line", np.vstack([rotor_lines, ring_lines]))],
+    return Grid(
+        points=np.pad(np.vstack([rotor, ring]), ((0, 0), (0, 1))),
+        kind="line",
+        cells=np.vstack([rotor_lines, ring_lines]),
         point_data={
             "rotor": is_rotor,
             "casing": 1 - is_rotor,
@@ -250,105 +247,8 @@ def undeformed_mesh(dataset: xr.Dataset) -> meshio.Mesh:
             "centre": _members(len(is_rotor), dataset["centre_node"].values.reshape(1)),
             "blade": blade,
         },
-        cell_data={name: [values] for name, values in cell_data.items()},
+        cell_data=cell_data,
     )
-
-
-def _rotor_meshes(dataset: xr.Dataset, records: IntArray, rotating: bool) -> list[meshio.Mesh]:
-    points = rotor_points(dataset, records, rotating=rotating)
-    displacement = rotor_field(dataset, "displacement", records, rotating=rotating)
-    tips = dataset["tip_node"].values
-    gap = np.full(
-        points.shape[:2], float(dataset["clearance"].mean() + dataset["tip_recess"].mean())
-    )
-    gap[:, tips] = history(dataset, "gap", records)
-    force = np.zeros_like(points)
-    force[:, tips] = contact_forces(dataset, records, rotating=rotating)
-    strains = Strains.of(
-        history(dataset, "rotor_displacement", records), rotor_strain_rows(dataset)
-    )
-    return _meshes(
-        points,
-        ("line", dataset["rotor_line"].values),
-        _cell_strains(strains, rotor_sections(dataset, "young_modulus", 1)),
-        displacement=_in_space(displacement),
-        velocity=_in_space(rotor_field(dataset, "velocity", records, rotating=rotating)),
-        radial_displacement=radial_part(displacement, points),
-        gap=gap,
-        contact_force=_in_space(force),
-    )
-
-
-def _casing_meshes(dataset: xr.Dataset, records: IntArray, rotating: bool) -> list[meshio.Mesh]:
-    per_element = -(-ARC_POINTS // dataset.sizes["casing_node"])
-    angle = ring_angles(dataset, per_element)
-    displacement = casing_field(dataset, "displacement", records, angle, rotating=rotating)
-    velocity = casing_field(dataset, "velocity", records, angle, rotating=rotating)
-    rows = casing_strain_rows(dataset, per_element)
-    strains = Strains.of(history(dataset, "casing_displacement", records), rows)
-    return _meshes(
-        casing_points(dataset, records, angle, rotating=rotating),
-        ("line", _closed_lines(len(angle))),
-        _cell_strains(strains, dataset["casing_young_modulus"].values[:, None]),
-        displacement=_in_space(displacement),
-        velocity=_in_space(velocity),
-        radial_displacement=casing_polar_field(dataset, "displacement", records, angle)[..., 0],
-    )
-
-
-def _contact_meshes(dataset: xr.Dataset, records: IntArray, rotating: bool) -> list[meshio.Mesh]:
-    """The tips, with what the casing does to them, at the front of the blades: arrows that start
-    inside a blade would not be seen.
-    """
-    tips = dataset["tip_node"].values
-    front = float(dataset["rotor_width"].max()) / 2
-    displacement = rotor_field(dataset, "displacement", records, rotating=rotating)[:, tips]
-    force = contact_forces(dataset, records, rotating=rotating)
-    meshes = _meshes(
-        rotor_points(dataset, records, rotating=rotating)[:, tips],
-        ("vertex", np.arange(len(tips))[:, None]),
-        {},
-        displacement=_in_space(displacement),
-        gap=history(dataset, "gap", records),
-        contact_force=_in_space(force),
-    )
-    for mesh in meshes:
-        mesh.points[:, 2] = front
-    return meshes
-
-
-def _cell_strains(strains: Strains, modulus: Array) -> dict[str, Array]:
-    """Strains and stresses of the pieces of every element (record, cell): the larger end's.
-
-    The modulus is (element, station), or (element, 1) where it is the same along each.
-    """
-    fields = {}
-    for name, values in (("axial", strains.axial), ("bending", strains.bending)):
-        for kind, own in (("strain", values), ("stress", modulus * values)):
-            begin, end = own[..., :-1], own[..., 1:]
-            larger = np.where(np.abs(begin) >= np.abs(end), begin, end)
-            fields[f"{name}_{kind}"] = larger.reshape(len(larger), -1)
-    return fields
-
-
-def _meshes(
-    points: Array, cells: tuple[str, IntArray], on_cells: Mapping[str, Array], **fields: Array
-) -> list[meshio.Mesh]:
-    """One mesh per record from points (record, point, 2) and fields (record, point, ...)."""
-    return [
-        meshio.Mesh(
-            space,
-            [cells],
-            point_data={name: values[i] for name, values in fields.items()},
-            cell_data={name: [values[i]] for name, values in on_cells.items()},
-        )
-        for i, space in enumerate(_in_space(points))
-    ]
-
-
-def _in_space(vectors: Array) -> Array:
-    """Plane vectors (..., 2) with a zero third component, as VTK wants them."""
-    return np.concatenate([vectors, np.zeros_like(vectors[..., :1])], axis=-1)
 
 
 def _closed_lines(points: int) -> IntArray:

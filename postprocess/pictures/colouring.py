@@ -19,7 +19,6 @@ from bladewhirl.postprocess.fields.blades import line_blades
 from bladewhirl.postprocess.fields.kinematics import (
     Array,
     IntArray,
-    Quantity,
     ViewError,
     casing_rows,
     combine,

@@ -139,8 +139,12 @@ class Drawing:
             shaft=rotate(centre, turned),
             tips=rotate(nodes[self._tips], turned),
             mark=rotate(line.reshape(-1, 2)[self._mark], turned),
-            symbols=self._symbols.drawn(
-                wall[:, 1], stage.wall_at_rest(), centre, nodes, self._casing_turn[index], turned
+            symbols=self._symbols.together(
+                self._symbols.drawn(
+                    wall[:, 1], stage.wall_at_rest(), centre, nodes, float(stage.turns[index])
+                ),
+                self._casing_turn[index],
+                turned,
             ),
             forces=self._forces[index],
         )

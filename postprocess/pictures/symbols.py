@@ -69,27 +69,35 @@ class StageSymbols:
         self._feet = np.argmin(np.abs(away), axis=1)
 
     def drawn(
-        self,
-        wall: Array,
-        rest: Array,
-        centre: Array,
-        nodes: Array,
-        casing_turn: float,
-        rotor_turn: float,
-    ) -> Symbols:
-        """Symbols for the wall's drawn outer surface (station, 2), the same at rest, the drawn
-        centre (2,) and nodes (rotor_node, 2), each turned from its body's axes by an angle [rad].
+        self, wall: Array, rest: Array, centre: Array, nodes: Array, ahead: float = 0.0
+    ) -> tuple[Symbols, ...]:
+        """Symbols of casing, shaft's springs, its dampers and rotor, each in axes of its own.
+
+        Args:
+            wall: drawn outer surface (station, 2) [m].
+            rest: the same at rest.
+            centre: drawn, in rotating axes (2,) [m].
+            nodes: drawn, in rotating axes (rotor_node, 2) [m].
+            ahead: of the rotating axes, seen from the static ones [rad].
         """
-        spring_turn = casing_turn if self._on_shaft.static else rotor_turn
-        return together(
-            (
-                self._on_casing.symbols(wall[self._feet], rest[self._feet]),
-                self._on_shaft.springs(rotate(centre, rotor_turn - spring_turn)),
-                self._on_shaft.dampers(centre),
-                self._on_rotor.symbols(nodes),
-            ),
-            (casing_turn, spring_turn, rotor_turn, rotor_turn),
+        return (
+            self._on_casing.symbols(wall[self._feet], rest[self._feet]),
+            self._on_shaft.springs(rotate(centre, ahead * self._on_shaft.static)),
+            self._on_shaft.dampers(centre),
+            self._on_rotor.symbols(nodes),
         )
+
+    def together(
+        self, symbols: tuple[Symbols, ...], casing_turn: float, rotor_turn: float
+    ) -> Symbols:
+        """What `drawn` gives, turned from the axes of casing and rotor by angles [rad]."""
+        spring_turn = casing_turn if self._on_shaft.static else rotor_turn
+        turns = (casing_turn, spring_turn, rotor_turn, rotor_turn)
+        turned = [
+            Symbols(*(rotate(shapes, angle) if len(shapes) else shapes for shapes in each))
+            for each, angle in zip(symbols, turns, strict=True)
+        ]
+        return Symbols(*(np.concatenate(shapes) for shapes in zip(*turned, strict=True)))
 
 
 class CasingSymbols:
@@ -227,15 +235,6 @@ def sample(kind: str, start: Array, end: Array) -> Symbols:
     """A spring, damper or strut, one of `KINDS`, from a point (2,) to another."""
     width = float(0.18 * np.linalg.norm(end - start))
     return Symbols()._replace(**{kind: KINDS[kind][1](start[None], end[None], width)})
-
-
-def together(symbols: tuple[Symbols, ...], angles: tuple[float, ...]) -> Symbols:
-    """Symbols of several bodies, each turned by its angle [rad]."""
-    turned = [
-        Symbols(*(rotate(shapes, angle) for shapes in each))
-        for each, angle in zip(symbols, angles, strict=True)
-    ]
-    return Symbols(*(np.concatenate(shapes) for shapes in zip(*turned, strict=True)))
 
 
 def _outward(angles: Array) -> Array:

@@ -32,26 +32,31 @@ def export(
         bool, typer.Option("--surface", help="Boxes of true thickness and width, not lines.")
     ] = False,
     rotating: Rotating = False,
+    exaggeration: Annotated[
+        float | None,
+        typer.Option(help="Factor on displacement and clearance of warp; chosen by default."),
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help=f"Folder for the series; DIR/{VTK} if none."),
     ] = None,
     overwrite: Replace = False,
 ) -> None:
-    """Write a series for ParaView: open series.pvd, press Apply, add Warp By Vector.
+    """Write a series for ParaView: run view.py in it, or open series.pvd and Warp By Vector.
 
-    Parts are named rotor and casing, with --surface contact too. Fields: displacement, velocity,
-    radial_displacement, gap, contact_force (for Glyph), axial and bending strain and stress.
+    Parts are rotor, casing, contact and supports. Warp By Vector with warp and factor 1 shows the
+    stage as bladewhirl render does. Fields: displacement, velocity, radial_displacement, gap, axial
+    and bending strain and stress; part, blade, thickness; contact_force (for Glyph).
     An earlier series that bladewhirl wrote into the folder is replaced.
     """
-    from bladewhirl.postprocess.fields.kinematics import frame_records, sampling_hint
+    from bladewhirl.postprocess.fields.kinematics import sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
-    from bladewhirl.postprocess.paraview.series import write_series
+    from bladewhirl.postprocess.paraview.series import series_records, write_series
 
     window = parse_window(start, end)
     folder = output or (directory if directory.is_dir() else directory.parent) / VTK
     with options_of_window(), open_result(directory) as result:
-        records = frame_records(result, frames, *window)
+        records = series_records(result, frames, *window)
         with progress_bar(folder.name) as update, writing(folder):
             index = write_series(
                 result,
@@ -59,6 +64,7 @@ def export(
                 records,
                 rotating=rotating,
                 surface=surface,
+                exaggeration=exaggeration,
                 overwrite=overwrite,
                 progress=update,
             )

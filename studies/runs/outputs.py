@@ -136,13 +136,13 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
 
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
     """Write the ParaView series; yields hints."""
-    from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, sampling_hint
-    from bladewhirl.postprocess.paraview.series import write_series
+    from bladewhirl.postprocess.fields.kinematics import ViewError, sampling_hint
+    from bladewhirl.postprocess.paraview.series import series_records, write_series
 
     if window.frames == 0:
         return
     try:
-        records = frame_records(result, window.frames, window.start, window.end)
+        records = series_records(result, window.frames, window.start, window.end)
     except ViewError as error:  # the run ended before the window
         yield f"no ParaView series: {error}"
         return

@@ -16,7 +16,7 @@ from bladewhirl.models.elements.build import case_bladed_disk
 from bladewhirl.models.sections.rectangular import QUANTITIES, Section, along, along_elements
 from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.fields.strains import rotor_strain_rows
-from bladewhirl.postprocess.paraview.surfaces import rotor_boxes
+from bladewhirl.postprocess.paraview.boxes import rotor_boxes
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.stage import thickness_words
 from bladewhirl.studies.verification.modes import TIP_MASS, by_ritz, cantilever

@@ -136,7 +136,8 @@ def test_paraview_series_of_a_mode(tmp_path: Path) -> None:
     assert len(frames) == PICTURES
     mesh = meshio.read(frames[5])
     expected = rotor_field(data, "displacement", RECORDS)[5]
-    np.testing.assert_allclose(mesh.point_data["displacement"][:, :2], expected, atol=1e-12)
+    ends = expected[data["rotor_line"].values].reshape(-1, 2)
+    np.testing.assert_allclose(mesh.point_data["displacement"][:, :2], ends, rtol=1e-6, atol=1e-12)
 
 
 def shapes(body: Body) -> xr.Dataset:

@@ -28,7 +28,7 @@ def test_surfaces_in_a_named_folder(run: Path, tmp_path: Path) -> None:
         app, ["export", str(run / "result.nc"), "--surface", "--frames", "2", "-o", str(target)]
     )
     assert done.exit_code == 0, done.stderr
-    rotor, casing, contact = pyvista.PVDReader(target / "series.pvd").read()
+    rotor, casing, contact, _ = pyvista.PVDReader(target / "series.pvd").read()
     assert rotor.area > 0
     assert casing.area > 0
     assert contact.n_points == 22
@@ -39,6 +39,7 @@ def test_surfaces_in_a_named_folder(run: Path, tmp_path: Path) -> None:
     [
         (["--from", "0.3", "--to", "0.1"], "--from, --to: window [0.3, 0.1] s must be ordered"),
         (["--from", "7"], "window [7, "),
+        (["--exaggeration", "-2"], "exaggeration must be a positive number"),
         (["--to", "soon"], "--to soon: expected a time in seconds"),
         (["-o", "file/series"], "file/series: cannot be written"),
     ],

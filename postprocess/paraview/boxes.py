@@ -1,16 +1,18 @@
-"""The stage as surfaces: beams and wall as boxes of their true thickness and width.
+"""Beams and wall as boxes of their true thickness and width, or as lines.
 
 Every beam, and every element of the casing, is a box swept along a line by stations of its own,
 so that strains, which jump from one element to the next, are kept as they are. A box moves as its
 cross-sections do, which stay plane and normal: a corner at the distance y from the line gets the
-line's displacement minus y times the rotation along it.
+line's displacement minus y times the rotation along it. Lines are boxes without thickness, one
+corner at a station instead of four.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
-import meshio
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from bladewhirl.meshes.hermite import cubic_weights, slope_weights
 from bladewhirl.postprocess.fields.kinematics import (
@@ -24,7 +26,6 @@ from bladewhirl.postprocess.fields.kinematics import (
     line_slope_rows,
     rotate,
     station_angles,
-    turn,
     wall_rows,
 )
 from bladewhirl.postprocess.fields.sections import rotor_sections
@@ -40,6 +41,10 @@ ARC_POINTS = 180  #: the casing is cut into at least this many pieces
 SIDES = np.array([0, 1, 1, 0])  #: right, left, left, right: the corners of a cross-section
 ENDS = np.array([-0.5, -0.5, 0.5, 0.5])  #: where they are out of the plane, in widths
 
+# The same of lines.
+LINE_ARC_POINTS = 360
+LINE = np.zeros(1)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Boxes:
@@ -54,6 +59,7 @@ class Boxes:
     rows: Array  #: displacement for unit coordinates (element, station, 2, mode)
     turn_rows: Array  #: rotation of the cross-section, counter-clockwise (element, station, mode)
     strain_rows: StrainRows
+    solid: bool = True  #: False for lines
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -61,10 +67,24 @@ class Boxes:
         return self.line.shape[0], self.line.shape[1]
 
     def points(self) -> Array:
-        """Corners (element * station * 4, 3) [m]."""
+        """Corners (element * station * 4 or 1, 3) [m]."""
         place = self.line[:, :, None] + self._beside()
-        height = np.broadcast_to(ENDS * self.width[..., None], place.shape[:-1])
+        ends = ENDS if self.solid else LINE
+        height = np.broadcast_to(ends * self.width[..., None], place.shape[:-1])
         return np.concatenate([place, height[..., None]], axis=-1).reshape(-1, 3)
+
+    def lines(self) -> IntArray:
+        """Pieces (piece, 2) of bodies drawn as lines, element by element."""
+        elements, stations = self.shape
+        first = stations * np.arange(elements)[:, None] + np.arange(stations - 1)
+        return np.stack([first, first + 1], axis=-1).reshape(-1, 2)
+
+    def on_cells(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Values (element,) for every cell of `lines` or `quads`."""
+        stations = self.shape[1]
+        if not self.solid:
+            return np.repeat(values, stations - 1)
+        return np.concatenate([np.repeat(values, 4 * (stations - 1)), values, values])
 
     def quads(self) -> IntArray:
         """Faces (quad, 4), seen from outside counter-clockwise: four along each piece, and one at
@@ -100,7 +120,9 @@ class Boxes:
         return Strains.of(coordinates, self.strain_rows)
 
     def _beside(self) -> Array:
-        """Corners from the line (element, station, 4, 2) [m], in the plane."""
+        """Corners from the line (element, station, 4 or 1, 2) [m], in the plane."""
+        if not self.solid:
+            return np.zeros((*self.shape, 1, 2))
         return np.asarray(self.offset[:, :, SIDES, None] * self.normal[:, :, None])
 
 
@@ -146,58 +168,3 @@ def casing_boxes(dataset: xr.Dataset, arc_points: int = ARC_POINTS) -> Boxes:
         turn_rows=polar[:, :, 1] / float(dataset.attrs["casing_radius"]) - slope,
         strain_rows=casing_strain_rows(dataset, pieces),
     )
-
-
-class SurfaceSeries:
-    """A body's boxes as meshes, record by record; what does not change is made once."""
-
-    def __init__(self, dataset: xr.Dataset, boxes: Boxes, *, rotating: bool) -> None:
-        self._dataset, self._boxes = dataset, boxes
-        self._turns = (boxes.body == "rotor") != rotating
-        self._sense = 1.0 if boxes.body == "rotor" else -1.0
-        self._points = boxes.points()
-        self._cells = [("quad", boxes.quads())]
-
-    @property
-    def points(self) -> int:
-        """Number of corners of one mesh."""
-        return len(self._points)
-
-    def meshes(self, records: IntArray) -> list[meshio.Mesh]:
-        """One mesh a record, in single precision: points, `displacement` [m], `velocity` [m/s],
-        `radial_displacement` [m], `axial_strain`, `bending_strain` [1], `axial_stress`,
-        `bending_stress` and, at the surface itself, `surface_stress` [Pa].
-        """
-        boxes, count = self._boxes, len(records)
-        angle = self._sense * turn(self._dataset, records)[:, None] if self._turns else 0.0
-        displacement = boxes.vectors(self._dataset, "displacement", records)
-        radius = np.linalg.norm(self._points[:, :2], axis=1)
-        outward = self._points[:, :2] / np.where(radius > 0, radius, 1.0)[:, None]
-        strains = boxes.strains(self._dataset, records)
-        modulus = boxes.modulus
-        bend = np.where(SIDES == 0, 1.0, -1.0)  # bending strain is that of the right side
-        surface = strains.axial[..., None] + strains.bending[..., None] * bend
-        fields: dict[str, Array] = {
-            "displacement": _in_space(rotate(displacement, angle)),
-            "velocity": _in_space(rotate(boxes.vectors(self._dataset, "velocity", records), angle)),
-            "radial_displacement": np.sum(displacement * outward, axis=-1),
-            "surface_stress": (modulus[..., None] * surface).reshape(count, -1),
-        }
-        for name, strain in (("axial", strains.axial), ("bending", strains.bending)):
-            for kind, values in (("strain", strain), ("stress", modulus * strain)):
-                fields[f"{name}_{kind}"] = np.repeat(values.reshape(count, -1), 4, axis=1)
-        place = np.broadcast_to(self._points, (count, *self._points.shape)).copy()
-        place[..., :2] = rotate(place[..., :2], angle)
-        single = {name: values.astype(np.float32) for name, values in fields.items()}
-        return [
-            meshio.Mesh(
-                place[index].astype(np.float32),
-                self._cells,
-                point_data={name: values[index] for name, values in single.items()},
-            )
-            for index in range(count)
-        ]
-
-
-def _in_space(vectors: Array) -> Array:
-    return np.concatenate([vectors, np.zeros_like(vectors[..., :1])], axis=-1)

@@ -1,0 +1,312 @@
+"""Parts of a stage as grids at records: the bladed disk, the casing, the tips, what holds them.
+
+The same arrays lie on points and on cells of lines and of boxes. Points are where they are at
+rest, turned with their body; `displacement` is true in size. `warp` leads from there to where a
+picture of the stage has them (`EnlargedStage`): clearance and displacement multiplied by one
+factor, so that what touches in ParaView touches in the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bladewhirl.postprocess.fields.blades import line_blades
+from bladewhirl.postprocess.fields.enlarged import EnlargedStage
+from bladewhirl.postprocess.fields.kinematics import (
+    Array,
+    IntArray,
+    combine,
+    contact_forces,
+    history,
+    radial_part,
+    rotate,
+)
+from bladewhirl.postprocess.paraview.boxes import (
+    ARC_POINTS,
+    BEAM_PIECES,
+    LINE_ARC_POINTS,
+    SIDES,
+    Boxes,
+    casing_boxes,
+    rotor_boxes,
+)
+from bladewhirl.postprocess.paraview.grids import Grid
+from bladewhirl.postprocess.pictures.symbols import StageSymbols
+
+HOLDERS = ("springs", "dampers", "struts")
+"""Symbols that are written, struts with rigid links; the ground is left out."""
+
+PORTION = 300  #: records whose fields are computed together, at most
+PORTION_POINTS = 1_000_000  #: and points at all of them together, of large stages
+
+
+class StageParts:
+    """Grids of a stage's parts, `rotor`, `casing`, `contact` and, if anything holds it, `supports`.
+
+    Args:
+        dataset: a result.
+        records: numbers of records.
+        surface: boxes of true thickness and width, not lines.
+        rotating: seen from the rotor.
+        exaggeration: of `warp`; None for that of a picture of these records.
+
+    Raises:
+        ViewError: an exaggeration that is not positive.
+        ResultError: an old result that knows no sections.
+    """
+
+    def __init__(
+        self,
+        dataset: xr.Dataset,
+        records: IntArray,
+        *,
+        surface: bool,
+        rotating: bool,
+        exaggeration: float | None = None,
+    ) -> None:
+        self._dataset, self._rotating = dataset, rotating
+        beam_pieces, arc_points = (BEAM_PIECES, ARC_POINTS) if surface else (1, LINE_ARC_POINTS)
+        self._per_element = -(-arc_points // dataset.sizes["casing_node"])
+        self._per_line = beam_pieces
+        rotor, casing = rotor_boxes(dataset, beam_pieces), casing_boxes(dataset, arc_points)
+        self._bodies = [replace(each, solid=surface) for each in (rotor, casing)]
+        self._rest = [each.points() for each in self._bodies]
+        # In portions, so that memory does not grow with the number of records.
+        together = max(1, min(PORTION, PORTION_POINTS // sum(map(len, self._rest))))
+        self._portions = np.array_split(records, -(-len(records) // together))
+        factors, largest = zip(
+            *(
+                (stage.factor, stage.largest_displacement)
+                for stage in (self._enlarged(portion, exaggeration) for portion in self._portions)
+            ),
+            strict=True,
+        )
+        self.exaggeration: float = min(factors)
+        self.largest_displacement: float = max(largest)  #: over all records [m]
+        self._nodes = dataset["rotor_point"].values
+        self._tips = dataset["tip_node"].values
+        front = float(dataset["rotor_width"].max()) / 2 * surface
+        self._tips_at_rest = np.pad(
+            self._nodes[self._tips], ((0, 0), (0, 1)), constant_values=front
+        )
+        self.names = self._part_names()
+        self._cells = [
+            {name: body.on_cells(values) for name, values in self._cell_data(body).items()}
+            for body in self._bodies
+        ]
+        self._faces = [body.quads() if surface else body.lines() for body in self._bodies]
+        still = [self._enlarged(records[:1], factor) for factor in (1.0, self.exaggeration)]
+        self._symbols = StageSymbols(dataset, still[0].angle)
+        #: symbols at rest, of the true clearance and of the enlarged one
+        self._held = [
+            self._symbols.drawn(outer, outer, np.zeros(2), stage.nodes)
+            for stage in still
+            for outer in (stage.wall_at_rest(),)
+        ]
+
+    def _part_names(self) -> list[str]:
+        """Names of the values of `part`: parts of the bladed disk, the casing, what holds them."""
+        rotor = dict.fromkeys(map(str, self._dataset["rotor_part"].values))
+        return [*(name or "other beams" for name in rotor), "casing", *HOLDERS]
+
+    def grids(self) -> Iterator[dict[str, Grid]]:
+        """The parts by name, record by record."""
+        for records in self._portions:
+            stage = self._enlarged(records, self.exaggeration)
+            ahead = stage.turns
+            turns = (0 * ahead, -ahead) if self._rotating else (ahead, 0 * ahead)
+            bodies = [
+                self._body_fields(boxes, rest, records, angle)
+                for boxes, rest, angle in zip(self._bodies, self._rest, turns, strict=True)
+            ]
+            tips = self._tip_fields(records, turns[0])
+            for index in range(len(records)):
+                wall, line = stage.wall(index), stage.rotor_line(index)
+                nodes = stage.rotor_nodes(index)
+                drawn = self._drawn(stage, index, line, wall)
+                grids = {
+                    boxes.body: self._body(
+                        number, drawn[number], turns[number][index], fields, index
+                    )
+                    for number, (boxes, fields) in enumerate(zip(self._bodies, bodies, strict=True))
+                }
+                grids["contact"] = self._contact(nodes, turns[0][index], tips, index)
+                supports = self._supports(stage, index, wall, nodes, turns)
+                if supports is not None:
+                    grids["supports"] = supports
+                yield grids
+
+    def _enlarged(self, records: IntArray, factor: float | None) -> EnlargedStage:
+        return EnlargedStage(
+            self._dataset,
+            records,
+            factor=factor,
+            per_line=self._per_line,
+            per_element=self._per_element,
+        )
+
+    def _drawn(self, stage: EnlargedStage, index: int, line: Array, wall: Array) -> list[Array]:
+        """Places of the corners of both bodies (corner, 2) in their own axes [m]."""
+        pieces = np.arange(self._per_element + 1)
+        stations = self._per_element * np.arange(self._dataset.sizes["casing_node"])[:, None]
+        around = (stations + pieces) % len(wall)
+        if not self._bodies[0].solid:
+            return [line.reshape(-1, 2), wall[around, 0].reshape(-1, 2)]
+        sides = stage.rotor_sides(index, line, wall)
+        return [sides[:, :, SIDES].reshape(-1, 2), wall[around][:, :, SIDES].reshape(-1, 2)]
+
+    def _body_fields(
+        self, boxes: Boxes, rest: Array, records: IntArray, angle: Array
+    ) -> dict[str, Array]:
+        """Arrays on points (record, corner, ...): `displacement` [m], `velocity` [m/s], its rate,
+        `radial_displacement` [m], `axial_strain`, `bending_strain` [1], `axial_stress`,
+        `bending_stress` and, at the surface itself, `surface_stress` [Pa]; `gap` [m] of the
+        bladed disk is that at the blade's tip, and the clearance where there is no blade.
+        """
+        dataset, count = self._dataset, len(records)
+        moved = boxes.vectors(dataset, "displacement", records)
+        own = (boxes.body == "rotor") != self._rotating
+        spin = float(dataset.attrs["speed"]) * (1 if boxes.body == "rotor" else -1) * own
+        rate = boxes.vectors(dataset, "velocity", records) + spin * rotate(moved, np.pi / 2)
+        strains, modulus = boxes.strains(dataset, records), boxes.modulus
+        bend = strains.bending[..., None] * np.where(
+            SIDES == 0, 1.0, -1.0
+        )  # that of the right side
+        if not boxes.solid:  # the surface where more is felt
+            bend = np.copysign(strains.bending, strains.axial)[..., None]
+        surface = strains.axial[..., None] + bend
+        corners = len(rest) // strains.axial[0].size
+        fields = {
+            "displacement": _in_space(rotate(moved, angle[:, None])),
+            "velocity": _in_space(rotate(rate, angle[:, None])),
+            "radial_displacement": radial_part(moved, rest[None, :, :2]),
+            "surface_stress": (modulus[..., None] * surface).reshape(count, -1),
+        }
+        for name, strain in (("axial", strains.axial), ("bending", strains.bending)):
+            for kind, values in (("strain", strain), ("stress", modulus * strain)):
+                fields[f"{name}_{kind}"] = np.repeat(values.reshape(count, -1), corners, axis=1)
+        if boxes.body == "rotor":
+            blade, gap = line_blades(dataset), history(dataset, "gap", records)
+            clearance = float(dataset["clearance"].mean() + dataset["tip_recess"].mean())
+            of_lines = np.where(blade >= 0, gap[:, blade], clearance)
+            fields["gap"] = np.repeat(of_lines, len(rest) // len(blade), axis=1)
+        return fields
+
+    def _body(
+        self, number: int, drawn: Array, angle: float, fields: dict[str, Array], index: int
+    ) -> Grid:
+        """The bladed disk or the casing, whose corners are drawn at places in its own axes."""
+        rest = self._rest[number]
+        return Grid(
+            points=_turned(rest, angle),
+            kind="quad" if self._bodies[number].solid else "line",
+            cells=self._faces[number],
+            point_data={
+                "warp": _in_space(rotate(drawn - rest[:, :2], angle)),
+                **{name: values[index] for name, values in fields.items()},
+            },
+            cell_data=self._cells[number],
+        )
+
+    def _cell_data(self, boxes: Boxes) -> dict[str, NDArray[Any]]:
+        """`part` and `blade`, whole numbers, -1 for none, and `thickness` [m] of every element."""
+        dataset = self._dataset
+        if boxes.body == "casing":
+            elements = dataset.sizes["casing_node"]
+            part, blade = np.full(elements, self.names.index("casing")), np.full(elements, -1)
+        else:
+            names = dataset["rotor_part"].values.astype(str)
+            part = np.array([self.names.index(name or "other beams") for name in names])
+            blade = line_blades(dataset)
+        return {
+            "part": part,
+            "blade": blade,
+            "thickness": dataset[f"{boxes.body}_thickness"].values,
+        }
+
+    def _tip_fields(self, records: IntArray, angle: Array) -> dict[str, Array]:
+        dataset = self._dataset
+        rows = dataset["rotor_shape"].values[self._tips, :2]
+        moved, rate = (
+            combine(history(dataset, f"rotor_{quantity}", records), rows)
+            for quantity in ("displacement", "velocity")
+        )
+        spin = 0.0 if self._rotating else float(dataset.attrs["speed"])
+        rate += spin * rotate(moved, np.pi / 2)
+        return {
+            "displacement": _in_space(rotate(moved, angle[:, None])),
+            "velocity": _in_space(rotate(rate, angle[:, None])),
+            "gap": history(dataset, "gap", records),
+            "contact_force": _in_space(contact_forces(dataset, records, rotating=self._rotating)),
+        }
+
+    def _contact(self, nodes: Array, angle: float, fields: dict[str, Array], index: int) -> Grid:
+        """The tips, with what the casing does to them, at the front of the blades: arrows that
+        start inside a blade would not be seen.
+        """
+        rest, blade = self._tips_at_rest, np.arange(len(self._tips))
+        return Grid(
+            points=_turned(rest, angle),
+            kind="vertex",
+            cells=blade[:, None],
+            point_data={
+                "warp": _in_space(rotate(nodes[self._tips] - rest[:, :2], angle)),
+                **{name: values[index] for name, values in fields.items()},
+            },
+            cell_data={"blade": blade},
+        )
+
+    def _supports(
+        self,
+        stage: EnlargedStage,
+        index: int,
+        wall: Array,
+        nodes: Array,
+        turns: tuple[Array, Array],
+    ) -> Grid | None:
+        """Springs, dampers, struts and links as lines, if there are any. Their ends that move with
+        a body have its `displacement`, to first order, and its `warp`.
+        """
+        angles = float(turns[1][index]), float(turns[0][index])
+        moved = self._symbols.drawn(
+            wall[:, 1],
+            stage.wall_at_rest(),
+            stage.factor * stage.centre[index],
+            nodes,
+            float(stage.turns[index]),
+        )
+        rest, enlarged, drawn = (
+            [getattr(self._symbols.together(each, *angles), name) for name in HOLDERS]
+            for each in (*self._held, moved)
+        )
+        count = [len(each) for each in rest]
+        if not sum(count):
+            return None
+        places = [np.concatenate(each).reshape(-1, 2) for each in (rest, enlarged, drawn)]
+        first = self.names.index(HOLDERS[0])
+        return Grid(
+            points=_in_space(places[0]),
+            kind="line",
+            cells=np.arange(len(places[0])).reshape(-1, 2),
+            point_data={
+                "warp": _in_space(places[2] - places[0]),
+                "displacement": _in_space((places[2] - places[1]) / self.exaggeration),
+            },
+            cell_data={"part": first + np.repeat(np.arange(len(HOLDERS)), count)},
+        )
+
+
+def _turned(points: Array, angle: float) -> Array:
+    """Points (point, 3) turned in the plane."""
+    return np.column_stack([rotate(points[:, :2], angle), points[:, 2]])
+
+
+def _in_space(vectors: Array) -> Array:
+    """Plane vectors (..., 2) with a zero third component, as VTK wants them."""
+    return np.concatenate([vectors, np.zeros_like(vectors[..., :1])], axis=-1)
