@@ -7,17 +7,25 @@ one group for each of its values, called ``name=value``. Data are arrays of real
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from lzma import LZMADecompressor
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import meshio
 import numpy as np
+from meshio.vtu import _vtu
 from numpy.typing import NDArray
 
-from bladewhirl.meshes.files.groups import GroupedLines, in_plane
+from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError, in_plane
 from bladewhirl.meshes.files.meshio_cells import line_blocks, readable, stacked
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+
+MOST_EXPANDED = 400_000_000
+"""Bytes that the compressed arrays of a file may expand to."""
 
 MOST_VALUES = 1000
 """Arrays of more different whole numbers number their points or cells and group none."""
@@ -29,7 +37,7 @@ def read_vtu(path: Path) -> GroupedLines:
     Raises:
         MeshFileError: it is none, or has other cells than lines and points.
     """
-    with readable(path):
+    with readable(path), _bounded():
         mesh = meshio.vtu.read(str(path))
     blocks = line_blocks(mesh)
     cell_arrays = {
@@ -44,6 +52,30 @@ def read_vtu(path: Path) -> GroupedLines:
         node_data=dict(_data(mesh.point_data)),
         line_data=dict(_data(cell_arrays)),
     )
+
+
+@contextmanager
+def _bounded() -> Iterator[None]:
+    """meshio with arrays that expand to `MOST_EXPANDED` bytes in all; a few bytes may hold any
+    number of them.
+    """
+    left = MOST_EXPANDED
+
+    def decompressed(worker: Any, block: bytes) -> bytes:  # Any: zlib's and lzma's, without a name
+        nonlocal left
+        expanded: bytes = worker.decompress(block, left + 1)
+        left -= len(expanded)
+        if left < 0:
+            raise MeshFileError(f"at most {MOST_EXPANDED / 1e6:.0f} MB when expanded")
+        return expanded
+
+    kept = _vtu.zlib, _vtu.lzma
+    _vtu.zlib = SimpleNamespace(decompress=lambda block: decompressed(zlib.decompressobj(), block))
+    _vtu.lzma = SimpleNamespace(decompress=lambda block: decompressed(LZMADecompressor(), block))
+    try:
+        yield
+    finally:
+        _vtu.zlib, _vtu.lzma = kept
 
 
 def write_vtu(path: Path, mesh: GroupedLines) -> None:

@@ -63,7 +63,8 @@ def frame_records(
             f"window [{first:g}, {last if end is None else end:g}] s must be ordered and begin "
             f"inside the run, which covers [{time[0]:g}, {time[-1]:g}] s"
         )
-    return np.unique(nearest_records(dataset, np.linspace(first, last, frames)))
+    enough = min(frames, 2 * len(time))
+    return np.unique(nearest_records(dataset, np.linspace(first, last, enough)))
 
 
 def nearest_records(dataset: xr.Dataset, instants: Array) -> IntArray:

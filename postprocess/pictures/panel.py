@@ -9,7 +9,7 @@ import numpy as np
 import pyvista
 import xarray as xr
 
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray, rotate
 from bladewhirl.postprocess.pictures.appearance import (
     FAINT,
     FONT,
@@ -28,10 +28,13 @@ from bladewhirl.postprocess.pictures.scene import (
     StageScene,
     disc_triangles,
 )
-from bladewhirl.postprocess.pictures.symbols import KINDS, sample
+from bladewhirl.postprocess.pictures.symbols import KINDS, Symbols, sample
+from bladewhirl.postprocess.plotting.units import length_unit
 
 SCALE_TOP, SCALE_FOOT = 0.455, 0.05  #: of colour scale or key, as shares of the window
 ORBIT_TOP, ORBIT_SIZE = 0.475, 0.17  #: of the inset; the scale then begins below it
+BAR_SHARE = 0.11  #: longest scale bar, as a share of the window's width
+NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045  #: of a blade's number, in lengths from shaft to tip
 KEY_STEP = 0.034
 KEY_LETTERS, LINE_LETTERS = 27, 32
 
@@ -57,6 +60,14 @@ class Panel:
         write(scene.plotter, "\n".join([*shown, note] if note else shown), 0.7, 13, color=FAINT)
         self._contact = write(scene.plotter, "", 0.565, 14, color=FORCE_COLOUR)
         self._orbit = None if trail is None else Orbit(scene, dataset, trail)
+        self._numbers = BladeNumbers(scene, dataset.sizes["blade"])
+        write_scale_bar(scene, "motion, clearance")
+        limit = drawing.linear_limit()
+        if limit is not None:
+            unit, scale = length_unit(limit)
+            words = f"blades bend by more than\n{scale * limit:.3g} {unit}: a linear model"
+            words += "\nis off by a tenth or more"
+            write(scene.plotter, words, 0.075, 11, color=FORCE_COLOUR, indent=-0.205)
         top = SCALE_TOP if trail is None else ORBIT_TOP - 0.06 - ORBIT_SIZE
         if drawing.colouring.parts is None:
             write_scale(scene, top)
@@ -67,6 +78,7 @@ class Panel:
         """Bring time, contacts and orbit up to date."""
         self._time.input = f"t = {1e3 * picture.time:.1f} ms"
         self._contact.input = contact_words(picture.forces)
+        self._numbers.show(picture)
         if self._orbit is not None:
             self._orbit.show(picture.time)
 
@@ -118,6 +130,50 @@ class Orbit:
             mesh, color=colour, line_width=width * plotter.window_size[1] / 960, lighting=False
         )
         return mesh
+
+
+class BladeNumbers:
+    """Numbers beside the blades, of as many as can be read."""
+
+    def __init__(self, scene: StageScene, blades: int) -> None:
+        each = next(step for step in (1, 2, 5, 10, 20, 50, 100, 200, 500) if blades <= 25 * step)
+        self._blades = np.arange(0, blades, each)
+        self._corner, far = scene.place(0.0, 0.0), scene.place(1.0, 1.0)
+        self._pixels = np.array(scene.plotter.window_size) / (far - self._corner)
+        self._actors = [
+            write(scene.plotter, str(blade), 0.0, 10, color=FAINT, indent=float(blade))
+            for blade in self._blades
+        ]
+        for actor in self._actors:
+            actor.prop.SetJustificationToCentered()
+            actor.prop.SetVerticalJustificationToCentered()
+
+    def show(self, picture: Picture) -> None:
+        """Bring them to their blades."""
+        span = picture.tips[self._blades] - picture.shaft
+        aside = rotate(span / np.linalg.norm(span, axis=1)[:, None], np.pi / 2)
+        beside = picture.shaft + NUMBER_PLACE * span + NUMBER_ASIDE * np.abs(span).max() * aside
+        for actor, place in zip(self._actors, self._pixels * (beside - self._corner), strict=True):
+            actor.SetPosition(*place)
+
+
+def write_scale_bar(scene: StageScene, enlarged: str) -> None:
+    """Put a bar of a round length into the lower left corner, with what it is of the stage and,
+    where that is drawn larger, of what is `enlarged`.
+    """
+    (left, foot), (right, _) = scene.place(0.02, 0.03), scene.place(0.02 + BAR_SHARE, 0.03)
+    decade = 10.0 ** np.floor(np.log10(right - left))
+    length = decade * max(step for step in (1, 2, 5) if step * decade <= right - left)
+    start, end, up = np.array([left, foot]), np.array([left + length, foot]), np.array([0, 0.05])
+    ticks = [[at - length * up, at + length * up] for at in (start, end)]
+    scene.symbols(Symbols(springs=np.array([[start, end], *ticks])))
+    unit, scale = length_unit(length)
+    words = f"{scale * length:.4g} {unit}"
+    factor = scene.drawing.exaggeration
+    if factor != 1:
+        unit, scale = length_unit(length / factor)
+        words += f"\nof {enlarged}: {scale * length / factor:.3g} {unit}"
+    write(scene.plotter, words, 0.085, 11, indent=-SQUARE)
 
 
 def _on_plane(points: Array) -> Array:

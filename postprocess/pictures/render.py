@@ -4,7 +4,7 @@ pyvista and the scene are imported where they are used (`offscreen`): loading VT
 a march needs to start, and it must not happen before it is known that VTK can draw here.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import imageio.v2 as imageio
@@ -144,17 +144,17 @@ def render_animation(
         replacing(target) as draft,
     ):
 
-        def pictures() -> Iterator[Pixels]:
+        def pictures(drawn: Mapping[int, Pixels]) -> Iterator[Pixels]:
             for index in range(len(records)):
-                yield picture(index)
+                yield drawn[index] if index in drawn else picture(index)
                 if progress:
                     progress(index + 1, len(records))
 
         if gif:
-            samples = [picture(i) for i in range(0, len(records), -(-len(records) // 6))]
-            write_gif(draft, pictures(), _palette(drawing, samples))
+            samples = {i: picture(i) for i in range(0, len(records), -(-len(records) // 6))}
+            write_gif(draft, pictures(samples), _palette(drawing, [*samples.values()]))
         else:
-            write_mp4(draft, pictures())
+            write_mp4(draft, pictures({}))
     return target
 
 

@@ -103,12 +103,14 @@ def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, In
         LINE_LETTERS,
         write,
         write_key,
+        write_scale_bar,
         write_symbols,
         write_title,
     )
 
     plotter, drawing = scene.plotter, scene.drawing
     write_title(plotter, dataset)
+    write_scale_bar(scene, "clearance")
     write(plotter, "\n".join(size_words(dataset)), 0.885, 13)
     parts = drawing.colouring.parts or {}
     top = 0.76

@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from places import DATA
 
+from bladewhirl.meshes.files import vtu
 from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError
 from bladewhirl.meshes.files.registry import WRITERS, read_line_mesh, write_line_mesh
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
@@ -254,3 +255,20 @@ def test_names_that_a_format_does_not_hold(
     with pytest.raises(MeshFileError, match=expected):
         write_line_mesh(tmp_path / f"a{suffix}", mesh)
     assert not [*tmp_path.iterdir()]
+
+
+@pytest.mark.parametrize("compression", ["zlib", "lzma"])
+def test_a_few_bytes_that_expand_to_many_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compression: str
+) -> None:
+    """Whatever the header of a block says of its size."""
+    path = tmp_path / "bomb.vtu"
+    points = np.zeros((200_000, 3))
+    points[:, 0] = np.arange(len(points))
+    lines = np.column_stack([np.arange(len(points) - 1), np.arange(1, len(points))])
+    meshio.vtu.write(path, meshio.Mesh(points, [("line", lines)]), compression=compression)
+    assert path.stat().st_size < 2_000_000
+    assert len(vtu.read_vtu(path).lines) == len(lines)
+    monkeypatch.setattr(vtu, "MOST_EXPANDED", 1_000_000)
+    with pytest.raises(MeshFileError, match="at most 1 MB when expanded"):
+        vtu.read_vtu(path)
