@@ -80,9 +80,7 @@ def main():
     expect(list(rest) == named, f"parts {', '.join(map(str, rest))}")
     expect(touching > 0, f"at {time:g} s {touching} blades are touched")
 
-    moved = {
-        name: vtk_to_numpy(p.GetPointData().GetArray("warp")) for name, p in rest.items()
-    }
+    moved = {name: vtk_to_numpy(p.GetPointData().GetArray("warp")) for name, p in rest.items()}
     warp = simple.WarpByVector(Input=series)
     expect(warp.Vectors[1] == "warp", "Warp By Vector takes warp by itself")
     warp.ScaleFactor = 1.0
