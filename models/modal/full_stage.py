@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
@@ -16,9 +18,11 @@ from bladewhirl.models.elements.build import (
     tip_in_sector,
 )
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
+from bladewhirl.models.elements.cyclic import NO_COLUMN
 from bladewhirl.models.modal.describe import stage_arrays
 from bladewhirl.models.modal.frequencies import lowest_frequencies
 from bladewhirl.models.modal.labels import LabelledModes, labelled_modes
+from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.suspension import with_sized_shaft
 from bladewhirl.models.modal.whirl_labels import whirl_families
@@ -35,6 +39,32 @@ class Whirl:
 
     modes: WhirlModes
     family: tuple[str, ...]  #: of each, (modes,)
+
+    @property
+    def nodal_diameter(self) -> IntArray:
+        """That holds most of each, (modes,)."""
+        return self.modes.nodal_diameter
+
+    def find(self, family: str, nodal_diameter: int) -> IntArray:
+        """Numbers of the modes of one family and nodal diameter, ascending in frequency."""
+        named = np.array(self.family) == family
+        return np.flatnonzero(named & (self.nodal_diameter == nodal_diameter))
+
+    def real_parts(self, chosen: IntArray) -> Modes:
+        """Two fields for each of some modes, Re p and -Im p, that it has in turn.
+
+        Its motion is the first times cos(w t) plus the second times sin(w t).
+        """
+        fields, twice = self.modes.fields(chosen), np.repeat(chosen, 2)
+        return Modes(
+            frequency=self.modes.frequency[twice],
+            column=np.full(len(twice), NO_COLUMN),
+            nodal_diameter=self.nodal_diameter[twice],
+            purity=self.modes.purity[twice],
+            spring_share=self.modes.spring_share[twice],
+            shapes=np.stack([fields.real, -fields.imag], axis=-1).reshape(len(fields), -1),
+            sectors=0,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,11 +140,33 @@ class ModalStage:
             disk_modes: numbers among `disk_modes`.
             casing_modes: numbers among `casing_modes`.
         """
+        modes = self.disk_modes
+        return self._arrays(modes.expand(disk_modes), modes.family, disk_modes, casing_modes)
+
+    def whirl_arrays(self, whirling: IntArray, casing_modes: IntArray) -> StageArrays:
+        """Describe the stage by some of its whirling modes, in two fields each: `real_parts`.
+
+        Args:
+            whirling: numbers among `disk_whirl`.
+            casing_modes: numbers among `casing_modes`.
+
+        Raises:
+            ValueError: it has none, without Coriolis forces.
+        """
+        whirl = self.disk_whirl
+        if whirl is None:
+            raise ValueError("a bladed disk without Coriolis forces has no whirling modes")
+        twice = np.repeat(whirling, 2)
+        return self._arrays(whirl.real_parts(whirling), whirl.family, twice, casing_modes)
+
+    def _arrays(
+        self, modes: Modes, family: tuple[str, ...], disk_modes: IntArray, casing_modes: IntArray
+    ) -> StageArrays:
         return stage_arrays(
             self.case,
             self.disk,
-            self.disk_modes.expand(disk_modes),
-            tuple(self.disk_modes.family[i] for i in disk_modes),
+            modes,
+            tuple(family[i] for i in disk_modes),
             self.casing,
             self.casing_modes.expand(casing_modes),
             tuple(self.casing_modes.family[i] for i in casing_modes),

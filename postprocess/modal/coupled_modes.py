@@ -11,14 +11,18 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures.drawing import Drawing, Ribbon
+from bladewhirl.postprocess.plotting.axes import title_of_case
+from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     FULL_WIDTH,
     SEQUENTIAL,
     new_figure,
+    speed_label,
     styled,
 )
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
@@ -45,7 +49,7 @@ def plot_orbits(orbit: xr.Dataset) -> Figure:
     Args:
         orbit: from `orbits.shaft_orbit`.
     """
-    figure = new_figure(height=0.052)
+    figure = new_figure(height=0.06)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     edge = 1.1 * MICRO * float(orbit["radius"].max())
     for axes, frame in zip(panels, FRAMES, strict=True):
@@ -56,6 +60,7 @@ def plot_orbits(orbit: xr.Dataset) -> Figure:
         axes.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge), xlabel="x [µm]")
         axes.set_title(f"{frame} frame\n{whirl(orbit, frame).text}")
     panels[0].set_ylabel("y [µm]")
+    _title(figure, "Growing orbit of the shaft", orbit)
     return figure
 
 
@@ -69,7 +74,7 @@ def plot_phases(data: xr.Dataset) -> Figure:
         data: from `motion_dataset`.
     """
     moves = data.attrs["nodal_diameter"] == 1
-    figure = new_figure(height=0.07 if moves else 0.05)
+    figure = new_figure(height=0.085 if moves else 0.06)
     rows: dict[str, Any] = {"nrows": 2, "height_ratios": (2, 1)} if moves else {}
     panels = np.atleast_1d(figure.subplots(sharex=True, **rows))
     time = MILLI * data["time"].values
@@ -81,14 +86,15 @@ def plot_phases(data: xr.Dataset) -> Figure:
         jumps = np.abs(np.diff(wrapped, prepend=wrapped[0])) > np.pi
         degrees = np.degrees(np.where(jumps, np.nan, wrapped))
         panels[0].plot(time, degrees, style, color=COLOURS[key], label=name, linewidth=1.2)
-    panels[0].set_ylabel("phase, static frame [°]")
+    panels[0].set_ylabel("static phase [°]")
     if moves:
         panels[1].plot(time, np.degrees(data["shaft_lead"]), color=COLOURS["k = 1"])
         panels[1].set_ylabel("shaft leads [°]")
     for axes in panels:
         axes.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), xlim=(time[0], time[-1]))
     panels[-1].set_xlabel("time [ms]")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
+    _title(figure, "Phases of a growing coupled mode", data)
+    legends_below(figure, Group([*zip(*panels[0].get_legend_handles_labels(), strict=True)]))
     return figure
 
 
@@ -104,7 +110,7 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
         dataset: a result, or a coupled mode laid out like one.
         records: which records, up to four look well.
     """
-    figure = new_figure(width=FULL_WIDTH, height=0.055)
+    figure = new_figure(width=FULL_WIDTH, height=0.068)
     panels = np.atleast_1d(figure.subplots(1, len(records)))
     drawing = Drawing(dataset, records)
     size = 1.02 * drawing.reach()[0]
@@ -128,7 +134,24 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
         axes.set_axis_off()
         axes.set_title(f"{MILLI * picture.time:.4g} ms")
     figure.colorbar(shown, ax=panels, label="displacement [mm]", shrink=0.7)
+    _title(figure, "Growing coupled mode", dataset)
+    marks = {
+        "axis of rotation": ("+", COLOURS["rest"], COLOURS["rest"]),
+        "shaft": ("o", COLOURS["k = 1"], COLOURS["k = 1"]),
+        "smallest clearance": ("o", COLOURS["contact"], "none"),
+    }
+    entries = [
+        (Line2D([], [], linestyle="none", marker=marker, color=edge, markerfacecolor=fill), name)
+        for name, (marker, edge, fill) in marks.items()
+    ]
+    legends_below(figure, Group(entries))
     return figure
+
+
+def _title(figure: Figure, shown: str, data: xr.Dataset) -> None:
+    """Title a figure with the case, what is shown, the speed and the coupling stiffness."""
+    kappa = f", κ = {data.attrs['kappa']:.4g} N/m" if "kappa" in data.attrs else ""
+    title_of_case(figure, data.attrs.get("case", ""), f"{shown}\n{speed_label(data)}{kappa}")
 
 
 def _draw_ribbon(axes: Axes, ribbon: Ribbon, norm: Normalize) -> PolyCollection:

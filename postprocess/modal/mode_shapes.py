@@ -12,6 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize, to_rgb
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from bladewhirl.meshes.files.drafts import replacing
 from bladewhirl.meshes.line_mesh import FloatArray
@@ -20,9 +21,11 @@ from bladewhirl.postprocess.fields.enlarged import magnify
 from bladewhirl.postprocess.fields.kinematics import casing_rows, line_rows, ring_angles, rotate
 from bladewhirl.postprocess.pictures.films import shared_palette, write_gif
 from bladewhirl.postprocess.pictures.offscreen import Pixels
+from bladewhirl.postprocess.plotting.axes import title_of_case
+from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
-    COLUMN_WIDTH,
+    FULL_WIDTH,
     SEQUENTIAL,
     new_figure,
     styled,
@@ -40,8 +43,23 @@ MOST_PIECES = 16_000
 RING_POINTS = 360
 """And the casing as at least this many."""
 
-COLUMNS = 3
-"""Panels side by side in a column of a page."""
+COLUMNS = 6
+"""Panels side by side, at most."""
+
+INSTANTS = 4
+"""Pictures of a travelling wave over a quarter of its period, both ends among them."""
+
+PURE = 0.9995
+"""Purity from which a mode is told by its nodal diameter alone."""
+
+TURNS = "rotation is counter-clockwise"
+"""Said with every picture in which something travels, or may."""
+
+LOCALISED = 0.5
+"""Purity below which no nodal diameter names a mode."""
+
+OUTSIDE = 1.1
+"""Radius at which crests are marked, over the largest of what is drawn."""
 
 MARGIN = 1.02
 """Half the width of a picture over the largest distance of anything from its middle."""
@@ -155,21 +173,22 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
     """Draw the mode shapes of a body side by side, Fig. 6.
 
     A cross marks where the centre rests, a dot where it is displaced to, and how far that is in
-    percent of the largest displacement of the mode; a casing's centre is its mean motion.
+    percent of the largest displacement of the mode; a casing's centre is its mean motion. Below
+    stand the frequency, how pure a mode is and, of whirling ones, the ways that they travel.
 
     Args:
-        data: a stage by some of its modes, see `mode_motion.stage_dataset`; one panel a mode.
+        data: from `motion.shapes_dataset`; one panel a mode.
         body: whose modes.
     """
     prefix = "rotor" if body == "bladed-disk" else "casing"
     modes = data.sizes[f"{prefix}_mode"]
-    columns = min(modes, COLUMNS)
-    rows = -(-modes // columns)
-    figure = new_figure(width=COLUMN_WIDTH, height=0.018 + rows * 0.039 * COLUMNS / columns)
-    figure.set_layout_engine("constrained", hspace=0.08)
+    rows = -(-modes // COLUMNS)
+    columns = -(-modes // rows)
+    figure = new_figure(
+        width=FULL_WIDTH, height=0.022 + rows * (0.85 * FULL_WIDTH / columns + 0.022)
+    )
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     outline = Outline(data, body)
-    reference = float(data.attrs["reference_frequency"])
     for mode, axes in enumerate(panels):
         if mode >= modes:
             axes.set_axis_off()
@@ -177,27 +196,96 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
         coordinates = np.eye(modes)[mode]
         shape = DrawnShape(axes, outline, coordinates, linewidth=0.8)
         shape.show(coordinates)
-        name = mode_title(
-            str(data[f"{prefix}_family"].values[mode]),
-            int(data[f"{prefix}_nodal_diameter"].values[mode]),
-        )
-        frequency = float(data[f"{prefix}_frequency"].values[mode])
-        axes.set_title(name)
+        own = data.isel({f"{prefix}_mode": mode})
         share = float(np.linalg.norm(outline.centre(coordinates, 1.0)) / shape.largest)
         moves = f"centre {100 * share:.1f} %" if share > CENTRE_RESTS else "centre at rest"
+        purity = float(own[f"{prefix}_purity"])
+        k = int(own[f"{prefix}_nodal_diameter"])
+        axes.set_title(mode_title(str(own[f"{prefix}_family"].values), k, purity))
+        lines = [*_frequency(data, float(own[f"{prefix}_frequency"])).split(" = "), moves]
+        if purity < PURE:
+            lines.append(f"k = {k} holds {100 * purity:.0f} %" if k >= 0 else "no nodal diameter")
+        if f"{prefix}_direction" in data:
+            lines.append(str(own["rotor_direction"].values))
+            lines.append(f"static: {own['rotor_direction_static'].values}")
         below = {"transform": axes.transAxes, "ha": "center", "va": "top"}
-        axes.text(0.5, -0.02, f"{_digits(frequency / reference)} ω$_1$\n{moves}", **below)
+        axes.text(0.5, -0.02, "\n".join(lines), **below)
     figure.colorbar(
         shape.lines,
         ax=[*panels],
-        location="bottom",
+        location="right",
         label="displacement / largest one [–]",
-        shrink=0.5,
-        aspect=30,
+        shrink=0.8,
+        aspect=20,
         ticks=[0.0, 0.5, 1.0],
     )
-    figure.legend(handles=[shape.rest, shape.centre], loc="outside upper center", ncols=2)
+    names = {"bladed-disk": "the bladed disk, rotating frame", "casing": "the casing"}
+    title_of_case(figure, data.attrs["case"], f"Modes of {names[body]}; {TURNS}")
+    legends_below(figure, Group([(shape.rest, "centre at rest"), (shape.centre, "displaced")]))
     return figure
+
+
+@styled
+def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
+    """Draw a mode that travels at instants of a quarter of its period, its crests marked.
+
+    Args:
+        data: a mode in time, from `motion.mode_motion`.
+        body: that moves.
+    """
+    prefix = "rotor" if body == "bladed-disk" else "casing"
+    coordinates = data[f"{prefix}_displacement"].values
+    figure = new_figure(width=FULL_WIDTH, height=0.062)
+    panels = figure.subplots(1, INSTANTS)
+    outline = Outline(data, body)
+    k = int(data[f"{prefix}_nodal_diameter"].values[0])
+    crests = Line2D([], [], linestyle="none", marker="v", color=COLOURS["contact"])
+    for number, axes in enumerate(panels):
+        record = len(coordinates) * number // (4 * (INSTANTS - 1))
+        shape = DrawnShape(axes, outline, coordinates, linewidth=0.8)
+        shape.show(coordinates[record])
+        _mark_crests(axes, _crest(data, prefix, coordinates[record], k), k)
+        degrees = 90 * number // (INSTANTS - 1)
+        axes.set_title("start" if not number else f"{degrees}° of its period")
+    figure.colorbar(
+        shape.lines, ax=[*panels], label="displacement / largest [–]", shrink=0.8, ticks=[0, 1]
+    )
+    frame = "rotating frame" if body == "bladed-disk" else "static frame"
+    hertz = _frequency(data, float(data[f"{prefix}_frequency"].values[0]))
+    title = f"{data.attrs['title']}, {hertz}, {frame}; {TURNS}"
+    title_of_case(figure, data.attrs["case"], title)
+    marks = [(shape.rest, "centre at rest"), (shape.centre, "displaced"), (crests, "crest")]
+    legends_below(figure, Group(marks))
+    return figure
+
+
+def _mark_crests(axes: Axes, angle: float, k: int) -> None:
+    """Mark the crests of a wave outside of what is drawn; one of them is filled, to follow it."""
+    radius = axes.get_xlim()[1]
+    for number in range(k):
+        turned = angle + 2.0 * np.pi * number / k
+        place = radius * np.array([np.cos(turned), np.sin(turned)])
+        axes.plot(
+            *place,
+            marker=(3, 0, np.degrees(turned) + 90.0),
+            markersize=5.0,
+            color=COLOURS["contact"],
+            markerfacecolor="none" if number else COLOURS["contact"],
+        )
+    reach = OUTSIDE * radius
+    axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
+
+
+def _crest(data: xr.Dataset, prefix: str, coordinates: FloatArray, k: int) -> float:
+    """Angle of a crest of the wave along the tips or the wall [rad]."""
+    if prefix == "rotor":
+        angle = data["tip_angle"].values
+        moved = data["rotor_shape"].values[data["tip_node"].values, :2] @ coordinates
+        along = moved[:, 1] * np.cos(angle) - moved[:, 0] * np.sin(angle)
+    else:
+        angle = data["casing_angle"].values
+        along = data["casing_shape"].values[:, 0] @ coordinates
+    return float(-np.angle(along @ np.exp(-1j * k * angle)) / k) if k else 0.0
 
 
 def animate_mode(data: xr.Dataset, body: Body, path: Path) -> Path:
@@ -223,13 +311,12 @@ def _pictures(data: xr.Dataset, body: Body) -> list[Pixels]:
     prefix = "rotor" if body == "bladed-disk" else "casing"
     coordinates = data[f"{prefix}_displacement"].values
     outline = Outline(data, body)
-    figure = new_figure(width=GIF_SIZE, height=1.08 * GIF_SIZE)
+    figure = new_figure(width=GIF_SIZE, height=1.13 * GIF_SIZE)
     axes = figure.subplots()
     shape = DrawnShape(axes, outline, coordinates, linewidth=1.4)
-    frequency = float(data[f"{prefix}_frequency"].values[0])
-    reference = float(data.attrs["reference_frequency"])
-    note = f"{frequency / (2 * np.pi):.4g} Hz = {_digits(frequency / reference)} ω$_1$"
-    axes.set_title(f"{data.attrs['title']}\n{note}", fontsize=9, linespacing=1.3)
+    note = _frequency(data, float(data[f"{prefix}_frequency"].values[0]))
+    words = f"{data.attrs['case']}\n{data.attrs['title']}\n{note}"
+    axes.set_title(words, fontsize=9, linespacing=1.3)
     canvas = FigureCanvasAgg(figure)
     figure.set_dpi(GIF_DPI)
     pictures = []
@@ -241,9 +328,19 @@ def _pictures(data: xr.Dataset, body: Body) -> list[Pixels]:
     return pictures
 
 
-def mode_title(family: str, nodal_diameter: int) -> str:
-    """A mode in words: "1F, k = 2", "suspension"."""
-    return family if family == "suspension" else f"{family}, k = {nodal_diameter}"
+def mode_title(family: str, nodal_diameter: int, purity: float = 1.0) -> str:
+    """A mode in words: "1F, k = 2", "suspension", "1F, localised"."""
+    if family == "suspension":
+        return family
+    if nodal_diameter < 0 or purity < LOCALISED:
+        return f"{family}, localised"
+    return f"{family}, k = {nodal_diameter}"
+
+
+def _frequency(data: xr.Dataset, frequency: float) -> str:
+    """A frequency [rad/s] in multiples of the reference and in Hz."""
+    ratio = _digits(frequency / float(data.attrs["reference_frequency"]))
+    return f"{ratio} ω$_1$ = {frequency / (2 * np.pi):.4g} Hz"
 
 
 def _digits(ratio: float) -> str:

@@ -7,7 +7,7 @@ travels forward, minus it backward.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -19,6 +19,7 @@ from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
+from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.postprocess.fields.kinematics import casing_rows, line_rows
 from bladewhirl.postprocess.fields.moving_stage import moving_stage, stage_dataset
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, RadialShapes
@@ -40,14 +41,18 @@ def mode_motion(
 ) -> xr.Dataset:
     """One period of a mode of the bladed disk or of the casing, seen from its own frame.
 
+    With Coriolis forces a mode of the bladed disk is one whirling mode, and moves as it does.
+
     The largest displacement is the clearance, so that nothing touches, or a thousandth of the tip
     radius where there is none. The other body is at rest, and so is the shaft.
 
     Args:
         stage: finite element models with their modes.
         body: that moves.
-        numbers: of the mode among those of the body, or of the cosine and the sine of a pair.
-        wave: standing (the cosine of a pair), or travelling, which takes a pair.
+        numbers: of the mode among those of the body, or of the cosine and the sine of a pair; of a
+            whirling mode its own.
+        wave: standing (the cosine of a pair), or travelling, which takes a pair; of a whirling mode
+            what it is.
         title: of the motion.
 
     Returns:
@@ -56,12 +61,15 @@ def mode_motion(
     Raises:
         ValueError: a travelling wave of a single mode.
     """
-    on_disk, resting = body == "bladed-disk", np.zeros(1, dtype=np.int64)
-    arrays = stage.arrays(numbers if on_disk else resting, resting if on_disk else numbers)
+    on_disk = body == "bladed-disk"
+    arrays = _arrays_of(stage, body, numbers)
     fixed = stage_dataset(arrays).assign_attrs(_attributes(stage))
     frequency = float((arrays.rotor_frequency if on_disk else arrays.casing_frequency)[0])
     time = 2.0 * np.pi / frequency * np.arange(PICTURES) / PICTURES
-    shift, rate = _coordinates(frequency * time, len(numbers), wave)
+    whirls = on_disk and stage.disk_whirl is not None
+    # Of a whirling mode both fields belong to its one motion, whichever way it travels.
+    fields, played = (2, "forward") if whirls else (len(numbers), wave)
+    shift, rate = _coordinates(frequency * time, fields, played)
     scale = shown_clearance(stage) / _largest(fixed, body, shift)
     displacement, velocity = scale * shift, scale * frequency * rate
     rest = np.zeros((PICTURES, 1))
@@ -74,7 +82,41 @@ def mode_motion(
         "casing_velocity": rest if on_disk else velocity,
         "gap": arrays.tip_recess + _gaps(fixed, rotor, casing),
     }
-    return moving_stage(arrays, motion).assign_attrs(_attributes(stage), title=title, speed=0.0)
+    return moving_stage(arrays, motion).assign_attrs(
+        _attributes(stage), title=title, wave=wave, speed=0.0
+    )
+
+
+def shapes_dataset(stage: ModalStage, body: Body, numbers: IntArray) -> xr.Dataset:
+    """Some modes of a body with their purities and, of whirling ones, the ways that they travel.
+
+    Args:
+        stage: finite element models with their modes.
+        body: whose modes; of the bladed disk with Coriolis forces whirling ones, at the instant of
+            their real parts.
+        numbers: of the modes, of each pair one.
+    """
+    data = stage_dataset(_arrays_of(stage, body, numbers)).assign_attrs(_attributes(stage))
+    if body == "casing":
+        return data.assign(casing_purity=("casing_mode", stage.casing_modes.purity[numbers]))
+    if stage.disk_whirl is None:
+        return data.assign(rotor_purity=("rotor_mode", stage.disk_modes.purity[numbers]))
+    found = stage.disk_whirl.modes.take(numbers)
+    return data.isel(rotor_mode=slice(None, None, 2)).assign(
+        rotor_purity=("rotor_mode", found.purity),
+        rotor_direction=("rotor_mode", list(found.direction)),
+        rotor_direction_static=("rotor_mode", list(found.static_direction(stage.speed))),
+    )
+
+
+def _arrays_of(stage: ModalStage, body: Body, numbers: IntArray) -> StageArrays:
+    """The stage by modes of one body, beside one of the other that is at rest."""
+    resting = np.zeros(1, dtype=np.int64)
+    if body == "casing":
+        return stage.arrays(resting, numbers)
+    if stage.disk_whirl is None:
+        return stage.arrays(numbers, resting)
+    return stage.whirl_arrays(numbers, resting)
 
 
 def coupled_mode_motion(
@@ -145,9 +187,10 @@ def shown_clearance(stage: ModalStage) -> float:
     return given.casing.clearance or SHARE_OF_RADIUS * given.tip_radius
 
 
-def _attributes(stage: ModalStage) -> dict[str, float]:
+def _attributes(stage: ModalStage) -> dict[str, Any]:
     given = stage.case
     return {
+        "case": given.title,
         "reference_frequency": stage.reference_frequency,
         "casing_radius": stage.casing.mesh.radius,
         "tip_radius": given.tip_radius,
@@ -155,7 +198,7 @@ def _attributes(stage: ModalStage) -> dict[str, float]:
     }
 
 
-def _coordinates(phase: FloatArray, modes: int, wave: Wave) -> tuple[FloatArray, FloatArray]:
+def _coordinates(phase: FloatArray, modes: int, wave: str) -> tuple[FloatArray, FloatArray]:
     """Modal coordinates of unit size over a phase, and their rates by phase, (pictures, modes)."""
     cos, sin = np.cos(phase), np.sin(phase)
     if wave == "standing":

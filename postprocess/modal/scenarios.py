@@ -12,7 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
+from bladewhirl.postprocess.plotting.axes import title_of_case
+from bladewhirl.postprocess.plotting.legends import Group, legends_below
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 
 DRAWN_CLEARANCE = 0.16
 """The clearance in a picture, as a share of the tip radius."""
@@ -25,16 +27,16 @@ ZONE = np.radians(40.0)
 def plot_scenario(data: xr.Dataset) -> Figure:
     """Draw where contact is, and the phases of shaft and smallest clearance, Fig. 9 or 10.
 
-    Above, rotor and casing as the rings of Fig. 4, clearance and displacements enlarged alike: the
-    shaft's displacement, blades in contact, friction on them, and the whirl it drives. Below, the
+    Left, rotor and casing as the rings of Fig. 4, clearance and displacements enlarged alike: the
+    shaft's displacement, blades in contact, friction on them, and the whirl it drives. Right, the
     phases over one turn, rotating frame.
 
     Args:
         data: one turn in two modes that move in step.
     """
-    figure = new_figure(height=0.108)
-    upper, lower = figure.subplots(2, 1, height_ratios=(1.5, 1.0))
-    _draw_rings(upper, data)
+    figure = new_figure(width=FULL_WIDTH, height=0.078)
+    left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.1))
+    _draw_rings(left, data)
     turns = data["time"].values * data.attrs["speed"] / (2.0 * np.pi)
     for name, key, style, width in (
         ("shaft", "shaft_phase", "-", 1.2),
@@ -42,17 +44,24 @@ def plot_scenario(data: xr.Dataset) -> Figure:
     ):
         colour = COLOURS["rotor" if name == "shaft" else "contact"]
         phase = _broken(np.degrees(data[key].values))
-        lower.plot(turns, phase, style, color=colour, linewidth=width, label=name)
-    lower.set(
+        right.plot(turns, phase, style, color=colour, linewidth=width, label=name)
+    right.set(
         xlim=(0.0, 1.0),
         ylim=(-190.0, 190.0),
         yticks=(-180, -90, 0, 90, 180),
         xlabel="turns of the rotor [–]",
-        ylabel="phase [°]",
+        ylabel="phase, rotating frame [°]",
     )
-    lower.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
-    handles, labels = upper.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=3)
+    kind, reference = data.attrs["scenario"], float(data.attrs["reference_frequency"])
+    driven = "backward" if kind == "standard" else "forward"
+    ratio, rpm = data.attrs["speed"] / reference, 30.0 * data.attrs["speed"] / np.pi
+    title = f"{kind.capitalize()} contact scenario of {data.attrs['mode']}, k = 1"
+    words = f"friction drives {driven} whirl; Ω/ω$_1$ = {ratio:.4g} ({rpm:.0f} rpm)"
+    title_of_case(figure, data.attrs["case"], f"{title}: {words}")
+    groups = (
+        Group([*zip(*axes.get_legend_handles_labels(), strict=True)]) for axes in (left, right)
+    )
+    legends_below(figure, *groups)
     return figure
 
 
@@ -98,9 +107,7 @@ def _draw_rings(axes: Axes, data: xr.Dataset) -> None:
     reach = 1.03 * max(1.0 + DRAWN_CLEARANCE + abs(wall), 1.0 + abs(centre))
     axes.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
     axes.set_axis_off()
-    kind = data.attrs["scenario"]
-    driven = "backward" if kind == "standard" else "forward"
-    axes.set_title(f"{data.attrs['mode']}, {kind}: friction drives {driven} whirl")
+    axes.text(0.0, -0.25, "rotation ↺", ha="center", va="center")
 
 
 def _arc(middle: float, radius: float, half_angle: float) -> FloatArray:

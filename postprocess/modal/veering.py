@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,47 +13,72 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL, new_figure, styled
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
+from bladewhirl.postprocess.plotting.axes import FREQUENCY, Names, frequency_axis, title_of_case
+from bladewhirl.postprocess.plotting.legends import Group, legends_below
+from bladewhirl.postprocess.plotting.style import (
+    COLOURS,
+    SEQUENTIAL,
+    new_figure,
+    speed_label,
+    styled,
+)
 
 DIAMETER_AXIS = "nodal diameter k [–]"
-FREQUENCY_AXIS = "frequency / ω$_1$ [–]"
 
 FEW = 3
-"""Up to so many families are drawn with room for a line between them."""
+"""Up to so many families each have a stretch of a broken axis."""
+
+ROOM = 0.12
+"""Share of a stretch of a broken axis above and below what it shows."""
+
+WAYS = {"both": "o", "standing": "o", "backward": "<", "forward": ">"}
+"""Marks of waves, by the way that they travel in the rotating frame."""
 
 
 @styled
 def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
     """Draw frequencies over nodal diameter with a free and a clamped centre, Fig. 7.
 
+    Many families are drawn on a logarithmic axis, a few on an axis that is broken between them.
+
     Args:
         data: from `veering`.
-        families: how many of those it has; the suspension pair is drawn where it lies below the
-            highest of them. All when None.
+        families: how many of those it has. All when None.
     """
     families = families or int(data.attrs["families"])
-    figure = new_figure(height=0.065 if families <= FEW else 0.08)
-    axes = figure.subplots()
-    names = [f"{rank}F" for rank in range(1, families + 1)]
-    for name in names:
-        free = _chosen(data, "free", name)
-        axes.plot(*free, "-", color=COLOURS["rest"], linewidth=0.6, zorder=1)
-    every = [_chosen(data, "free", name) for name in names]
-    top = max(float(frequency.max(initial=0.0)) for _, frequency in every)
-    dot: Mapping[str, Any] = {"linestyle": "none", "markersize": 3.0}
-    axes.plot(*_joined(every), "o", color=COLOURS["total"], label="free centre", **dot)
-    clamped = _joined([_chosen(data, "clamped", name) for name in names])
-    ring: Mapping[str, Any] = {"linestyle": "none", "markersize": 5.0, "markerfacecolor": "none"}
-    axes.plot(*clamped, "o", color=COLOURS["k = 1"], label="clamped centre", **ring)
-    suspension = _chosen(data, "free", "suspension")
-    if suspension[1].size and suspension[1].min() < top:
-        if families <= FEW:
-            axes.axhline(suspension[1][0], color=COLOURS["suspension"], linestyle="--", zorder=1)
-        axes.plot(*suspension, "s", color=COLOURS["suspension"], label="suspension", **dot)
-    axes.set(xlabel=DIAMETER_AXIS, ylabel=FREQUENCY_AXIS, ylim=(-0.03 * top, 1.06 * top))
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    figure.legend(loc="outside upper center", ncols=3)
+    names = ["suspension", *(f"{rank}F" for rank in range(1, families + 1))]
+    names = [name for name in names if (data["family"].values == name).any()]
+    lowest = [float(data["normalised_frequency"].values[_is(data, name)].min()) for name in names]
+    names = [names[i] for i in np.argsort(lowest)[::-1]]
+    broken = families <= FEW
+    figure = new_figure(height=0.1)
+    panels = np.atleast_1d(figure.subplots(len(names) if broken else 1, sharex=True))
+    reference = float(data.attrs["reference_frequency_hz"])
+    for axes, shown in zip(panels, [[name] for name in names] if broken else [names], strict=True):
+        for name in shown:
+            _draw_family(axes, data, name)
+        if broken:
+            axes.margins(y=ROOM)
+            low, high = axes.get_ylim()
+            least = 0.02 * float(np.mean([low, high]))  # so that rounding is not drawn large
+            axes.set_ylim(low - least, high + least)
+        else:
+            axes.set_yscale("log")
+        frequency_axis(axes, reference)
+        axes.set_xlim(-0.5, float(data["nodal_diameter"].values.max()) + 1.2)
+        places = Names(axes)
+        for name in shown:
+            _name_family(places, data, name)
+    if broken:
+        for axes in panels:
+            axes.set_ylabel("")
+            axes.child_axes[0].set_ylabel("")
+        figure.supylabel(f"{FREQUENCY}, broken axis; right: [Hz]", fontsize=7.5)
+    panels[-1].set_xlabel(DIAMETER_AXIS)
+    panels[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
+    title_of_case(figure, data.attrs["case"], f"Frequencies by nodal diameter{_at_speed(data)}")
+    legends_below(figure, Group(_marks(data, names)))
     return figure
 
 
@@ -64,37 +88,106 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
 
     Colours show how much of a mode's energy the springs hold: the suspension mode hands its
     character from branch to branch where they veer. Dashes are the frequencies of a clamped
-    centre, which each branch approaches.
+    centre, which each branch approaches. With Coriolis forces forward waves are dotted.
 
     Args:
         data: from `veering`.
     """
-    figure = new_figure(height=0.07)
+    figure = new_figure(height=0.095)
     axes = figure.subplots()
     stiffness = data["stiffness"].values
     frequency, share = (
         data[name].values for name in ("normalised_branch_frequency", "branch_spring_share")
     )
-    for level in data["normalised_clamped_frequency"].values:
-        axes.axhline(level, color=COLOURS["rest"], linestyle="--", linewidth=0.6, zorder=1)
-    for branch in range(data.sizes["branch"]):
-        lines = _coloured_line(axes, stiffness, frequency[:, branch], share[:, branch])
-    axes.axvline(data.attrs["case_stiffness"], color=COLOURS["k = 1"], linewidth=0.8, zorder=1)
     axes.set(
         xscale="log",
         xlim=(stiffness[0], stiffness[-1]),
         yscale="log",
-        ylim=(0.8 * frequency[0, 0], 1.3 * frequency[-1, -1]),
+        ylim=(0.7 * frequency[frequency > 0.0].min(), 1.4 * frequency.max()),
         xlabel="stiffness of each shaft spring [N/m]",
-        ylabel=FREQUENCY_AXIS,
     )
-    figure.colorbar(lines, ax=axes, label="energy in the springs [–]", pad=0.02)
+    frequency_axis(axes, float(data.attrs["reference_frequency_hz"]))
+    axes.axvline(data.attrs["case_stiffness"], color=COLOURS["k = 1"], linewidth=0.8, zorder=1)
+    names, ways = Names(axes), data["branch_direction"].values
+    for branch, way in enumerate(ways):
+        lines = _coloured_line(axes, stiffness, frequency[:, branch], share[:, branch])
+        rank = int(np.count_nonzero(ways[:branch] == way))
+        lines.set_linestyle((0, (1.2, 0.8)) if way == "forward" else "-")
+        text = f"{f'{rank}F' if rank else 'suspension'}{f', {way}' if way != 'both' else ''}"
+        names.along(stiffness[::-1], frequency[::-1, branch], text, COLOURS["total"])
+    for branch, level in enumerate(data["normalised_clamped_frequency"].values):
+        axes.axhline(level, color=COLOURS["rest"], linestyle="--", linewidth=0.6, zorder=1)
+        rank = int(np.count_nonzero(ways[:branch] == ways[branch])) + 1
+        names.along(stiffness, np.full_like(stiffness, level), f"{rank}F", "#555555")
+    figure.colorbar(
+        lines, ax=axes, label="share of energy in the springs [–]", location="top", aspect=30
+    )
+    title_of_case(figure, data.attrs["case"], f"Modes with k = 1{_at_speed(data)}")
     handles = [
-        Line2D([], [], color=COLOURS["k = 1"], linewidth=0.8, label="the case"),
-        Line2D([], [], color=COLOURS["rest"], linestyle="--", label="clamped centre"),
+        (Line2D([], [], color=COLOURS["k = 1"], linewidth=0.8), "the case"),
+        (Line2D([], [], color=COLOURS["rest"], linestyle="--"), "clamped centre"),
     ]
-    figure.legend(handles=handles, loc="outside upper center", ncols=2)
+    if "forward" in ways:
+        handles.append((Line2D([], [], color=COLOURS["total"], linestyle=":"), "forward waves"))
+    legends_below(figure, Group(handles))
     return figure
+
+
+def _at_speed(data: xr.Dataset) -> str:
+    """The speed in words where the modes depend on it."""
+    return f"\nat {speed_label(data)}" if data.attrs["speed"] else ""
+
+
+def _is(data: xr.Dataset, family: str) -> BoolArray:
+    return np.asarray(data["family"].values == family, dtype=np.bool_)
+
+
+def _draw_family(axes: Axes, data: xr.Dataset, family: str) -> None:
+    """Frequencies of a family over nodal diameter, with both centres."""
+    suspension = family == "suspension"
+    for way in _ways(data):
+        k, frequency = _chosen(data, "free", family, way)
+        axes.plot(k, frequency, "-", color=COLOURS["rest"], linewidth=0.6, zorder=1)
+        dot = COLOURS["suspension" if suspension else "total"]
+        mark: dict[str, Any] = {"linestyle": "none", "marker": "s" if suspension else WAYS[way]}
+        axes.plot(k, frequency, color=dot, markersize=3.0, **mark)
+        if not suspension:
+            ring: dict[str, Any] = {
+                "color": COLOURS["k = 1"],
+                "markerfacecolor": "none",
+                "markersize": 5.5,
+            }
+            axes.plot(*_chosen(data, "clamped", family, way), **mark, **ring)
+
+
+def _name_family(names: Names, data: xr.Dataset, family: str) -> None:
+    """Name a family at its last nodal diameter."""
+    k = data["nodal_diameter"].values[_is(data, family)]
+    frequency = data["normalised_frequency"].values[_is(data, family)]
+    last = np.lexsort((-frequency, k))[-1]
+    colour = COLOURS["suspension" if family == "suspension" else "total"]
+    names.beside(float(k[last]), float(frequency[last]), family, colour)
+
+
+def _ways(data: xr.Dataset) -> list[str]:
+    """Ways that waves are told apart by: both at once but for Coriolis forces."""
+    whirls = "direction" in (data.indexes["mode"].names if "mode" in data.indexes else ())
+    return ["backward", "forward", "standing"] if whirls else ["both"]
+
+
+def _marks(data: xr.Dataset, names: list[str]) -> list[tuple[Line2D, str]]:
+    def mark(colour: str, shape: str, **more: Any) -> Line2D:
+        return Line2D([], [], linestyle="none", color=COLOURS[colour], marker=shape, **more)
+
+    ring: dict[str, Any] = {"markersize": 5.5, "markerfacecolor": "none"}
+    found = [
+        (mark("total", WAYS[way], markersize=3.0), f"free{'' if way == 'both' else f', {way}'}")
+        for way in _ways(data)
+    ]
+    found.append((mark("k = 1", WAYS[_ways(data)[0]], **ring), "clamped centre"))
+    if "suspension" in names:
+        found.append((mark("suspension", "s", markersize=3.0), "suspension"))
+    return found
 
 
 def _coloured_line(axes: Axes, x: FloatArray, y: FloatArray, value: FloatArray) -> LineCollection:
@@ -111,13 +204,11 @@ def _coloured_line(axes: Axes, x: FloatArray, y: FloatArray, value: FloatArray) 
     return lines
 
 
-def _chosen(data: xr.Dataset, centre: str, family: str) -> tuple[FloatArray, FloatArray]:
+def _chosen(data: xr.Dataset, centre: str, family: str, way: str) -> tuple[FloatArray, FloatArray]:
     """Nodal diameters and normalised frequencies of a family, in ascending nodal diameter."""
-    here = (data["centre"].values == centre) & (data["family"].values == family)
+    here = (data["centre"].values == centre) & _is(data, family)
+    if way != "both":
+        here &= data["direction"].values == way
     k, frequency = data["nodal_diameter"].values[here], data["normalised_frequency"].values[here]
     order = np.argsort(k, kind="stable")
     return k[order].astype(np.float64), frequency[order]
-
-
-def _joined(parts: list[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray]:
-    return np.concatenate([k for k, _ in parts]), np.concatenate([f for _, f in parts])

@@ -15,7 +15,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 SPEED = "speed Ω / ω$_1$ [–]"
 FREQUENCY = "frequency / ω$_1$ [–]"
 
-LETTERS_PER_INCH = 14.5
+LETTERS_PER_INCH = 16.0
 """Letters of a title that an inch of a figure has room for."""
 
 LETTER, LINE = 3.8, 9.0
@@ -67,7 +67,8 @@ def _multiples(unit: float) -> tuple[Scaling, Scaling]:
 def title_of_case(figure: Figure, case: str, shown: str) -> None:
     """Title a figure with the case's name and what is shown, in as many lines as that takes."""
     letters = int(LETTERS_PER_INCH * figure.get_figwidth())
-    figure.suptitle("\n".join(textwrap.fill(line, letters) for line in (case, shown) if line))
+    lines = [line for line in (case, *shown.splitlines()) if line]
+    figure.suptitle("\n".join(textwrap.fill(line, letters) for line in lines))
 
 
 class Names:

@@ -16,6 +16,7 @@ import scipy.linalg as la
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen, gyroscopic_frequencies
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,9 +24,11 @@ class ShaftVeering:
     """Branches of frequencies over spring stiffness."""
 
     stiffness: FloatArray  #: of each of the two springs [N/m], (stiffnesses,)
-    frequency: FloatArray  #: ascending [rad/s], (stiffnesses, branches)
+    frequency: FloatArray  #: [rad/s], (stiffnesses, branches)
     spring_share: FloatArray  #: share of the strain energy in the springs, as `frequency`
     clamped: FloatArray  #: frequencies with a clamped centre [rad/s], (branches,)
+    direction: tuple[str, ...]
+    """Way at rest of each, (branches,): backward, then forward; "both" without Coriolis forces."""
 
 
 def shaft_veering(
@@ -63,4 +66,51 @@ def shaft_veering(
         frequency=frequency,
         spring_share=np.minimum(share, 1.0),
         clamped=np.sqrt(np.maximum(clamped, 0.0)),
+        direction=("both",) * branches,
+    )
+
+
+def whirl_veering(
+    matrices: tuple[NDArray[np.complex128], ...],
+    elastic: NDArray[np.complex128],
+    centre: NDArray[np.complex128],
+    *,
+    springs: FloatArray,
+    branches: int,
+) -> ShaftVeering:
+    """The same at speed, of waves that travel backward and of those that travel forward.
+
+    Signed frequencies rise with kappa backward, and fall forward; neither cross.
+
+    Args:
+        matrices: mass, stiffness K_Omega without springs, Coriolis forces of the block, (n, n).
+        elastic: stiffness of the material alone, that strain energy is counted by, (n, n).
+        centre: as of `shaft_veering`.
+        springs: stiffnesses kappa [N/m], (stiffnesses,).
+        branches: how many of the lowest of each way.
+    """
+    mass, stiffness, coriolis = matrices
+    size, unit = len(mass), np.outer(centre, centre.conj())
+
+    def chosen(size: int) -> NDArray[np.int64]:
+        """Lowest backward waves, then lowest forward ones, where w descends."""
+        ranks = np.arange(branches)
+        return np.concatenate([size - 1 - ranks, size + ranks])
+
+    frequency, share = np.empty((2, len(springs), 2 * branches))
+    for i, kappa in enumerate(springs):
+        w, vectors = gyroscopic_eigen(mass, stiffness + kappa * unit, coriolis)
+        kept = vectors[:, chosen(size)]
+        frequency[i] = np.abs(w[chosen(size)].real)
+        held = kappa * np.abs(centre.conj() @ kept) ** 2
+        material = np.einsum("im,ij,jm->m", kept.conj(), elastic, kept).real
+        share[i] = held / np.maximum(held + material, np.finfo(float).tiny)
+    free = np.flatnonzero(np.abs(centre) < 0.5)
+    w = gyroscopic_frequencies(*(each[np.ix_(free, free)] for each in (mass, stiffness, coriolis)))
+    return ShaftVeering(
+        stiffness=springs,
+        frequency=frequency,
+        spring_share=share,
+        clamped=np.abs(w[chosen(len(free))].real),
+        direction=("backward",) * branches + ("forward",) * branches,
     )

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, Overwrite, print_json
+from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, Replace, print_json
 
 
 def modes(
@@ -39,19 +39,19 @@ def modes(
         ),
     ] = None,
     films: Annotated[bool, typer.Option(help="Films, as GIF and VTK series.")] = True,
-    overwrite: Overwrite = False,
+    overwrite: Replace = False,
     overrides: Changes = None,
 ) -> None:
     """List natural frequencies of the full bladed disk, centre free and clamped, and casing.
 
     Normalised frequencies are multiples of the lowest one with a free centre, ω₁. Purity is the
     share of a mode that its nodal diameter holds: 1 where blades are alike. With -o: mode shapes,
-    contact scenarios of the first k = 1 mode, and films. With --json and no -o nothing is written.
+    contact scenarios of the first k = 1 mode, and films with a picture of each travelling wave;
+    with Coriolis forces of waves as they travel at speed. With --json and no -o nothing is written.
     """
     from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.modal import modes as study
     from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
-    from bladewhirl.studies.runs.figures_folder import check_figure_folder
 
     if count < 1:
         raise UserError(f"--count {count}: expected a whole number of one or more")
@@ -59,11 +59,7 @@ def modes(
     unused = [name for name, value in given.items() if value is not None]
     if output is None and unused:
         raise UserError(f"{unused[0]}: for pictures; expected a folder for them, -o DIR")
-    check_figure_folder(output, overwrite=overwrite)
-    if output is None:
-        stage = study.stage_of_file(case, overrides, "modes", "centrifugal", "full")
-    else:
-        stage = study.stage_of_file(case, overrides, "pictures of modes", "centrifugal")
+    stage = study.stage_of_file(case, overrides, "modes", "centrifugal", "full")
     if output is not None:
         plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
     found = study.modes(stage)
@@ -72,5 +68,5 @@ def modes(
     else:
         study.print_modes(found, count)
     if output is not None:
-        draw_modes(stage, plan, output)
+        draw_modes(stage, plan, output, overwrite=overwrite)
         typer.echo(f"Wrote {output}.", err=json)

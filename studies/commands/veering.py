@@ -11,7 +11,7 @@ from bladewhirl.studies.commands.options import (
     AsJson,
     CaseFile,
     Changes,
-    Overwrite,
+    Replace,
     parse_interval,
     print_json,
 )
@@ -34,7 +34,7 @@ def veering(
         Path | None,
         typer.Option("--output", "-o", help="Folder to make; CASE-veering by default."),
     ] = None,
-    overwrite: Overwrite = False,
+    overwrite: Replace = False,
     json: AsJson = False,
     overrides: Changes = None,
 ) -> None:
@@ -48,7 +48,6 @@ def veering(
     from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.modal import veering as study
     from bladewhirl.studies.modal.modes import stage_of_file
-    from bladewhirl.studies.runs.figures_folder import check_figure_folder
 
     if families < 1:
         raise UserError(f"--families {families}: expected a whole number of one or more")
@@ -56,12 +55,11 @@ def veering(
     if interval is not None and not interval[0] > 0.0:
         raise UserError(f"--stiffnesses {stiffnesses}: expected a START above zero")
     folder = output if output is not None or json else Path(f"{case.stem}-veering")
-    check_figure_folder(folder, overwrite=overwrite)
-    stage = stage_of_file(case, overrides, "veering", "centrifugal")
+    stage = stage_of_file(case, overrides, "veering", "centrifugal", "full")
     springs = study.spring_stiffnesses(stage.case, interval)
     found = study.veering(stage, families=families, stiffnesses=springs)
     if folder is not None:
-        study.draw_veering(found, folder)
+        study.draw_veering(found, folder, overwrite=overwrite)
     if json:
         print_json(study.veering_document(found))
         return

@@ -10,7 +10,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.mode_names import CASING
-from bladewhirl.models.modal.full_stage import ModalStage
+from bladewhirl.models.modal.full_stage import ModalStage, Whirl
 from bladewhirl.models.modal.labels import Body, LabelledModes
 
 
@@ -21,7 +21,8 @@ class ChosenMode:
     body: Body
     family: str
     nodal_diameter: int
-    numbers: IntArray  #: among the body's modes: one, or the cosine and the sine of a pair
+    numbers: IntArray
+    """Among the body's modes: one, the cosine and the sine of a pair, or waves both ways."""
 
     @property
     def name(self) -> str:
@@ -61,9 +62,9 @@ def family_of(stage: ModalStage, body: Body, family: str, diameters: list[int]) 
     ]
 
 
-def modes_of(stage: ModalStage, body: Body) -> LabelledModes:
-    """Modes of one body of a stage."""
-    return stage.disk_modes if body == "bladed-disk" else stage.casing_modes
+def modes_of(stage: ModalStage, body: Body) -> LabelledModes | Whirl:
+    """Modes of one body of a stage; of the bladed disk whirling ones where it has them."""
+    return (stage.disk_whirl or stage.disk_modes) if body == "bladed-disk" else stage.casing_modes
 
 
 def _named(stage: ModalStage, option: str, word: str) -> list[ChosenMode]:
@@ -84,13 +85,15 @@ def _named(stage: ModalStage, option: str, word: str) -> list[ChosenMode]:
     return family_of(stage, body, family, [int(number)] if colon else diameters)
 
 
-def _of_family(modes: LabelledModes, family: str) -> IntArray:
+def _of_family(modes: LabelledModes | Whirl, family: str) -> IntArray:
     return np.flatnonzero([name == family for name in modes.family])
 
 
-def _pair(modes: LabelledModes, family: str, k: int) -> IntArray:
-    """The mode, with its partner where the structure has degenerate pairs."""
+def _pair(modes: LabelledModes | Whirl, family: str, k: int) -> IntArray:
+    """The mode, with its partner where the structure has degenerate pairs or waves both ways."""
     found = modes.find(family, k)
+    if isinstance(modes, Whirl):
+        return found if modes.modes.rank[found[0]] >= 0 else found[:1]
     return found if modes.column[found[0]] >= 0 else found[:1]
 
 

@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import cast, get_args
 
 import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
 from rich.console import Console
 from rich.progress import Progress
 
-from bladewhirl.meshes.line_mesh import IntArray
-from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.meshes.files.manifest import claim
+from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
-from bladewhirl.models.rotation.at_speed import check_effects
-from bladewhirl.postprocess.fields.moving_stage import stage_dataset
-from bladewhirl.postprocess.modal.mode_shapes import animate_mode, mode_title, plot_mode_shapes
-from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion
+from bladewhirl.postprocess.modal.mode_shapes import (
+    animate_mode,
+    mode_title,
+    plot_mode_shapes,
+    plot_travelling_wave,
+)
+from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, shapes_dataset
 from bladewhirl.postprocess.modal.scenarios import plot_scenario
 from bladewhirl.postprocess.paraview.series import export_vtk
-from bladewhirl.postprocess.plotting.style import save_figure
-from bladewhirl.studies.modal.mode_names import ChosenMode, choose_modes, family_of
+from bladewhirl.studies.modal.mode_names import ChosenMode, choose_modes, family_of, modes_of
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, scenario_dataset, whirling_modes
-from bladewhirl.studies.runs.figures_folder import written_to
+from bladewhirl.studies.runs.figures_folder import save_figures
 
 BODIES: tuple[Body, ...] = get_args(Body)
 FED: dict[Body, Wave] = {"bladed-disk": "backward", "casing": "forward"}
@@ -67,34 +72,31 @@ def plan_pictures(
         filmed = choose_modes(stage, "--animate", animate) if animate else []
     return Plan(
         shapes=_lowest(stage) if shapes is None else choose_modes(stage, "--shapes", shapes),
-        films=[(mode, _wave(mode, wave)) for mode in filmed],
+        films=[(mode, _wave(stage, mode, wave)) for mode in filmed],
     )
 
 
-def draw_modes(stage: ModalStage, plan: Plan, folder: Path) -> None:
+def draw_modes(stage: ModalStage, plan: Plan, folder: Path, *, overwrite: bool = False) -> None:
     """Draw mode shapes, contact scenarios and films into a folder, with a progress bar.
 
     Raises:
-        UserError: the folder or a file cannot be written.
+        UserError: a file cannot be written, or is there and not the program's.
     """
-    check_effects(stage.case, "pictures of modes", "centrifugal")
     console = Console(stderr=True)
     quiet = not console.is_terminal
-    with written_to(folder), Progress(console=console, transient=True, disable=quiet) as bar:
-        task = bar.add_task("pictures", total=2 + len(plan.films))
-        for body in BODIES:
-            _draw_shapes(stage, body, [mode for mode in plan.shapes if mode.body == body], folder)
-        bar.advance(task)
-        _draw_scenarios(stage, folder)
+    with Progress(console=console, transient=True, disable=quiet) as bar:
+        task = bar.add_task("pictures", total=1 + len(plan.films))
+        figures = dict(_shapes(stage, plan.shapes)) | dict(_scenarios(stage))
+        save_figures(folder, figures, overwrite=overwrite)
         bar.advance(task)
         for mode, wave in plan.films:
-            _film(stage, mode, wave, folder)
+            _film(stage, mode, wave, folder, overwrite=overwrite)
             bar.advance(task)
 
 
 def _lowest(stage: ModalStage) -> list[ChosenMode]:
     """Modes that are pictured by default: of 1F, the suspension pair, the casing's lowest."""
-    highest = int(stage.disk_modes.nodal_diameter.max())
+    highest = int(modes_of(stage, "bladed-disk").nodal_diameter.max())
     disk = family_of(stage, "bladed-disk", "suspension", [1])
     first = [*range(min(PANELS - 1 - len(disk), highest)), highest]
     disk = family_of(stage, "bladed-disk", "1F", first) + disk
@@ -108,49 +110,72 @@ def _lowest(stage: ModalStage) -> list[ChosenMode]:
     return disk + wall
 
 
-def _wave(mode: ChosenMode, wanted: str | None) -> Wave:
+def _wave(stage: ModalStage, mode: ChosenMode, wanted: str | None) -> Wave:
     """The wave that a film of a mode shows.
 
     Raises:
-        UserError: a travelling wave of a mode that stands.
+        UserError: one that the mode does not have.
     """
-    pair = len(mode.numbers) == 2
+    ways = {*get_args(Wave)} if len(mode.numbers) == 2 else {"standing"}
+    if mode.body == "bladed-disk" and stage.disk_whirl is not None:
+        ways = {stage.disk_whirl.modes.direction[number] for number in mode.numbers}
+    fed = FED[mode.body]
     if wanted is None:
-        return FED[mode.body] if pair else "standing"
-    if wanted != "standing" and not pair:
-        raise UserError(f"--wave {wanted}: expected standing; {mode.name} is no pair, it stands")
+        return fed if fed in ways else cast(Wave, min(ways))
+    if wanted not in ways:
+        words = "is no pair, it stands" if ways == {"standing"} else "is a wave that travels"
+        expected = " or ".join(sorted(ways))
+        raise UserError(f"--wave {wanted}: expected {expected}; {mode.name} {words}")
     return cast(Wave, wanted)
 
 
-def _draw_shapes(stage: ModalStage, body: Body, modes: list[ChosenMode], folder: Path) -> None:
-    if not modes:
-        return
-    numbers = np.array([mode.numbers[0] for mode in modes])
-    other: IntArray = np.zeros(1, dtype=np.int64)
-    on_disk = body == "bladed-disk"
-    data = stage_dataset(stage.arrays(*((numbers, other) if on_disk else (other, numbers))))
-    data = data.assign_attrs(
-        title=f"mode shapes, {body}",
-        tip_radius=stage.case.tip_radius,
-        casing_radius=stage.casing.mesh.radius,
-        reference_frequency=stage.reference_frequency,
-    )
-    save_figure(plot_mode_shapes(data, body), folder / f"{body}-shapes", data)
+Drawn = Iterator[tuple[str, tuple[Figure, xr.Dataset]]]
+"""Names of figures, with the data behind them."""
 
 
-def _draw_scenarios(stage: ModalStage, folder: Path) -> None:
-    """Draw both contact scenarios; there are none without a 1F pair that moves the shaft."""
+def _shapes(stage: ModalStage, modes: list[ChosenMode]) -> Drawn:
+    for body in BODIES:
+        whirls = body == "bladed-disk" and stage.disk_whirl is not None
+        numbers = [
+            number
+            for mode in modes
+            if mode.body == body
+            for number in (mode.numbers if whirls else mode.numbers[:1])
+        ]
+        if numbers:
+            data = shapes_dataset(stage, body, np.array(numbers))
+            data = data.assign_attrs(title=f"mode shapes, {body}")
+            yield f"{body}-shapes", (plot_mode_shapes(data, body), data)
+
+
+def _scenarios(stage: ModalStage) -> Drawn:
+    """Both contact scenarios; there are none without a 1F pair at rest that moves the shaft."""
     if stage.case.shaft.clamped or not stage.disk_modes.find("1F", 1).size:
         return
     for name, share in CASING_SHARES.items():
         modes = whirling_modes(stage, casing_share=share)
         data = scenario_dataset(modes, reference=stage.reference_frequency)
-        save_figure(plot_scenario(data), folder / f"{name}-scenario", data)
+        data = data.assign_attrs(case=stage.case.title)
+        if stage.disk_whirl is not None:
+            data.attrs["mode"] += " at rest"
+        yield f"{name}-scenario", (plot_scenario(data), data)
 
 
-def _film(stage: ModalStage, mode: ChosenMode, wave: Wave, folder: Path) -> None:
+def _film(
+    stage: ModalStage, mode: ChosenMode, wave: Wave, folder: Path, *, overwrite: bool
+) -> None:
     words = f"{mode_title(mode.family, mode.nodal_diameter)}, {wave} wave"
     title = words if mode.body == "bladed-disk" else f"casing {words}"
-    motion = mode_motion(stage, mode.body, mode.numbers, wave=wave, title=title)
-    animate_mode(motion, mode.body, folder / f"{mode.stem}.gif")
-    export_vtk(motion, folder / f"{mode.stem}-vtk", frames=PICTURES)
+    numbers, stem = mode.numbers, mode.stem
+    if mode.body == "bladed-disk" and stage.disk_whirl is not None:
+        ways = stage.disk_whirl.modes.direction
+        numbers = np.array([number for number in numbers if ways[number] == wave][:1])
+    motion = mode_motion(stage, mode.body, numbers, wave=wave, title=title)
+    film = folder / f"{stem}.gif"
+    if wave != "standing":
+        figure = plot_travelling_wave(motion, mode.body)
+        save_figures(folder, {f"{stem}-wave": (figure, motion)}, overwrite=overwrite)
+    with writing(folder):
+        claim(folder, [film.name], overwrite=overwrite)
+        animate_mode(motion, mode.body, film)
+        export_vtk(motion, folder / f"{stem}-vtk", frames=PICTURES, overwrite=overwrite)

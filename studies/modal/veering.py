@@ -7,19 +7,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 import xarray as xr
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
-from bladewhirl.models.rotation.at_speed import check_effects
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
-from bladewhirl.postprocess.plotting.style import save_figure
-from bladewhirl.solvers.stability.veering import ShaftVeering, shaft_veering
+from bladewhirl.solvers.stability.veering import ShaftVeering, shaft_veering, whirl_veering
 from bladewhirl.studies.modal.modes import full_stage, modes, rows_of
-from bladewhirl.studies.runs.figures_folder import written_to
+from bladewhirl.studies.runs.figures_folder import save_figures
 
 STIFFNESSES, DECADES = 241, 3
 """Stiffnesses of the shaft, and how many decades they reach to either side of the case's."""
@@ -52,8 +51,10 @@ def veering(
     Over `stiffness` of each shaft spring [N/m] and `branch`, the modes with one nodal diameter:
     branch_frequency [Hz], normalised_branch_frequency and branch_spring_share, the share of the
     strain energy in the shaft springs; over `branch` clamped_frequency [Hz], which each branch
-    approaches, and normalised_clamped_frequency. `found.reset_index("mode")` goes into a file;
-    `bladewhirl.plot.veering` and `shaft_veering` draw it.
+    approaches, and normalised_clamped_frequency. With Coriolis forces modes have `direction` in
+    their index, and branches a branch_direction: waves both ways, at the case's speed.
+    `found.reset_index("mode")` goes into a file; `bladewhirl.plot.veering` and `shaft_veering` draw
+    it.
 
     Args:
         case_or_stage: a case, or a stage of it.
@@ -66,7 +67,6 @@ def veering(
             stand apart.
     """
     stage = full_stage(case_or_stage)
-    check_effects(stage.case, "veering", "centrifugal")
     springs = spring_stiffnesses(stage.case, None) if stiffnesses is None else stiffnesses
     branches = _over_shaft(stage, springs)
     reference = stage.reference_frequency
@@ -81,10 +81,16 @@ def veering(
             branch_spring_share=(plane, branches.spring_share, share),
             clamped_frequency=("branch", branches.clamped / (2.0 * np.pi), hertz),
             normalised_clamped_frequency=("branch", branches.clamped / reference, one),
+            branch_direction=("branch", list(branches.direction), {"units": ""}),
         )
         .assign_coords(stiffness=("stiffness", branches.stiffness, {"units": "N/m"}))
         .assign_attrs(
-            title="veering diagrams", families=families, case_stiffness=stage.case.shaft.stiffness
+            title="veering diagrams",
+            case=stage.case.title,
+            families=families,
+            case_stiffness=stage.case.shaft.stiffness,
+            speed=0.0 if stage.at_speed is None else stage.speed,
+            reference_frequency=reference,
         )
     )
 
@@ -113,7 +119,7 @@ def veering_document(found: xr.Dataset) -> dict[str, Any]:
         found: from `veering`.
     """
     keys = {
-        **{name: name for name in MODE_LEVELS},
+        **{str(name): str(name) for name in found.indexes["mode"].names},
         "frequency_hz": "frequency",
         "normalised": "normalised_frequency",
     }
@@ -136,12 +142,12 @@ def clamping_shifts(found: xr.Dataset) -> dict[int, float]:
     """
     frequency = found["frequency"].unstack("mode")
     changes = abs(frequency.sel(centre="clamped") / frequency.sel(centre="free") - 1.0)
-    largest = changes.max(dim="family")
+    largest = changes.max(dim=[name for name in changes.dims if name != "nodal_diameter"])
     return {int(k): float(largest.sel(nodal_diameter=k)) for k in largest["nodal_diameter"].values}
 
 
 def suspension_frequency(found: xr.Dataset) -> float | None:
-    """Normalised frequency of the suspension pair; None where there is none.
+    """Normalised frequency of the suspension pair, or its lower wave; None where there is none.
 
     Args:
         found: from `veering`.
@@ -157,21 +163,24 @@ def spring_stiffnesses(case: Case, interval: tuple[float, float] | None) -> Floa
     return np.geomspace(first, last, STIFFNESSES)
 
 
-def draw_veering(found: xr.Dataset, folder: Path) -> None:
+def draw_veering(found: xr.Dataset, folder: Path, *, overwrite: bool = False) -> None:
     """Draw the diagrams into a folder.
 
     Args:
         found: from `veering`.
         folder: where to.
+        overwrite: replace files that are there, whosever they are.
 
     Raises:
-        UserError: the folder or a file cannot be written.
+        UserError: a file cannot be written, or is there and not the program's.
     """
     families = found.drop_dims(("stiffness", "branch")).reset_index("mode")
-    with written_to(folder):
-        save_figure(plot_families(found), folder / "families", families)
-        save_figure(plot_families(found, CLOSE_UP), folder / "first-families", families)
-        save_figure(plot_shaft_veering(found), folder / "shaft", found.drop_dims("mode"))
+    drawn = {
+        "families": (plot_families(found), families),
+        "first-families": (plot_families(found, CLOSE_UP), families),
+        "shaft": (plot_shaft_veering(found), found.drop_dims("mode")),
+    }
+    save_figures(folder, drawn, overwrite=overwrite)
 
 
 def _families(found: xr.Dataset, families: int) -> xr.Dataset:
@@ -183,12 +192,13 @@ def _families(found: xr.Dataset, families: int) -> xr.Dataset:
         & (found["pattern"].values != "sine")
     )
     kept = found.isel(mode=chosen).reset_index("mode").drop_vars(("body", "number", "pattern"))
-    return kept.set_index(mode=list(MODE_LEVELS))
+    whirls = found.attrs["rotation_effects"] == "full"
+    return kept.set_index(mode=[*MODE_LEVELS, *(("direction",) if whirls else ())])
 
 
 def _over_shaft(stage: ModalStage, springs: FloatArray) -> ShaftVeering:
-    structure = stage.free_disk.structure
-    layout = structure.layout
+    disk = stage.free_disk if stage.at_speed is None else stage.at_speed[0].disk
+    structure, layout = disk.structure, disk.structure.layout
     if layout is None or not structure.is_cyclic:
         found = structure.symmetry.partition(":")[0]
         raise UserError(
@@ -196,12 +206,16 @@ def _over_shaft(stage: ModalStage, springs: FloatArray) -> ShaftVeering:
             f" diameter stand apart, not {found}; bladewhirl modes lists the frequencies"
         )
     basis = layout.basis(1)
-    held = structure.stiffness - structure.springs
-    stiffness, mass = (
-        (basis.conj().T @ matrix @ basis).toarray() for matrix in (held, structure.mass)
-    )
+
+    def block(matrix: sp.csr_array) -> ComplexArray:
+        return np.asarray((basis.conj().T @ matrix @ basis).toarray())
+
+    mass, stiffness = block(structure.mass), block(structure.stiffness - structure.springs)
     centre = np.zeros(len(mass), dtype=np.complex128)
     centre[-1] = 1.0  # the centre's whirl stands last, see `SectorLayout.basis`
-    return shaft_veering(
-        stiffness, mass, centre, springs=springs, branches=min(BRANCHES, len(mass) - 1)
-    )
+    options: dict[str, Any] = {"springs": springs, "branches": min(BRANCHES, len(mass) - 1)}
+    if structure.gyroscopic is None:
+        return shaft_veering(stiffness, mass, centre, **options)
+    elastic = block(structure.elastic - structure.springs)
+    matrices = mass, stiffness, block(structure.gyroscopic)
+    return whirl_veering(matrices, elastic, centre, **options)

@@ -22,10 +22,15 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.kinematics import casing_field, rotor_field
-from bladewhirl.postprocess.fields.moving_stage import stage_dataset
 from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
-from bladewhirl.postprocess.modal.mode_shapes import Outline, animate_mode, plot_mode_shapes
-from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion
+from bladewhirl.postprocess.modal.mode_shapes import (
+    Outline,
+    animate_mode,
+    mode_title,
+    plot_mode_shapes,
+    plot_travelling_wave,
+)
+from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, shapes_dataset
 from bladewhirl.postprocess.modal.scenarios import plot_scenario
 from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
 from bladewhirl.postprocess.paraview.series import export_vtk
@@ -38,15 +43,16 @@ RECORDS = np.arange(PICTURES)
 
 
 @cache
-def stage(blades: int = 9, clearance: float = 1e-3) -> ModalStage:
+def stage(clearance: float = 1e-3, effects: str = "none") -> ModalStage:
     return modal_stage(
         with_values(
             Case(),
             {
-                "bladed_disk.blades": blades,
+                "bladed_disk.blades": 9,
                 "bladed_disk.elements_per_blade": 3,
                 "casing.elements": 16,
                 "casing.clearance": clearance,
+                "rotation.effects": effects,
             },
         )
     )
@@ -84,6 +90,51 @@ def test_waves_travel_as_they_are_called(
     np.testing.assert_allclose(np.abs(crest), np.abs(crest[0]), rtol=1e-9)
     frequency = float(data["rotor_frequency" if body == "bladed-disk" else "casing_frequency"][0])
     assert phase_rate(data["time"].values, crest) == pytest.approx(sense * frequency)
+
+
+@pytest.mark.parametrize("k", [0, 1, 3])
+def test_whirling_modes_travel_as_they_are_called(k: int) -> None:
+    """With Coriolis forces each wave has a frequency of its own, at speed."""
+    own = stage(effects="full")
+    assert own.disk_whirl is not None
+    found = own.disk_whirl.modes
+    numbers = own.disk_whirl.find("1F", k)
+    assert {found.direction[number] for number in numbers} == (
+        {"forward", "backward"} if k else {"standing"}
+    )
+    for number in numbers:
+        way = found.direction[number]
+        wave: Wave = way
+        data = mode_motion(own, "bladed-disk", np.array([number]), wave=wave, title="a mode")
+        angle, field = radial(data, "bladed-disk")
+        sense = {"forward": 1.0, "backward": -1.0}.get(way, 0.0)
+        crest = wave_coefficient(field, angle, k)
+        frequency = found.frequency[number]
+        rate = phase_rate(data["time"].values, crest) if sense else 0.0
+        assert rate == pytest.approx(sense * frequency)
+        velocity, moved = data["rotor_velocity"].values, data["rotor_displacement"].values
+        turn = 2.0 * np.pi / PICTURES
+        rates = (np.roll(moved, -1, axis=0) - np.roll(moved, 1, axis=0)) * frequency / 2.0
+        np.testing.assert_allclose(rates, velocity * np.sin(turn), atol=1e-9 * velocity.max())
+
+
+def test_a_travelling_wave_is_followed_by_its_filled_crest() -> None:
+    data = moving("casing", "1F", 2, "forward").assign_attrs(case="a case")
+    figure = plot_travelling_wave(data, "casing")
+    angles = []
+    for axes in figure.axes[:4]:
+        x, y = next(
+            np.asarray(line.get_xydata())[0].tolist()
+            for line in axes.lines
+            if isinstance(line.get_marker(), tuple) and line.get_markerfacecolor() != "none"
+        )
+        angles.append(np.degrees(np.arctan2(y, x)))
+    np.testing.assert_allclose(np.diff(angles), 15.0, atol=1e-6)  # 90 degrees of phase, k = 2
+
+
+def test_a_localised_mode_is_not_called_by_a_nodal_diameter() -> None:
+    assert mode_title("1F", 0, purity=0.2) == mode_title("1F", -1) == "1F, localised"
+    assert mode_title("1F", 0, purity=0.9) == "1F, k = 0"
 
 
 def test_a_standing_wave_keeps_its_nodes() -> None:
@@ -142,16 +193,20 @@ def test_paraview_series_of_a_mode(tmp_path: Path) -> None:
 
 def shapes(body: Body) -> xr.Dataset:
     own = stage()
-    disk = np.array([own.disk_modes.find("1F", k)[0] for k in (0, 1, 2, 4)])
-    casing = np.array([own.casing_modes.find("1F", k)[0] for k in (2, 3, 4, 5)])
-    return stage_dataset(own.arrays(disk, casing)).assign_attrs(
-        tip_radius=0.5, casing_radius=0.501, reference_frequency=own.reference_frequency
+    modes, ks = (
+        (own.disk_modes, (0, 1, 2, 4))
+        if body == "bladed-disk"
+        else (
+            own.casing_modes,
+            (2, 3, 4, 5),
+        )
     )
+    return shapes_dataset(own, body, np.array([modes.find("1F", k)[0] for k in ks]))
 
 
 def test_the_centre_is_said_to_move_with_one_nodal_diameter_only() -> None:
     figure = plot_mode_shapes(shapes("bladed-disk"), "bladed-disk")
-    moves = [text.get_text().splitlines()[1] for axes in figure.axes for text in axes.texts]
+    moves = [text.get_text().splitlines()[2] for axes in figure.axes for text in axes.texts]
     assert [text == "centre at rest" for text in moves] == [True, False, True, True]
 
 
@@ -196,7 +251,7 @@ def figures() -> dict[str, Figure]:
     own = stage()
     whirl = scenario_dataset(
         whirling_modes(own, casing_share=2.0), reference=own.reference_frequency
-    )
+    ).assign_attrs(case="a case")
     return {
         "shapes": plot_mode_shapes(shapes("bladed-disk"), "bladed-disk"),
         "casing": plot_mode_shapes(shapes("casing"), "casing"),
@@ -217,7 +272,9 @@ def test_figures_are_as_wide_as_a_column_or_a_page_with_legible_text_inside(name
     figure = figures()[name]
     figure.draw_without_rendering()
     width, height = figure.get_size_inches()
-    assert width * 0.0254 == pytest.approx(0.17 if name in ("rotating", "static") else 0.08)
+    assert width * 0.0254 == pytest.approx(
+        0.08 if name in ("families", "close-up", "shaft") else 0.17
+    )
     shown = [
         text
         for text in figure.findobj(Text)
@@ -234,16 +291,46 @@ def test_figures_are_as_wide_as_a_column_or_a_page_with_legible_text_inside(name
 
 
 def test_families_are_drawn_with_both_centres_and_differ_for_one_nodal_diameter() -> None:
-    (axes,) = plot_families(diagrams(), 2).axes
-    points = {
-        str(line.get_label()): np.asarray(line.get_xydata())
-        for line in axes.lines
-        if line.get_marker() != "None"
-    }
-    free, clamped = (points[f"{centre} centre"] for centre in ("free", "clamped"))
-    np.testing.assert_array_equal(free[:, 0], clamped[:, 0])
-    assert set(free[np.abs(free[:, 1] - clamped[:, 1]) > 1e-9, 0]) == {1.0}
-    assert len(points["suspension"]) == 1
+    """On a broken axis: the second family above, the suspension, the first."""
+    figure = plot_families(diagrams(), 2)
+    panels = figure.axes
+    assert [axes.texts[0].get_text() for axes in panels] == ["2F", "suspension", "1F"]
+    for axes in (panels[0], panels[2]):
+        free, clamped = (
+            np.asarray(line.get_xydata()) for line in axes.lines if line.get_marker() == "o"
+        )
+        np.testing.assert_array_equal(free[:, 0], clamped[:, 0])
+        assert set(free[np.abs(free[:, 1] - clamped[:, 1]) > 1e-9, 0]) == {1.0}
+    (whole,) = plot_families(diagrams()).axes
+    assert whole.get_yscale() == "log"
+
+
+@cache
+def whirling() -> xr.Dataset:
+    own = stage(effects="full")
+    case_stiffness = own.case.shaft.stiffness
+    springs = np.array([0.5, 1.0, 2.0]) * case_stiffness
+    return veering(own, families=2, stiffnesses=springs)
+
+
+def test_veering_at_speed_tells_waves_both_ways() -> None:
+    """Branches at the case's stiffness are the whirling modes, found from other matrices."""
+    own, data = stage(effects="full"), whirling()
+    assert own.disk_whirl is not None
+    found = own.disk_whirl.modes
+    for way in ("backward", "forward"):
+        here = (found.nodal_diameter == 1) & (np.array(found.direction) == way)
+        branches = data.isel(branch=(data["branch_direction"] == way).values)
+        drawn = 2.0 * np.pi * branches["branch_frequency"].sel(stiffness=own.case.shaft.stiffness)
+        size = branches.sizes["branch"]
+        np.testing.assert_allclose(drawn, found.frequency[here][:size], rtol=1e-8)
+        share = branches["branch_spring_share"].sel(stiffness=own.case.shaft.stiffness)
+        np.testing.assert_allclose(share, found.spring_share[here][:size], rtol=1e-6, atol=1e-9)
+    first = data.frequency.sel(centre="free", family="1F", nodal_diameter=1)
+    assert sorted(first["direction"].values.tolist()) == ["backward", "forward"]
+    for figure in (plot_families(data), plot_families(data, 2), plot_shaft_veering(data)):
+        figure.draw_without_rendering()
+        assert figure.get_suptitle().startswith("Fan stage")
 
 
 def test_branches_take_the_colour_of_the_energy_in_the_springs() -> None:

@@ -16,6 +16,7 @@ from report_pages import Parsed
 from stages import oracle
 from typer.testing import CliRunner, Result
 
+from bladewhirl.meshes.files.manifest import MANIFEST_NAME, listed
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.studies.commands.cli import app
@@ -113,16 +114,31 @@ def test_pictures_and_films(case: Path, tmp_path: Path) -> None:
         *(f"casing-shapes.{suffix}" for suffix in ("png", "pdf", "nc")),
         *(f"standard-scenario.{suffix}" for suffix in ("png", "pdf", "nc")),
         *(f"inverted-scenario.{suffix}" for suffix in ("png", "pdf", "nc")),
+        *(f"1F-1-wave.{suffix}" for suffix in ("png", "pdf", "nc")),
         "1F-1.gif",
         "1F-1-vtk",
+        MANIFEST_NAME,
     }
+    assert {path.name for path in folder.iterdir() if path.is_file()} == listed(folder)
     assert (folder / "1F-1-vtk" / "series.pvd").is_file()
     with Image.open(folder / "1F-1.gif") as film:
         assert sum(1 for _ in ImageSequence.Iterator(film)) == 48
         assert film.info["loop"] == 0
-    refused = run("modes", case, *SMALL, "-o", folder)
-    assert (refused.exit_code, refused.stdout) == (2, "")
-    assert refused.stderr == f"{folder}: already exists; --overwrite writes into it\n"
+
+
+def test_waves_at_speed_are_pictured_as_they_travel(case: Path, tmp_path: Path) -> None:
+    effects = (*SMALL, "--set", "rotation.effects=full", "-o", tmp_path / "new")
+    chosen = ("--shapes", "1F:0,1F:1", "--animate", "1F:1")
+    result = run("modes", case, *effects, *chosen, "--wave", "forward")
+    assert result.exit_code == 0, result.stderr
+    with xr.open_dataset(tmp_path / "new" / "bladed-disk-shapes.nc") as data:
+        assert data["rotor_direction"].values.tolist() == ["standing", "forward", "backward"]
+    with xr.open_dataset(tmp_path / "new" / "1F-1-wave.nc") as data:
+        assert data.attrs["wave"] == "forward"
+    refused = run("modes", case, *effects, *chosen, "--wave", "standing")
+    assert refused.exit_code == 2
+    told = "expected backward or forward; 1F:1 is a wave that travels"
+    assert refused.stderr == f"--wave standing: {told}\n"
 
 
 def test_a_clamped_centre_has_neither_suspension_nor_contact_scenario(
@@ -140,7 +156,8 @@ def test_a_clamped_centre_has_neither_suspension_nor_contact_scenario(
 
 def test_a_folder_that_cannot_be_made(case: Path, tmp_path: Path) -> None:
     result = run("modes", case, *SMALL, "-o", case)
-    assert (result.exit_code, result.stderr) == (2, f"{case}: expected a folder, found a file\n")
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert result.stderr.startswith(f"{case}: cannot be written")
     below = run("modes", case, *SMALL, "-o", case / "below", "--no-films")
     assert below.exit_code == 2
     assert "cannot be written" in below.stderr
@@ -263,7 +280,7 @@ def test_veering_diagrams_and_document(case: Path, tmp_path: Path) -> None:
         f"{name}.{suffix}"
         for name in ("families", "first-families", "shaft")
         for suffix in ("png", "pdf", "nc")
-    }
+    } | {MANIFEST_NAME}
     with xr.open_dataset(folder / "shaft.nc") as data:
         np.testing.assert_allclose(data["stiffness"][[0, -1]], [1e6, 1e9])
     found = document("veering", case)

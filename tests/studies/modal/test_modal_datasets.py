@@ -113,5 +113,5 @@ def test_the_front_door_draws_them() -> None:
         assert axes.get_ylabel() == f"frequency / ω$_1$, {frame} frame [–]"
         upper, right = axes.child_axes
         assert (upper.get_xlabel(), right.get_ylabel()) == ("speed [rpm]", "frequency [Hz]")
-    assert len(bw.plot.veering(found()["veering"], families=2).axes) == 1
+    assert len(bw.plot.veering(found()["veering"], families=2).axes) == 3
     assert bw.plot.shaft_veering(found()["veering"]).axes[0].get_xscale() == "log"
