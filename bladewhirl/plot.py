@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 __all__ = [
     "bifurcation",
     "campbell",
+    "contact_angle",
     "contact_classes",
     "contact_phase",
     "energy",
-    "energy_cyclic",
     "energy_families",
     "forces",
     "frequency_map",
@@ -83,10 +83,10 @@ def _plot(name: str) -> Plot:
 
 
 bifurcation = _plot("bifurcation")
+contact_angle = _plot("contact-angle")
 contact_classes = _plot("contact-classes")
 contact_phase = _plot("contact-phase")
 energy = _plot("energy")
-energy_cyclic = _plot("energy-cyclic")
 energy_families = _plot("energy-families")
 forces = _plot("forces")
 frequency_map = _plot("frequency-map")

@@ -16,17 +16,23 @@ from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.windows import few_time_ticks, in_window
-from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
+from bladewhirl.postprocess.fields.windows import in_window
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.titles import head
 
 
 def amplitude_growth(
-    result: xr.Dataset, *, start: float | None = None, end: float | None = None
+    result: xr.Dataset,
+    energies: xr.Dataset | None = None,
+    *,
+    start: float | None = None,
+    end: float | None = None,
 ) -> xr.Dataset:
     """The amplitude in equal windows, and the exponential fitted to the last of them.
 
     Args:
         result: of a run.
+        energies: from `strain.strain_energies`, of the same time; found where it is None.
         start: of the window [s]; of the run when None.
         end: of the window [s]; of the run when None.
 
@@ -36,15 +42,16 @@ def amplitude_growth(
         in each window [J], nan where it can't be told; `local_rate`, growth rate of the amplitude
         from one window to the next [1/s]; `fit` [J] with `low` and `high`, two standard errors of
         the rate from it, nan before the windows fitted to, see `growth_rates.growth_windows`.
-        Attributes `rate` and `error`, its standard error, and `end_rate`, of the last windows
-        alone [1/s], `residual`, misfit of the logarithm of the amplitude, `span`, the time fitted
-        over in words, `regime` and `reason`.
+        Attributes `rate` and `error`, its standard error, `end_rate`, of the last windows alone,
+        `ripple_rate` and `ripple_error`, nan where there is none, all [1/s]; `residual`, misfit of
+        the logarithm of the amplitude, `span`, the time fitted over in words, `regime`, `reason`.
 
     Raises:
         ViewError: too short a history to judge growth by, or at rest.
     """
     dataset = in_window(result, start, end)
-    energy = strain_energies(dataset)["total"].values
+    held = strain_energies(result, start=start, end=end) if energies is None else energies
+    energy = held["total"].values
     windows = growth_windows(dataset, energy)
     regime = classify(dataset, energy)
     if windows is None or regime.growth is None:
@@ -76,6 +83,8 @@ def amplitude_growth(
         rate=rate,
         error=error,
         end_rate=regime.growth.end_rate,
+        ripple_rate=np.nan if regime.ripple is None else regime.ripple.rate,
+        ripple_error=np.nan if regime.ripple is None else regime.ripple.error,
         residual=regime.growth.residual,
         span=regime.growth.span,
         regime=regime.name,
@@ -95,13 +104,14 @@ def _ripple(dataset: xr.Dataset, energy: Array, middle: Array) -> Array:
 
 @styled
 def plot_growth(growth: xr.Dataset) -> Figure:
-    """Draw the mean strain energy over time, and the fitted growth over its last windows.
+    """Draw the mean strain energy over time with the growth fitted to its last windows, and below
+    how far the amplitude is off that fit.
 
     Args:
         growth: from `amplitude_growth`.
     """
-    figure = new_figure(height=0.06)
-    axes = figure.add_subplot()
+    figure = new_figure(height=0.085)
+    axes, misfits = figure.subplots(2, 1, sharex=True, height_ratios=(2.6, 1.0))
     time = growth["time"].values
     axes.plot(
         time,
@@ -124,19 +134,25 @@ def plot_growth(growth: xr.Dataset) -> Figure:
     axes.plot(time, growth["fit"], color=COLOURS["k = 1"], label=f"fit, {growth.attrs['span']}")
     shown = [growth["energy"].values, growth["ripple"].values]
     if np.isfinite(shown[1]).any():
-        axes.plot(time, shown[1], "--", color=COLOURS["rest"], label="ripple about the mean place")
+        axes.plot(time, shown[1], "--", color=COLOURS["suspension"], label="ripple")
     smallest, largest = np.nanmin(shown), np.nanmax(shown)
     if smallest > 0 and largest > 10 * smallest:
         axes.set_yscale("log")
     else:
         axes.set_ylim(0.0, 1.15 * largest)
-    axes.set(xlabel="time [s]", ylabel="mean strain energy [J]")
-    few_time_ticks(axes)
-    rate = rate_text(growth.attrs["rate"], growth.attrs["error"])
-    misfit = 100 * np.expm1(growth.attrs["residual"])
-    axes.set_title(
-        f"{growth.attrs['regime']}, amplitude grows by {rate} 1/s (misfit {misfit:.2g} %)\n"
-        f"{speed_label(growth)}"
-    )
+    axes.set_ylabel("strain energy [J]")
+    misfit = 100 * (np.sqrt(growth["energy"] / growth["fit"]) - 1)
+    misfits.plot(time, misfit, "o-", color=COLOURS["k = 1"], markersize=2.5, linewidth=0.6)
+    misfits.axhline(0.0, color=COLOURS["rotor"], linewidth=0.6)
+    reach = 1.2 * float(abs(misfit).max()) or 1.0
+    misfits.set(ylabel="misfit [%]", ylim=(-reach, reach))
+    time_axis(axes, misfits)
+    rates = [("amplitude", "rate", "error"), ("ripple", "ripple_rate", "ripple_error")]
+    words = [
+        f"{what} grows by {rate_text(growth.attrs[rate], growth.attrs[error])} 1/s"
+        for what, rate, error in rates
+        if np.isfinite(growth.attrs[rate])
+    ]
+    head(figure, growth, growth.attrs["regime"], *words)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure

@@ -8,7 +8,8 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import in_window, span_means, span_starts
-from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.titles import head
 
 SUSPENSION = "suspension"
 FIRST_FAMILY = "1F"
@@ -100,9 +101,10 @@ def plot_energy(energies: xr.Dataset) -> Figure:
         axes.set_yscale("log")
         axes.set_ylim(top * 10**-PLOT_DECADES, top * 3)
         figure.legend(loc="outside lower center", ncols=3)
-    drawn = f", mean over {1e3 * np.ptp(time) / len(first):.3g} ms"
-    axes.set(xlabel="time [s]", ylabel="strain energy [J]")
-    axes.set_title(f"{speed_label(energies)}{drawn if len(first) < len(time) else ''}")
+    axes.set_ylabel("strain energy [J]")
+    time_axis(axes)
+    mean = f"means over {1e3 * np.ptp(time) / len(first):.3g} ms"
+    head(figure, energies, *([mean] if len(first) < len(time) else []))
     return figure
 
 

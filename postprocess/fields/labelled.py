@@ -20,7 +20,7 @@ def labelled(
     coordinates: Mapping[str, Any],
     **attributes: Any,
 ) -> xr.Dataset:
-    """A Dataset with units on everything and the speeds of the run that it is derived from.
+    """A Dataset with units on everything, and name and speeds of the run that it is derived from.
 
     Args:
         source: a result, or a Dataset derived from one.
@@ -33,5 +33,10 @@ def labelled(
     return xr.Dataset(
         {name: (over, values, {"units": unit}) for name, (over, values, unit) in variables.items()},
         coords={name: (name, values, units.get(name, {})) for name, values in coordinates.items()},
-        attrs={"title": title, **{name: source.attrs[name] for name in ABOUT}, **attributes},
+        attrs={
+            "title": title,
+            "case_title": source.attrs.get("case_title", source.attrs.get("title", "")),
+            **{name: source.attrs[name] for name in ABOUT},
+            **attributes,
+        },
     )

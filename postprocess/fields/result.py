@@ -16,12 +16,12 @@ import xarray as xr
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.kinematics import Array, recess_at_rest
-from bladewhirl.solvers.march.recorder import RESULT_NAME as RESULT_NAME
 from bladewhirl.solvers.march.schema import (
     HISTORY,
     INDICES,
     OPTIONAL_DIMENSIONS,
     RESULT_FORMAT,
+    RESULT_NAME,
     STATIC,
     TIME,
     index_values,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
+from bladewhirl.postprocess.fields.units import handy_unit
 
 LATE_SHARE = 1.0 / 3.0
 """Share of the time, at its end, that is taken for the motion after its onset."""
@@ -101,9 +101,5 @@ def span_edges(time: Array, starts: IntArray, begin: float) -> Array:
 def window_label(dataset: xr.Dataset) -> str:
     """The time covered, in words."""
     first, last = dataset["time"].values[[0, -1]]
-    return f"{first:.3g} to {last:.3g} s"
-
-
-def few_time_ticks(axes: Axes) -> None:
-    """Keep the labels of a time axis apart: those of a short window have many digits."""
-    axes.locator_params(axis="x", nbins=5)
+    unit, scale = handy_unit(float(last), "s")
+    return f"{scale * first:.3g} to {scale * last:.3g} {unit}"

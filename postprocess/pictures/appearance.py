@@ -11,10 +11,10 @@ import xarray as xr
 from matplotlib.colors import to_rgb
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, rotate, turn
+from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.pictures.colouring import Colouring, scale_end
 from bladewhirl.postprocess.pictures.drawing import Frame
 from bladewhirl.postprocess.pictures.symbols import Symbols
-from bladewhirl.postprocess.plotting.units import length_unit
 
 INK = "#20262e"
 FAINT = "#5f6872"

@@ -29,8 +29,8 @@ from bladewhirl.postprocess.fields.kinematics import (
 )
 from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.fields.strains import Strains, casing_strain_rows, rotor_strain_rows
+from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL
-from bladewhirl.postprocess.plotting.units import length_unit
 from bladewhirl.postprocess.run.stresses import stress_unit
 
 Field = Literal[

@@ -18,12 +18,12 @@ from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.moving_stage import moving_stage
 from bladewhirl.postprocess.fields.sections import rotor_sections
+from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.pictures.appearance import FAINT, engineering
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import off_screen_plotter, pixels_of
 from bladewhirl.postprocess.pictures.render import WINDOW
 from bladewhirl.postprocess.plotting.files import checked_target
-from bladewhirl.postprocess.plotting.units import length_unit
 
 if TYPE_CHECKING:
     from bladewhirl.postprocess.pictures.scene import StageScene

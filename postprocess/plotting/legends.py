@@ -55,12 +55,6 @@ def legends_below(figure: Figure, *groups: Group) -> None:
         engine.set(rect=(0.0, total / high, 1.0, 1.0 - total / high))
 
 
-def set_title(figure: Figure, title: str) -> None:
-    """Title a figure of the full width, in as many lines as that takes."""
-    lines = (textwrap.fill(line, TITLE_LETTERS) for line in title.split("\n"))
-    figure.suptitle("\n".join(lines))
-
-
 def _fitting(figure: Figure, group: Group) -> Legend:
     """A legend with as many columns as fit."""
     handles, labels = zip(*group.entries, strict=True)

@@ -65,3 +65,6 @@ def _figures(source: str) -> Mapping[str, FigureKind]:
 
 
 RUN_FIGURES, SWEEP_FIGURES = _figures("run"), _figures("sweep")
+
+REPLACED: Mapping[str, str] = {"energy-cyclic": "energy-families"}
+"""Names of figures that are no more, and of those that show the same."""

@@ -11,11 +11,15 @@ from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import matplotlib.style
-import numpy as np
 import xarray as xr
+from matplotlib import rcParams
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.figure import Figure
 
 from bladewhirl.meshes.files.drafts import replacing
+from bladewhirl.postprocess.fields.units import handy_unit
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -87,11 +91,18 @@ def new_figure(*, width: float = COLUMN_WIDTH, height: float) -> Figure:
     return Figure(figsize=(width / INCH, height / INCH), layout="constrained")
 
 
-def speed_label(dataset: xr.Dataset) -> str:
-    """The speed in words: in multiples of the reference frequency, and in rpm."""
-    speed = float(dataset.attrs["speed"])
-    normalised = speed / float(dataset.attrs["reference_frequency"])
-    return f"Ω = {normalised:.4g} ({speed * 30 / np.pi:.0f} rpm)"
+def time_axis(*panels: Axes) -> None:
+    """Name the time axis of panels above each other, the last of them labelled, in a unit that
+    reads well, with so few ticks that their labels stay apart.
+
+    Args:
+        panels: drawn over seconds.
+    """
+    unit, scale = handy_unit(max(abs(end) for end in panels[-1].get_xlim()), "s")
+    for axes in panels:
+        axes.locator_params(axis="x", nbins=5)
+        axes.xaxis.set_major_formatter(lambda value, _: f"{scale * value:.6g}")
+    panels[-1].set_xlabel(f"time [{unit}]")
 
 
 @styled
@@ -107,13 +118,19 @@ def save_figure(figure: Figure, path: str | Path, data: xr.Dataset | None = None
     path = Path(path)
     name = path.stem if path.suffix in (".png", ".pdf") else path.name
     png, pdf, beside = (path.with_name(f"{name}{suffix}") for suffix in (".png", ".pdf", ".nc"))
+    arrangement, canvas, dpi = figure.get_layout_engine(), figure.canvas, figure.dpi
+    figure.dpi = rcParams["savefig.dpi"]
+    if figure.axes and arrangement is not None:
+        arrangement.execute(figure)
+        figure.set_layout_engine("none")
+    # `figure.savefig` would draw each of them twice, to be arranged anew.
     with replacing(png) as draft:
-        figure.savefig(draft)
-    arrangement = figure.get_layout_engine()
-    figure.set_layout_engine("none")  # the PNG's stays, and need not be found again
+        FigureCanvasAgg(figure).print_png(draft)  # type: ignore[no-untyped-call]
     with replacing(pdf) as draft:
-        figure.savefig(draft)
+        FigureCanvasPdf(figure).print_pdf(draft)  # type: ignore[no-untyped-call]
     figure.set_layout_engine(arrangement)
+    figure.set_canvas(canvas)
+    figure.dpi = dpi
     if data is None:
         return [png, pdf]
     with replacing(beside) as draft:

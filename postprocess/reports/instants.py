@@ -153,7 +153,7 @@ def _outlines(sides: Array) -> Array:
 def _histories(maps: xr.Dataset, energy: xr.Dataset) -> Plot:
     """Contact over blade and time, and below it energy, with a line for the cursor."""
     force, friction = maps["force"].values.T, maps["friction"].values.T
-    gap, touched = MILLI * np.maximum(maps["gap"].values.T, 0.0), maps["touched"].values.T
+    gap, touched = MILLI * np.maximum(maps["gap"].values.T, 0.0), maps["share"].values.T > 0
     drag = float(np.abs(friction).max()) or 1.0
     shown = {
         "normal force": (np.where(touched, force, np.nan), "mean normal force [N]"),

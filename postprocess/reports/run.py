@@ -12,7 +12,7 @@ from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.windows import late_part, window_label
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
-from bladewhirl.postprocess.plotting.style import speed_label
+from bladewhirl.postprocess.plotting.titles import speed_label
 from bladewhirl.postprocess.reports.instants import instants
 from bladewhirl.postprocess.reports.page import Page, ReportFigure, Section, Table, report_figures
 from bladewhirl.postprocess.reports.provenance import Provenance, case_section, subject

@@ -7,13 +7,14 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import LinearSegmentedColormap, LogNorm
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.fields.windows import (
-    few_time_ticks,
     select_window,
     span_edges,
     span_starts,
@@ -23,10 +24,10 @@ from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     SEQUENTIAL,
     new_figure,
-    speed_label,
     styled,
+    time_axis,
 )
-from bladewhirl.postprocess.shaft.orbits import MILLI
+from bladewhirl.postprocess.plotting.titles import head
 
 PERMANENT = 0.99
 """Share of the time in contact from which a blade counts as in permanent contact."""
@@ -38,8 +39,20 @@ BRIGHTEST = 99.0
 """Percentile of the forces above zero that gets the brightest colour, where a few peaks would
 leave the rest dark."""
 
+FORCE_RANGE = 1e3
+"""Largest over smallest force that colours tell apart."""
+
+SHARE_COLOURS: Mapping[str, list[str]] = {
+    "gaps": ["#00224E", COLOURS["contact"], "#FFE9F5"],  # begins as SEQUENTIAL does, at no gap
+    "white": ["#FBEAF4", COLOURS["contact"], "#4A1238"],
+}
+"""Colours of the share of the time in contact, from none to all of it, by background."""
+
 PEAK = 1.5
 """Ratio of the largest force to that percentile from which this is so."""
+
+FEW_PERCENT = 40.0
+"""Largest share of the time in contact [%] below which its axis ends there."""
 
 CLASS_COLOURS: Mapping[str, str] = {
     "permanent": COLOURS["contact"],
@@ -78,8 +91,8 @@ def contact_maps(
     Returns:
         over (time, blade): `gap` [m], smallest; `force` [N], mean normal force, positive where
         the casing pushes inward; `friction` [N], mean, positive where it drags towards -theta;
-        `touched`, whether there was contact. `time` [s] is the end of each span, `edge` (edge,)
-        are the borders.
+        `share` [1] of the time steps in contact. `time` [s] is the end of each span, `edge`
+        (edge,) are the borders.
 
     Raises:
         ViewError: fewer than two records.
@@ -104,7 +117,7 @@ def contact_maps(
             "gap": (plane, gap, "m"),
             "force": (plane, total("contact_impulse") / length, "N"),
             "friction": (plane, total("friction_impulse") / length, "N"),
-            "touched": (plane, total("contact_steps") > 0, "1"),
+            "share": (plane, _share(total("contact_steps"), length, dataset), "1"),
         },
         {"time": edges[1:], "edge": edges, "blade": np.arange(dataset.sizes["blade"])},
     )
@@ -134,9 +147,9 @@ def contact_classes(
     """
     dataset = select_window(result, start, end)
     time = dataset["time"].values
-    steps = (time[-1] - time[0]) / dataset.attrs["time_step"]
     # Counts at a record are those since the record before.
-    share = dataset["contact_steps"].isel(time=slice(1, None)).sum("time").values / round(steps)
+    touching = dataset["contact_steps"].isel(time=slice(1, None)).sum("time").values
+    share = _share(touching, time[-1] - time[0], dataset)
     names = np.select([share >= PERMANENT, share > 0], ["permanent", "intermittent"], "free")
     return labelled(
         dataset,
@@ -149,46 +162,54 @@ def contact_classes(
 
 @styled
 def plot_gaps(maps: xr.Dataset) -> Figure:
-    """Draw the gap of every blade over time in mm, contact in a colour of its own, Fig. 21.
+    """Draw the gap of every blade over time in mm, and where it touched the share of the time in
+    contact, Fig. 21.
 
     Args:
         maps: from `contact_maps`.
     """
-    figure, axes = _map_axes(maps)
-    gap = MILLI * maps["gap"].values
+    figure, axes = _map_axes()
+    unit, scale = length_unit(float(maps["gap"].max()))
     picture = axes.pcolormesh(
-        maps["edge"], _blade_edges(maps), gap.T, cmap=SEQUENTIAL, vmin=0.0, rasterized=True
+        maps["edge"],
+        _blade_edges(maps),
+        np.maximum(scale * maps["gap"].values.T, 0.0),
+        cmap=SEQUENTIAL,
+        vmin=0.0,
+        rasterized=True,
     )
-    figure.colorbar(picture, ax=axes, label="gap [mm]")
-    touched = np.ma.masked_equal(maps["touched"].values, False)
-    contact = ListedColormap([COLOURS["contact"]])
-    axes.pcolormesh(maps["edge"], _blade_edges(maps), touched.T, cmap=contact, rasterized=True)
-    axes.plot([], [], "s", color=COLOURS["contact"], label="contact")
-    figure.legend(loc="outside lower center")
+    touching = draw_share(axes, maps["edge"], _blade_edges(maps), maps["share"], on="gaps")
+    for drawn, label in ((touching, "time in contact [%]"), (picture, f"smallest gap [{unit}]")):
+        figure.colorbar(drawn, ax=axes, label=label, pad=0.02)
+    time_axis(axes)
+    lengths = xr.DataArray(np.diff(maps["edge"].values), dims="time")
+    mean = 100.0 * float(maps["share"].weighted(lengths).mean())
+    head(figure, maps, f"blades touch for {mean:.3g} % of the time" if mean else "no contact")
     return figure
 
 
 @styled
 def plot_forces(maps: xr.Dataset) -> Figure:
-    """Draw the mean normal force on every blade over time, Fig. 21.
+    """Draw the mean normal force on every blade over time on a logarithmic scale, Fig. 21.
 
     Args:
         maps: from `contact_maps`.
     """
-    figure, axes = _map_axes(maps)
+    figure, axes = _map_axes()
     force = maps["force"].values
-    largest, top = float(force.max()), force_limit(force)
+    top = float(force.max()) or 1.0
     unit, scale = ("kN", 1e-3) if top >= 1e3 else ("N", 1.0)
     picture = axes.pcolormesh(
         maps["edge"],
         _blade_edges(maps),
         np.ma.masked_less_equal(scale * force.T, 0.0),
         cmap=SEQUENTIAL,
-        norm=Normalize(0.0, scale * top),
+        norm=LogNorm(scale * top / FORCE_RANGE, scale * top),
         rasterized=True,
     )
-    over = "max" if largest > top else "neither"
-    figure.colorbar(picture, ax=axes, label=f"mean normal force [{unit}]", extend=over)
+    figure.colorbar(picture, ax=axes, label=f"mean normal force [{unit}]", extend="min")
+    time_axis(axes)
+    head(figure, maps, *([] if force.any() else ["no contact"]))
     return figure
 
 
@@ -196,7 +217,7 @@ def plot_forces(maps: xr.Dataset) -> Figure:
 def plot_contact_classes(classes: xr.Dataset) -> Figure:
     """Draw the share of the time each blade is in contact, coloured by class.
 
-    A mark of its class ends every bar, so that the smallest shares are seen too.
+    Marks of the classes are above the bars, so that the smallest shares have one too.
 
     Args:
         classes: from `contact_classes`.
@@ -209,16 +230,37 @@ def plot_contact_classes(classes: xr.Dataset) -> Figure:
         axes.bar(blade[own], share[own], color=colour)
         label = f"{name}: {np.count_nonzero(own)}"
         mark, filled = CLASS_MARKS[name]
-        (marks,) = axes.plot(blade[own], share[own], mark, color=colour, zorder=3, label=label)
+        above = np.full(np.count_nonzero(own), 0.96)
+        (marks,) = axes.plot(
+            blade[own], above, mark, color=colour, label=label, transform=axes.get_xaxis_transform()
+        )
         marks.set(markersize=3.0, markerfacecolor=colour if filled else "white")
-        marks.set_clip_on(not own.any())  # unclipped, a line of no points takes room
-    axes.set(xlabel="blade", ylabel="time in contact [%]", ylim=(0, 100))
+    top = 1.1 * share.max() if 0 < share.max() < FEW_PERCENT else 108.0
+    axes.set(xlabel="blade", ylabel="time in contact [%]", ylim=(0, top))
     axes.set_xlim(-0.7, len(blade) - 0.3)
     axes.locator_params(axis="x", integer=True)
     axes.grid(axis="x", visible=False)
-    axes.set_title(f"{speed_label(classes)}, {classes.attrs['window']}")
+    head(figure, classes, classes.attrs["window"])
     figure.legend(loc="outside lower center", ncols=3)
     return figure
+
+
+def _share(steps: Array, time: Array | float, dataset: xr.Dataset) -> Array:
+    """Share of the time steps in contact, from their number in that time [s]."""
+    return np.asarray(steps / np.maximum(np.round(time / dataset.attrs["time_step"]), 1.0))
+
+
+def draw_share(
+    axes: Axes, across: xr.DataArray, up: Array, share: xr.DataArray, *, on: str
+) -> QuadMesh:
+    """Shares of the time in contact (time, row) in percent, nothing where there is none.
+
+    Colours begin near that of the background, `on` "gaps" or "white", so that a share of a pixel
+    looks like that share of its time.
+    """
+    percent = np.ma.masked_less_equal(100.0 * np.nan_to_num(share.values.T), 0.0)
+    scale = LinearSegmentedColormap.from_list(on, SHARE_COLOURS[on])
+    return axes.pcolormesh(across, up, percent, cmap=scale, vmin=0.0, vmax=100.0, rasterized=True)
 
 
 def force_limit(force: Array) -> float:
@@ -232,13 +274,12 @@ def force_limit(force: Array) -> float:
     return usual if largest > PEAK * usual else largest
 
 
-def _map_axes(maps: xr.Dataset) -> tuple[Figure, Axes]:
+def _map_axes() -> tuple[Figure, Axes]:
     figure = new_figure(height=0.06)
     axes = figure.add_subplot()
     axes.grid(False)
-    axes.set(xlabel="time [s]", ylabel="blade", title=speed_label(maps))
+    axes.set_ylabel("blade")
     axes.locator_params(axis="y", integer=True)
-    few_time_ticks(axes)
     return figure, axes
 
 

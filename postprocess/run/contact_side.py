@@ -9,13 +9,14 @@ from matplotlib.figure import Figure
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import (
-    few_time_ticks,
     in_window,
     span_starts,
     window_label,
 )
-from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.whirl import FRAMES, Frame
 from bladewhirl.solvers.stability.scenario import (
     STEADY,
     motion_scenario,
@@ -26,8 +27,9 @@ from bladewhirl.solvers.stability.scenario import (
 POINTS = 1200
 """Points of a line of phases at most."""
 
-TURNS, DRAWN_TURNS = 10.0, 4.0
-"""Turns of the shaft from which its phase is drawn over the last few only: more can't be read."""
+MOST_TURNS, LEAST_SHARE = 12.0, 0.3
+"""Turns of the shaft up to which its phase is drawn, since more can't be followed, and the least
+share of the time that these must take."""
 
 
 def contact_phase(
@@ -99,62 +101,71 @@ def _scenario(shaft: Array, clearance: Array, impulse: Array) -> dict[str, str |
 
 @styled
 def plot_contact_phase(phases: xr.Dataset) -> Figure:
-    """Draw the static phase of shaft and smallest clearance, and by how much the shaft leads.
+    """Draw the phase of shaft and smallest clearance, and by how much the shaft leads.
 
-    A shaft that goes round many times has its phase drawn over the last turns only.
+    The phase is drawn in the frame in which the shaft turns less. Where it goes round more often
+    than can be followed, both are drawn over its last turns, or the lead alone where these are
+    soon over.
 
     Args:
         phases: from `contact_phase`.
     """
-    figure = new_figure(height=0.08)
-    upper, lower = figure.subplots(2, 1, height_ratios=(1.4, 1.0))
-    last = _thinned(_last_turns(phases))
-    for name, key, size in (("smallest clearance", "contact", 3.6), ("shaft", "rotor", 1.4)):
-        phase = np.degrees(last[f"{name.replace(' ', '_')}_phase"])
-        upper.plot(last["time"], phase, ".", color=COLOURS[key], markersize=size, label=name)
-    shown = _thinned(phases)
+    frame, since = _followed(phases)
+    drawn = phases if frame is None else phases.sel(time=slice(since, None))
+    shown = drawn.isel(time=span_starts(drawn["time"].values, POINTS))
+    figure = new_figure(height=0.085 if frame else 0.055)
+    *uppers, lower = figure.subplots(2 if frame else 1, sharex=True, squeeze=False)[:, 0]
+    for axes in uppers:
+        carried = shown["time"].values * (phases.attrs["speed"] if frame == "rotating" else 0.0)
+        for name, key, size in (("smallest clearance", "contact", 3.6), ("shaft", "rotor", 1.4)):
+            phase = np.degrees(_wrapped(shown[f"{name.replace(' ', '_')}_phase"].values - carried))
+            axes.plot(shown["time"], phase, ".", color=COLOURS[key], markersize=size, label=name)
+        axes.set_ylabel(f"{frame} phase [°]")
     lead = np.degrees(shown["shaft_lead"])
     lower.plot(shown["time"], lead, ".", color=COLOURS["k = 1"], markersize=1.4)
-    band = lower.axhspan(-90, 90, color=COLOURS["rest"], alpha=0.25, linewidth=0, zorder=0)
-    for axes, label in ((upper, "static phase [°]"), (lower, "shaft leads [°]")):
-        axes.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), ylabel=label)
-        few_time_ticks(axes)
-    lower.set_xlabel("time [s]")
-    upper.set_title(f"{_words(phases)}\n{speed_label(phases)}")
-    handles, labels = upper.get_legend_handles_labels()
-    figure.legend(
-        [*handles, band],
-        [*labels, "standard"],
-        loc="outside lower center",
-        ncols=3,
-        markerscale=2,
+    lower.axhspan(
+        -90, 90, color=COLOURS["rest"], alpha=0.25, linewidth=0, zorder=0, label="standard"
     )
+    lower.set_ylabel("shaft leads [°]")
+    for axes in (*uppers, lower):
+        axes.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
+    time_axis(*uppers, lower)
+    figure.legend(loc="outside lower center", ncols=3, markerscale=2)
+    head(figure, phases, *_words(phases))
     return figure
 
 
-def _last_turns(phases: xr.Dataset) -> xr.Dataset:
-    """All of it, or the last turns of the shaft where it makes many."""
-    moving = phases.isel(time=np.flatnonzero(~np.isnan(phases["shaft_phase"].values)))
-    angle = np.unwrap(moving["shaft_phase"].values)
-    if len(angle) == 0 or np.ptp(angle) <= TURNS * 2 * np.pi:
-        return phases
-    before = np.flatnonzero(np.abs(angle - angle[-1]) >= DRAWN_TURNS * 2 * np.pi)
-    return phases.sel(time=slice(moving["time"].values[before[-1]], None))
+def _followed(phases: xr.Dataset) -> tuple[Frame | None, float]:
+    """The frame in which the shaft turns less, None where its turns can't be followed in either,
+    and the time from which they can [s].
+    """
+    moving = phases["shaft_phase"].dropna("time")
+    time, speed = moving["time"].values, phases.attrs["speed"]
+    if len(time) == 0:
+        return "static", float(phases["time"][0])
+    found: dict[Frame, tuple[float, float]] = {}
+    for frame in FRAMES:
+        rate = speed if frame == "rotating" else 0.0
+        angle = np.unwrap(moving.values - rate * time)
+        before = np.flatnonzero(np.abs(angle - angle[-1]) > MOST_TURNS * 2 * np.pi)
+        since = float(time[before[-1] + 1]) if len(before) else float(time[0])
+        found[frame] = since, float(np.ptp(angle))
+    best = min(FRAMES, key=lambda name: found[name])
+    since, _ = found[best]
+    enough = since <= time[-1] - LEAST_SHARE * (time[-1] - time[0])
+    return (best if enough else None), since
 
 
-def _thinned(phases: xr.Dataset) -> xr.Dataset:
-    """No more records than are seen."""
-    return phases.isel(time=span_starts(phases["time"].values, POINTS))
-
-
-def _words(phases: xr.Dataset) -> str:
+def _words(phases: xr.Dataset) -> list[str]:
     kind = phases.attrs["scenario"]
     if kind == "at rest":
-        return "the shaft rests"
+        return ["the shaft rests"]
     if kind == "unsteady":
-        return f"no steady contact scenario over {phases.attrs['window']}"
+        return [phases.attrs["window"], "no steady contact scenario"]
     lead = f"{np.degrees(phases.attrs['lead']):.0f}°"
-    return f"{kind} contact, shaft leads by {lead}\nover {phases.attrs['window']}"
+    if not phases["impulse"].any():
+        return [phases.attrs["window"], f"no contact, shaft leads the smallest gap by {lead}"]
+    return [phases.attrs["window"], f"{kind} contact, shaft leads by {lead}"]
 
 
 def _wrapped(angle: Array) -> Array:

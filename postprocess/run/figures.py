@@ -7,17 +7,14 @@ from functools import cached_property
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.energy.families import (
-    cyclic_energies,
-    family_energies,
-    mean_energies,
-)
+from bladewhirl.postprocess.energy.families import family_energies, mean_energies
 from bladewhirl.postprocess.energy.growth import amplitude_growth
 from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.kinematics import ViewError
-from bladewhirl.postprocess.fields.windows import late_part, select_window
+from bladewhirl.postprocess.fields.windows import late_part, select_window, window_label
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.run.blade_contact import contact_classes, contact_maps
+from bladewhirl.postprocess.run.casing_contact import casing_contact, with_last_turns
 from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.run.stresses import stress_history
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
@@ -29,7 +26,7 @@ from bladewhirl.postprocess.shaft.spectra import (
     with_lines,
 )
 from bladewhirl.postprocess.shaft.whirl import Frame
-from bladewhirl.postprocess.shaft.whirl_history import whirl_history
+from bladewhirl.postprocess.shaft.whirl_history import PERIODS, whirl_history
 
 
 class RunFigures:
@@ -54,6 +51,11 @@ class RunFigures:
     def orbit(self) -> xr.Dataset:
         """Motion of the shaft."""
         return shaft_orbit(self.result)
+
+    @cached_property
+    def energies(self) -> xr.Dataset:
+        """Strain energy over time by groups of modes."""
+        return strain_energies(self.result)
 
     @cached_property
     def contact(self) -> xr.Dataset:
@@ -87,8 +89,14 @@ def orbit(run: RunFigures) -> xr.Dataset:
 
 
 def whirl(run: RunFigures) -> xr.Dataset:
-    """From `whirl.whirl_history`."""
-    return whirl_history(run.orbit)
+    """From `whirl_history.whirl_history`."""
+    found = whirl_history(run.orbit)
+    if found.sizes["time"] < 2:
+        raise ViewError(
+            f"the whirl over time needs spans of {PERIODS:g} periods of ω₁, two or more;"
+            f" the window is {1e3 * found.attrs['span']:.3g} ms long"
+        )
+    return found
 
 
 def spectrum(run: RunFigures, frame: Frame) -> xr.Dataset:
@@ -108,18 +116,13 @@ def states(run: RunFigures) -> xr.Dataset:
 
 
 def energy(run: RunFigures) -> xr.Dataset:
-    """From `energies.strain_energies`."""
-    return strain_energies(run.result)
+    """From `strain.strain_energies`."""
+    return run.energies
 
 
 def energy_of_families(run: RunFigures) -> xr.Dataset:
-    """From `family_energies.family_energies`, means over spans of time."""
+    """From `families.family_energies`, means over spans of time."""
     return mean_energies(family_energies(run.result))
-
-
-def energy_of_sectors(run: RunFigures) -> xr.Dataset:
-    """From `family_energies.cyclic_energies`, means over spans of time."""
-    return mean_energies(cyclic_energies(run.result))
 
 
 def contact(run: RunFigures) -> xr.Dataset:
@@ -127,9 +130,19 @@ def contact(run: RunFigures) -> xr.Dataset:
     return run.contact
 
 
+def forces(run: RunFigures) -> xr.Dataset:
+    """The same, where there are any."""
+    return _touching(run).contact
+
+
+def contact_on_casing(run: RunFigures) -> xr.Dataset:
+    """From `casing_contact.casing_contact`, and of the last revolutions."""
+    return with_last_turns(casing_contact(_touching(run).result), run.result)
+
+
 def classes(run: RunFigures) -> xr.Dataset:
     """From `blade_contact.contact_classes`, after the onset."""
-    return contact_classes(run.after_onset(run.result))
+    return contact_classes(_touching(run).after_onset(run.result))
 
 
 def phases(run: RunFigures) -> xr.Dataset:
@@ -145,4 +158,15 @@ def stress(run: RunFigures) -> xr.Dataset:
 
 def growth(run: RunFigures) -> xr.Dataset:
     """From `growth.amplitude_growth`."""
-    return amplitude_growth(run.result)
+    return amplitude_growth(run.result, run.energies)
+
+
+def _touching(run: RunFigures) -> RunFigures:
+    """The same figures, of a motion in which a tip touches.
+
+    Raises:
+        ViewError: none does.
+    """
+    if not run.result["contact_steps"].isel(time=slice(1, None)).any():
+        raise ViewError(f"no tip touches from {window_label(run.result)}")
+    return run

@@ -25,14 +25,15 @@ from bladewhirl.postprocess.fields.strains import (
     casing_strain_rows,
     rotor_strain_rows,
 )
-from bladewhirl.postprocess.fields.windows import few_time_ticks, in_window, span_starts
+from bladewhirl.postprocess.fields.windows import in_window, span_starts
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     FULL_WIDTH,
     new_figure,
-    speed_label,
     styled,
+    time_axis,
 )
+from bladewhirl.postprocess.plotting.titles import head
 
 CASING_PIECES = 4
 """Pieces of a casing element at whose ends strains are taken: they are not linear in it."""
@@ -239,19 +240,19 @@ def plot_stress(history: xr.Dataset) -> Figure:
         history: from `stress_history`.
     """
     figure = new_figure(width=FULL_WIDTH, height=0.065)
-    over_time, over_blades = figure.subplots(1, 2, gridspec_kw={"wspace": 0.12})
+    over_time, over_blades = figure.subplots(1, 2)
     blades = int(history.attrs["blades"])
     size = np.maximum(history["largest_stress"].values, -history["smallest_stress"].values)
     unit, scale = stress_unit(float(size.max()))
     _draw_time(over_time, history, scale * size, blades)
-    over_time.set(xlabel="time [s]", ylabel=f"largest stress [{unit}]", ylim=(0, None))
-    over_time.set_title("of all blades, and elsewhere")
-    few_time_ticks(over_time)
+    over_time.set(ylabel=f"largest stress [{unit}]", ylim=(0, None))
+    over_time.set_title("largest at any place")
+    time_axis(over_time)
     _draw_blades(over_blades, history.isel(member=slice(0, blades)), scale)
     over_blades.set(xlabel="blade", ylabel=f"stress [{unit}]", title="extremes of each blade")
-    over_time.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=4)
-    over_blades.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
-    figure.suptitle(f"surface stress by beam theory, {speed_label(history)}")
+    figure.legend(*over_time.get_legend_handles_labels(), loc="outside lower left", ncols=4)
+    figure.legend(*over_blades.get_legend_handles_labels(), loc="outside lower right", ncols=2)
+    head(figure, history, "stress at surfaces by beam theory")
     return figure
 
 

@@ -11,9 +11,10 @@ from matplotlib.patches import Circle
 from bladewhirl.postprocess.fields.kinematics import Array, rotate, smallest_clearance
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
-from bladewhirl.postprocess.fields.windows import in_window, late_part
-from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
-from bladewhirl.postprocess.plotting.units import length_unit
+from bladewhirl.postprocess.fields.units import length_unit
+from bladewhirl.postprocess.fields.windows import in_window, late_part, window_label
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
 LONG_LINE = 5000
@@ -24,6 +25,12 @@ SEEN = 0.1
 
 TINY = 0.05
 """Radius of an orbit, over the clearance, below which the clearance is not drawn around it."""
+
+DRAWN_TURNS = 2.0
+"""Turns of the late motion that are drawn."""
+
+LEAST_RIPPLE = 1e-3
+"""Share of the radius that its axis reaches up and down at least."""
 
 PALE = "#B0B0B0"
 CLEARANCE_LINE: dict[str, Any] = {
@@ -87,35 +94,65 @@ def shaft_orbit(
 
 @styled
 def plot_orbit(orbit: xr.Dataset) -> Figure:
-    """Draw an orbit from `shaft_orbit` in rotating and static axes, side by side.
+    """Draw an orbit from `shaft_orbit` in rotating and static axes, and its late radius over time.
 
-    The whole motion is thin and pale; the last turn about the origin within the last third of the
-    time (or that third, where it makes less) is strong, with arrows along it. Each frame's title
-    names the whirl over the last third. Axes fit the clearance; where the orbit is tiny beside it
-    they fit the orbit, and the clearance is told in words.
+    The whole motion is thin and pale; the last two turns, in the frame in which it goes round
+    faster, are strong, with arrows along them. Each frame's title names the whirl over the last
+    third. Axes fit the clearance; where the orbit is tiny beside it they fit the orbit, and the
+    clearance is told in words. The radius has an axis of its own, on which a ripple is seen.
     """
-    late = late_part(orbit)
+    late = last_turns(orbit)
     clearance, radius = orbit.attrs["smallest_clearance"], float(orbit["radius"].max())
     tiny = 0.0 < radius < TINY * clearance
     reach = radius if tiny else max(radius, clearance)
     unit, scale = length_unit(reach)
     edge = 1.1 * scale * reach or 1.0  # all at rest: 1 mm
-    figure = new_figure(height=0.062)
-    panels = figure.subplots(1, 2, sharex=True, sharey=True)
-    for axes, frame in zip(panels, FRAMES, strict=True):
+    figure = new_figure(height=0.1)
+    panels = figure.subplot_mosaic([[*FRAMES], ["radius"] * 2], height_ratios=(2.4, 1.0))
+    for frame in FRAMES:
+        axes = panels[frame]
         axes.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge), xlabel=f"x [{unit}]")
+        axes.locator_params(nbins=5)
+        axes.yaxis.set_major_locator(axes.xaxis.get_major_locator())
         if not tiny:
             axes.add_patch(Circle((0, 0), scale * clearance, fill=False, **CLEARANCE_LINE))
         _draw_path(axes, scale * orbit[frame].values)
-        _draw_turn(axes, _last_turn(scale * late[frame].values), edge)
-        axes.set_title(f"{frame} frame\n{whirl(late, frame).text}")
-    panels[0].set_ylabel(f"y [{unit}]")
+        _draw_turn(axes, scale * late[frame].values, edge)
+        axes.set_title(f"{frame} frame\n{whirl(late_part(orbit), frame).text}")
+    panels[FRAMES[0]].set_ylabel(f"y [{unit}]")
+    panels[FRAMES[1]].tick_params(labelleft=False)
+    _draw_radius(panels["radius"], late)
     if not tiny:
-        panels[0].plot([], [], label="clearance", **CLEARANCE_LINE)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
-    outside = f"\n(the clearance, {MILLI * clearance:.3g} mm, is far outside)" if tiny else ""
-    figure.suptitle(f"orbit of the shaft, {speed_label(orbit)}{outside}")
+        panels[FRAMES[0]].plot([], [], label="clearance", **CLEARANCE_LINE)
+    entries = panels[FRAMES[0]].get_legend_handles_labels()
+    figure.legend(*entries, loc="outside lower center", ncols=4)
+    outside = [f"the clearance, {MILLI * clearance:.3g} mm, is far outside"] if tiny else []
+    windows = f"late motion: {window_label(late)}", f"whirl: {window_label(late_part(orbit))}"
+    head(figure, orbit, *windows, *outside)
     return figure
+
+
+def last_turns(orbit: xr.Dataset) -> xr.Dataset:
+    """The end of an orbit in which it goes round twice in the frame in which it is faster; two
+    periods of the reference frequency where it goes round in neither; at most the last third.
+    """
+    late = late_part(orbit)
+    rates = [abs(found.rate) for frame in FRAMES if (found := whirl(late, frame)).goes_round]
+    length = DRAWN_TURNS * 2 * np.pi / max(rates, default=orbit.attrs["reference_frequency"])
+    return late.sel(time=slice(late["time"].values[-1] - length, None))
+
+
+def _draw_radius(axes: Axes, late: xr.Dataset) -> None:
+    """The radius over time, on an axis that does not begin at zero."""
+    radius = late["radius"].values
+    unit, scale = length_unit(float(radius.max()))
+    axes.plot(late["time"], scale * radius, color=COLOURS["rotor"])
+    middle = scale * (radius.max() + radius.min()) / 2
+    half = max(0.6 * scale * float(np.ptp(radius)), LEAST_RIPPLE * middle) or 1.0
+    axes.set(ylabel=f"radius [{unit}]", ylim=(middle - half, middle + half))
+    axes.ticklabel_format(axis="y", useOffset=False)
+    axes.locator_params(axis="y", nbins=4)
+    time_axis(axes)
 
 
 def _draw_path(axes: Axes, place: Array) -> None:
@@ -140,10 +177,3 @@ def _draw_arrow(axes: Axes, path: Array, share: float) -> None:
     travelled = np.append(0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T)))
     ahead = int(np.searchsorted(travelled, share * travelled[-1]))
     axes.annotate("", path[ahead], path[ahead - 1], arrowprops=ARROW)
-
-
-def _last_turn(place: Array) -> Array:
-    """The end of a path (record, 2) that turns once about the origin; all of it if it does not."""
-    angle = np.unwrap(np.arctan2(place[:, 1], place[:, 0]))
-    before = np.flatnonzero(np.abs(angle - angle[-1]) >= 2 * np.pi)
-    return place[before[-1] if len(before) else 0 :]

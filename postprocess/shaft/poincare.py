@@ -9,9 +9,10 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.units import handy_unit, length_unit
 from bladewhirl.postprocess.fields.windows import late_part, window_label
-from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
-from bladewhirl.postprocess.plotting.units import handy_unit, length_unit
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
+from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.orbits import LONG_LINE, PALE, shaft_orbit
 from bladewhirl.postprocess.shaft.whirl import Frame
 
@@ -99,38 +100,41 @@ def state_space(
 
 @styled
 def plot_state_space(states: xr.Dataset) -> Figure:
-    """Draw velocity over place along x: the motion (left) and once a revolution (right).
+    """Draw velocity over place along x (above) and y: the motion (left) and once a revolution.
 
-    The last third of the time is strong, what came before it pale; both panels have the same axes.
+    The last third of the time is strong, what came before it pale; all panels have the same axes.
 
     Args:
         states: from `state_space`.
     """
-    figure = new_figure(height=0.058)
-    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    figure = new_figure(height=0.1)
+    panels = figure.subplots(2, 2, sharex=True, sharey=True)
     late_from = late_part(states)["time"].values[0]
     length, to_length = length_unit(float(abs(states["place"]).max()))
     rate, to_rate = handy_unit(float(abs(states["velocity"]).max()), "m/s")
-    for axes, prefix, instant, mark, title in (
-        (panels[0], "", "time", "-", "motion"),
-        (panels[1], "section_", "revolution", ".", "every revolution"),
-    ):
-        late, named = states[instant].values >= late_from, instant == "time"
-        x = to_length * states[f"{prefix}place"].sel(axis="x").values
-        velocity = to_rate * states[f"{prefix}velocity"].sel(axis="x").values
-        for chosen, colour, width in ((~late, PALE, 0.4), (late, COLOURS["rotor"], 0.8)):
-            axes.plot(
-                x[chosen],
-                velocity[chosen],
-                mark,
-                markersize=3,
-                color=colour,
-                linewidth=width,
-                rasterized=np.count_nonzero(chosen) > LONG_LINE,
-                label=window_label(states.isel(time=chosen)) if named and chosen.any() else None,
-            )
-        axes.set(title=title, xlabel=f"x [{length}]")
-    panels[0].set_ylabel(f"velocity along x [{rate}]")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    figure.suptitle(f"{states.attrs['frame']} frame, {speed_label(states)}")
+    for row, way in zip(panels, ("x", "y"), strict=True):
+        own = states.sel(axis=way)
+        for axes, prefix, instant, mark in (
+            (row[0], "", "time", "-"),
+            (row[1], "section_", "revolution", "."),
+        ):
+            late = states[instant].values >= late_from
+            for chosen, colour, width in ((~late, PALE, 0.4), (late, COLOURS["rotor"], 0.8)):
+                named = chosen.any() and instant == "time"
+                axes.plot(
+                    to_length * own[f"{prefix}place"].values[chosen],
+                    to_rate * own[f"{prefix}velocity"].values[chosen],
+                    mark,
+                    markersize=3,
+                    color=colour,
+                    linewidth=width,
+                    rasterized=np.count_nonzero(chosen) > LONG_LINE,
+                    label=window_label(states.isel(time=chosen)) if named else None,
+                )
+            axes.set_xlabel(f"{way} [{length}]")
+        row[0].set_ylabel(f"velocity along {way} [{rate}]")
+    for axes, title in zip(panels[0], ("motion", "once a revolution"), strict=True):
+        axes.set_title(title)
+    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    head(figure, states, f"{states.attrs['frame']} frame")
     return figure

@@ -18,36 +18,39 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from numpy.lib.stride_tricks import sliding_window_view
 
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION
-from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.windows import evenly_spaced, few_time_ticks, window_label
+from bladewhirl.postprocess.fields.windows import evenly_spaced, window_label
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     SEQUENTIAL,
     new_figure,
-    speed_label,
     styled,
+    time_axis,
 )
+from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
 from bladewhirl.postprocess.shaft.whirl import Frame
 
 FEWEST_RECORDS = 16
 """Records without which a spectrum says nothing."""
 
-SHARE, PERIODS, MOST = 1.0 / 12.0, 5.0, 0.5
+SHARE, PERIODS, MOST = 1.0 / 5.0, 5.0, 0.5
 """A slice of the spectrogram: that share of the time, but at least so many periods of the
 reference frequency, and at most that share."""
 
-SLICES = 200
+SLICES = 120
 """Slices of a spectrogram, about."""
 
-PADDING = 4
-"""Transforms are padded with zeros to that many times their length, for smooth lines."""
+PADDING, SLICE_PADDING = 4, 2
+"""Transforms of a record, and of slices of it, are padded with zeros to that many times their
+length, for smooth lines."""
 
-DECADES = 4.0
-"""Decades below the largest amplitude that are drawn."""
+DECADES, SLICE_DECADES = 4.0, 3.0
+"""Decades below the largest amplitude that are drawn, of a spectrum and of a spectrogram."""
 
 MARGIN = 1.12
 """How far the drawn frequencies go beyond the outermost line of a mode."""
@@ -130,12 +133,9 @@ def shaft_spectrum(
     Example:
         ``shaft_spectrum(result, "static", start=2.0)["amplitude"].plot()``
     """
-    # Loaded when used: it takes longer than all of postprocess together.
-    from scipy.signal.windows import blackmanharris
-
     even, step = evenly_spaced(shaft_orbit(result, start=start, end=end), FEWEST_RECORDS)
     records = even.sizes["time"]
-    window = blackmanharris(records, sym=False)
+    window = _blackman_harris(records)
     transform = np.fft.fft(window * _phasor(even, frame), PADDING * records) / window.sum()
     frequency = 2 * np.pi * np.fft.fftfreq(PADDING * records, step)
     return labelled(
@@ -162,7 +162,7 @@ def shaft_spectrogram(
     Args:
         result: of a run, or its orbit from `orbits.shaft_orbit`.
         frame: of the observer.
-        length: of a slice [s]; a twelfth of the time, or five periods of the reference
+        length: of a slice [s]; a fifth of the time, or five periods of the reference
             frequency where that is longer, but not more than half the time, when None.
         start: of the window [s]; of the run when None.
         end: of the window [s]; of the run when None.
@@ -174,32 +174,24 @@ def shaft_spectrogram(
     Raises:
         ViewError: too few records, or not equally spaced.
     """
-    from scipy.signal import ShortTimeFFT
-    from scipy.signal.windows import blackmanharris
-
     even, step = evenly_spaced(shaft_orbit(result, start=start, end=end), FEWEST_RECORDS)
     records = even.sizes["time"]
     if length is None:
         period = 2 * np.pi / even.attrs["reference_frequency"]
         length = min(max(SHARE * records * step, PERIODS * period), MOST * records * step)
     size = int(np.clip(round(length / step), FEWEST_RECORDS // 2, records))
-    transform = ShortTimeFFT(
-        blackmanharris(size, sym=False),
-        hop=max((records - size) // SLICES, 1),
-        fs=1.0 / step,
-        fft_mode="centered",
-        mfft=PADDING * size,
-        scale_to="magnitude",
-    )
-    inside = transform.lower_border_end[1], transform.upper_border_begin(records)[1]
-    slices = transform.stft(_phasor(even, frame), *inside)
+    window = _blackman_harris(size)
+    first = np.arange(0, records - size + 1, max((records - size) // SLICES, 1))
+    pieces = sliding_window_view(_phasor(even, frame), size)[first]
+    transform = np.fft.fft(pieces * window, SLICE_PADDING * size) / window.sum()
+    frequency = 2 * np.pi * np.fft.fftfreq(SLICE_PADDING * size, step)
     return labelled(
         even,
         "spectrogram of the shaft",
-        {"amplitude": (("frequency", "time"), np.abs(slices), "m")},
+        {"amplitude": (("frequency", "time"), np.abs(np.fft.fftshift(transform, axes=1)).T, "m")},
         {
-            "frequency": 2 * np.pi * transform.f,
-            "time": even["time"].values[0] + transform.t(records, *inside),
+            "frequency": np.fft.fftshift(frequency),
+            "time": even["time"].values[first] + size * step / 2,
         },
         frame=frame,
         resolution=2 * np.pi / (size * step),
@@ -213,8 +205,17 @@ def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
     Args:
         spectrum: from `shaft_spectrum` or `shaft_spectrogram`.
         lines: from `modal_lines`, of the same frame.
+
+    Raises:
+        ViewError: so short a time that it tells no frequencies apart within them.
     """
     edge = MARGIN * float(np.abs(lines).max())
+    resolution = spectrum.attrs["resolution"]
+    if resolution > edge:
+        raise ViewError(
+            f"{2e3 * np.pi / resolution:.3g} ms tell frequencies {_hertz(resolution):.3g} Hz apart,"
+            f" the modes lie within {_hertz(edge):.3g} Hz: a spectrum needs a longer window"
+        )
     return spectrum.sel(frequency=slice(-edge, edge)).assign(modal_line=lines)
 
 
@@ -241,9 +242,7 @@ def plot_spectrum(spectrum: xr.Dataset) -> Figure:
     axes.set(xlabel="frequency [Hz]   ← backward  forward →", ylabel="amplitude [mm]")
     axes.set_xlim(*_hertz(spectrum["frequency"].values[[0, -1]]))
     _draw_lines(axes, spectrum["modal_line"], axes.axvline)
-    axes.set_title(
-        f"{spectrum.attrs['frame']} frame, {spectrum.attrs['window']}\n{speed_label(spectrum)}"
-    )
+    head(figure, spectrum, f"{spectrum.attrs['frame']} frame, {spectrum.attrs['window']}")
     figure.legend(loc="outside lower center", ncols=4, handlelength=2.6)
     return figure
 
@@ -262,21 +261,28 @@ def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
     picture = axes.pcolormesh(
         spectrogram["time"],
         _hertz(spectrogram["frequency"].values),
-        np.maximum(amplitude, top * 10**-DECADES),
-        norm=LogNorm(top * 10**-DECADES, top),
+        np.maximum(amplitude, top * 10**-SLICE_DECADES),
+        norm=LogNorm(top * 10**-SLICE_DECADES, top),
         cmap=SEQUENTIAL,
         shading="nearest",
         rasterized=True,
     )
     axes.grid(False)
-    few_time_ticks(axes)
+    time_axis(axes)
     _draw_lines(axes, spectrogram["modal_line"], axes.axhline)
-    axes.set(xlabel="time [s]", ylabel="frequency [Hz]\n← backward  forward →")
+    axes.set_ylabel("frequency [Hz]\n← backward  forward →")
     frame, slice_length = spectrogram.attrs["frame"], 1e3 * spectrogram.attrs["slice"]
-    axes.set_title(f"{frame} frame, slices of {slice_length:.3g} ms\n{speed_label(spectrogram)}")
+    head(figure, spectrogram, f"{frame} frame, slices of {slice_length:.3g} ms")
     figure.colorbar(picture, ax=axes, label="amplitude [mm]")
     figure.legend(loc="outside lower center", ncols=4, handlelength=2.6)
     return figure
+
+
+def _blackman_harris(size: int) -> Array:
+    """The window of that many records, periodic: the least of its kind with four terms."""
+    turn = 2 * np.pi * np.arange(size) / size
+    terms = (0.35875, -0.48829, 0.14128, -0.01168)
+    return np.asarray(sum(share * np.cos(n * turn) for n, share in enumerate(terms)))
 
 
 def _phasor(orbit: xr.Dataset, frame: Frame) -> Array:
@@ -299,5 +305,5 @@ def _draw_lines(axes: Axes, lines: xr.DataArray, draw: Any) -> None:
         named.add(str(mode))
 
 
-def _hertz(frequency: Array) -> Array:
+def _hertz(frequency: Array | float) -> Array:
     return np.asarray(frequency) / (2 * np.pi)

@@ -67,7 +67,7 @@ class Whirl:
         if self.frequency is None:
             return "no whirl"
         wide = CERTAINTY * self.error / (2 * np.pi)
-        known = f" ± {wide:.1g}" if wide > 5e-4 * abs(self.frequency) else ""
+        known = f" ± {float(f'{wide:.1g}'):g}" if wide > 5e-4 * abs(self.frequency) else ""
         return f"{self.direction}, {abs(self.frequency):.3g}{known} Hz"
 
 

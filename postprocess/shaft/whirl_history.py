@@ -9,9 +9,10 @@ from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.windows import few_time_ticks, span_means, span_starts
-from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
-from bladewhirl.postprocess.plotting.units import length_unit
+from bladewhirl.postprocess.fields.units import length_unit
+from bladewhirl.postprocess.fields.windows import span_means, span_starts
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.whirl import FRAMES, LEAST_TURN, Frame, phase, span_rates
 
@@ -91,7 +92,7 @@ def plot_whirl_history(whirls: xr.Dataset) -> Figure:
     Args:
         whirls: from `whirl_history`.
     """
-    figure = new_figure(height=0.075)
+    figure = new_figure(height=0.085)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.2, 1.0))
     time = whirls["time"].values
     for frame in FRAMES:
@@ -101,11 +102,20 @@ def plot_whirl_history(whirls: xr.Dataset) -> Figure:
     upper.margins(y=0.1)
     unit, scale = length_unit(float(whirls["radius"].max()))
     lower.plot(time, scale * whirls["radius"], color=COLOURS["rotor"])
-    lower.set(xlabel="time [s]", ylabel=f"radius [{unit}]")
+    lower.set_ylabel(f"radius [{unit}]")
     lower.set_ylim(bottom=0.0)
-    few_time_ticks(lower)
+    time_axis(upper, lower)
+    upper.plot(
+        [],
+        [],
+        "o",
+        color="0.3",
+        markerfacecolor="white",
+        markersize=2.5,
+        label="open: hardly goes round",
+    )
     figure.legend(*upper.get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    upper.set_title(f"{speed_label(whirls)}, means over {1e3 * whirls.attrs['span']:.3g} ms")
+    head(figure, whirls, f"means over {1e3 * whirls.attrs['span']:.3g} ms")
     return figure
 
 

@@ -9,7 +9,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator, ScalarFo
 
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.plotting.units import handy_unit
+from bladewhirl.postprocess.fields.units import handy_unit
 from bladewhirl.postprocess.sweep.quantities import cell_edges
 
 WIDE_RANGE = 50.0

@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
-from bladewhirl.postprocess.plotting.units import length_unit
 from bladewhirl.postprocess.shaft.orbits import LONG_LINE
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, side_by_side
 from bladewhirl.postprocess.sweep.drawing import (

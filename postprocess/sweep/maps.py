@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
-from bladewhirl.postprocess.plotting.legends import Group, legends_below, set_title
+from bladewhirl.postprocess.fields.units import length_unit
+from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     FULL_WIDTH,
@@ -24,7 +25,7 @@ from bladewhirl.postprocess.plotting.style import (
     new_figure,
     styled,
 )
-from bladewhirl.postprocess.plotting.units import length_unit
+from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.postprocess.sweep.axes import (
     edges_of,
     in_handy_units,

@@ -33,9 +33,6 @@ from bladewhirl.solvers.march.storage import GuardedFile
 
 Attribute = str | int | float
 
-RESULT_NAME = "result.nc"
-"""The result's file in the folder of a run."""
-
 INTERRUPTED, UNFINISHED = "interrupted", "unfinished"
 """`end_reason` of a march that the user ended early, and of one that was killed."""
 

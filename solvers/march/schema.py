@@ -14,6 +14,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+RESULT_NAME = "result.nc"
+"""The result's file in the folder of a run."""
+
 RESULT_FORMAT = 4
 """Of result.nc. 1 and 2 carry no number: 1 lacks what is marked since 2, and neither has the
 coordinates marked since 3; these, and recess and growth of tips, are added on opening."""

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES, captions
+from bladewhirl.postprocess.plotting.registry import REPLACED, RUN_FIGURES, SWEEP_FIGURES, captions
 from bladewhirl.studies.commands.options import Replace
+
+if TYPE_CHECKING:
+    from bladewhirl.postprocess.run.figures import RunFigures
+    from bladewhirl.postprocess.sweep.figures import SweepFigures
 
 ALL = "all"
 PLOTS = "plots"
@@ -59,11 +65,7 @@ def plot(
     from bladewhirl.meshes.files.manifest import claim
     from bladewhirl.models.inputs.errors import UserError, writing
     from bladewhirl.postprocess.fields.kinematics import ViewError
-    from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.plotting.style import save_figure
-    from bladewhirl.postprocess.run.figures import RunFigures
-    from bladewhirl.postprocess.sweep.dataset import open_sweep
-    from bladewhirl.postprocess.sweep.figures import SweepFigures
     from bladewhirl.studies.commands.options import options_of_window, parse_time
 
     of_sweep = _is_sweep(directory)
@@ -72,6 +74,9 @@ def plot(
         typer.echo("\n".join(captions(known)))
         return
     unknown = [name for name in names if name not in (*known, ALL)]
+    for name in unknown:
+        if REPLACED.get(name) in known:
+            raise UserError(f"{name}: expected {REPLACED[name]}, which replaces it")
     if unknown:
         kind = "a sweep has" if of_sweep else "a run has"
         raise UserError(f"{', '.join(unknown)}: {kind} {', '.join(known)}; or {ALL}")
@@ -79,8 +84,7 @@ def plot(
         raise UserError(f"{directory}: expected no --from and --to with a sweep")
     folder = output or (directory if directory.is_dir() else directory.parent) / PLOTS
     window = (parse_time("--from", start), parse_time("--to", end))
-    with options_of_window(), open_sweep(directory) if of_sweep else open_result(directory) as data:
-        figures = SweepFigures(data) if of_sweep else RunFigures(data, *window)
+    with options_of_window(), _opened(directory, window) as figures:
         for name in known if ALL in names else dict.fromkeys(names):
             try:
                 figure, drawn = figures.draw(name)
@@ -94,6 +98,25 @@ def plot(
                 claim(folder, files, overwrite=overwrite)
                 save_figure(figure, folder / name, drawn)
             typer.echo(f"Wrote {folder / name}.png, .pdf and .nc.")
+
+
+@contextmanager
+def _opened(
+    directory: Path, window: tuple[float | None, float | None]
+) -> Iterator[RunFigures | SweepFigures]:
+    """What draws the figures of a run, or of a sweep; the other kind is not loaded."""
+    if _is_sweep(directory):
+        from bladewhirl.postprocess.sweep.dataset import open_sweep
+        from bladewhirl.postprocess.sweep.figures import SweepFigures
+
+        with open_sweep(directory) as sweep:
+            yield SweepFigures(sweep)
+        return
+    from bladewhirl.postprocess.fields.result import open_result
+    from bladewhirl.postprocess.run.figures import RunFigures
+
+    with open_result(directory) as result:
+        yield RunFigures(result, *window)
 
 
 def _is_sweep(path: Path) -> bool:

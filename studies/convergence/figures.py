@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, speed_label, styled
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
+from bladewhirl.postprocess.plotting.titles import speed_label
 
 REGIME_MARKERS = {"divergent": "^", "sustained": "o", "damped": "v", "no-contact": "s"}
 """Marker of each regime."""

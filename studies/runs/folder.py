@@ -21,7 +21,7 @@ from bladewhirl.models.case.file import dumps_case
 from bladewhirl.models.case.mesh_file import MeshTable
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME
-from bladewhirl.solvers.march.recorder import RESULT_NAME
+from bladewhirl.solvers.march.schema import RESULT_NAME
 
 CASE_NAME = "case.toml"
 PROVENANCE_NAME = "provenance.json"

@@ -8,13 +8,14 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.fields.result import RESULT_NAME, open_result
+from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.plotting.files import checked_target
 from bladewhirl.postprocess.reports.page import Page, write_page
 from bladewhirl.postprocess.reports.provenance import Provenance
 from bladewhirl.postprocess.reports.run import run_report
 from bladewhirl.postprocess.reports.sweep import sweep_report
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
+from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.folder import PROVENANCE_NAME, REPORT_NAME, read_failures
 
 

@@ -13,7 +13,8 @@ from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME, Checkpoint, read_checkpoint
-from bladewhirl.solvers.march.recorder import RESULT_NAME, description_bytes, result_bytes
+from bladewhirl.solvers.march.recorder import description_bytes, result_bytes
+from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.runs.outputs import Run, Window, write_outputs
 from bladewhirl.studies.runs.place import locked, taking_place

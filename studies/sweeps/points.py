@@ -18,9 +18,10 @@ from bladewhirl.models.case.excitation import NoExcitation
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.stage import Stage, build_stage
-from bladewhirl.postprocess.fields.result import RESULT_NAME, open_result
+from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.sweep.dataset import Layout
 from bladewhirl.postprocess.sweep.digest import Digest, digest
+from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.folder import portable_case
 from bladewhirl.studies.runs.prepare import prepare_stage
 from bladewhirl.studies.runs.recorded_march import march_to_file

@@ -49,9 +49,13 @@ def test_it_is_the_growth_of_the_regime_and_says_so() -> None:
     assert regime.growth is not None
     assert growth.attrs["rate"] == regime.growth.rate
     assert growth.attrs["regime"] == regime.name
-    (axes,) = plot_growth(growth).axes
+    figure = plot_growth(growth)
+    axes, misfits = figure.axes
     # ± is two standard errors, as the band is.
-    assert f"{regime.growth.rate:.3g} ± {2 * regime.growth.error:.2g} 1/s" in axes.get_title()
+    title = figure.get_suptitle()
+    assert f"{regime.growth.rate:.3g} ± {2 * regime.growth.error:.2g} 1/s" in title
+    misfit = np.log1p(np.asarray(misfits.lines[0].get_ydata()) / 100)
+    assert np.nanstd(misfit) == pytest.approx(growth.attrs["residual"], rel=1e-6)
     assert axes.get_yscale() == "log"  # it grows by more than ten times
 
 
@@ -66,7 +70,7 @@ def test_a_march_ended_at_its_limit_is_fitted_over_its_last_windows() -> None:
     assert not fitted[:-8].any()
     begin = float(growth["time"][-8]) - growth.attrs["window"] / 2
     assert growth.attrs["span"] == f"{begin:.3g} to {float(result['time'][-1]):.3g} s"
-    (axes,) = plot_growth(growth).axes
+    axes, _ = plot_growth(growth).axes
     labels = axes.get_legend_handles_labels()[1]
     assert f"fit, {growth.attrs['span']}" in labels
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.pictures.appearance import engineering
 from bladewhirl.postprocess.pictures.colouring import scale_end
 from bladewhirl.postprocess.pictures.offscreen import OffScreenError, require_off_screen
@@ -25,7 +26,6 @@ from bladewhirl.postprocess.pictures.render import (
     render_still,
     strongest_contact,
 )
-from bladewhirl.postprocess.plotting.units import length_unit
 
 SMALL = (320, 240)
 STAGE = 240  # the left three quarters of the window

@@ -44,7 +44,7 @@ def test_every_figure_has_a_function_with_its_words() -> None:
 
 def test_a_run_and_a_sweep_are_told_apart(tmp_path: Path) -> None:
     run = synthetic_result(shaft_radius=1.2e-3)
-    figure = bw.plot.whirl(run, start=0.1)
+    figure = bw.plot.whirl(run, start=0.02)
     assert isinstance(figure, Figure)
     assert figure.axes[1].get_ylabel() == "radius [mm]"
     with pytest.raises(ViewError, match="figure 'maps': expected one of orbit, whirl"):

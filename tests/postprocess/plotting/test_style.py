@@ -103,7 +103,3 @@ class TestSaveFigure:
     def test_a_name_with_dots_is_kept(self, tmp_path: Path) -> None:
         paths = style.save_figure(self.figure(), tmp_path / "speed_1.05")
         assert [path.name for path in paths] == ["speed_1.05.png", "speed_1.05.pdf"]
-
-
-def test_speed_in_words() -> None:
-    assert style.speed_label(synthetic_result(records=2, speed=78.75)) == "Ω = 1.05 (752 rpm)"

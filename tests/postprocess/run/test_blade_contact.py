@@ -78,13 +78,21 @@ class TestMaps:
             np.testing.assert_allclose(total, result[impulse][1:].sum("time"), rtol=1e-9)
         np.testing.assert_array_equal(maps.gap.min("time"), result.gap[1:].min("time"))
         touched = (result.contact_steps[1:] > 0).any("time")
-        np.testing.assert_array_equal(maps.touched.any("time"), touched)
+        np.testing.assert_array_equal((maps.share > 0).any("time"), touched)
 
     def test_a_constant_push_is_its_force(self) -> None:
         result = synthetic.synthetic_result(records=101)
         impulse = np.full((101, 22), 50.0 * synthetic.RECORD_STEP)
         result["contact_impulse"] = ("time", "blade"), impulse
         np.testing.assert_allclose(contact_maps(result, 9).force, 50.0, rtol=1e-12)
+
+    @pytest.mark.parametrize("columns", [3, 50, 100])
+    def test_one_step_in_contact_is_no_span_of_contact(self, columns: int) -> None:
+        steps = np.zeros((101, 22), dtype=np.int64)
+        steps[50, 0], steps[1:, 1] = 1, STEPS
+        share = contact_maps(rubbing(steps), columns).share
+        assert 0.0 < share[:, 0].max() <= 1.0 / STEPS
+        np.testing.assert_allclose(share[:, 1], 1.0, rtol=1e-12)
 
     def test_a_single_record_shows_nothing(self) -> None:
         with pytest.raises(ViewError, match="two records or more"):
@@ -94,7 +102,7 @@ class TestMaps:
     def test_maps_can_be_drawn_with_and_without_contact(self, shaft_radius: float) -> None:
         maps = contact_maps(synthetic.synthetic_result(shaft_radius=shaft_radius))
         gaps, forces = plot_gaps(maps), plot_forces(maps)
-        assert "mm" in gaps.axes[1].get_ylabel()
+        assert "mm" in gaps.axes[2].get_ylabel()
         assert "N]" in forces.axes[1].get_ylabel()
         for figure in (gaps, forces):
             assert figure.axes[0].get_ylim() == (-0.5, 21.5)
@@ -135,8 +143,8 @@ class TestPhase:
         assert phases.attrs["scenario"] == of_sweep["scenario"].item() == "standard"
         assert phases.attrs["lead"] == of_sweep["shaft_lead"].item() == pytest.approx(0.4, abs=0.02)
         end = result["time"].values[-1]
-        title = figure.axes[0].get_title()
-        assert f"shaft leads by 23°\nover {2 / 3 * end:.3g} to {end:.3g} s" in title
+        title = figure.get_suptitle()
+        assert f"{2 / 3 * end:.3g} to {end:.3g} s\nstandard contact, shaft leads by 23°" in title
         assert phases["time"].values[0] == 0.0  # all of it is drawn
         _, early_phases = RunFigures(result, 0.0, 0.5 * end).draw("contact-phase")
         assert early_phases.attrs["scenario"] == "inverted"
@@ -152,12 +160,21 @@ class TestPhase:
         phases = contact_phase(result)
         assert phases.attrs["scenario"] == "at rest"
         assert np.isnan(phases.shaft_phase).all()
-        assert "rests" in plot_contact_phase(phases).axes[0].get_title()
+        assert "rests" in plot_contact_phase(phases).get_suptitle()
 
-    def test_many_turns_are_drawn_at_their_end_only(self) -> None:
-        result = self.pressed(0.0, records=8001)  # 80 rad/s less 70 for 8 s: 12.7 turns
+    @pytest.mark.parametrize(("records", "turns"), [(4001, 6.4), (16001, 12.0)])
+    def test_both_axes_show_the_last_turns_that_can_be_followed(
+        self, records: int, turns: float
+    ) -> None:
+        result = self.pressed(0.0, records=records)  # 80 rad/s less 70 in static axes
         upper, lower = plot_contact_phase(contact_phase(result)).axes
-        drawn = np.asarray(upper.lines[0].get_xdata())
-        assert np.ptp(drawn) == pytest.approx(4 * 2 * np.pi / 10, rel=0.01)
-        assert drawn[-1] == pytest.approx(8.0, abs=0.01)
-        assert np.ptp(np.asarray(lower.lines[0].get_xdata())) == pytest.approx(8.0, rel=0.01)
+        assert upper.get_ylabel() == "static phase [°]"
+        for axes in (upper, lower):
+            drawn = np.asarray(axes.lines[0].get_xdata())
+            assert np.ptp(drawn) == pytest.approx(turns * 2 * np.pi / 10, rel=0.01)
+            assert drawn[-1] == pytest.approx(result.time.values[-1], abs=0.02)
+
+    def test_without_contact_no_scenario_is_told(self) -> None:
+        result = synthetic.synthetic_result(shaft_radius=0.2e-3)
+        result["contact_impulse"] = 0.0 * result["contact_impulse"]
+        assert "no contact" in plot_contact_phase(contact_phase(result)).get_suptitle()

@@ -89,7 +89,7 @@ class TestPlotOrbit:
         return plot_orbit(shaft_orbit(synthetic.synthetic_result(**parameters)))  # type: ignore[arg-type]
 
     def test_two_frames_with_equal_axes_in_mm(self) -> None:
-        rotating, static = self.figure().axes
+        rotating, static, _ = self.figure().axes
         for axes, name in ((rotating, "rotating"), (static, "static")):
             assert name in axes.get_title()
             assert axes.get_aspect() == 1.0
@@ -108,15 +108,15 @@ class TestPlotOrbit:
         assert figure.axes[0].get_xlabel() == "x [µm]"
         assert figure.axes[0].get_xlim()[1] == pytest.approx(1.1, rel=1e-3)
         assert not figure.axes[0].patches
-        assert figure.get_suptitle().endswith("(the clearance, 1 mm, is far outside)")
+        assert figure.get_suptitle().endswith("the clearance, 1 mm, is far outside")
 
     def test_the_clearance_is_a_circle(self) -> None:
-        for axes in self.figure().axes:
+        for axes in self.figure().axes[:2]:
             (circle,) = [p for p in axes.patches if isinstance(p, matplotlib.patches.Circle)]
             assert circle.radius == pytest.approx(1e3 * synthetic.CLEARANCE)
 
     def test_arrows_point_the_way_the_shaft_goes(self) -> None:
-        for axes, sense in zip(self.figure().axes, (-1.0, 1.0), strict=True):
+        for axes, sense in zip(self.figure().axes[:2], (-1.0, 1.0), strict=True):
             found = arrows(axes)
             assert len(found) == 3
             for x, y, dx, dy in found:
@@ -126,30 +126,44 @@ class TestPlotOrbit:
     def test_start_and_end_are_marked(self) -> None:
         result = synthetic.synthetic_result()
         orbit = shaft_orbit(result)
-        for axes, frame in zip(plot_orbit(orbit).axes, ("rotating", "static"), strict=True):
+        for axes, frame in zip(plot_orbit(orbit).axes[:2], ("rotating", "static"), strict=True):
             marks = {str(m.get_label()): np.asarray(m.get_data()).T for m in axes.lines}
             np.testing.assert_allclose(marks["start"], 1e3 * orbit[frame].values[:1])
             np.testing.assert_allclose(marks["end"], 1e3 * orbit[frame].values[-1:])
 
-    def test_the_strong_line_is_the_last_turn_within_the_last_third(self) -> None:
-        rotating, static = self.figure().axes
-        for axes, turned in ((rotating, 2 * np.pi), (static, 10.0 * 0.4 / 3)):
+    @pytest.mark.parametrize(("records", "seconds"), [(401, 0.4 / 3), (2001, 4 * np.pi / RATE)])
+    def test_strong_lines_are_the_last_two_turns_within_the_last_third(
+        self, records: int, seconds: float
+    ) -> None:
+        rotating, static, radius = self.figure(records=records).axes
+        for axes, rate in ((rotating, RATE), (static, synthetic.SPEED - RATE)):
             (late,) = [mark for mark in axes.lines if mark.get_label() == "late motion"]
             path = np.asarray(late.get_xydata())
             angle = np.unwrap(np.arctan2(path[:, 1], path[:, 0]))
-            assert abs(angle[-1] - angle[0]) == pytest.approx(turned, abs=RATE * 1e-3)
+            turned = abs(angle[-1] - angle[0])
+            assert turned == pytest.approx(rate * seconds, abs=rate * 1.1e-3)
+        assert np.ptp(np.asarray(radius.lines[0].get_xdata())) == pytest.approx(seconds, abs=1.1e-3)
+
+    def test_a_small_ripple_of_the_radius_fills_its_axis(self) -> None:
+        ripple = 1e-5 * np.sin(np.arange(401.0))
+        low, high = (
+            plot_orbit(shaft_orbit(moved(RADIUS + ripple, 0 * ripple, 0 * ripple, 0 * ripple)))
+            .axes[2]
+            .get_ylim()
+        )
+        assert 2e-2 < high - low < 3e-2
 
     def test_a_steady_place_has_no_arrows(self) -> None:
         ripple = 1e-5 * np.sin(np.arange(401.0))
         orbit = shaft_orbit(moved(RADIUS + ripple, ripple, 0 * ripple, 0 * ripple))
-        rotating, static = plot_orbit(orbit).axes
+        rotating, static, _ = plot_orbit(orbit).axes
         assert not arrows(rotating)
         assert arrows(static)
 
     def test_a_shaft_at_rest_and_no_clearance(self) -> None:
         result = synthetic.synthetic_result(shaft_radius=0.0, records=2)
         result["clearance"] = 0.0 * result["clearance"]
-        for axes in plot_orbit(shaft_orbit(result)).axes:
+        for axes in plot_orbit(shaft_orbit(result)).axes[:2]:
             assert "no whirl" in axes.get_title()
             assert axes.get_xlim() == (-1.0, 1.0)
             assert not arrows(axes)

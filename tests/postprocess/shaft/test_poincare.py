@@ -65,11 +65,15 @@ def test_state_space_has_both_axes_of_one_frame() -> None:
 
 def test_the_figure_shows_place_in_mm_and_velocity() -> None:
     orbit = synchronous()
-    left, right = plot_state_space(state_space(orbit)).axes
-    circle = np.concatenate([np.asarray(line.get_xydata()) for line in left.lines])
-    np.testing.assert_allclose(
-        np.hypot(circle[:, 0], circle[:, 1] / synthetic.SPEED), 0.8, rtol=1e-9
-    )
-    points = np.concatenate([np.asarray(line.get_xydata()) for line in right.lines])
-    np.testing.assert_allclose(points, [[0.8, 0.0]] * len(points), atol=1e-5)
-    assert "[mm/s]" in left.get_ylabel()
+    panels = plot_state_space(state_space(orbit)).axes
+    # A circle passes +x along +y.
+    for (left, right), point in zip(
+        (panels[:2], panels[2:]), ((0.8, 0.0), (0.0, 0.8 * synthetic.SPEED)), strict=True
+    ):
+        circle = np.concatenate([np.asarray(line.get_xydata()) for line in left.lines])
+        np.testing.assert_allclose(
+            np.hypot(circle[:, 0], circle[:, 1] / synthetic.SPEED), 0.8, rtol=1e-9
+        )
+        points = np.concatenate([np.asarray(line.get_xydata()) for line in right.lines])
+        np.testing.assert_allclose(points, [point] * len(points), atol=1e-5)
+        assert "[mm/s]" in left.get_ylabel()

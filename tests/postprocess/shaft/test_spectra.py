@@ -69,7 +69,7 @@ class TestSpectrogram:
     def test_the_ridge_of_a_chirp_is_its_rate(self) -> None:
         time = synthetic.RECORD_STEP * np.arange(6001)
         chirp = RADIUS * np.exp(1j * (30 * time**2 - 400 * time))
-        spectrogram = shaft_spectrogram(along(chirp))
+        spectrogram = shaft_spectrogram(along(chirp), length=0.5)
         ridge = spectrogram.frequency[spectrogram.amplitude.argmax("frequency").values]
         expected = -400 + 60 * spectrogram.time.values
         np.testing.assert_allclose(ridge, expected, atol=0.5 * spectrogram.attrs["resolution"])

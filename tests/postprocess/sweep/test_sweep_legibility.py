@@ -15,9 +15,9 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 from synthetic_sweep import synthetic_sweep
 
+from bladewhirl.postprocess.fields.units import handy_unit
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.plotting.style import new_figure
-from bladewhirl.postprocess.plotting.units import handy_unit
 from bladewhirl.postprocess.sweep.axes import (
     in_handy_units,
     key_axis,

@@ -74,6 +74,7 @@ def test_a_window_and_a_folder(directory: Path, tmp_path: Path) -> None:
             ["orbit", "--from", "0.3", "--to", "0.1"],
             "--from, --to: window [0.3, 0.1] s must be ordered",
         ),
+        (["energy-cyclic"], "energy-cyclic: expected energy-families, which replaces it"),
         (["orbit", "--to", "soon"], "--to soon: expected a time"),
     ],
 )

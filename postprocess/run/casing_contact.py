@@ -1,0 +1,134 @@
+"""Contact over the angle of the casing and the revolutions of the rotor."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.figure import Figure
+
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
+from bladewhirl.postprocess.fields.labelled import labelled
+from bladewhirl.postprocess.fields.windows import select_window
+from bladewhirl.postprocess.plotting.style import new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.titles import head
+from bladewhirl.postprocess.run.blade_contact import COLUMNS, draw_share
+
+SECTORS = 4
+"""Sectors of the casing within a blade pitch at most."""
+
+LAST_TURNS = 8.0
+"""Revolutions at the end of a run that are drawn apart: contact that goes round with the rotor is
+a level grey over many."""
+
+
+def casing_contact(
+    result: xr.Dataset, *, start: float | None = None, end: float | None = None
+) -> xr.Dataset:
+    """Share of the time steps at which the blade that passes a sector of the casing touches it.
+
+    A span of time is so long that a blade passes every sector in it; where the rotor rests, blades
+    stay in their sectors, and a span is a six-hundredth of the time.
+
+    Args:
+        result: of a run.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
+
+    Returns:
+        over (time, sector): `share` [1], nan where no blade was. `time` [s] is the end of each
+        span, `time_edge` [s] and `angle_edge` [rad] are the borders; angles are of the static
+        frame.
+
+    Raises:
+        ViewError: fewer than two records.
+    """
+    dataset = select_window(result, start, end)
+    time, tips = dataset["time"].values, dataset["tip_angle"].values
+    speed, blades = abs(float(dataset.attrs["speed"])), dataset.sizes["blade"]
+    steps = np.diff(time)
+    spans, sectors = COLUMNS, blades
+    if speed:  # sectors that a tip passes between two records are not told apart
+        finest = 2 * np.pi / (speed * float(np.median(steps)))
+        spans = int(np.clip(np.ptp(time) * blades * speed / (2 * np.pi), 1, COLUMNS))
+        sectors = int(np.clip(finest, blades, SECTORS * blades))
+    origin = 0.0 if speed else -np.pi / sectors  # tips at rest are in the middle of their sectors
+    edges = np.linspace(time[0], time[-1], spans + 1)
+    middle = time[1:] - steps / 2
+    turned = float(dataset.attrs["speed"]) * middle[:, None]
+    angle = np.mod(tips + turned - origin, 2 * np.pi)
+    sector = np.minimum((angle * sectors / (2 * np.pi)).astype(np.int64), sectors - 1)
+    span = np.minimum(np.searchsorted(edges, middle, side="right") - 1, spans - 1)
+    cell: IntArray = span[:, None] * sectors + sector
+    size = spans * sectors
+
+    def total(weight: Array) -> Array:
+        sums = np.bincount(cell.ravel(), np.broadcast_to(weight, cell.shape).ravel(), size)
+        return np.asarray(sums.reshape(spans, sectors))
+
+    passed = total(steps[:, None] / dataset.attrs["time_step"])
+    touching = total(dataset["contact_steps"].values[1:].astype(np.float64))
+    share = np.divide(touching, passed, out=np.full_like(passed, np.nan), where=passed > 0)
+    return labelled(
+        dataset,
+        "contact over the angle of the casing",
+        {"share": (("time", "sector"), np.minimum(share, 1.0), "1")},
+        {
+            "time": edges[1:],
+            "time_edge": edges,
+            "angle_edge": origin + np.linspace(0.0, 2 * np.pi, sectors + 1),
+        },
+    )
+
+
+def with_last_turns(contact: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
+    """Beside the contact of all of a run that of its last turns: `last_share` (last_time,
+    last_sector), its borders `last_time_edge`, `last_angle_edge`; none where it makes few.
+
+    Args:
+        contact: from `casing_contact`.
+        result: of the same run.
+    """
+    begin, end = contact["time_edge"].values[[0, -1]]
+    speed = abs(float(contact.attrs["speed"]))
+    if (end - begin) * speed <= 2 * 2 * np.pi * LAST_TURNS:
+        return contact
+    last = casing_contact(result, start=end - LAST_TURNS * 2 * np.pi / speed, end=end)
+    names = [*last.dims, *last.variables]
+    return contact.merge(last.rename({name: f"last_{name}" for name in names}))
+
+
+@styled
+def plot_casing_contact(contact: xr.Dataset) -> Figure:
+    """Draw the share of the time in contact over casing angle and revolutions; below, of a long
+    run, over its last revolutions.
+
+    Args:
+        contact: from `casing_contact`, `with_last_turns`.
+    """
+    both = "last_share" in contact
+    figure = new_figure(height=0.105 if both else 0.06)
+    panels = figure.subplots(1 + both, squeeze=False)[:, 0]
+    for axes, which in zip(panels, ("", "last_"), strict=False):
+        picture = _draw(axes, contact, which)
+    turning = float(contact.attrs["speed"]) != 0
+    words = "passes in contact [%]" if turning else "time in contact [%]"
+    figure.colorbar(picture, ax=[*panels], label=words)
+    head(figure, contact, *([] if contact["share"].any() else ["no contact"]))
+    return figure
+
+
+def _draw(axes: Axes, contact: xr.Dataset, which: str) -> QuadMesh:
+    """One of the panels."""
+    turns_each = abs(float(contact.attrs["speed"])) / (2 * np.pi)
+    across = (turns_each or 1.0) * contact[f"{which}time_edge"]
+    angle = np.degrees(contact[f"{which}angle_edge"].values)
+    picture = draw_share(axes, across, angle, contact[f"{which}share"], on="white")
+    axes.grid(False)
+    axes.set(yticks=(0, 90, 180, 270, 360), ylabel="casing angle [°]", ylim=angle[[0, -1]])
+    if turns_each:
+        axes.set_xlabel("revolutions of the rotor")
+    else:
+        time_axis(axes)
+    return picture

@@ -1,0 +1,43 @@
+"""Titles of figures: the case's name, whatever it is, and the speed."""
+
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from synthetic_result import synthetic_result
+
+from bladewhirl.postprocess.plotting.style import new_figure
+from bladewhirl.postprocess.plotting.titles import head, speed_label
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+
+
+def headed(title: str, *words: str) -> tuple[Figure, list[str]]:
+    figure = new_figure(height=0.06)
+    figure.add_subplot()
+    result = synthetic_result(records=2, speed=78.75).assign_attrs(title=title)
+    head(figure, shaft_orbit(result), *words)
+    return figure, figure.get_suptitle().split("\n")
+
+
+def test_speed_in_words() -> None:
+    assert speed_label(synthetic_result(records=2, speed=78.75)) == "Ω/ω₁ = 1.05 (752 rpm)"
+
+
+def test_the_name_comes_first_and_the_speed_next() -> None:
+    _, lines = headed("Fan stage", "1 to 2 s", "no contact")
+    assert lines == ["Fan stage", "Ω/ω₁ = 1.05 (752 rpm), 1 to 2 s", "no contact"]
+    _, lines = headed("", "a window whose words are too long for a line with the speed")
+    assert lines[0] == "Ω/ω₁ = 1.05 (752 rpm)"
+
+
+@pytest.mark.parametrize(
+    "title",
+    ["W" * 300, "long " * 80, "$\\frac{$ _x^ $", "<b>&amp;\n\t@PLACES@", "風扇 \u202e\x07 🌀" * 30],
+)
+def test_no_name_breaks_a_figure(title: str) -> None:
+    figure, lines = headed(title)
+    figure.draw_without_rendering()
+    assert len(lines) <= 3
+    (drawn,) = [text for text in figure.findobj(Text) if text.get_text().endswith(lines[-1])]
+    box = drawn.get_window_extent()
+    assert box.x0 >= 0
+    assert box.x1 <= figure.bbox.width
