@@ -35,6 +35,9 @@ logger = logging.getLogger(__name__)
 FILL = "SERIES: dict[str, Any] = {}"
 """Line of view.py where it is told what the series holds."""
 
+EARLY = 100  #: records among which the first is looked for that is not at rest
+BODIES = ("rotor", "casing")
+
 Progress = Callable[[int, int], None]
 
 
@@ -73,9 +76,9 @@ def export_vtk(
 
     With `surface`, beams and wall are boxes of their true thickness and width, made of quads.
     With `rotating`, everything is seen from the rotor: its points stay, the casing's turn back,
-    and all vectors are in rotating axes. Records before anything moves are left out: ParaView would
-    take their range for the colours. Frames that the manifest of the folder lists go first;
-    other files are replaced with `overwrite` only.
+    and all vectors are in rotating axes. Without `start`, records before anything moves are left
+    out: ParaView would take their range for the colours. Frames that the manifest of the folder
+    lists go first; other files are replaced with `overwrite` only.
     `progress` is told frames done and frames in all.
 
     Raises:
@@ -102,12 +105,17 @@ def export_vtk(
 def series_records(
     dataset: xr.Dataset, frames: int, start: float | None = None, end: float | None = None
 ) -> IntArray:
-    """Records of a series, as of `frame_records`, from the first on in which something moves."""
-    records = frame_records(dataset, frames, start, end)
-    moving = np.zeros(len(records), dtype=np.bool_)
-    for body in ("rotor", "casing"):
-        moving |= history(dataset, f"{body}_displacement", records).any(axis=1)
-    return records[int(np.argmax(moving)) :]
+    """Records of a series, as of `frame_records`; without a start from the first on in which
+    something moves.
+    """
+    if start is None:
+        early = np.arange(min(EARLY, dataset.sizes["time"]))
+        moving = np.any(
+            [history(dataset, f"{body}_displacement", early).any(axis=1) for body in BODIES], axis=0
+        )
+        first = float(dataset["time"].values[int(np.argmax(moving))])
+        start = first if end is None or first <= end else None
+    return frame_records(dataset, frames, start, end)
 
 
 def write_series(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import meshio
@@ -227,6 +228,16 @@ def test_what_is_no_mesh_of_lines_is_said_in_one_line(
 def test_a_file_that_is_not_there(tmp_path: Path, suffix: str) -> None:
     with pytest.raises(MeshFileError, match=r"^a readable file \(No such file or directory\)$"):
         read_line_mesh(tmp_path / f"none{suffix}")
+
+
+@pytest.mark.parametrize("suffix", [*WRITERS])
+def test_what_never_ends_is_not_read(tmp_path: Path, suffix: str) -> None:
+    pipe, endless = tmp_path / f"pipe{suffix}", tmp_path / f"zero{suffix}"
+    os.mkfifo(pipe)
+    endless.symlink_to("/dev/zero")
+    for path in (pipe, endless):
+        with pytest.raises(MeshFileError, match=r"^a regular file$"):
+            read_line_mesh(path)
 
 
 def test_two_groups_of_one_name_are_refused(tmp_path: Path) -> None:

@@ -79,7 +79,7 @@ def test_what_a_run_leaves(path: Path) -> None:
     done = RUNNER.invoke(app, ["run", str(path), "-o", str(out), "--frames", "7"])
     assert done.exit_code == 0, done.stderr
     assert sorted(entry.name for entry in out.iterdir()) == [*FILES, "vtk"]
-    assert len(list((out / "vtk" / "frames").iterdir())) == 14
+    assert len(list((out / "vtk" / "frames").iterdir())) == 28
     assert read_case(out / "case.toml") == read_case(path)
     provenance = json.loads((out / "provenance.json").read_text())
     assert provenance["dependencies"]["numpy"] == np.__version__
@@ -110,7 +110,7 @@ def test_what_a_run_leaves(path: Path) -> None:
         assert normal.min() >= 0.0
         np.testing.assert_allclose(result["friction_impulse"], 0.1 * normal)  # permanent sliding
     first = meshio.read(out / "vtk" / "frames" / "rotor_00000.vtu")
-    assert len(first.points) == 6 * 3 + 1
+    assert len(first.points) == 2 * result.sizes["rotor_line"]
 
 
 def test_json_is_the_summary_and_nothing_else(path: Path) -> None:

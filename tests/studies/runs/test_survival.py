@@ -86,7 +86,7 @@ def test_a_finished_run_is_made_longer(whole: Path, tmp_path: Path, duration: fl
     bw.run(small(**{"march.duration": duration}), tmp_path / "run", frames=3)
     resume(tmp_path / "run", ["march.duration=0.1"], frames=2)
     assert_same_bits(whole, tmp_path / "run")
-    assert len([*(tmp_path / "run" / "vtk" / "frames").iterdir()]) == 4
+    assert len([*(tmp_path / "run" / "vtk" / "frames").iterdir()]) == 8
 
 
 def test_only_the_duration_may_change(whole: Path, tmp_path: Path) -> None:
