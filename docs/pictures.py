@@ -88,7 +88,7 @@ def main() -> None:
         folder = Path(scratch)
         distortion, imbalance, chart = (folder / n for n in ("distortion", "imbalance", "chart"))
         bladewhirl("run", EXAMPLES / "casing_distortion.toml", "-o", distortion, "--frames", "0")
-        bladewhirl("render", distortion, "--png", "--time", "1.65 s", "-o", folder / "still.png")
+        bladewhirl("render", distortion, "--png", "--time", "0.9 s", "-o", folder / "still.png")
         bladewhirl("run", EXAMPLES / "imbalance.toml", "-o", imbalance, "--frames", "0")
         bladewhirl("stability", EXAMPLES / "fan_stage.toml", "-o", chart, "--no-films")
         keep(gallery(folder), "gallery.png", PLAIN, Image.Quantize.FASTOCTREE)  # flat colours
