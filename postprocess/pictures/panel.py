@@ -10,6 +10,7 @@ import pyvista
 import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, rotate
+from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.pictures.appearance import (
     FAINT,
     FONT,
@@ -29,7 +30,6 @@ from bladewhirl.postprocess.pictures.scene import (
     disc_triangles,
 )
 from bladewhirl.postprocess.pictures.symbols import KINDS, Symbols, sample
-from bladewhirl.postprocess.plotting.units import length_unit
 
 SCALE_TOP, SCALE_FOOT = 0.455, 0.05  #: of colour scale or key, as shares of the window
 ORBIT_TOP, ORBIT_SIZE = 0.475, 0.17  #: of the inset; the scale then begins below it
