@@ -22,9 +22,9 @@ from bladewhirl.postprocess.plotting.style import (
     FULL_WIDTH,
     SEQUENTIAL,
     new_figure,
-    speed_label,
     styled,
 )
+from bladewhirl.postprocess.plotting.titles import speed_label
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
 MILLI, MICRO = 1e3, 1e6

@@ -20,9 +20,9 @@ from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     SEQUENTIAL,
     new_figure,
-    speed_label,
     styled,
 )
+from bladewhirl.postprocess.plotting.titles import speed_label
 
 DIAMETER_AXIS = "nodal diameter k [–]"
 
