@@ -39,6 +39,11 @@ def speed_axis(axes: Axes, reference_hz: float) -> None:
         reference_hz: that frequency [Hz].
     """
     axes.set_xlabel(SPEED)
+    rpm_axis(axes, reference_hz)
+
+
+def rpm_axis(axes: Axes, reference_hz: float) -> None:
+    """Put an axis in rpm on top of one of normalised speeds; see `speed_axis`."""
     second = axes.secondary_xaxis("top", functions=_multiples(60.0 * reference_hz))
     second.set_xlabel("speed [rpm]")
 

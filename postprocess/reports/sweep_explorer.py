@@ -70,7 +70,7 @@ def frequency_explorer(maps: xr.Dataset) -> Explorer:
     """
     maps = in_handy_units(maps)
     in_multiples = maps["frequency"].attrs["units"] == "1"
-    unit = "/ reference frequency" if in_multiples else "[Hz]"
+    unit = "/ ω₁" if in_multiples else "[Hz]"
     top = np.log10(np.nanmax(MILLI * maps["amplitude"].values, initial=0.0) or 1.0)
     traces: list[Any] = []
     owner: list[int] = []
@@ -285,7 +285,7 @@ def _words(points: xr.Dataset) -> Any:
 
 def _key_axis(values: xr.DataArray) -> dict[str, Any]:
     return {
-        "title": {"text": key_label(values)},
+        "title": {"text": key_label(values).replace("$_1$", "₁")},
         "type": "log" if is_wide(values.values) else "linear",
     }
 

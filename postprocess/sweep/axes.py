@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator, ScalarFormatter
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.units import handy_unit
+from bladewhirl.postprocess.plotting.axes import SPEED, rpm_axis
 from bladewhirl.postprocess.sweep.quantities import cell_edges
 
 WIDE_RANGE = 50.0
@@ -30,14 +31,20 @@ MOST_RATE_TICKS = 3
 
 
 def in_handy_units(found: xr.Dataset) -> xr.Dataset:
-    """The same with the values of swept keys in units in which they read well.
+    """The same with the values of swept keys in units in which they read well, speeds in multiples
+    of the reference frequency.
 
     Args:
-        found: swept keys, coordinates with a `long_name`, in SI units.
+        found: swept keys, coordinates with a `long_name`, in SI units; attribute `reference_hz`
+            where all points share it.
     """
     handy = {}
+    reference = 2 * np.pi * float(found.attrs.get("reference_hz", np.nan))
     for name, values in found.coords.items():
-        if "long_name" in values.attrs and values.dtype.kind == "f" and values.size:
+        if values.attrs.get("units") == "rad/s" and np.isfinite(reference):
+            ratio = values.values / reference
+            handy[str(name)] = (values.dims, ratio, {**values.attrs, "units": "1"})
+        elif "long_name" in values.attrs and values.dtype.kind == "f" and values.size:
             size = float(np.abs(values.values).max())
             unit, scale = handy_unit(size, str(values.attrs.get("units", "1")))
             rounded = np.round(scale * values.values, 12)  # 0.1 mm, not 0.10000000000000002
@@ -79,8 +86,20 @@ def key_axis(
     if len(place) <= 2 * most:
         axis.set_major_locator(FixedLocator(_spread(place, most, wide).tolist()))
         axis.set_minor_locator(NullLocator())
-        plain = ScalarFormatter(useOffset=False)
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}") if wide else plain)
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}"))
+
+
+def rpm_on_top(data: xr.Dataset, *panels: Axes) -> None:
+    """Put speeds in rpm on top of panels along the speed.
+
+    Args:
+        data: that is drawn, from `in_handy_units`.
+        panels: the upper ones of a figure.
+    """
+    key = data[str(data.attrs["along"])]
+    if key_label(key) == SPEED and "reference_hz" in data.attrs:
+        for axes in panels:
+            rpm_axis(axes, float(data.attrs["reference_hz"]))
 
 
 def key_edges(one: xr.Dataset) -> Array:
@@ -102,23 +121,8 @@ def key_label(values: xr.DataArray) -> str:
     """Name of a swept key with its unit."""
     name, units = str(values.attrs["long_name"]), str(values.attrs["units"])
     if name == "march.speed" and units == "1":
-        return "speed Ω / reference frequency"
+        return SPEED
     return name if units == "1" else f"{name} [{units}]"
-
-
-def side_by_side(place: Array, number: int, count: int) -> Array:
-    """Places of one of several lines whose points are drawn beside each other, not on top.
-
-    Args:
-        place: values of a key, ascending, (values,).
-        number: of the line, from 0.
-        count: of all lines.
-    """
-    wide = is_wide(place)
-    at = np.log(place) if wide else place.astype(np.float64)
-    gap = float(np.diff(at).min()) if len(at) > 1 else 1.0
-    moved = at + 0.5 * gap * ((number + 0.5) / count - 0.5)
-    return np.asarray(np.exp(moved) if wide else moved)
 
 
 def linear_threshold(rate: Array, error: Array) -> float | None:
@@ -160,9 +164,6 @@ def _around(place: Array, wide: bool) -> Array:
         return cell_edges(place, logarithmic=wide)
     ends = np.log(place[[0, -1]]) if wide else place[[0, -1]].astype(np.float64)
     free = MARGIN * (ends[1] - ends[0])
-    # Points of lines side by side reach a quarter of a gap beyond.
-    if len(place) <= MOST_TICKS:
-        free = max(free, 0.3 * float(np.diff(np.log(place) if wide else place).min()))
     ends = ends + np.array([-free, free])
     return np.asarray(np.exp(ends) if wide else ends)
 

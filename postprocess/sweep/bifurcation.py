@@ -7,11 +7,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.shaft.orbits import LONG_LINE
-from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, side_by_side
+from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
 from bladewhirl.postprocess.sweep.drawing import (
     Line,
     label_figure,
@@ -27,7 +26,10 @@ PARTS = {
 }
 
 DOT = 2.2
-"""Size of marks [points]."""
+"""Size of the marks of the last line [points]."""
+
+SMALLEST = 3.5
+"""Size of a line's marks up to which they are filled: that of the last, or of the only one."""
 
 
 def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
@@ -54,7 +56,8 @@ def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 @styled
 def plot_bifurcation(found: xr.Dataset) -> Figure:
-    """Draw sections and maxima in mm or µm, a mark each; lines stand side by side at each value.
+    """Draw sections and maxima in mm or µm, a mark each; of several lines the earlier
+    have larger, open marks.
 
     Args:
         found: from `bifurcation`.
@@ -62,29 +65,28 @@ def plot_bifurcation(found: xr.Dataset) -> Figure:
     found = in_handy_units(found)
     largest = max(float(np.nanmax(np.abs(found[name].values), initial=0.0)) for name in PARTS)
     unit, scale = length_unit(largest)
-    lines = [line._replace(size=4.0) for line in lines_of(found)]  # in the legend
-    figure = new_figure(width=FULL_WIDTH, height=0.15)
+    lines = list(lines_of(found))
+    figure = new_figure(width=FULL_WIDTH, height=0.17)
     panels = figure.subplots(len(PARTS), 1, sharex=True)
     for axes, (name, label) in zip(panels, PARTS.items(), strict=True):
-        for number, line in enumerate(lines):
-            place = found[str(found.attrs["along"])].values
-            _draw_marks(axes, line, side_by_side(place, number, len(lines)), scale, name)
+        for line in lines:
+            _draw_marks(axes, line, scale, name)
         axes.set_ylabel(f"{label} [{unit}]")
     key_axis(panels[-1], found)
-    note = "; lines side by side at each value" if len(lines) > 1 else ""
     own = lines_group(found, lines, "radius_peak", dashed=False)
-    label_figure(figure, found, own, note=note)
+    label_figure(figure, found, own)
     return figure
 
 
-def _draw_marks(axes: Axes, line: Line, place: Array, scale: float, name: str) -> None:
+def _draw_marks(axes: Axes, line: Line, scale: float, name: str) -> None:
     values = scale * line.data[name].values
     axes.plot(
-        np.repeat(place, values.shape[1]),
+        np.repeat(line.data[str(line.data.attrs["along"])].values, values.shape[1]),
         values.ravel(),
         line.mark,
         color=line.colour,
-        markersize=DOT,
-        markeredgewidth=0.0,
+        markersize=DOT * line.size / SMALLEST,
+        markerfacecolor=line.colour if line.size <= SMALLEST else "none",
+        markeredgewidth=0.0 if line.size <= SMALLEST else 0.5,
         rasterized=values.size > LONG_LINE,
     )

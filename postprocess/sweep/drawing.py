@@ -17,7 +17,7 @@ from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, SEQUENTIAL, new_figure
 from bladewhirl.postprocess.plotting.titles import set_title
-from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
+from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, rpm_on_top
 from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
 
 MOST_LINES = 8
@@ -161,7 +161,8 @@ def mark_entry(
 
 
 def label_figure(figure: Figure, found: xr.Dataset, *groups: Group, note: str = "") -> None:
-    """Title a figure of `lines_of`, which says what is left out, and put legends below it.
+    """Title a figure of `lines_of`, which says what is left out, and put legends below it, and
+    speeds in rpm on top of its first panel.
 
     Args:
         figure: all else being drawn.
@@ -169,8 +170,14 @@ def label_figure(figure: Figure, found: xr.Dataset, *groups: Group, note: str = 
         groups: legends from the top.
         note: after the title.
     """
-    set_title(figure, found.attrs["title"] + note + left_out_note(found.sizes[LINE], MOST_LINES))
+    rpm_on_top(found, figure.axes[0])
+    set_title(figure, titled(found) + note + left_out_note(found.sizes[LINE], MOST_LINES))
     legends_below(figure, *groups)
+
+
+def titled(found: xr.Dataset) -> str:
+    """The swept case and what is shown of it, a line each."""
+    return "\n".join(filter(None, [found.attrs["case"], found.attrs["title"]]))
 
 
 def two_columns(
@@ -201,7 +208,8 @@ def two_columns(
         key_axis(axes, found, cells=True, share=0.5)
     figure.colorbar(picture, ax=rows[:, coloured].tolist(), label=label, pad=0.02)
     note = left_out_note(found.sizes[LINE], MOST_ROWS) + panels_note(found, "rows")
-    set_title(figure, found.attrs["title"] + note)
+    rpm_on_top(found, *rows[0])
+    set_title(figure, titled(found) + note)
     entries = zip(*rows[0, 1 - coloured].get_legend_handles_labels(), strict=True)
     legends_below(figure, Group(list(entries)))
     return figure

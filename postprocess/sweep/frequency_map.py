@@ -23,7 +23,7 @@ from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL, styled
 from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.spectra import LINE_DASHES
-from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edges
+from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edges, rpm_on_top
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.postprocess.sweep.drawing import (
     MOST_PANELS,
@@ -33,6 +33,7 @@ from bladewhirl.postprocess.sweep.drawing import (
     panel_grid,
     panel_titles,
     panels_note,
+    titled,
 )
 from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges
 
@@ -196,15 +197,16 @@ def plot_frequency_map(maps: xr.Dataset) -> Figure:
         axes.set_title(titles[number])
         key_axis(axes, maps, cells=True, share=0.9 if count < 4 else 0.55)
     label_outer(panels)
+    rpm_on_top(maps, *panels[: 2 if count >= 4 else 1])
     figure.colorbar(picture, ax=list(panels), label="amplitude of the shaft [mm]", pad=0.01)
-    unit = "/ reference frequency" if maps["frequency"].attrs["units"] == "1" else "[Hz]"
+    unit = "/ ω$_1$" if maps["frequency"].attrs["units"] == "1" else "[Hz]"
     label = f"frequency {unit}, forward positive"
     if count == 1:
         panels[0].set_ylabel(label)
     else:
         figure.supylabel(label, fontsize="medium")
     note = left_out_note(int(maps.attrs["lines"]), MOST_PANELS)
-    set_title(figure, maps.attrs["title"] + note + panels_note(maps, "panels"))
+    set_title(figure, titled(maps) + note + panels_note(maps, "panels"))
     named = {
         name: handle
         for axes in panels

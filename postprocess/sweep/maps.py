@@ -31,6 +31,7 @@ from bladewhirl.postprocess.sweep.axes import (
     in_handy_units,
     key_axis,
     linear_threshold,
+    rpm_on_top,
     threshold_ticks,
 )
 from bladewhirl.postprocess.sweep.dataset import swept
@@ -40,6 +41,7 @@ from bladewhirl.postprocess.sweep.drawing import (
     left_out_note,
     panel_titles,
     panels_note,
+    titled,
 )
 from bladewhirl.postprocess.sweep.quantities import LINE, as_lines, in_order
 from bladewhirl.postprocess.sweep.regimes import HATCH, draw_regimes, regime_entries
@@ -119,6 +121,7 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
             _cross_out(row[2], x, y, doubtful[number])
     for axes in rows[-1]:
         key_axis(axes, maps, cells=True, share=1.3 / columns)
+    rpm_on_top(maps, rows[0, 0])
     for column, picture in enumerate(pictures):
         bar = figure.colorbar(
             drawn[column],
@@ -133,9 +136,7 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
             bar.ax.xaxis.set_minor_locator(NullLocator())
     set_title(
         figure,
-        maps.attrs["title"]
-        + left_out_note(maps.sizes[LINE], MOST_ROWS)
-        + panels_note(maps, "rows"),
+        titled(maps) + left_out_note(maps.sizes[LINE], MOST_ROWS) + panels_note(maps, "rows"),
     )
     crossed = Patch(fc="white", ec=DOUBTFUL_COLOUR, hatch=DOUBTFUL_HATCH, lw=0.0)
     legends_below(
@@ -188,13 +189,14 @@ def _cross_out(axes: Axes, x: Array, y: Array, cells: NDArray[np.bool_]) -> None
 
 
 def _of_magnitudes(values: Array) -> tuple[Normalize, Locator | None]:
-    """From zero; logarithmic where a few values would leave the rest dark."""
+    """From the smallest; logarithmic where a few values would leave the rest dark."""
     known = values[np.isfinite(values) & (values > 0)]
     if not known.size:
         return Normalize(0.0, 1.0), MaxNLocator(4)
     if known.max() > CLEAR_RANGE * np.median(known):
         return LogNorm(known.min(), known.max()), None
-    return Normalize(0.0, known.max()), MaxNLocator(4)
+    least = known.min() if np.ptp(known) > 0 else 0.0
+    return Normalize(least, known.max()), MaxNLocator(4)
 
 
 def _rate_colours(rate: Array, error: Array) -> tuple[Normalize, Locator]:

@@ -52,7 +52,8 @@ def along(dataset: xr.Dataset, key: str, names: Sequence[str]) -> xr.Dataset:
         names: of variables.
 
     Returns:
-        the variables and `state` over (line, key, ...); attribute `along`.
+        the variables and `state` over (line, key, ...); attributes `along`, `case`, the title of
+        the swept case, and `reference_hz` where all points have the same reference frequency.
 
     Raises:
         ViewError: no point is done, or the sweep is of a format that has not all of these.
@@ -85,7 +86,13 @@ def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
     for name in names:
         if chosen[name].dtype.kind == "f":
             chosen[name] = chosen[name].where(done).assign_attrs(dataset[name].attrs)
-    return chosen.drop_attrs(deep=False)
+    about: dict[str, str | float] = {"case": str(dataset.attrs.get("title", ""))}
+    reference = dataset["reference_frequency"].values[dataset["state"].values == "done"] / (
+        2 * np.pi
+    )
+    if np.ptp(reference) <= 1e-9 * reference[0]:
+        about["reference_hz"] = float(reference[0])
+    return chosen.drop_attrs(deep=False).assign_attrs(about)
 
 
 def as_lines(found: xr.Dataset, keys: Sequence[str]) -> xr.Dataset:
@@ -165,7 +172,7 @@ def whirls(dataset: xr.Dataset, key: str) -> xr.Dataset:
             "rotation_frequency": speed,
             "state": found["state"],
         },
-        attrs={"title": "whirl of the shaft over the last third of each march", "along": key},
+        attrs={**found.attrs, "title": "whirl of the shaft over the last third of each march"},
     )
 
 

@@ -34,6 +34,7 @@ def synthetic_sweep(
     *,
     units: str | Mapping[str, str] = "1",
     case: str = "",
+    title: str = "synthetic",
 ) -> Path:
     """Write a sweep.
 
@@ -44,6 +45,7 @@ def synthetic_sweep(
             a result; a point that failed where None.
         units: of all keys, or of each.
         case: text of the case.
+        title: of the case.
     """
     axes = tuple(Axis(key=key, values=tuple(values)) for key, values in over.items())
     grid = Grid(axes=axes)
@@ -51,7 +53,7 @@ def synthetic_sweep(
     folder.mkdir()
     each = dict.fromkeys(over, units) if isinstance(units, str) else units
     coordinates = {key: (np.array(values, dtype=float), each[key]) for key, values in over.items()}
-    create(folder, grid, coordinates, LAYOUT, {"title": "synthetic", "case": case})
+    create(folder, grid, coordinates, LAYOUT, {"title": title, "case": case})
     outcomes: dict[int, Outcome] = {}
     for point, motion in enumerate(motions):
         if motion is None:
