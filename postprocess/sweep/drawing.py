@@ -177,7 +177,8 @@ def label_figure(figure: Figure, found: xr.Dataset, *groups: Group, note: str = 
 
 def titled(found: xr.Dataset) -> str:
     """The swept case and what is shown of it, a line each."""
-    return "\n".join(filter(None, [found.attrs["case"], found.attrs["title"]]))
+    case = str(found.attrs["case"]).replace("$", r"\$")  # no mathematics
+    return "\n".join(filter(None, [case, found.attrs["title"]]))
 
 
 def two_columns(
