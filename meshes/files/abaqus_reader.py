@@ -36,6 +36,13 @@ CHANGES_THE_MESH = frozenset(
 )
 
 
+UNSOUND = (ValueError, IndexError, KeyError)
+"""What data raise that are other than their keyword takes."""
+
+MOST_MEMBERS = 1_000_000
+"""Of a set that is given by ranges."""
+
+
 @dataclass
 class _Card:
     """A keyword with its parameters and the lines of data under it."""
@@ -82,9 +89,9 @@ def read_inp(path: Path) -> GroupedLines:
     for card in _cards(text):
         try:
             READERS.get(card.keyword, _skip)(card, content)
-        except (ValueError, IndexError) as error:
-            if isinstance(error, MeshFileError):
-                raise
+        except MeshFileError:
+            raise
+        except UNSOUND:
             raise MeshFileError(f"an .inp file with sound data under *{card.keyword}") from None
     return _grouped(content)
 
@@ -221,7 +228,10 @@ def _extend(sets: dict[str, list[int]], name: str | None, members: list[int]) ->
 def _members(card: _Card, sets: Mapping[str, list[int]]) -> list[int]:
     if "GENERATE" in card.parameters:
         ranges = [[int(value) for value in row] for row in card.rows]
-        return [n for first, last, *step in ranges for n in range(first, last + 1, *step[:1])]
+        runs = [range(first, last + 1, *step[:1]) for first, last, *step in ranges]
+        if sum(map(len, runs)) > MOST_MEMBERS:
+            raise MeshFileError(f"sets of at most {MOST_MEMBERS} members")
+        return [number for run in runs for number in run]
     members: list[int] = []
     for value in (value for row in card.rows for value in row):
         if value.lstrip("-").isdigit():
@@ -265,6 +275,8 @@ def _mass_data(content: _Content, node: Mapping[int, int]) -> dict[str, FloatArr
     for name, elset, value in content.masses:
         values = data.setdefault(name, np.zeros(len(node)))
         for element in content.element_sets.get(elset, []):
+            if element not in content.point_elements:
+                raise MeshFileError(f"masses of point elements; {element} is none")
             values[node[content.point_elements[element]]] += value
     return data
 

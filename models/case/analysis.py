@@ -12,7 +12,9 @@ from bladewhirl.models.inputs.fields import (
     DisplacementRows,
     Length,
     NumberOrZero,
+    PositiveVelocity,
     RotationSpeed,
+    Stiffness,
     StiffnessOrZero,
     Time,
     TimeOrZero,
@@ -24,6 +26,8 @@ from bladewhirl.models.inputs.mode_names import mode_choice
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.inputs.units import Speed, handy
+
+Scheme = Literal["central-difference", "moreau-jean", "penalty"]
 
 MOST_STEPS = 1e12
 """Longest march: days of computing, and far from where step numbers would overflow."""
@@ -72,6 +76,26 @@ class Contact(Table):
     tip_rotation: StrictBool = Field(
         default=False, description="Let the angle of a tip on the casing follow u_t / R."
     )
+    restitution: NumberOrZero = Field(
+        default=0.0,
+        description="Speed of a tip after an impact over that before, 0 to 1, with march.scheme ="
+        ' "moreau-jean".',
+    )
+    penalty_stiffness: Stiffness = Field(
+        default=1e9,
+        description='Force of a tip over its depth in the casing, with march.scheme = "penalty"'
+        " [N/m]. One that the time step does not resolve is refused.",
+    )
+    stick_speed: PositiveVelocity = Field(
+        default=0.01,
+        description='Relative speed from which on friction is whole, with march.scheme = "penalty"'
+        " [m/s]; below it a tip creeps that should stick.",
+    )
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Restitution that gains energy."""
+        if self.restitution > 1.0:
+            yield Inconsistency("restitution", "a number from 0 to 1")
 
 
 class Initial(Table):
@@ -151,9 +175,13 @@ class March(Table):
         " transients pass that and decay (a choice).",
         examples=["0.5"],
     )
-    scheme: Literal["central-difference"] = Field(
+    scheme: Scheme = Field(
         default="central-difference",
-        description="Time integration: central differences with Lagrange multipliers.",
+        description='Contact law and time integration. "central-difference": Lagrange multipliers'
+        ' and sliding friction, as in the paper; fast. "moreau-jean": impacts with'
+        ' contact.restitution, friction that sticks and slips. "penalty": elastic impacts on'
+        " contact.penalty_stiffness, friction that creeps below contact.stick_speed. The last two"
+        " take no notice of contact.sliding.",
     )
 
     @property

@@ -43,6 +43,9 @@ def contact_problem(stage: Stage) -> ContactProblem:
             loads=tuple(load.take(kept.rotor, kept.casing) for load in excitation_loads(stage)),
             start=initial_state(stage).take(kept.rotor, kept.casing),
             springs=kept.springs,
+            restitution=case.contact.restitution,
+            penalty_stiffness=case.contact.penalty_stiffness,
+            stick_speed=case.contact.stick_speed,
         )
 
 

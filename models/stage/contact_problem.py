@@ -189,6 +189,9 @@ class ContactProblem:
     loads: tuple[Load, ...]
     start: Start
     springs: CouplingSprings | None = None  #: between the bodies
+    restitution: float = 0.0  #: e of the scheme "moreau-jean"
+    penalty_stiffness: float = 1e9  #: of the scheme "penalty" [N/m]
+    stick_speed: float = 0.01  #: of the scheme "penalty": below it friction grows with it [m/s]
 
     @property
     def critical_time_step(self) -> float:

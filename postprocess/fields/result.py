@@ -11,10 +11,12 @@ from os import PathLike
 from pathlib import Path
 from typing import Literal
 
+import h5py
 import numpy as np
 import xarray as xr
 
-from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.fields.checked import CheckedStore, attribute_fault, value_fault
+from bladewhirl.postprocess.fields.checked import ResultError as ResultError
 from bladewhirl.postprocess.fields.kinematics import Array, recess_at_rest
 from bladewhirl.solvers.march.schema import (
     HISTORY,
@@ -35,10 +37,6 @@ ATTRIBUTES = ("speed", "reference_frequency", "casing_radius", "time_step", "rec
 """Numbers every analysis needs, as attributes of the result."""
 
 
-class ResultError(UserError):
-    """A path holds no result, or sweep, of bladewhirl."""
-
-
 def open_result(path: str | PathLike[str]) -> xr.Dataset:
     """Open `result.nc`, or the folder of the run that holds it; histories are read when used.
 
@@ -53,10 +51,10 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
     dataset, file = open_file(path, RESULT_NAME, "a result")
     try:
         check_result(dataset, str(file))
+        complete = with_coordinates(vouched(dataset))
     except ResultError:
         dataset.close()
         raise
-    complete = with_coordinates(vouched(dataset))
     complete.set_close(dataset.close)
     return complete
 
@@ -84,9 +82,11 @@ def open_file(
             raise ValueError("it is empty")
         raw = CutFile(file)
         # HDF5 files without named dimensions get numbered ones, and are refused when checked.
-        dataset = xr.open_dataset(
-            raw, engine="h5netcdf", decode_times=False, phony_dims="sort", cache=cache
-        )
+        with h5py.File(raw) as whole:  # what h5netcdf fails on it leaves half open
+            dict(whole.items())
+        store = CheckedStore.open(raw, phony_dims="sort")
+        store.told, store.gaps = str(file), name != RESULT_NAME
+        dataset = xr.open_dataset(store, decode_times=False, cache=cache)
     except Exception as error:  # whatever HDF5, h5netcdf and xarray make of damaged bytes
         if raw is not None:
             raw.close()
@@ -152,6 +152,8 @@ def check_result(dataset: xr.Dataset, name: str) -> None:
     Raises:
         ResultError: it is not.
     """
+    if fault := attribute_fault(dataset.attrs):
+        raise ResultError(f"{name}: expected {fault}")
     made_by = dataset.attrs.get("format", 1)
     if made_by > RESULT_FORMAT:
         raise ResultError(
@@ -172,6 +174,8 @@ def check_result(dataset: xr.Dataset, name: str) -> None:
     for attribute in ATTRIBUTES:
         if attribute not in dataset.attrs:
             raise ResultError(f"{name}: expected a bladewhirl result, no attribute {attribute!r}")
+    if fault := value_fault(dataset):
+        raise ResultError(f"{name}: expected {fault}")
     if not dataset.sizes["time"]:
         raise ResultError(f"{name}: expected at least one record, the run left none")
 

@@ -240,7 +240,9 @@ def plot_spectrum(spectrum: xr.Dataset) -> Figure:
     axes.set_yscale("log")
     axes.set_ylim(floor, 2 * top)
     axes.set(xlabel="frequency [Hz]   ← backward  forward →", ylabel="amplitude [mm]")
-    axes.set_xlim(*_hertz(spectrum["frequency"].values[[0, -1]]))
+    low, high = _hertz(spectrum["frequency"].values[[0, -1]])
+    if low < high:
+        axes.set_xlim(low, high)
     _draw_lines(axes, spectrum["modal_line"], axes.axvline)
     head(figure, spectrum, f"{spectrum.attrs['frame']} frame, {spectrum.attrs['window']}")
     figure.legend(loc="outside lower center", ncols=4, handlelength=2.6)

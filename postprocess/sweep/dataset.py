@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from bladewhirl.postprocess.fields.checked import attribute_fault, expectation
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.result import ResultError, open_file
 from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT, index_values
@@ -126,9 +127,25 @@ def _fault(dataset: xr.Dataset) -> str:
     """Why it is no sweep that this version reads; empty if it is one."""
     if "over" not in dataset.attrs or "state" not in dataset:
         return "it has no state of its points"
+    if fault := attribute_fault(dataset.attrs):
+        return fault
     made_by = dataset.attrs.get("format", 1)
     if made_by > SWEEP_FORMAT:
         return f"of format {SWEEP_FORMAT} or older, this one is of {made_by}: take a newer version"
+    for name, variable in SWEEP.items():
+        if name not in dataset:
+            if variable.since <= made_by:
+                return f"it has no {name!r}"
+            continue
+        if dataset[name].dims != (*swept(dataset), *variable.dimensions):
+            return f"{name!r} to be over its points"
+        # Only names are looked at now; numbers are when they are read.
+        if variable.labels and (expected := expectation(dataset[name].values, variable)):
+            return f"{name!r} to be {expected}"
+    for name in (*swept(dataset), "frequency"):
+        values = dataset[name].values if name in dataset else np.zeros(0)
+        if values.dtype.kind != "f" or not values.size or not np.isfinite(values).all():
+            return f"finite numbers along {name!r}"
     return ""
 
 

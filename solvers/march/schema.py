@@ -41,7 +41,8 @@ class Variable(NamedTuple):
     long_name: str
     since: int  #: first format of the file that has it
     is_coordinate: bool  #: it names, counts or describes what is along a dimension
-    labels: tuple[str, ...]  #: names along a dimension, or meanings of the numbers 0, 1, ...
+    values: str  #: "positive", "not negative", "rotor_node" for numbers of nodes; "" for any
+    labels: tuple[str, ...]  #: names along a dimension, meanings of the numbers 0, 1, ..., or texts
 
     @property
     def attributes(self) -> dict[str, str]:
@@ -59,6 +60,7 @@ def _read(table: str) -> dict[str, Variable]:
             long_name=row["long_name"],
             since=int(row["since"]),
             is_coordinate=bool(row["coordinate"]),
+            values=row["values"],
             labels=tuple(row["labels"].split()),
         )
         for row in csv.DictReader(text.splitlines())

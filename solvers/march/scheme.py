@@ -1,4 +1,4 @@
-"""The scheme that a march is made with: the compiled one, or the reference if the environment asks.
+"""The scheme that a march is made with: the one its case names, or a reference of the fast one.
 
 `BLADEWHIRL_KERNEL=reference bladewhirl run ...` marches in plain NumPy, several hundred times
 slower and without anything compiled: to tell a fault of the compiled march from one of the model.
@@ -7,7 +7,7 @@ slower and without anything compiled: to tell a fault of the compiled march from
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import Any, Literal
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.contact_problem import ContactProblem
@@ -18,20 +18,32 @@ KERNEL = "BLADEWHIRL_KERNEL"
 """Environment variable: ``compiled`` (also where it is not set) or ``reference``."""
 
 
-def make_scheme(problem: ContactProblem, time_step: float, record_every: int) -> Scheme[Any]:
-    """Scheme of the kernel that the environment names.
+SchemeName = Literal["central-difference", "moreau-jean", "penalty"]
+"""As cases name them."""
+
+
+def make_scheme(
+    problem: ContactProblem,
+    time_step: float,
+    record_every: int,
+    name: SchemeName = "central-difference",
+) -> Scheme[Any]:
+    """Scheme of that name; of the central differences the kernel that the environment names.
 
     Raises:
         UserError: it names another.
-        ValueError: a time step at or above the critical one.
+        ValueError: a time step that is too long.
     """
-    match os.environ.get(KERNEL, "compiled"):
-        case "compiled":
-            # What the reference does without: numba takes its time to be loaded.
-            from bladewhirl.solvers.march.central_difference import CentralDifference
+    kernel = os.environ.get(KERNEL, "compiled")
+    if kernel not in ("compiled", "reference"):
+        raise UserError(f"{KERNEL}: expected compiled or reference, got {kernel!r}")
+    # numba takes its time to be loaded, and the reference does without.
+    if name != "central-difference":
+        from bladewhirl.solvers.march.dense import Dense
 
-            return CentralDifference(problem, time_step, record_every)
-        case "reference":
-            return Reference(problem, time_step, record_every)
-        case other:
-            raise UserError(f"{KERNEL}: expected compiled or reference, got {other!r}")
+        return Dense(problem, time_step, record_every, name)
+    if kernel == "reference":
+        return Reference(problem, time_step, record_every)
+    from bladewhirl.solvers.march.central_difference import CentralDifference
+
+    return CentralDifference(problem, time_step, record_every)

@@ -14,6 +14,7 @@ from typing import Annotated
 import typer
 
 from bladewhirl.studies.commands.campbell import campbell
+from bladewhirl.studies.commands.compare import compare
 from bladewhirl.studies.commands.convergence import convergence
 from bladewhirl.studies.commands.exits import UserErrorGroup, whole_output
 from bladewhirl.studies.commands.export import export
@@ -47,6 +48,7 @@ def _reflowed(text: str) -> str:
 
 for command in (
     campbell,
+    compare,
     convergence,
     export,
     mesh,

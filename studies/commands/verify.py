@@ -19,7 +19,7 @@ def verify(
         list[str] | None,
         typer.Argument(
             metavar="SUBJECT",
-            help="modes, rings, contact, march, results, stability, rotation; all if none.",
+            help="modes, rings, contact, schemes, march, results, stability, rotation; or all.",
             show_default=False,
         ),
     ] = None,

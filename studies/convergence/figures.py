@@ -1,6 +1,8 @@
-"""Convergence of a march in its time step and in its modes, drawn."""
+"""Convergence of a march in its time step and in its modes, and its schemes, drawn."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -9,12 +11,24 @@ from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
-from bladewhirl.postprocess.plotting.titles import speed_label
+from bladewhirl.postprocess.plotting.titles import set_title, speed_label
 
 REGIME_MARKERS = {"divergent": "^", "sustained": "o", "damped": "v", "no-contact": "s"}
 """Marker of each regime."""
 
-PERCENT = 100.0
+PERCENT, MILLI = 100.0, 1e3
+
+SCHEME_PANELS = {
+    "tip_displacement": "largest tip\ndisplacement [mm]",
+    "impulse": "normal impulse\nso far [N s]",
+    "energy": "energy [J]",
+}
+SCHEME_LINES: tuple[tuple[str, Any], ...] = (
+    ("rotor", "-"),
+    ("k = 1", (0, (5, 1.5))),
+    ("k = 0", (0, (1.2, 1.2))),
+)
+"""Colour and dashes of each scheme, told apart without colour."""
 
 
 @styled
@@ -84,3 +98,32 @@ def _finish(figure: Figure, axes: Axes, data: xr.Dataset) -> None:
         axes.plot([], [], REGIME_MARKERS[name], color=COLOURS["rest"], markersize=4, label=name)
     axes.set_title(speed_label(data))
     figure.legend(loc="outside lower center", ncols=1)  # the longest label takes a column's width
+
+
+@styled
+def plot_schemes(data: xr.Dataset) -> Figure:
+    """Draw tips, impulse and energy over time for each scheme, with what a step costs.
+
+    Args:
+        data: from `schemes.compare_schemes`.
+    """
+    figure = new_figure(height=0.12)
+    panels = figure.subplots(3, sharex=True)
+    time = MILLI * data["time"].values
+    for name, (colour, dashes) in zip(data["scheme"].values, SCHEME_LINES, strict=True):
+        own = data.sel(scheme=name)
+        label = f"{name}, {1e6 * float(own['step_cost']):.0f} µs a step"
+        for axes, key, scale in zip(panels, SCHEME_PANELS, (MILLI, 1.0, 1.0), strict=True):
+            axes.plot(
+                time,
+                scale * own[key].values,
+                color=COLOURS[colour],
+                linestyle=dashes,
+                label=label if axes is panels[0] else None,
+            )
+    for axes, label in zip(panels, SCHEME_PANELS.values(), strict=True):
+        axes.set_ylabel(label)
+    panels[-1].set_xlabel("time [ms]")
+    set_title(figure, f"{data.attrs['title']}\n{speed_label(data)}")
+    figure.legend(loc="outside lower center", ncols=1)
+    return figure

@@ -9,7 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.elements.build import numbers_within_reach
+from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
@@ -46,7 +48,12 @@ def prepare_stage(stage: Stage) -> Prepared:
     problem, case = contact_problem(stage), stage.case
     timing = case.march.timing
     with numbers_within_reach(case):
-        scheme = make_scheme(problem, timing.time_step, timing.record_every)
+        try:
+            scheme = make_scheme(problem, timing.time_step, timing.record_every, case.march.scheme)
+        except ValueError as error:  # the critical step of a stage is seen before
+            raise CaseError(
+                [case_fault(case, "contact.penalty_stiffness", f"less ({error})")]
+            ) from None
         begin = scheme.init()
     with _no_collection():  # compiles, so that the march's clock does not count it
         scheme.advance(begin, 0)

@@ -18,7 +18,7 @@ from bladewhirl.models.stage.contact_problem import (
     at_rest,
 )
 from bladewhirl.solvers.march.march import Chunk
-from bladewhirl.solvers.march.scheme import make_scheme
+from bladewhirl.solvers.march.scheme import SchemeName, make_scheme
 
 FAR = 1e3
 """A displacement limit out of reach [m]."""
@@ -150,7 +150,14 @@ class Bar:
         return small_casing(self.frequency, gap, nodal=nodal)
 
 
-def marched(given: ContactProblem, dt: float, steps: int, *, every: int = 1) -> Chunk:
+def marched(
+    given: ContactProblem,
+    dt: float,
+    steps: int,
+    *,
+    every: int = 1,
+    scheme: SchemeName = "central-difference",
+) -> Chunk:
     """x_0 .. x_steps every so many steps, by the march that runs have."""
-    scheme = make_scheme(given, dt, every)
-    return scheme.advance(scheme.init(), steps + 1)[1]
+    made = make_scheme(given, dt, every, scheme)
+    return made.advance(made.init(), steps + 1)[1]

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.stage.contact_problem import Load
+from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.studies.verification.bodies import (
     Bar,
@@ -39,9 +39,18 @@ class Collision(NamedTuple):
     velocity: FloatArray  #: of the centre of mass of each bar at the end [m/s], (bars,)
 
 
-@cache
-def collision(name: str) -> Collision:
-    """Let bars meet, from before the contact to well after it."""
+class Approach(NamedTuple):
+    """Two bars, or one and a rigid wall, that will meet."""
+
+    known: dict[str, Any]
+    bars: list[Bar]
+    given: ContactProblem
+    dt: float  #: [s]
+    steps: int  #: to well after the contact
+
+
+def bars_in_impact(name: str) -> Approach:
+    """Bars before their contact."""
     contact = reference("contact")
     known = (contact["bars"] | reference("published")["bars"])[name]
     bar = known.get("bar", contact["bar"])
@@ -56,7 +65,14 @@ def collision(name: str) -> Collision:
     start = dict(zip(("rotor_velocity", "casing_velocity"), speeds, strict=False))
     dt = bars[0].time_step
     steps = round((known["start"] + 2.0 * known["duration"]) / dt)
-    chunk = marched(problem(rotor, casing, start=start), dt, steps)
+    return Approach(known, bars, problem(rotor, casing, start=start), dt, steps)
+
+
+@cache
+def collision(name: str) -> Collision:
+    """Let bars meet, from before the contact to well after it."""
+    known, bars, given, dt, steps = bars_in_impact(name)
+    chunk = marched(given, dt, steps)
     last = (chunk.rotor_velocity[-1], chunk.casing_velocity[-1])
     found = [body.rigid @ v / body.mass for body, v in zip(bars, last, strict=False)]
     return Collision(known, chunk, dt, np.array(found))
@@ -308,21 +324,25 @@ def resting_force() -> Pair:
     return case["resting_force"], chunk.contact_impulse[-1, 0] / chunk.time[1]
 
 
-@cache
-def coulomb_pad() -> tuple[Chunk, float]:
-    """m = 1 kg on k = 1e4 N/m, mu m g = 1 N, let go at 0.85 mm; and the time step."""
+def pad_on_a_wall() -> ContactProblem:
+    """m = 1 kg on k = 1e4 N/m, mu m g = 1 N, let go at 0.85 mm."""
     rotor = small_rotor(
         np.array([50.0, 100.0]),
         tip_radial=np.array([[1.0, 0.0]]),
         tip_tangential=np.array([[0.0, 1.0]]),
     )
-    clearance, dt = 1e-3, 1e-5
+    clearance = 1e-3
     weight = Load(rotor=np.array([10.0 + 50.0**2 * clearance, 0.0]), casing=np.zeros(1))
     start = {"rotor": np.array([clearance, 0.85e-3])}
-    given = problem(
+    return problem(
         rotor, wall(clearance), start=start, loads=(weight,), friction=0.1, sliding="signed"
     )
-    return marched(given, dt, 20_000), dt
+
+
+@cache
+def coulomb_pad() -> tuple[Chunk, float]:
+    """The pad, and the time step."""
+    return marched(pad_on_a_wall(), 1e-5, 20_000), 1e-5
 
 
 PAD = "Code_Aster SDND100"

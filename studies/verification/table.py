@@ -21,6 +21,7 @@ SUBJECTS = {
     "modes": "Modes and stiffnesses",
     "rings": "Rings",
     "contact": "Impacts and friction",
+    "schemes": "Other contact schemes",
     "march": "March in time",
     "results": "Balances from the result file",
     "stability": "Parametric stability",

@@ -1,0 +1,257 @@
+"""Two more contact laws behind the contract of the march, on dense matrices, without the kernel.
+
+Both step velocities by the midpoint rule (see `solvers.march.dense_step`) and tell B_N and B_T of
+the tips like the central differences. With the gap g, its rate u_N and the relative velocity u_T:
+
+``moreau-jean`` (Jean 1999; Moreau 1988): a tip whose gap the free step would close has
+
+    0 <= P_N  perp  u_N+ + e u_N- >= 0,      |P_T| <= mu P_N,   P_T = -mu P_N sign(u_T+) if sliding
+
+with the restitution coefficient e. Tips stick, and slip. Gaps may be closed by what a tip moves in
+half a step, no more, and drift by as much.
+
+``penalty``: at half the step, in a half drift, a kick and another,
+
+    P_N = h k max(0, -g),      P_T = -mu P_N clip(u_T+ / v_s, -1, 1)
+
+with the penalty stiffness k and the speed v_s below which a tip that should stick creeps. The
+energy that k stores comes back, so that impacts are elastic. Its period has to be resolved.
+
+The residual of a step is max_j |min(u_N,j+ + e u_N,j-, W_jj P_j)| over the largest velocity.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+import scipy.linalg as la
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.solvers.march import dense_step
+from bladewhirl.solvers.march.central_difference import initial_gap
+from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
+from bladewhirl.solvers.march.reference import spring_stiffness
+
+SHARE_OF_STIFFEST = 0.5
+"""Largest product of the time step and the frequency of a tip on its penalty spring."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DenseState:
+    """State between two steps; modes of the rotor stand before those of the casing."""
+
+    step: int  #: n
+    displacement: FloatArray  #: x_n, (modes,)
+    velocity: FloatArray  #: v_n
+    sums: FloatArray  #: smallest gap, impulse, drag, steps touched since the record, (4, tips)
+    works: FloatArray  #: see `dense_step.EXTERNAL`, (5,)
+    counts: FloatArray  #: see `dense_step.RESIDUAL`, (4,)
+
+    @property
+    def statistics(self) -> Statistics:
+        """Quality so far."""
+        return Statistics(
+            steps=self.step,
+            contact_steps=int(self.counts[dense_step.CONTACT_STEPS]),
+            complementarity_residual=float(self.counts[dense_step.RESIDUAL]),
+            pivots=0,
+            lcp_failures=int(self.counts[dense_step.UNSOLVED]),
+        )
+
+
+class Dense:
+    """A march with impulses by restitution, or by a penalty.
+
+    Args:
+        problem: what to march.
+        time_step: [s]
+        record_every: steps between records.
+        law: of contact.
+
+    Raises:
+        ValueError: a time step at or above the critical one, or too long for the penalty.
+    """
+
+    def __init__(
+        self,
+        problem: ContactProblem,
+        time_step: float,
+        record_every: int,
+        law: Literal["moreau-jean", "penalty"],
+    ) -> None:
+        check_time_step(problem, time_step)
+        self.cyclic = (False, False)
+        self._problem, self._dt, self._record_every = problem, time_step, record_every
+        self._stage = _stage(problem, time_step)
+        if penalty := law == "penalty":
+            _check_penalty(problem, time_step)
+        self._law = dense_step.Law(
+            friction=problem.friction,
+            restitution=0.0 if penalty else problem.restitution,
+            penalty=problem.penalty_stiffness if penalty else 0.0,
+            stick_speed=problem.stick_speed if penalty else 0.0,
+        )
+
+    def init(self) -> DenseState:
+        """State at t = 0."""
+        start, stage = self._problem.start, self._stage
+        x = np.concatenate([start.rotor, start.casing])
+        sums = np.zeros((4, len(stage.tip_angle)))
+        sums[dense_step.GAP] = initial_gap(self._problem)
+        return DenseState(
+            step=0,
+            displacement=x,
+            velocity=np.concatenate([start.rotor_velocity, start.casing_velocity]),
+            sums=sums,
+            works=np.zeros(5),
+            counts=np.zeros(4),
+        )
+
+    def advance(
+        self, state: DenseState, steps: int, record_every: int | None = None
+    ) -> tuple[DenseState, Chunk, EndReason | None]:
+        """Do that many steps, recording at multiples of ``record_every`` (its own if None).
+
+        The state given stays as it was.
+        """
+        every = self._record_every if record_every is None else record_every
+        records: list[DenseState] = []
+        last, ended = state.step + steps, None
+        while state.step < last:
+            if state.step % every == 0:
+                records.append(state)
+                state = replace(state, sums=np.zeros_like(state.sums))
+                state.sums[dense_step.GAP] = np.inf
+            wanted = min(every - state.step % every, last - state.step)
+            state, done = self._do(state, wanted)
+            if done < wanted:
+                if not records or records[-1].step < state.step:
+                    records.append(state)
+                ended = EndReason.DIVERGENT
+                break
+        return (self._do(state, 0)[0] if steps == 0 else state), self._chunk(records), ended
+
+    def _do(self, state: DenseState, steps: int) -> tuple[DenseState, int]:
+        """Steps within the limit of displacements, at most that many."""
+        names = ("displacement", "velocity", "sums", "works", "counts")
+        arrays = {name: getattr(state, name).copy() for name in names}
+        done = dense_step.advance(
+            self._stage, self._law, self._dt, state.step, steps, *arrays.values()
+        )
+        return DenseState(step=state.step + done, **arrays), done
+
+    def _energy(self, state: DenseState) -> float:
+        x, v, stage = state.displacement, state.velocity, self._stage
+        waves = np.arange(len(stage.turning_cos)) * stage.speed * state.step * self._dt
+        turned = np.tensordot(np.cos(waves), stage.turning_cos, 1)
+        turned += np.tensordot(np.sin(waves), stage.turning_sin, 1)
+        joined = x[stage.coupled]
+        return float(0.5 * (v @ v + x @ (stage.stiffness * x) + joined @ turned @ joined))
+
+    def _chunk(self, records: list[DenseState]) -> Chunk:
+        modes, (tips, rotor) = len(self._stage.stiffness), self._stage.tip_radial.shape
+        step = np.array([record.step for record in records], dtype=np.int64)
+        shapes = {
+            "displacement": (modes,),
+            "velocity": (modes,),
+            "sums": (4, tips),
+            "works": (5,),
+            "counts": (4,),
+        }
+        found = {
+            name: np.reshape([getattr(record, name) for record in records], (len(records), *shape))
+            for name, shape in shapes.items()
+        }
+        gap, impulse, drag, touched = np.moveaxis(found["sums"], 1, 0)
+        external, normal, friction, damping, turning = found["works"].T
+        return Chunk(
+            step=step,
+            time=np.asarray(step * self._dt, dtype=np.float64),
+            rotor_displacement=found["displacement"][:, :rotor],
+            rotor_velocity=found["velocity"][:, :rotor],
+            casing_displacement=found["displacement"][:, rotor:],
+            casing_velocity=found["velocity"][:, rotor:],
+            gap=gap,
+            contact_impulse=impulse,
+            friction_impulse=drag,
+            contact_steps=touched.astype(np.int64),
+            contacts=found["counts"][:, dense_step.CONTACTS].astype(np.int64),
+            energy=np.array([self._energy(record) for record in records]),
+            external_work=external,
+            normal_work=normal,
+            friction_work=friction,
+            damping_work=damping,
+            coupling_work=turning,
+        )
+
+
+def _stage(problem: ContactProblem, dt: float) -> dense_step.Stage:
+    rotor, casing = problem.rotor, problem.casing
+    frequency = np.abs(np.concatenate([rotor.frequency, casing.frequency]))
+    ratio = np.concatenate([rotor.damping_ratio, casing.damping_ratio])
+    damping = 2.0 * ratio * frequency
+    dampers = la.block_diag(rotor.dampers, casing.dampers)
+    gyroscopic = np.zeros((0, 0)) if rotor.gyroscopic is None else rotor.gyroscopic
+    by_velocity = np.diag(damping) + dampers.T @ dampers
+    by_velocity[: len(gyroscopic), : len(gyroscopic)] += gyroscopic
+    stiffness = np.concatenate([rotor.stiffness, casing.frequency**2])
+    coupled, cosines, sines = _turning(problem)
+    loads = [np.concatenate([load.rotor, load.casing]) for load in problem.loads]
+    times = [[load.end, load.ramp, load.frequency, load.phase] for load in problem.loads]
+    return dense_step.Stage(
+        stiffness=stiffness,
+        damping=damping,
+        dampers=dampers,
+        gyroscopic=np.ascontiguousarray(gyroscopic),
+        inverse=np.linalg.inv(np.diag(1.0 + 0.25 * dt**2 * stiffness) + 0.5 * dt * by_velocity),
+        centre=np.hstack([rotor.centre, np.zeros((2, len(casing.frequency)))]),
+        circulation=float(rotor.circulation),
+        coupled=coupled,
+        turning_cos=cosines,
+        turning_sin=sines,
+        loads=np.reshape(loads, (len(loads), len(stiffness))).astype(np.float64),
+        load_times=np.reshape(times, (len(times), 4)).astype(np.float64),
+        tip_radial=np.ascontiguousarray(rotor.tip_radial),
+        tip_tangential=np.ascontiguousarray(rotor.tip_tangential),
+        tip_angle=np.asarray(rotor.tip_angle, dtype=np.float64),
+        tip_recess=np.asarray(rotor.tip_recess, dtype=np.float64),
+        nodal=np.ascontiguousarray(casing.nodal),
+        clearance=np.ascontiguousarray(casing.clearance),
+        tip_radius=float(rotor.tip_radius),
+        element_length=float(casing.element_length),
+        speed=float(problem.speed),
+        follows=float(problem.tip_rotation),
+        limit=float(problem.displacement_limit),
+    )
+
+
+def _turning(problem: ContactProblem) -> tuple[np.ndarray, FloatArray, FloatArray]:
+    """Modes that turning springs join, and their stiffness by harmonics of the rotor's angle."""
+    order = 2 * max(1, *(problem.springs.modes.harmonics if problem.springs else (0,)))
+    angles = 2.0 * np.pi / (2 * order + 1) * np.arange(2 * order + 1)
+    once = replace(problem, speed=1.0)  # radians are seconds
+    around = np.array([spring_stiffness(once, angle) for angle in angles])
+    coupled = np.flatnonzero(np.abs(around).max(axis=(0, 1)))
+    waves = np.fft.rfft(around[:, coupled][:, :, coupled], axis=0) / len(angles)
+    waves[1:] *= 2.0
+    return coupled, np.ascontiguousarray(waves.real), np.ascontiguousarray(-waves.imag)
+
+
+def _check_penalty(problem: ContactProblem, time_step: float) -> None:
+    """Refuse a penalty whose period the step does not resolve.
+
+    Raises:
+        ValueError: naming the limit.
+    """
+    rotor, casing = problem.rotor, problem.casing
+    tips = np.linalg.eigvalsh(rotor.tip_radial @ rotor.tip_radial.T).max()
+    wall = np.linalg.eigvalsh(casing.nodal[:, 0] @ casing.nodal[:, 0].T).max()
+    limit = (SHARE_OF_STIFFEST / time_step) ** 2 / (tips + wall)
+    if problem.penalty_stiffness > limit:
+        raise ValueError(
+            f"penalty stiffness {problem.penalty_stiffness:.3g} N/m is above {limit:.3g} N/m, which"
+            f" a time step of {time_step:.3g} s resolves; take a smaller one of either"
+        )

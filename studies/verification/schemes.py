@@ -1,0 +1,170 @@
+"""The other contact schemes: restitution, friction that sticks, a stop of finite stiffness."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.contact_problem import ContactProblem, Load
+from bladewhirl.solvers.march.march import Chunk
+from bladewhirl.studies.verification.bodies import (
+    ledger_residual,
+    marched,
+    problem,
+    small_rotor,
+    wall,
+)
+from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.studies.verification.contact import BAR_SOURCES, PAD, bars_in_impact, pad_on_a_wall
+from bladewhirl.studies.verification.references import reference
+
+MASS, SPEED, DEPTH = 2.0, 3.0, 1e-4
+
+
+def thrown_mass(**law: Any) -> ContactProblem:
+    """A free mass of 2 kg on its way to a wall at 1 mm, with 3 m/s."""
+    rotor = small_rotor(np.zeros(1), tip_radial=np.full((1, 1), MASS**-0.5))
+    start = {"rotor_velocity": np.array([SPEED * MASS**0.5])}
+    return replace(problem(rotor, wall(1e-3), start=start), **law)
+
+
+@verifies(
+    "velocity of a mass after an impact with restitution {}",
+    unit="m/s",
+    source="Newton's law of impact",
+    tolerance=1e-12,
+    measure="absolute",
+    each=(0.0, 0.5, 1.0),
+)
+def rebound(restitution: float) -> Pair:
+    """By the impacts of Moreau and Jean."""
+    given = thrown_mass(restitution=restitution)
+    chunk = marched(given, 1e-6, 600, scheme="moreau-jean")
+    return -restitution * SPEED, chunk.rotor_velocity[-1, 0] / MASS**0.5
+
+
+@cache
+def penalty_impact() -> Chunk:
+    """The mass on a penalty that it presses in by 0.1 mm."""
+    stiffness = MASS * (SPEED / DEPTH) ** 2
+    return marched(thrown_mass(penalty_stiffness=stiffness), 1e-7, 6000, scheme="penalty")
+
+
+SPRING = "mass on a spring, half a period"
+
+
+@verifies("impulse of a mass on a penalty", unit="N s", source=SPRING, tolerance=1e-4)
+def penalty_impulse() -> Pair:
+    """It comes back as fast as it came."""
+    return 2.0 * MASS * SPEED, penalty_impact().contact_impulse.sum()
+
+
+@verifies("depth of a mass in a penalty", unit="m", source=SPRING, tolerance=1e-4)
+def penalty_depth() -> Pair:
+    """Speed over frequency."""
+    return -DEPTH, penalty_impact().gap.min()
+
+
+@verifies("time of a mass on a penalty", unit="s", source=SPRING, tolerance=5e-3)
+def penalty_time() -> Pair:
+    """Half a period."""
+    return np.pi * DEPTH / SPEED, penalty_impact().contact_steps.sum() * 1e-7
+
+
+@verifies(
+    "impulse of bars in impact by Moreau and Jean: {}",
+    unit="N s",
+    source=BAR_SOURCES,
+    tolerance=0.01,
+    each=("Carpenter", "Siconos"),
+)
+def impulse_of_bars(name: str) -> Pair:
+    """Without restitution, over the whole contact."""
+    known, _, given, dt, steps = bars_in_impact(name)
+    return known["impulse"], marched(given, dt, steps, scheme="moreau-jean").contact_impulse.sum()
+
+
+@cache
+def sticking_pad() -> Chunk:
+    """The pad, which slips and then sticks, at 1e-5 s."""
+    return marched(pad_on_a_wall(), 1e-5, 20_000, scheme="moreau-jean")
+
+
+@verifies(
+    "time at which a pad sticks for good", unit="s", source=PAD, tolerance=2e-5, measure="absolute"
+)
+def time_of_sticking() -> Pair:
+    """The first after which nothing moves any more."""
+    chunk = sticking_pad()
+    moving = chunk.time[np.abs(chunk.rotor_velocity[:, 1]) > 1e-12]
+    return reference("published")["coulomb_pad"]["stuck_from"], moving[-1]
+
+
+@verifies("extremes of a pad that sticks", unit="m", source=PAD, tolerance=1e-9, measure="absolute")
+def extremes_of_a_pad() -> Pair:
+    """The last one is where it stays."""
+    chunk = sticking_pad()
+    at = [round(n * np.pi / 100.0 / 1e-5) for n in range(4)]
+    found = [*chunk.rotor_displacement[at, 1], chunk.rotor_displacement[-1, 1]]
+    return reference("published")["coulomb_pad"]["extremes"], found
+
+
+@verifies("spring force that friction holds over its most", source=PAD, tolerance=2e-6)
+def force_of_sticking() -> Pair:
+    """k x at rest, less than mu m g: half of it."""
+    chunk = sticking_pad()
+    return -0.5, chunk.friction_impulse[-1, 0] / (0.1 * chunk.contact_impulse[-1, 0])
+
+
+@cache
+def masses_on_a_stop(frequency: float) -> tuple[FloatArray, FloatArray]:
+    """Displacement of the first mass over ten periods: by an ODE solver, and marched."""
+    stiffness = np.array([[1.0, -1.0], [-1.0, 2.0]])
+    square, shapes = np.linalg.eigh(stiffness)
+    period, steps = 2.0 * np.pi / frequency, 20_000
+    dt = 10.0 * period / steps
+
+    def rates(time: float, state: FloatArray) -> FloatArray:
+        x, v = state[:2], state[2:]
+        force = np.array([-100.0 * max(x[0] - 1.0, 0.0), 0.1 * np.cos(frequency * time)])
+        return np.concatenate([v, force - stiffness @ (x + 0.03 * v)])
+
+    at = np.arange(steps + 1) * dt
+    exact = solve_ivp(
+        rates, (0.0, at[-1]), np.zeros(4), "DOP853", at, rtol=1e-10, atol=1e-12, max_step=0.02
+    ).y[0]
+    omega = np.sqrt(square)
+    rotor = small_rotor(omega, tip_radial=shapes[:1], damping_ratio=0.015 * omega)
+    load = Load(rotor=0.1 * shapes[1], casing=np.zeros(1), frequency=frequency)
+    given = replace(problem(rotor, wall(1.0), loads=(load,)), penalty_stiffness=100.0)
+    return exact, marched(given, dt, steps, scheme="penalty").rotor_displacement @ shapes[0]
+
+
+@verifies(
+    "motion of two masses on a stop of finite stiffness, ten periods at {} rad/s",
+    unit="m",
+    source="NLvib, example 03; Runge-Kutta 8",
+    tolerance=1e-3,
+    measure="of largest",
+    each=(0.6, 0.7),
+)
+def two_masses_on_a_stop(frequency: float) -> Pair:
+    """By the penalty; from rest, into impacts and out of them."""
+    return masses_on_a_stop(frequency)
+
+
+@verifies(
+    "energy less work of the schemes, over the largest term",
+    source="energy ledger",
+    tolerance=1e-10,
+    measure="absolute",
+)
+def ledgers() -> Pair:
+    """Of pad and mass."""
+    chunks = [sticking_pad(), penalty_impact()]
+    return np.zeros(2), [ledger_residual(chunk) for chunk in chunks]
