@@ -194,9 +194,9 @@ def _stage(problem: ContactProblem, dt: float) -> dense_step.Stage:
     ratio = np.concatenate([rotor.damping_ratio, casing.damping_ratio])
     damping = 2.0 * ratio * frequency
     dampers = la.block_diag(rotor.dampers, casing.dampers)
-    gyroscopic = np.zeros((0, 0)) if rotor.gyroscopic is None else rotor.gyroscopic
+    coupled_by = np.zeros((0, 0)) if rotor.by_velocity is None else rotor.by_velocity
     by_velocity = np.diag(damping) + dampers.T @ dampers
-    by_velocity[: len(gyroscopic), : len(gyroscopic)] += gyroscopic
+    by_velocity[: len(coupled_by), : len(coupled_by)] += coupled_by
     stiffness = np.concatenate([rotor.stiffness, casing.frequency**2])
     coupled, cosines, sines = _turning(problem)
     loads = [np.concatenate([load.rotor, load.casing]) for load in problem.loads]
@@ -205,7 +205,7 @@ def _stage(problem: ContactProblem, dt: float) -> dense_step.Stage:
         stiffness=stiffness,
         damping=damping,
         dampers=dampers,
-        gyroscopic=np.ascontiguousarray(gyroscopic),
+        by_velocity=np.ascontiguousarray(coupled_by),
         inverse=np.linalg.inv(np.diag(1.0 + 0.25 * dt**2 * stiffness) + 0.5 * dt * by_velocity),
         centre=np.hstack([rotor.centre, np.zeros((2, len(casing.frequency)))]),
         circulation=float(rotor.circulation),

@@ -48,7 +48,7 @@ class Stage(NamedTuple):
     stiffness: FloatArray  #: squared frequencies, (modes,)
     damping: FloatArray  #: diagonal part of C, (modes,)
     dampers: FloatArray  #: rows G of its part G^T G, (dampers, modes)
-    gyroscopic: FloatArray  #: Coriolis forces by velocity, (rotor modes, rotor modes) or empty
+    by_velocity: FloatArray  #: Coriolis forces and the rest of C, (rotor modes, same) or empty
     inverse: FloatArray  #: of A, (modes, modes)
     centre: FloatArray  #: x and y of the rotor's centre, (2, modes)
     circulation: float  #: of dampers under it that stand still [N/m]
@@ -80,9 +80,12 @@ class Law(NamedTuple):
 
 
 @njit(**PART)
-def damping_force(stage: Stage, v: FloatArray) -> FloatArray:
-    """What damping takes, by velocity."""
-    return stage.damping * v + stage.dampers.T @ (stage.dampers @ v)
+def velocity_force(stage: Stage, v: FloatArray) -> FloatArray:
+    """C v; Coriolis forces in it do no work."""
+    force = stage.damping * v + stage.dampers.T @ (stage.dampers @ v)
+    modes = len(stage.by_velocity)
+    force[:modes] += stage.by_velocity @ v[:modes]
+    return force
 
 
 @njit(**PART)
@@ -267,10 +270,8 @@ def free_velocity(
     stage: Stage, h: float, x: FloatArray, v: FloatArray, force: FloatArray
 ) -> FloatArray:
     """v_f: velocities after a step without contact, under a force."""
-    momentum = v - 0.5 * h * damping_force(stage, v)
+    momentum = v - 0.5 * h * velocity_force(stage, v)
     momentum += h * (force - stage.stiffness * (x + 0.25 * h * v))
-    modes = len(stage.gyroscopic)
-    momentum[:modes] -= 0.5 * h * (stage.gyroscopic @ v[:modes])
     return stage.inverse @ momentum
 
 
@@ -342,7 +343,7 @@ def advance(
         counts[CONTACT_STEPS] += counts[CONTACTS] > 0
         at, after = stage.speed * step * h, stage.speed * (step + 1) * h
         works[EXTERNAL] += np.dot(moved, load)
-        works[DAMPING] += np.dot(moved, damping_force(stage, moved)) / h
+        works[DAMPING] += np.dot(moved, velocity_force(stage, moved)) / h
         works[TURNING] += np.dot(moved, turned) + turning_energy(stage, after, x_after)
         works[TURNING] -= turning_energy(stage, at, x)
         x[:] = x_after
