@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 NO_DIAMETER = 10**9
 """Sorts what has no nodal diameter last."""
 
+PURE = 0.9995
+"""Purity from which a mode has one nodal diameter."""
+
 
 def show(
     case: CaseFile,
@@ -174,27 +177,37 @@ def _frequencies(properties: StageProperties) -> Table:
     for body in ("bladed disk", "casing"):
         table.add_column(f"{body} [Hz]", justify="right")
         table.add_column("normalised", justify="right")
+        if _mixed(properties):
+            table.add_column("purity", justify="right")
     columns = (_by_diameter(properties.bladed_disk), _by_diameter(properties.casing))
     for key in sorted({*columns[0], *columns[1]}):
         found = [column.get(key) for column in columns]
         table.add_row(
             str(key[0]) if key[0] < NO_DIAMETER else "–",
-            *(
-                text
-                for rate in found
-                for text in ((f"{rate.hz:.6g}", f"{rate.normalised:.5g}") if rate else ("", ""))
-            ),
+            *(text for mode in found for text in _cells(mode, mixed=_mixed(properties))),
         )
     return table
 
 
-def _by_diameter(modes: tuple[Mode, ...]) -> dict[tuple[int, int], Rate]:
-    """Frequencies by nodal diameter and rank; those without one come last."""
-    found: dict[tuple[int, int], Rate] = {}
+def _mixed(properties: StageProperties) -> bool:
+    """Whether modes of unlike sectors hold more than one nodal diameter."""
+    return any(mode.purity < PURE for mode in (*properties.bladed_disk, *properties.casing))
+
+
+def _cells(mode: Mode | None, *, mixed: bool) -> tuple[str, ...]:
+    if mode is None:
+        return ("", "", "") if mixed else ("", "")
+    cells = f"{mode.frequency.hz:.6g}", f"{mode.frequency.normalised:.5g}"
+    return (*cells, f"{mode.purity:.3f}") if mixed else cells
+
+
+def _by_diameter(modes: tuple[Mode, ...]) -> dict[tuple[int, int], Mode]:
+    """Modes by nodal diameter and rank; those without one come last."""
+    found: dict[tuple[int, int], Mode] = {}
     for mode in modes:
         key = mode.nodal_diameter if mode.nodal_diameter >= 0 else NO_DIAMETER
         rank = sum(diameter == key for diameter, _ in found)
-        found[key, rank] = mode.frequency
+        found[key, rank] = mode
     return found
 
 

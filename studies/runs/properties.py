@@ -9,6 +9,7 @@ import numpy as np
 from bladewhirl.meshes.ring_mesh import W
 from bladewhirl.models.case.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.elements.build import numbers_within_reach
+from bladewhirl.models.elements.cyclic import NO_COLUMN
 from bladewhirl.models.modal.modes import suspension_pair
 from bladewhirl.models.stage.build import marched_bodies
 from bladewhirl.models.stage.contact_problem import critical_time_step
@@ -34,10 +35,11 @@ class Rate:
 
 @dataclass(frozen=True, kw_only=True)
 class Mode:
-    """A natural frequency and its nodal diameter."""
+    """A natural frequency, the nodal diameter that holds most of its mode, and how much."""
 
-    nodal_diameter: int
+    nodal_diameter: int  #: -1 without sectors
     frequency: Rate
+    purity: float = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +83,7 @@ class StageProperties:
     reference_frequency: Rate  #: lowest of the full bladed disk with a free centre
     speed: Rate
     bladed_disk: tuple[Mode, ...]
-    """Lowest of each nodal diameter, full model; without cyclic symmetry the lowest few, k = -1."""
+    """Lowest of each nodal diameter, full model; of unlike sectors the lowest few."""
     suspension: Rate | None  #: of the suspension pair; None when clamped
     casing: tuple[Mode, ...]  #: lowest of each nodal diameter
     reduction: ReductionFigures
@@ -119,11 +121,7 @@ def _properties(stage: Stage) -> StageProperties:
         casing_mass=casing.mass,
         reference_frequency=_rate(stage, stage.reference_frequency),
         speed=_rate(stage, stage.speed),
-        bladed_disk=tuple(
-            Mode(nodal_diameter=k, frequency=_rate(stage, frequency))
-            for k, found in stage.disk_frequencies.items()
-            for frequency in found[: 1 if k >= 0 else LOWEST]
-        ),
+        bladed_disk=_lowest_of_disk(stage),
         suspension=_rate(stage, modes.frequency[pair[0]]) if pair.size else None,
         casing=_lowest_of_casing(stage),
         reduction=ReductionFigures(
@@ -156,6 +154,24 @@ def _rate(stage: Stage, rad_per_s: float) -> Rate:
     )
 
 
+def _lowest_of_disk(stage: Stage) -> tuple[Mode, ...]:
+    """Of the full model; modes of unlike sectors are named as those of the reduced one."""
+    found, modes = stage.disk_frequencies, stage.reduction.modes
+    if NO_COLUMN not in found:
+        return tuple(
+            Mode(nodal_diameter=k, frequency=_rate(stage, own[0])) for k, own in found.items()
+        )
+    lowest = found[NO_COLUMN][: min(LOWEST, modes.count)]
+    return tuple(
+        Mode(
+            nodal_diameter=int(modes.nodal_diameter[i]),
+            frequency=_rate(stage, frequency),
+            purity=float(modes.purity[i]),
+        )
+        for i, frequency in enumerate(lowest)
+    )
+
+
 def _lowest_of_casing(stage: Stage) -> tuple[Mode, ...]:
     modes = stage.casing_modes  # in ascending order
     diameters, first = np.unique(modes.nodal_diameter, return_index=True)
@@ -163,8 +179,12 @@ def _lowest_of_casing(stage: Stage) -> tuple[Mode, ...]:
         first = np.arange(min(LOWEST, modes.count))
         diameters = modes.nodal_diameter[first]
     return tuple(
-        Mode(nodal_diameter=int(k), frequency=_rate(stage, frequency))
-        for k, frequency in zip(diameters, modes.frequency[first], strict=True)
+        Mode(
+            nodal_diameter=int(k),
+            frequency=_rate(stage, modes.frequency[i]),
+            purity=float(modes.purity[i]),
+        )
+        for k, i in zip(diameters, first, strict=True)
     )
 
 
