@@ -74,7 +74,7 @@ def test_all_figures_are_inside(page: Parsed) -> None:
     drawn = {name for name, kind in RUN_FIGURES.items() if kind.section} - {
         "regime"
     }  # so short a run has no growth rate
-    assert len(drawn) == 12
+    assert len(drawn) == 13
     assert set(page.pictures) == drawn
     for picture in page.pictures.values():
         content = base64.b64decode(picture.partition(",")[2])
@@ -97,7 +97,7 @@ def test_numbers_are_those_of_the_run(page: Parsed) -> None:
         "1.2 times the clearance",
         "backward 11.1 Hz",  # 70 rad/s, rotating frame
         "forward 1.59 Hz",  # 80 - 70 rad/s, static frame
-        "Ω = 1.067 764 rpm",  # 80 over 75 rad/s
+        "Ω/ω₁ = 1.067 764 rpm",  # 80 over 75 rad/s
         "complementarity residual 3.25e-12",
         "time step / critical 0.212",
         'title = "synthetic"',
