@@ -26,6 +26,7 @@ Changes = Annotated[
     typer.Option("--set", metavar="KEY=VALUE", help="Change the case: march.speed=1.2."),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Write into a folder that exists.")]
 Replace = Annotated[
     bool, typer.Option("--overwrite", help="Replace files that bladewhirl did not write.")
 ]
