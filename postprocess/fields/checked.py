@@ -7,7 +7,7 @@ comes from a disk that fails, or from an editor, is told by name instead of bein
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import xarray as xr
@@ -51,8 +51,9 @@ class _CheckedArray(H5NetCDFArrayWrapper):
     """A variable on disk; what can't be read ends in a `ResultError`."""
 
     def _getitem(self, key: Any) -> Any:
+        whole: Any = super()
         try:
-            values = super()._getitem(key)
+            values = whole._getitem(key)
         except Exception as error:  # whatever HDF5 makes of damaged bytes
             raise ResultError(f"{self.datastore.told}: {self.variable_name}: {error}") from None
         if np.asarray(values).dtype.kind == "f" and not sized(values, self.datastore.gaps):
@@ -75,8 +76,9 @@ class CheckedStore(H5NetCDFStore):
 
     def open_store_variable(self, name: str, var: Any) -> xr.Variable:
         """The variable, not read yet."""
-        made = super().open_store_variable(name, var)
-        data = LazilyIndexedArray(_CheckedArray(name, self))
+        whole, array = cast(Any, super()), cast(Any, _CheckedArray)
+        made = whole.open_store_variable(name, var)
+        data = LazilyIndexedArray(array(name, self))
         return xr.Variable(made.dims, data, made.attrs, made.encoding)
 
 

@@ -1,0 +1,29 @@
+"""Whatever is typed or read ends in an answer or a sentence: see `support/fuzz.py`."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+from places import ROOT
+
+
+def findings(kind: str, count: int) -> str:
+    """What went wrong with the first inputs of a kind; empty if nothing did."""
+    script = ROOT / "tests" / "support" / "fuzz.py"
+    tried = subprocess.run(
+        [sys.executable, str(script), kind, "--count", str(count)], capture_output=True, text=True
+    )
+    return "" if tried.returncode == 0 else tried.stdout + tried.stderr
+
+
+@pytest.mark.parametrize("kind", ["case", "mesh"])
+def test_a_few_inputs_that_nobody_means(kind: str) -> None:
+    assert not findings(kind, 60)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["case", "mesh", "result", "sweep", "options"])
+def test_ten_thousand_inputs_that_nobody_means(kind: str) -> None:
+    assert not findings(kind, 2000)
