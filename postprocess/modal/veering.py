@@ -12,12 +12,15 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.postprocess.plotting.axes import FREQUENCY, Names, frequency_axis, title_of_case
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
+    COLUMN_WIDTH,
+    FULL_WIDTH,
     SEQUENTIAL,
     new_figure,
     styled,
@@ -88,12 +91,14 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
 
     Colours show how much of a mode's energy the springs hold: the suspension mode hands its
     character from branch to branch where they veer. Dashes are the frequencies of a clamped
-    centre, which each branch approaches. With Coriolis forces forward waves are dotted.
+    centre, which each branch approaches. With Coriolis forces forward waves are thin.
 
     Args:
         data: from `veering`.
     """
-    figure = new_figure(height=0.095)
+    ways = data["branch_direction"].values
+    wide = FULL_WIDTH if "forward" in ways else COLUMN_WIDTH
+    figure = new_figure(width=wide, height=0.095)
     axes = figure.subplots()
     stiffness = data["stiffness"].values
     frequency, share = (
@@ -108,15 +113,15 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
     )
     frequency_axis(axes, float(data.attrs["reference_frequency_hz"]))
     axes.axvline(data.attrs["case_stiffness"], color=COLOURS["k = 1"], linewidth=0.8, zorder=1)
-    names, ways = Names(axes), data["branch_direction"].values
+    names = Names(axes)
     for branch, way in enumerate(ways):
         lines = _coloured_line(axes, stiffness, frequency[:, branch], share[:, branch])
-        rank = int(np.count_nonzero(ways[:branch] == way))
-        lines.set_linestyle((0, (1.2, 0.8)) if way == "forward" else "-")
-        text = f"{f'{rank}F' if rank else 'suspension'}{f', {way}' if way != 'both' else ''}"
+        text = _character(share[0], ways, branch) + ("" if way == "both" else f", {way}")
         names.along(stiffness[::-1], frequency[::-1, branch], text, COLOURS["total"])
     for branch, level in enumerate(data["normalised_clamped_frequency"].values):
         axes.axhline(level, color=COLOURS["rest"], linestyle="--", linewidth=0.6, zorder=1)
+        if ways[branch] == "forward":  # beside the backward one
+            continue
         rank = int(np.count_nonzero(ways[:branch] == ways[branch])) + 1
         names.along(stiffness, np.full_like(stiffness, level), f"{rank}F", "#555555")
     figure.colorbar(
@@ -128,9 +133,24 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
         (Line2D([], [], color=COLOURS["rest"], linestyle="--"), "clamped centre"),
     ]
     if "forward" in ways:
-        handles.append((Line2D([], [], color=COLOURS["total"], linestyle=":"), "forward waves"))
+        handles.append((Line2D([], [], color=COLOURS["total"], linewidth=0.7), "forward waves"))
     legends_below(figure, Group(handles))
     return figure
+
+
+def _character(share: FloatArray, ways: NDArray[np.str_], branch: int) -> str:
+    """Family of a branch on the softest springs, of whose energy the suspension has the most.
+
+    Args:
+        share: of the springs in the energy there, (branches,).
+        ways: of each branch.
+        branch: its number.
+    """
+    alike = np.flatnonzero(ways == ways[branch])
+    suspension = alike[share[alike].argmax()]
+    if branch == suspension:
+        return "suspension"
+    return f"{1 + np.count_nonzero((alike < branch) & (alike != suspension))}F"
 
 
 def _at_speed(data: xr.Dataset) -> str:
