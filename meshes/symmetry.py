@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
@@ -72,6 +71,8 @@ def _image(points: FloatArray, angle: float) -> IntArray | None:
     cos, sin = np.cos(angle), np.sin(angle)
     radius = np.linalg.norm(points, axis=1).max()
     turned = points @ np.array([[cos, sin], [-sin, cos]])
+    from scipy.spatial import KDTree  # not loaded by those who mesh no file
+
     away, image = KDTree(points).query(turned)
     if away.max() > TOLERANCE * radius or len(np.unique(image)) != len(points):
         return None

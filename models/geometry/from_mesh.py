@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from bladewhirl.meshes.files.groups import GroupedLines
 from bladewhirl.meshes.line_mesh import IntArray, LineMesh
@@ -90,6 +89,8 @@ def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
 def _double_parts(mesh: GroupedLines) -> Iterator[str]:
     """Nodes and lines that are in a mesh twice; completes "expected ..."."""
     size = float(np.ptp(mesh.points, axis=0).max())
+    from scipy.spatial import KDTree  # not loaded where no mesh is read
+
     pairs = KDTree(mesh.points).query_pairs(SAME_PLACE * size, output_type="ndarray")
     joints = np.sort(mesh.lines[~mesh.is_beam], axis=1)
     pairs = np.array([pair for pair in pairs if not (joints == np.sort(pair)).all(axis=1).any()])

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from bladewhirl.meshes.line_mesh import FloatArray, points_along
 from bladewhirl.models.case.bladed_disk import BladedDisk
@@ -90,6 +89,8 @@ class _Blade:
         line = [(0.0, 0.0), *((point.span, point.angle) for point in given.centre_line)]
         self._angle: Callable[[float], float] = lambda span: 0.0
         if given.centre_line:
+            from scipy.interpolate import CubicSpline  # long to load
+
             spans, angles = np.array(line).T
             radii = self._root + spans * self._span
             corners = np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])

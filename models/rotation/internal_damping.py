@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from bladewhirl.meshes.line_mesh import ComplexArray
 from bladewhirl.models.case.rotation import Effects
@@ -105,6 +104,8 @@ class _DampedWaves:
 def _holding(first: _DampedWaves, centre: ComplexArray) -> float | None:
     """Least bearing damping without growth [N s/m]; None if none of those tried holds it."""
     mass = float(np.trace(centre.conj().T @ first.own.mass @ centre).real)
+    from scipy.optimize import brentq  # long to load
+
     scale = mass * abs(first.omega)
     tried = scale * np.geomspace(WEAKEST, STRONGEST, TRIED)
     below = 0.0

@@ -6,15 +6,14 @@ comes from a disk that fails, or from an editor, is told by name instead of bein
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, cast
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
-from xarray.backends.h5netcdf_ import H5NetCDFArrayWrapper, H5NetCDFStore
-from xarray.core.indexing import LazilyIndexedArray
 
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.fields.netcdf import Reading, Values
 from bladewhirl.solvers.march.schema import STATIC, Variable
 
 MOST = 1e30
@@ -47,39 +46,26 @@ class ResultError(UserError):
     """A path holds no result, or sweep, of bladewhirl."""
 
 
-class _CheckedArray(H5NetCDFArrayWrapper):
-    """A variable on disk; what can't be read ends in a `ResultError`."""
+def reading(told: str, *, gaps: bool) -> Reading:
+    """What reads variables of a file and looks at them; what is wrong ends in a `ResultError`.
 
-    def _getitem(self, key: Any) -> Any:
-        whole: Any = super()
-        try:
-            values = whole._getitem(key)
-        except Exception as error:  # whatever HDF5 makes of damaged bytes
-            raise ResultError(f"{self.datastore.told}: {self.variable_name}: {error}") from None
-        if np.asarray(values).dtype.kind == "f" and not sized(values, self.datastore.gaps):
-            raise ResultError(
-                f"{self.datastore.told}: expected finite numbers of {self.variable_name}, the file"
-                " was changed or damaged"
-            )
-        return values
-
-
-class CheckedStore(H5NetCDFStore):
-    """A netCDF-4 file whose variables are looked at when they are read.
-
-    Attributes:
+    Args:
         told: the file, in messages.
         gaps: whether NaN stands for what is missing, as in a sweep.
     """
 
-    told, gaps = "", True
+    def look(name: str, read: Callable[[], Values]) -> Values:
+        try:
+            values = read()
+        except Exception as error:  # whatever HDF5 makes of damaged bytes
+            raise ResultError(f"{told}: {name}: {error}") from None
+        if values.dtype.kind == "f" and not sized(values, gaps):
+            raise ResultError(
+                f"{told}: expected finite numbers of {name}, the file was changed or damaged"
+            )
+        return values
 
-    def open_store_variable(self, name: str, var: Any) -> xr.Variable:
-        """The variable, not read yet."""
-        whole, array = cast(Any, super()), cast(Any, _CheckedArray)
-        made = whole.open_store_variable(name, var)
-        data = LazilyIndexedArray(array(name, self))
-        return xr.Variable(made.dims, data, made.attrs, made.encoding)
+    return look
 
 
 def sized(values: Any, gaps: bool = False) -> bool:

@@ -5,30 +5,32 @@ whole: `portions` cuts the records, and `reduce_modes` turns modes into the few 
 that an analysis needs.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import fields
 from os import PathLike
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
-import h5py
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.checked import CheckedStore, attribute_fault, value_fault
+from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.postprocess.fields.checked import ResultError as ResultError
+from bladewhirl.postprocess.fields.checked import attribute_fault, reading, value_fault
 from bladewhirl.postprocess.fields.kinematics import Array, recess_at_rest
+from bladewhirl.postprocess.fields.netcdf import open_netcdf
 from bladewhirl.solvers.march.schema import (
     HISTORY,
     INDICES,
     OPTIONAL_DIMENSIONS,
+    RESULT,
     RESULT_FORMAT,
     RESULT_NAME,
     STATIC,
     TIME,
     index_values,
 )
-from bladewhirl.solvers.march.storage import CutFile
 
 PORTION = 4096
 """Records read at a time: 5 MB for 156 modes."""
@@ -76,31 +78,15 @@ def open_file(
     file = Path(path) / name if Path(path).is_dir() else Path(path)
     if not file.is_file():
         raise ResultError(f"{file}: expected {kind} (or its folder), found no such file")
-    raw = None
     try:
         if file.stat().st_size == 0:
             raise ValueError("it is empty")
-        raw = CutFile(file)
-        # HDF5 files without named dimensions get numbered ones, and are refused when checked.
-        with h5py.File(raw) as whole:  # what h5netcdf fails on it leaves half open
-            dict(whole.items())
-        store = CheckedStore.open(raw, phony_dims="sort")
-        store.told, store.gaps = str(file), name != RESULT_NAME
-        dataset = xr.open_dataset(store, decode_times=False, cache=cache)
-    except Exception as error:  # whatever HDF5, h5netcdf and xarray make of damaged bytes
-        if raw is not None:
-            raw.close()
+        look = reading(str(file), gaps=name != RESULT_NAME)
+        return open_netcdf(file, look, cache=cache), file
+    except Exception as error:  # whatever HDF5 and xarray make of damaged bytes
         raise ResultError(
             f"{file}: expected {kind} in netCDF-4, could not read it: {error}"
         ) from None
-    opened = dataset.assign()
-
-    def close() -> None:
-        dataset.close()
-        raw.close()
-
-    opened.set_close(close)
-    return opened, file
 
 
 def vouched(dataset: xr.Dataset) -> xr.Dataset:
@@ -134,6 +120,28 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
         constant["tip_recess"] += recess_at_rest(dataset)
     described = [name for name, variable in STATIC.items() if variable.is_coordinate]
     return dataset.assign(constant).assign_coords(indices).set_coords(described)
+
+
+def result_of(
+    stage: StageArrays, histories: Mapping[str, Array], attributes: Mapping[str, Any]
+) -> xr.Dataset:
+    """A result in memory, as `open_result` has it from a file.
+
+    Args:
+        stage: arrays that describe the stage.
+        histories: by name in the schema.
+        attributes: of the result.
+    """
+    described = {field.name: np.asarray(getattr(stage, field.name)) for field in fields(stage)}
+    dataset = xr.Dataset(
+        {
+            name: (RESULT[name].dimensions, values, RESULT[name].attributes)
+            for name, values in {**described, **histories}.items()
+            if values.size or name in histories
+        },
+        attrs=dict(attributes),
+    )
+    return with_coordinates(dataset.set_coords(TIME))
 
 
 @contextmanager

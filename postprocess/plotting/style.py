@@ -19,6 +19,7 @@ from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.figure import Figure
 
 from bladewhirl.meshes.files.drafts import replacing
+from bladewhirl.postprocess.fields.netcdf import write_netcdf
 from bladewhirl.postprocess.fields.units import handy_unit
 
 P = ParamSpec("P")
@@ -134,5 +135,5 @@ def save_figure(figure: Figure, path: str | Path, data: xr.Dataset | None = None
     if data is None:
         return [png, pdf]
     with replacing(beside) as draft:
-        data.to_netcdf(draft, engine="h5netcdf")
+        write_netcdf(data, draft)
     return [png, pdf, beside]

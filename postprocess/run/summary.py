@@ -119,7 +119,12 @@ class Summary:
 
 
 def summarise(
-    dataset: xr.Dataset, march_report: Mapping[str, float], stresses: xr.Dataset | None = None
+    dataset: xr.Dataset,
+    march_report: Mapping[str, float],
+    stresses: xr.Dataset | None = None,
+    *,
+    orbit: xr.Dataset | None = None,
+    energies: xr.Dataset | None = None,
 ) -> Summary:
     """Sum up a result, read portion by portion.
 
@@ -129,6 +134,8 @@ def summarise(
             `wall_time` [s] and `us_per_step` [µs], which the histories don't hold; other entries
             are ignored.
         stresses: from `stresses.stress_history`, where it is known.
+        orbit: from `orbits.shaft_orbit`, where it is known.
+        energies: from `strain_energies`, where they are known.
 
     Raises:
         ValueError: an entry of the report is missing.
@@ -136,8 +143,8 @@ def summarise(
     missing = [key for key in MARCH_REPORT if key not in march_report]
     if missing:
         raise ValueError(f"march report: expected {', '.join(MARCH_REPORT)}; lacks {missing}")
-    energies = strain_energies(dataset)
-    orbit = shaft_orbit(dataset)
+    energies = strain_energies(dataset) if energies is None else energies
+    orbit = shaft_orbit(dataset) if orbit is None else orbit
     radius = orbit["radius"].values
     regime = classify(dataset, energies["total"].values)
     power, speed = late_drive_power(dataset), float(dataset.attrs["speed"])

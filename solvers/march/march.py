@@ -6,10 +6,12 @@ state in, state out, so that a march can be stopped, stored and resumed bit by b
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
 from enum import Enum
 from typing import Protocol, TypeVar
+
+import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.inputs.timing import Timing
@@ -49,6 +51,18 @@ class Chunk:
     def records(self) -> int:
         """Number of records."""
         return len(self.step)
+
+
+def joined(chunks: Sequence[Chunk]) -> Chunk:
+    """Chunks that follow each other as one."""
+    if len(chunks) == 1:
+        return chunks[0]
+    return Chunk(
+        **{
+            field.name: np.concatenate([getattr(chunk, field.name) for chunk in chunks])
+            for field in fields(Chunk)
+        }
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import fields
 from os import PathLike
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, Protocol, Self
 
 import h5netcdf
 import h5py
@@ -33,6 +33,8 @@ from bladewhirl.solvers.march.storage import GuardedFile
 
 Attribute = str | int | float
 
+Values = np.ndarray[Any, np.dtype[Any]]
+
 INTERRUPTED, UNFINISHED = "interrupted", "unfinished"
 """`end_reason` of a march that the user ended early, and of one that was killed."""
 
@@ -46,6 +48,24 @@ STRUCTURE_BYTES = 100_000
 
 class NonFiniteError(ArithmeticError):
     """A record is not finite; those before it have been written."""
+
+
+class Record(Protocol):
+    """What the records of a march are put into."""
+
+    @property
+    def records(self) -> int:
+        """Number of records taken."""
+
+    @property
+    def steps(self) -> int:
+        """Step of the last record."""
+
+    def write(self, chunk: Chunk) -> None:
+        """Append records."""
+
+    def finish(self, reason: str, message: str, report: Mapping[str, Attribute]) -> None:
+        """Say how the march ended and what it knows of its quality."""
 
 
 class Recorder:
@@ -70,7 +90,7 @@ class Recorder:
         self._raw = GuardedFile(path)
         self._h5 = h5py.File(self._raw, "w")
         self._file = h5netcdf.File(self._h5, "w")
-        sizes = _sizes(stage)
+        sizes = sizes_of(stage)
         self._file.dimensions = {TIME: None} | {name: size for name, size in sizes.items() if size}
         for name, variable in INDICES.items():
             self._create(name, variable, index_values(name, sizes[name]))
@@ -124,7 +144,7 @@ class Recorder:
         if chunk.records == 0:  # records may be further apart than chunks
             return
         history = {name: np.asarray(getattr(chunk, name)) for name in HISTORY}
-        finite = _finite_records(history)
+        finite = finite_records(history)
         first, last = self._records, self._records + finite
         if finite:
             for name, values in history.items():
@@ -168,7 +188,7 @@ class Recorder:
         created.attrs.update(variable.attributes)
 
     def _create_history(self, name: str, variable: Variable, sizes: Mapping[str, int]) -> None:
-        widths = _widths(variable, sizes)
+        widths = widths_of(variable, sizes)
         rows = _rows_stored(widths)
         created = self._file.create_variable(
             name,
@@ -184,7 +204,7 @@ def result_bytes(rotor_modes: int, casing_modes: int, blades: int, records: int)
     sizes = {"rotor_mode": rotor_modes, "casing_mode": casing_modes, "blade": blades}
     total = 0
     for variable in HISTORY.values():
-        widths = _widths(variable, sizes)
+        widths = widths_of(variable, sizes)
         rows = _rows_stored(widths)
         total += -(-records // rows) * rows * int(np.prod(widths))
     return 8 * total
@@ -200,7 +220,7 @@ def description_bytes(stage: StageArrays) -> int:
     return STRUCTURE_BYTES + sum(array.nbytes for array in arrays)
 
 
-def _widths(variable: Variable, sizes: Mapping[str, int]) -> tuple[int, ...]:
+def widths_of(variable: Variable, sizes: Mapping[str, int]) -> tuple[int, ...]:
     """Shape of a history at one record."""
     return tuple(sizes[dimension] for dimension in variable.dimensions[1:])
 
@@ -210,7 +230,7 @@ def _rows_stored(widths: tuple[int, ...]) -> int:
     return max(1, STORAGE_BYTES // (8 * int(np.prod(widths))))
 
 
-def _sizes(stage: StageArrays) -> dict[str, int]:
+def sizes_of(stage: StageArrays) -> dict[str, int]:
     """Length of each dimension, found from the arrays that have it."""
     sizes: dict[str, int] = {}
     for name, variable in STATIC.items():
@@ -222,7 +242,7 @@ def _sizes(stage: StageArrays) -> dict[str, int]:
     return sizes
 
 
-def _finite_records(history: Mapping[str, FloatArray]) -> int:
+def finite_records(history: Mapping[str, FloatArray]) -> int:
     """Number of leading records in which every number is finite."""
     bad = [
         np.flatnonzero(~np.isfinite(values.reshape(len(values), -1)).all(axis=1))

@@ -116,9 +116,9 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
     from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
 
     with open_result(directory) as result:
-        summary = summarise(result, report)
-        write_summary(summary, directory / folder.SUMMARY_NAME)
         orbit, energies = shaft_orbit(result), strain_energies(result)
+        summary = summarise(result, report, orbit=orbit, energies=energies)
+        write_summary(summary, directory / folder.SUMMARY_NAME)
         save_figure(plot_orbit(orbit), directory / folder.ORBIT_NAME, orbit)
         save_figure(plot_energy(energies), directory / folder.ENERGY_NAME, energies)
         return Run(
@@ -136,11 +136,11 @@ def write_outputs(directory: Path, report: Mapping[str, float], window: Window) 
 
 def _write_series(result: xr.Dataset, directory: Path, window: Window) -> Iterator[str]:
     """Write the ParaView series; yields hints."""
+    if window.frames == 0:
+        return
     from bladewhirl.postprocess.fields.kinematics import ViewError, sampling_hint
     from bladewhirl.postprocess.paraview.series import series_records, write_series
 
-    if window.frames == 0:
-        return
     try:
         records = series_records(result, window.frames, window.start, window.end)
     except ViewError as error:  # the run ended before the window

@@ -14,7 +14,7 @@ import xarray as xr
 
 from bladewhirl.meshes.files.drafts import replacing
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.fields.result import open_result, portions
+from bladewhirl.postprocess.fields.result import open_result, portions, result_of
 from bladewhirl.solvers.march.checkpoint import (
     CHECKPOINT_NAME,
     Checkpoint,
@@ -22,8 +22,17 @@ from bladewhirl.solvers.march.checkpoint import (
     state_from,
     write_checkpoint,
 )
-from bladewhirl.solvers.march.march import Chunk, EndReason, march
-from bladewhirl.solvers.march.recorder import INTERRUPTED, Attribute, NonFiniteError, Recorder
+from bladewhirl.solvers.march.march import Chunk, EndReason, MarchState, joined, march
+from bladewhirl.solvers.march.recorder import (
+    INTERRUPTED,
+    Attribute,
+    NonFiniteError,
+    Record,
+    Recorder,
+    description_bytes,
+    result_bytes,
+)
+from bladewhirl.solvers.march.records import Records
 from bladewhirl.solvers.march.schema import HISTORY
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.runs.interrupts import asked_to_stop
@@ -32,6 +41,9 @@ from bladewhirl.studies.runs.properties import MARCHES
 
 SPARE_BYTES = 4_000_000
 """Room on the disk that a march leaves: HDF5 can't close a file on a full disk in order."""
+
+FLUSH_TIME, FLUSH_RECORDS = 0.5, 4096
+"""Seconds, and records, that are written at once: what a kill loses at most."""
 
 Activity = Literal["marching", "writing"]
 
@@ -54,7 +66,7 @@ def march_to_file(
     checkpoints: Path | None = None,
     begin: Checkpoint | None = None,
 ) -> dict[str, float]:
-    """March and record; returns what the march alone knows of its quality.
+    """March and record on disk; returns what the march alone knows of its quality.
 
     Args:
         prepared: the case to march.
@@ -68,48 +80,75 @@ def march_to_file(
         UserError: no room; what was recorded is kept.
         OSError: the system refuses a write; the same.
     """
+    digest = "" if checkpoints is None else folder.march_digest(prepared.stage.case)
+    with _recorder(prepared, path, case_text, begin) as recorder:
+
+        def flush(chunk: Chunk, state: MarchState, wall_time: float) -> None:
+            check_room(path.parent, 0)
+            recorder.write(chunk)
+            # Only before the record at the end that a longer march would not make.
+            if checkpoints is not None and state.step <= prepared.timing.whole_steps + 1:
+                _keep(checkpoints, digest, recorder, state, wall_time)
+
+        return _march_into(recorder, prepared, flush, progress, begin)
+
+
+def march_in_memory(prepared: Prepared) -> tuple[xr.Dataset, dict[str, float]]:
+    """March and record in memory; returns the result and what `march_to_file` does."""
+    records = Records(prepared.stage.arrays, _attributes(prepared, ""), prepared.timing.records)
+    report = _march_into(records, prepared, lambda chunk, *_: records.write(chunk))
+    return result_of(records.stage, records.histories, records.attributes), report
+
+
+def _march_into(
+    record: Record,
+    prepared: Prepared,
+    flush: Callable[[Chunk, MarchState, float], None],
+    progress: Progress | None = None,
+    begin: Checkpoint | None = None,
+) -> dict[str, float]:
+    """March, flushing records every now and then with the state and the time that it took."""
     timing, residual, unsolved = prepared.timing, 0.0, 0
     reason, message = EndReason.COMPLETED.value, ""
     first, before = None, 0.0
-    digest = "" if checkpoints is None else folder.march_digest(prepared.stage.case)
-    with _recorder(prepared, path, case_text, begin) as recorder:
-        if begin is not None:
-            first, before = _state_at(prepared, begin), begin.wall_time
-            residual = first.statistics.complementarity_residual
-            unsolved = first.statistics.lcp_failures
-        began = time.perf_counter() - before
-        try:
-            with asked_to_stop() as interrupted:
-                for state, chunk, end in march(prepared.scheme, timing, first):
-                    check_room(path.parent, 0)
-                    recorder.write(chunk)
-                    # Only before the record at the end that a longer march would not make.
-                    if checkpoints is not None and state.step <= timing.whole_steps + 1:
-                        _keep(checkpoints, digest, recorder, state, time.perf_counter() - began)
-                    residual = state.statistics.complementarity_residual
-                    unsolved = state.statistics.lcp_failures
-                    if progress is not None:
-                        progress("marching", min(state.step, timing.steps), timing.steps)
-                    if end is EndReason.DIVERGENT:
-                        reason, message = end.value, _divergence(prepared, chunk)
-                    elif end is None and interrupted():
-                        reason = INTERRUPTED
-                        message = f"interrupted at {recorder.steps * timing.time_step:.6g} s"
-                        break
-        except NonFiniteError as error:
-            reason, message = EndReason.DIVERGENT.value, f"{error}; {REMEDY}"
-        wall_time = time.perf_counter() - began
-        report = {
-            "complementarity_residual": residual,
-            "unsolved_steps": unsolved,
-            "dt_over_critical": timing.time_step / prepared.problem.critical_time_step,
-            "steps": recorder.steps,
-            "wall_time": wall_time,
-            "us_per_step": 1e6 * wall_time / max(recorder.steps, 1),
-        }
-        recorder.finish(reason, message, report)
+    if begin is not None:
+        first, before = _state_at(prepared, begin), begin.wall_time
+        residual = first.statistics.complementarity_residual
+        unsolved = first.statistics.lcp_failures
+    began, flushed, waiting = time.perf_counter() - before, -FLUSH_TIME, list[Chunk]()
+    try:
+        with asked_to_stop() as interrupted:
+            for state, chunk, end in march(prepared.scheme, timing, first):
+                stopping = end is None and interrupted()
+                waiting.append(chunk)
+                due = time.perf_counter() - flushed >= FLUSH_TIME
+                if due or end or stopping or sum(c.records for c in waiting) > FLUSH_RECORDS:
+                    flush(joined(waiting), state, time.perf_counter() - began)
+                    waiting, flushed = [], time.perf_counter()
+                residual = state.statistics.complementarity_residual
+                unsolved = state.statistics.lcp_failures
+                if progress is not None:
+                    progress("marching", min(state.step, timing.steps), timing.steps)
+                if end is EndReason.DIVERGENT:
+                    reason, message = end.value, _divergence(prepared, chunk)
+                elif stopping:
+                    reason = INTERRUPTED
+                    message = f"interrupted at {record.steps * timing.time_step:.6g} s"
+                    break
+    except NonFiniteError as error:
+        reason, message = EndReason.DIVERGENT.value, f"{error}; {REMEDY}"
+    wall_time = time.perf_counter() - began
+    report = {
+        "complementarity_residual": residual,
+        "unsolved_steps": unsolved,
+        "dt_over_critical": timing.time_step / prepared.problem.critical_time_step,
+        "steps": record.steps,
+        "wall_time": wall_time,
+        "us_per_step": 1e6 * wall_time / max(record.steps, 1),
+    }
+    record.finish(reason, message, report)
     if progress is not None:
-        progress("writing", recorder.steps, timing.steps)
+        progress("writing", record.steps, timing.steps)
     return report
 
 
@@ -173,6 +212,17 @@ def check_room(directory: Path, needed: int) -> None:
             f"{directory}: expected {(needed + SPARE_BYTES) / 1e6:.0f} MB of room on the disk, "
             f"found {free / 1e6:.0f} MB"
         )
+
+
+def expected_bytes(prepared: Prepared) -> int:
+    """Size of a result on disk if its march completes [bytes]."""
+    problem, timing = prepared.problem, prepared.timing
+    return description_bytes(prepared.stage.arrays) + result_bytes(
+        len(problem.rotor.frequency),
+        len(problem.casing.frequency),
+        len(problem.rotor.tip_angle),
+        timing.records,
+    )
 
 
 def _attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:

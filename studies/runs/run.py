@@ -13,13 +13,17 @@ from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME, Checkpoint, read_checkpoint
-from bladewhirl.solvers.march.recorder import description_bytes, result_bytes
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.runs.outputs import Run, Window, write_outputs
 from bladewhirl.studies.runs.place import locked, taking_place
 from bladewhirl.studies.runs.prepare import Prepared, prepare
-from bladewhirl.studies.runs.recorded_march import Progress, check_room, march_to_file
+from bladewhirl.studies.runs.recorded_march import (
+    Progress,
+    check_room,
+    expected_bytes,
+    march_to_file,
+)
 
 
 def run(
@@ -63,7 +67,7 @@ def run(
     folder.check_free(directory, overwrite=overwrite)
     prepared = prepare(case)
     with writing(directory):
-        check_room(directory, _expected_bytes(prepared))
+        check_room(directory, expected_bytes(prepared))
         files = folder.case_files(case)
         with taking_place(directory) as place:
             claim(place, folder.files_of_run(case))
@@ -138,13 +142,3 @@ def _march_and_sum_up(
     )
     done = write_outputs(place, report, window)
     return replace(done, hints=(*stage_hints(prepared.stage), *done.hints))
-
-
-def _expected_bytes(prepared: Prepared) -> int:
-    problem, timing = prepared.problem, prepared.timing
-    return description_bytes(prepared.stage.arrays) + result_bytes(
-        len(problem.rotor.frequency),
-        len(problem.casing.frequency),
-        len(problem.rotor.tip_angle),
-        timing.records,
-    )

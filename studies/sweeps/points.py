@@ -24,11 +24,18 @@ from bladewhirl.postprocess.sweep.digest import Digest, digest
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.folder import portable_case
 from bladewhirl.studies.runs.prepare import prepare_stage
-from bladewhirl.studies.runs.recorded_march import march_to_file
+from bladewhirl.studies.runs.recorded_march import (
+    expected_bytes,
+    march_in_memory,
+    march_to_file,
+)
 from bladewhirl.studies.sweeps.axes import Value
 
 KEPT_STAGES = 2
 """Stages that a worker keeps: neighbours in a sweep of speeds share theirs."""
+
+IN_MEMORY = 500_000_000
+"""Bytes of a history that a worker holds; a longer one lies in a file until it is reduced."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,6 +114,8 @@ def _outcome(work: Work, case: Case, values: Mapping[str, Value], name: str | No
 
 def _march_point(work: Work, case: Case, name: str | None) -> Digest:
     prepared = prepare_stage(stage_at(case))
+    if name is None and expected_bytes(prepared) <= IN_MEMORY:
+        return digest(*march_in_memory(prepared), work.layout)
     # A history to keep is written where it will stay, under another name until it is whole.
     folder = work.histories if name is not None else None
     with TemporaryDirectory(prefix=".point-", dir=folder) as scratch:

@@ -359,6 +359,7 @@ def test_a_disk_without_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     """It is seen before the march where it can be, and ends a march in order."""
     free = [10**7]
     monkeypatch.setattr("shutil.disk_usage", lambda path: SimpleNamespace(free=free.pop()))
+    monkeypatch.setattr("bladewhirl.studies.runs.recorded_march.FLUSH_TIME", 0.0)
     long = quick(**{"march.duration": 100.0})
     with pytest.raises(UserError, match="MB of room on the disk, found 10 MB"):
         bw.run(long, tmp_path / "deep" / "out")

@@ -1,9 +1,13 @@
-"""Stages that the points of a sweep share, and those that they may not."""
+"""Points of a sweep: stages that they share or may not, and records in memory."""
+
+from pathlib import Path
 
 import pytest
 from numpy.testing import assert_array_equal
 
 import bladewhirl as bw
+from bladewhirl.studies.runs.prepare import prepare_stage
+from bladewhirl.studies.runs.recorded_march import march_in_memory, march_to_file
 from bladewhirl.studies.sweeps.points import stage_at
 
 
@@ -17,3 +21,21 @@ def test_a_stage_is_that_of_the_speed_of_its_point(effects: str) -> None:
     for case, found in zip((slow, fast), frequencies, strict=True):
         assert_array_equal(found, bw.build_stage(case).arrays.rotor_frequency)
     assert (frequencies[0] == frequencies[1]).all() == (effects == "none")
+
+
+def test_records_in_memory_are_those_in_a_file(tmp_path: Path) -> None:
+    case = bw.case_from({"march": {"speed": 1.05, "duration": "5 ms", "record_step": "20 us"}})
+    prepared = prepare_stage(stage_at(case))
+    report = march_to_file(prepared, tmp_path / "result.nc", "")
+    kept, same = march_in_memory(prepared)
+    clocks = {"wall_time", "us_per_step"}
+    assert {name: report[name] for name in report if name not in clocks} == {
+        name: same[name] for name in same if name not in clocks
+    }
+    with bw.open_result(tmp_path) as found:
+        assert {*kept.variables} == {*found.variables}
+        assert {*kept.coords} == {*found.coords}
+        for name in kept.variables:
+            assert kept[name].dims == found[name].dims
+            assert_array_equal(kept[name].values, found[name].values)
+        assert {*found.attrs} - {*kept.attrs} == {"format"}

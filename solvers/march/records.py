@@ -1,0 +1,64 @@
+"""Records of a march kept in memory, for marches whose histories nobody keeps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from bladewhirl.models.modal.stage_arrays import StageArrays
+from bladewhirl.solvers.march.march import Chunk
+from bladewhirl.solvers.march.recorder import (
+    Attribute,
+    NonFiniteError,
+    Values,
+    finite_records,
+    sizes_of,
+    widths_of,
+)
+from bladewhirl.solvers.march.schema import HISTORY
+
+
+class Records:
+    """Takes the records of a march as `Recorder` does; nothing is written.
+
+    Args:
+        stage: arrays that describe the stage.
+        attributes: of the result.
+        most: records that there may be, which room is taken for.
+    """
+
+    def __init__(self, stage: StageArrays, attributes: Mapping[str, Attribute], most: int) -> None:
+        self.stage, self.records, self.steps = stage, 0, 0
+        self.attributes = dict(attributes)
+        sizes = sizes_of(stage)
+        self._room = {
+            name: np.empty((most, *widths_of(variable, sizes)), dtype=variable.kind)
+            for name, variable in HISTORY.items()
+        }
+
+    @property
+    def histories(self) -> dict[str, Values]:
+        """Everything recorded, by name in the schema."""
+        return {name: values[: self.records] for name, values in self._room.items()}
+
+    def write(self, chunk: Chunk) -> None:
+        """Append records.
+
+        Raises:
+            NonFiniteError: a record is not finite; it and those after it are left out.
+        """
+        history = {name: np.asarray(getattr(chunk, name)) for name in HISTORY}
+        finite = finite_records(history)
+        last = self.records + finite
+        for name, values in history.items():
+            self._room[name][self.records : last] = values[:finite]
+        self.records = last
+        if finite:
+            self.steps = int(chunk.step[finite - 1])
+        if finite < chunk.records:
+            raise NonFiniteError(f"record {last} is not finite")
+
+    def finish(self, reason: str, message: str, report: Mapping[str, Attribute]) -> None:
+        """Say how the march ended and what it knows of its quality."""
+        self.attributes |= {"end_reason": reason, "end_message": message, **report}
