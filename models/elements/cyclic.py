@@ -160,10 +160,45 @@ class SectorLayout:
         return True
 
     def blocks(self, *matrices: sp.csr_array) -> Iterator[tuple[int, tuple[ComplexArray, ...]]]:
-        """The matrices' dense Hermitian blocks, nodal diameter by nodal diameter."""
+        """The matrices' dense Hermitian blocks, nodal diameter by nodal diameter.
+
+        Sectors that differ count by their mean over all turns.
+        """
+        means = [self._mean_sector(matrix) for matrix in matrices]
         for k in nodal_diameters(self.sectors):
-            basis = self.basis(k)
-            yield k, tuple((basis.conj().T @ matrix @ basis).toarray() for matrix in matrices)
+            basis = self.basis(k) if k <= 1 else None
+            if basis is not None and basis.shape[1] > self.sector_dofs.shape[1]:  # the centre's
+                blocks = ((basis.conj().T @ matrix @ basis).toarray() for matrix in matrices)
+            else:
+                blocks = (self._turned(mean, k) for mean in means)
+            yield k, tuple(blocks)
+
+    def _mean_sector(self, matrix: sp.csr_array) -> tuple[FloatArray, IntArray]:
+        """What a sector has with itself and others, mean over all of them.
+
+        Returns:
+            values (entries,) and, of each, sectors on, row and column within them (3, entries).
+        """
+        count, per_sector = self.sector_dofs.shape
+        sector, place = np.full((2, self.size), -1)
+        sector[self.sector_dofs] = np.arange(count)[:, None]
+        place[self.sector_dofs] = np.arange(per_sector)
+        entries = matrix.tocoo()
+        inside = (sector[entries.row] >= 0) & (sector[entries.col] >= 0)
+        row, column = entries.row[inside], entries.col[inside]
+        on = (sector[column] - sector[row]) % count
+        shape = (count, per_sector, per_sector)
+        flat = np.ravel_multi_index((on, place[row], place[column]), shape)
+        known, which = np.unique(flat, return_inverse=True)
+        total = np.bincount(which, weights=entries.data[inside], minlength=len(known))
+        return total / count, np.array(np.unravel_index(known, shape))
+
+    def _turned(self, mean: tuple[FloatArray, IntArray], k: int) -> ComplexArray:
+        """Block k of a matrix without a centre, from its `_mean_sector`."""
+        count, per_sector = self.sector_dofs.shape
+        values, (on, row, column) = mean
+        turned = values * np.exp(2j * np.pi * ((k * on) % count) / count)
+        return np.asarray(sp.coo_array((turned, (row, column)), (per_sector, per_sector)).toarray())
 
     def real_shapes(self, k: int, vectors: ComplexArray) -> tuple[FloatArray, IntArray]:
         """Real fields of block vectors: the cosine and sine of a pair side by side.

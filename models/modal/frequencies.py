@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-import scipy.linalg as la
 import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.elements.cyclic import NO_COLUMN, nodal_diameter_of
 from bladewhirl.models.elements.structure import Structure
-from bladewhirl.models.modal.modes import DENSE_LIMIT, Modes, natural_frequencies
+from bladewhirl.models.modal.modes import (
+    DENSE_LIMIT,
+    Modes,
+    lowest_pairs,
+    natural_frequencies,
+)
 
 Frequencies = Mapping[int, FloatArray]
 """Ascending frequencies [rad/s] by nodal diameter, a pair given once; all under -1 without
@@ -28,9 +32,7 @@ def lowest_frequencies(structure: Structure, count: int) -> Frequencies:
     layout = structure.layout
     if layout is not None and structure.is_cyclic:
         return {
-            k: natural_frequencies(
-                structure, la.eigvalsh(stiffness, mass, subset_by_index=(0, _most(count, mass)))
-            )
+            k: natural_frequencies(structure, lowest_pairs(stiffness, mass, count)[0])
             for k, (mass, stiffness) in layout.blocks(structure.mass, structure.stiffness)
         }
     total = count * (layout.sectors if layout else 1)
@@ -43,10 +45,7 @@ def lowest_frequencies(structure: Structure, count: int) -> Frequencies:
             return_eigenvectors=False,
         )
     else:
-        mass = structure.mass.toarray()
-        squares = la.eigvalsh(
-            structure.stiffness.toarray(), mass, subset_by_index=(0, _most(total, mass))
-        )
+        squares = lowest_pairs(structure.stiffness.toarray(), structure.mass.toarray(), total)[0]
     return {NO_COLUMN: natural_frequencies(structure, np.sort(squares))}
 
 
@@ -69,7 +68,3 @@ def family_errors(modes: Modes, family: list[str], full: Frequencies) -> dict[st
             error = abs(modes.frequency[mode] / exact[position] - 1.0)
             errors[family[mode]] = max(errors.get(family[mode], 0.0), float(error))
     return errors
-
-
-def _most(count: int, mass: np.ndarray[tuple[int, ...], np.dtype[np.inexact]]) -> int:
-    return min(count, len(mass)) - 1

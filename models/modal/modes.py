@@ -140,16 +140,22 @@ def collect_modes(
         order = order[:count]
     square, shapes, column = square[order], shapes[:, order], column[order]
     frequency = natural_frequencies(structure, square)
-    strain = np.einsum("im,im->m", shapes, structure.elastic @ shapes)
-    in_springs = np.einsum("im,im->m", shapes, structure.springs @ shapes)
+    strain = square
+    if structure.at_rest is not None:
+        strain = np.einsum("im,im->m", shapes, structure.elastic @ shapes)
+    held = np.unique(structure.springs.indices)  # few, on which springs act
+    in_springs = np.einsum(
+        "im,im->m", shapes[held], structure.springs[held][:, held] @ shapes[held]
+    )
     floor = np.finfo(float).tiny
     if structure.layout is None:
         diameter, purity = np.full(len(order), NO_COLUMN), np.zeros(len(order))
+    elif np.all(column != NO_COLUMN):
+        diameter = np.array([nodal_diameter_of(int(c)) for c in column], dtype=np.int64)
+        purity = np.ones(len(order))
     else:
         shares = wave_shares(shapes, structure.mass.diagonal(), structure.layout)
         diameter, purity = shares.argmax(axis=0), shares.max(axis=0)
-        known = column != NO_COLUMN
-        diameter[known] = [nodal_diameter_of(int(c)) for c in column[known]]
     return Modes(
         frequency=frequency,
         shapes=shapes,
@@ -206,10 +212,36 @@ def constrained_eigh(
             count,
         )
         return square, allowed @ vectors
-    size = len(mass)
-    subset = None if count is None or count >= size else (0, count - 1)
-    square, vectors = la.eigh(stiffness, mass, subset_by_index=subset)
-    return square, vectors
+    return lowest_pairs(stiffness, mass, count)
+
+
+def lowest_pairs(
+    stiffness: NDArray[np.inexact], mass: NDArray[np.inexact], count: int | None = None
+) -> tuple[FloatArray, ComplexArray]:
+    """Eigenvalues (m,), ascending, and mass-normalised vectors (n, m) of a Hermitian pencil.
+
+    All are found, even where few are kept: bisection for some is slower, and loses digits where
+    low frequencies lie far below high ones. Rayleigh quotients give these digits back.
+
+    Args:
+        stiffness: (n, n).
+        mass: (n, n), positive definite.
+        count: how many of the lowest; all when None.
+    """
+    vectors = la.eigh(stiffness, mass)[1][:, :count]
+    square = rayleigh_quotients(stiffness, mass, vectors)
+    order = np.argsort(square, kind="stable")
+    return square[order], vectors[:, order]
+
+
+def rayleigh_quotients(
+    stiffness: NDArray[np.inexact], mass: NDArray[np.inexact], vectors: NDArray[np.inexact]
+) -> FloatArray:
+    """Squared frequencies of vectors (n, m): they err by the square of the vectors' error, (m,)."""
+    strain, inertia = (
+        np.einsum("im,im->m", vectors.conj(), matrix @ vectors).real for matrix in (stiffness, mass)
+    )
+    return np.asarray(strain / inertia)
 
 
 def align_phase(vectors: ComplexArray, reference: tuple[int, int], *, pair: bool) -> ComplexArray:

@@ -15,7 +15,14 @@ import scipy.sparse.linalg as spla
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout, is_pair
 from bladewhirl.models.elements.structure import Structure
-from bladewhirl.models.modal.modes import DENSE_LIMIT, Modes, align_phase, collect_modes
+from bladewhirl.models.modal.modes import (
+    DENSE_LIMIT,
+    Modes,
+    align_phase,
+    collect_modes,
+    lowest_pairs,
+    rayleigh_quotients,
+)
 
 DEGENERATE = 1e-6
 """Relative distance below which two squared fixed-interface frequencies count as one pair."""
@@ -175,9 +182,8 @@ def _edge(layout: SectorLayout, boundary: IntArray, k: int) -> IntArray:
 
 def _split(mass: ComplexArray, stiffness: ComplexArray, edge: IntArray, count: int) -> _Block:
     inside = np.setdiff1d(np.arange(len(mass)), edge)
-    subset = None if count >= len(inside) else (0, max(count, 1) - 1)
-    squares, vectors = la.eigh(
-        stiffness[np.ix_(inside, inside)], mass[np.ix_(inside, inside)], subset_by_index=subset
+    squares, vectors = lowest_pairs(
+        stiffness[np.ix_(inside, inside)], mass[np.ix_(inside, inside)], count
     )
     return _Block(
         mass=mass, stiffness=stiffness, edge=edge, inside=inside, squares=squares, vectors=vectors
@@ -199,10 +205,11 @@ def _share_out(squares: dict[int, FloatArray], sectors: int, count: int) -> dict
 
 def _reduced_modes(block: _Block, kept: int) -> tuple[FloatArray, ComplexArray]:
     basis = block.basis(kept)
-    square, vectors = la.eigh(
+    vectors = la.eigh(
         basis.conj().T @ block.stiffness @ basis, basis.conj().T @ block.mass @ basis
-    )
-    return square, basis @ vectors
+    )[1]
+    fields = basis @ vectors
+    return rayleigh_quotients(block.stiffness, block.mass, fields), fields
 
 
 def _plain(structure: Structure, boundary: IntArray, count: int) -> tuple[Modes, int]:
@@ -233,5 +240,4 @@ def _inside_modes(
         squares, vectors = spla.eigsh(stiffness.tocsc(), k=count, M=mass.tocsc(), sigma=0.0)
         order = np.argsort(squares)
         return squares[order], vectors[:, order]
-    squares, vectors = la.eigh(stiffness.toarray(), mass.toarray(), subset_by_index=(0, count - 1))
-    return squares, vectors
+    return lowest_pairs(stiffness.toarray(), mass.toarray(), count)
