@@ -240,4 +240,5 @@ def _inside_modes(
         squares, vectors = spla.eigsh(stiffness.tocsc(), k=count, M=mass.tocsc(), sigma=0.0)
         order = np.argsort(squares)
         return squares[order], vectors[:, order]
-    return lowest_pairs(stiffness.toarray(), mass.toarray(), count)
+    squares, vectors = lowest_pairs(stiffness.toarray(), mass.toarray(), count)
+    return squares, vectors.real
