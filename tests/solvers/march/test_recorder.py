@@ -133,7 +133,7 @@ def test_a_result_grows_and_reads_back_to_the_last_bit(tmp_path: Path) -> None:
 def test_variables_and_dimensions_are_those_postprocess_is_tested_with(tmp_path: Path) -> None:
     stage = small_stage()
     model = synthetic_result(records=3)
-    attributes: dict[str, Attribute] = {str(name): 1.0 for name in model.attrs}
+    attributes: dict[str, Attribute] = {str(name): value for name, value in model.attrs.items()}
     with Recorder(tmp_path / "result.nc", stage, attributes) as recorder:
         recorder.write(made_up(stage, 0, 1))
     with open_result(tmp_path) as found:
