@@ -116,6 +116,7 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
     names = Names(axes)
     for branch, way in enumerate(ways):
         lines = _coloured_line(axes, stiffness, frequency[:, branch], share[:, branch])
+        lines.set_linewidth(0.7 if way == "forward" else 1.4)
         text = _character(share[0], ways, branch) + ("" if way == "both" else f", {way}")
         names.along(stiffness[::-1], frequency[::-1, branch], text, COLOURS["total"])
     for branch, level in enumerate(data["normalised_clamped_frequency"].values):
