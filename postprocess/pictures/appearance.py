@@ -38,6 +38,8 @@ MARGIN = 1.04
 FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
 """The font of matplotlib's figures, so that pictures and plots look alike."""
 
+FINER = 2  #: points drawn for a pixel, across and up
+
 SQUARE = 0.75
 """Share of a picture's width that the stage takes; the panel has the rest."""
 

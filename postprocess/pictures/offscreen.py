@@ -18,6 +18,7 @@ from PIL import Image
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.kinematics import IntArray
+from bladewhirl.postprocess.pictures.appearance import FINER
 from bladewhirl.postprocess.pictures.drawing import Drawing
 
 if TYPE_CHECKING:
@@ -29,8 +30,6 @@ PACKAGES = "libegl1 libegl-mesa0 libgl1-mesa-dri libx11-6"
 _CHOICE, _EGL = "VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow"
 _PLATFORM_DEVICE = 0x313F  # EGL_PLATFORM_DEVICE_EXT
 _MOST_DEVICES = 16
-
-FINER = 2  #: points drawn for a pixel, across and up
 
 
 class OffScreenError(UserError):

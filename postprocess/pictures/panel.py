@@ -13,6 +13,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray, rotate
 from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.pictures.appearance import (
     FAINT,
+    FINER,
     FONT,
     FORCE_COLOUR,
     INK,
@@ -249,7 +250,7 @@ def write(
     actor: pyvista.Text = plotter.add_text(
         text,
         position=(round((SQUARE + 0.02 + indent) * width), round(top * height)),
-        font_size=round(0.7 * size * height / 960),
+        font_size=FINER * round(0.7 * size * height / 960 / FINER),
         color=color,
         font_file=FONT,
         name=f"panel at {top}, {indent}",
