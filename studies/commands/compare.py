@@ -24,8 +24,8 @@ def compare(
 
     Displacement, impulses, energy and cost of central differences with multipliers, of Moreau and
     Jean's impacts with friction that sticks, and of a penalty: see march.scheme. Distance is that
-    of the tips from the first scheme. The last two cost some fifty times as much a step, so take a
-    short march: --set march.duration=0.05.
+    of the tips from the first scheme. The last two cost fifty to a hundred times as much a step,
+    so take a short march: --set march.duration=0.05.
     """
     from rich import box
     from rich.console import Console
