@@ -63,7 +63,7 @@ def off_screen_plotter(size: tuple[int, int]) -> Iterator[pyvista.Plotter]:
     there can be none. pyvista is loaded here, since it must not be before that is known.
 
     The plotter is `FINER` times as wide and high, which `pixels_of` takes back: a software driver
-    smooths edges so in half the time of its multi-sampling.
+    smooths edges so in two thirds of the time of its multi-sampling.
     """
     require_off_screen()
     import pyvista

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
-from bladewhirl.postprocess.plotting.titles import set_title, speed_label
+from bladewhirl.postprocess.plotting.titles import head, set_title, speed_label
 
 REGIME_MARKERS = {"divergent": "^", "sustained": "o", "damped": "v", "no-contact": "s"}
 """Marker of each regime."""
@@ -50,6 +50,7 @@ def plot_time_steps(data: xr.Dataset) -> Figure:
         found = float(data.attrs[order])
         known = f"{label}, order {found:.2g}" if np.isfinite(found) else label
         _draw(axes, step, data[name].values, data["regime"].values, known, colour)
+    _reference_slopes(axes, step)
     axes.set_xscale("log")
     axes.set_xticks(step, [f"{1e6 * size:.3g}" for size in step])
     axes.minorticks_off()
@@ -91,12 +92,24 @@ def _draw(axes: Axes, place: Array, error: Array, regime: Array, label: str, col
         axes.plot(x, y, REGIME_MARKERS[name], color=colour, markersize=4)
 
 
+def _reference_slopes(axes: Axes, step: Array) -> None:
+    """Lines of the first and second order through the middle of what is drawn."""
+    drawn = [line.get_ydata() for line in axes.lines]
+    if not drawn:
+        return
+    middle = np.exp(np.log(np.concatenate(drawn)).mean())
+    for order, dashes in ((1, (0, (4, 2))), (2, (0, (1, 1.5)))):
+        slope = middle * (step / np.sqrt(step[0] * step[-1])) ** order
+        label = f"slope of order {order}"
+        axes.plot(step, slope, color=COLOURS["rest"], linewidth=0.8, linestyle=dashes, label=label)
+
+
 def _finish(figure: Figure, axes: Axes, data: xr.Dataset) -> None:
     if axes.lines:
         axes.set_yscale("log")
     for name in dict.fromkeys(data["regime"].values):
         axes.plot([], [], REGIME_MARKERS[name], color=COLOURS["rest"], markersize=4, label=name)
-    axes.set_title(speed_label(data))
+    head(figure, data, f"{MILLI * data.attrs['end']:.4g} ms")
     figure.legend(loc="outside lower center", ncols=1)  # the longest label takes a column's width
 
 

@@ -288,7 +288,8 @@ def _compared(
             "step_impulse_error": ([*_relative(np.diff(impulse), impulse[-1]), np.nan], "1"),
         }
         attributes = {name: finest.result.attrs[name] for name in ("speed", "reference_frequency")}
-        attributes["free_until"] = min(free, finest.end)
+        attributes["case_title"] = finest.result.attrs["title"]
+        attributes |= {"free_until": min(free, finest.end), "end": finest.end}
     return xr.Dataset(
         {
             name: ("refined", np.array(column), {"units": units} if units else {})
