@@ -169,7 +169,9 @@ def write_netcdf(dataset: xr.Dataset, path: str | Path) -> None:
     with h5netcdf.File(path, "w") as file:
         file.dimensions = {str(name): size for name, size in dataset.sizes.items()}
         for name, variable in dataset.variables.items():
-            values = variable.values
+            values, attributes = variable.values, dict(variable.attrs)
+            if values.dtype == bool:  # netCDF has none: as xarray writes and reads them
+                values, attributes["dtype"] = values.astype(np.int8), "bool"
             text = values.dtype.kind in "UO"
             made = file.create_variable(
                 str(name),
@@ -177,7 +179,7 @@ def write_netcdf(dataset: xr.Dataset, path: str | Path) -> None:
                 h5py.string_dtype() if text else values.dtype,
                 data=values.astype(object) if text else values,
             )
-            made.attrs.update(variable.attrs)
+            made.attrs.update(attributes)
         file.attrs.update(dataset.attrs)
         file.attrs["coordinates"] = " ".join(
             str(name) for name in dataset.coords if name not in dataset.sizes

@@ -240,7 +240,7 @@ def plot_stress(history: xr.Dataset) -> Figure:
         history: from `stress_history`.
     """
     figure = new_figure(width=FULL_WIDTH, height=0.065)
-    over_time, over_blades = figure.subplots(1, 2)
+    over_time, over_blades = figure.subplots(1, 2, gridspec_kw={"wspace": 0.12})
     blades = int(history.attrs["blades"])
     size = np.maximum(history["largest_stress"].values, -history["smallest_stress"].values)
     unit, scale = stress_unit(float(size.max()))

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from places import ROOT
 from stages import oracle
 from typer.testing import CliRunner
 
@@ -144,25 +143,6 @@ def test_a_march_knows_coriolis_forces_and_damping_of_the_modes_at_rest() -> Non
     assert rates.real.max() == pytest.approx(growth, rel=2e-4)
     with pytest.raises(CaseError, match=r"march\.speed = 2\.2: expected less than 2\.10802"):
         build_stage(turning(march={"speed": 2.2}))
-
-
-@pytest.mark.parametrize(
-    ("command", "effects"),
-    [
-        (["veering"], "full"),
-        (["modes", "-o", "pictures"], "full"),
-    ],
-)
-def test_what_is_not_known_at_speed_is_refused_in_one_line(
-    command: list[str], effects: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    file = str(ROOT / "examples" / "imbalance.toml")
-    done = CliRunner().invoke(app, [*command, file, "--set", f"rotation.effects={effects}"])
-    assert done.exit_code == 2
-    assert done.stderr.startswith(f'--set: rotation.effects = "{effects}": expected "none"')
-    assert done.stderr.count("\n") == 1
-    assert not list(tmp_path.iterdir())
 
 
 def listed_modes(case: Case, folder: Path, *options: str) -> dict[str, Any]:
