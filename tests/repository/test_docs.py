@@ -20,7 +20,10 @@ PAGES = {
 SLOW = {
     "start",
     "reference/figures",
-    *(f"tutorials/{name}" for name in ("modes", "rotation", "sweep", "figures")),
+    *(
+        f"tutorials/{name}"
+        for name in ("case_file", "sketch", "mesh", "modes", "rotation", "sweep", "figures")
+    ),
 }
 """Pages whose blocks take long."""
 

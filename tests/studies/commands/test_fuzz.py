@@ -1,4 +1,7 @@
-"""Whatever is typed or read ends in an answer or a sentence: see `support/fuzz.py`."""
+"""Whatever is typed or read ends in an answer or a sentence: see `support/fuzz.py`.
+
+A night's work: `python tests/support/fuzz.py KIND --count 2000` for each of the five kinds.
+"""
 
 from __future__ import annotations
 
@@ -20,10 +23,10 @@ def findings(kind: str, count: int) -> str:
 
 @pytest.mark.parametrize("kind", ["case", "mesh"])
 def test_a_few_inputs_that_nobody_means(kind: str) -> None:
-    assert not findings(kind, 60)
+    assert not findings(kind, 15)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["case", "mesh", "result", "sweep", "options"])
-def test_ten_thousand_inputs_that_nobody_means(kind: str) -> None:
-    assert not findings(kind, 2000)
+def test_a_thousand_inputs_that_nobody_means(kind: str) -> None:
+    assert not findings(kind, 200)
