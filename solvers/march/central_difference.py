@@ -11,16 +11,13 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel import arrays as kernel_arrays
 from bladewhirl.solvers.kernel.step import advance
-from bladewhirl.solvers.march.arrangement import aligned_copy
 from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
-from bladewhirl.solvers.march.packing import (
-    make_scratch,
-    pack_casing,
-    pack_dampers,
-    pack_gyroscopic,
-    pack_rotor,
-    pack_springs,
-)
+from bladewhirl.solvers.packing.arrangement import aligned_copy
+from bladewhirl.solvers.packing.casing import pack_casing
+from bladewhirl.solvers.packing.rotor import pack_rotor
+from bladewhirl.solvers.packing.scratch import make_scratch
+from bladewhirl.solvers.packing.supports import pack_dampers, pack_springs
+from bladewhirl.solvers.packing.turning import pack_gyroscopic
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,8 +5,15 @@ import pytest
 from contact_cases import random_problem, stage_problem
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.solvers.march.arrangement import CACHE_LINE, Arrangement, aligned, dense_arrangement
-from bladewhirl.solvers.march.packing import pack_casing, pack_dampers, pack_rotor, pack_springs
+from bladewhirl.solvers.packing.arrangement import (
+    CACHE_LINE,
+    Arrangement,
+    aligned,
+    dense_arrangement,
+)
+from bladewhirl.solvers.packing.casing import pack_casing
+from bladewhirl.solvers.packing.rotor import pack_rotor
+from bladewhirl.solvers.packing.supports import pack_dampers, pack_springs
 
 
 def arrangements(blades: int, elements: int, *, cyclic: bool) -> list[Arrangement]:

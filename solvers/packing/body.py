@@ -1,0 +1,86 @@
+"""A body in its modes, and what rotor and casing have in common."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.solvers.kernel.arrays import (
+    BodyArrays,
+)
+from bladewhirl.solvers.kernel.vectors import LANES
+from bladewhirl.solvers.packing.arrangement import (
+    Arrangement,
+    aligned,
+    padded,
+)
+
+
+def pack_body(
+    frequency: FloatArray,
+    damping_ratio: FloatArray,
+    loads: list[FloatArray],
+    arrangement: Arrangement,
+    dt: float,
+    *,
+    coupled: bool = False,
+) -> BodyArrays:
+    """Modal recurrence of one body.
+
+    Args:
+        frequency: [rad/s], negative where its square is, (modes,).
+        damping_ratio: (modes,).
+        loads: modal force of each load pattern, (modes,) each.
+        arrangement: of the body's modes.
+        dt: time step [s].
+        coupled: whether A couples the modes.
+    """
+    inverse = scheme_inverse(frequency, damping_ratio, dt)
+    stiffness, size = frequency * np.abs(frequency), np.abs(frequency)
+    decay = damping_ratio * size / dt
+    if coupled:
+        inverse, decay = np.ones_like(inverse), np.full_like(decay, -1.0 / dt**2)
+    load = arrangement.pack(np.reshape(loads, (len(loads), len(frequency))))
+    return BodyArrays(
+        a=arrangement.pack(inverse * (2.0 / dt**2 - stiffness)),
+        b=arrangement.pack(inverse * (decay - 1.0 / dt**2)),
+        c=arrangement.pack(inverse),
+        stiffness=arrangement.pack(stiffness),
+        damping=arrangement.pack(2.0 * damping_ratio * size),
+        load=load,
+        loaded=_registers_in_use(load),
+    )
+
+
+def scheme_inverse(frequency: FloatArray, damping_ratio: FloatArray, dt: float) -> FloatArray:
+    """Inverse of A = M/dt^2 + D/(2 dt) for each mode [s2], (modes,)."""
+    return np.asarray(1.0 / (1.0 / dt**2 + damping_ratio * np.abs(frequency) / dt))
+
+
+def by_sliding(pressed: FloatArray, dragged: FloatArray, friction: float) -> FloatArray:
+    """Response to a normal force with its friction, for sliding backward, none, and forward."""
+    return np.array([pressed + s * friction * dragged for s in (-1.0, 0.0, 1.0)])
+
+
+def by_column(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
+    """Shape (points, columns) as (columns to the last in use, padded points)."""
+    used = arrangement.half + arrangement.parts * arrangement.used
+    out = aligned((used, padded(len(shape))))
+    out[:, : len(shape)] = shape[:, :used].T
+    return out
+
+
+def lengthened(values: FloatArray) -> FloatArray:
+    """Vector padded to whole registers."""
+    out = aligned(padded(len(values)))
+    out[: len(values)] = values
+    return out
+
+
+def _registers_in_use(patterns: FloatArray) -> IntArray:
+    """Where each pattern has a register of numbers that are not all zero, then -1."""
+    used = [LANES * np.flatnonzero(p.reshape(-1, LANES).any(axis=1)) for p in patterns]
+    places = np.full((len(patterns), max(map(len, used), default=0) + 1), -1)
+    for row, place in zip(places, used, strict=True):
+        row[: len(place)] = place
+    return places

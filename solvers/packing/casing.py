@@ -1,0 +1,145 @@
+"""The casing: cyclic where it is, folded where the kernel can, dense otherwise."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing
+from bladewhirl.solvers.kernel.arrays import (
+    U_KIND,
+    U_SLOPE,
+    W_KIND,
+    W_SLOPE,
+    CasingArrays,
+    NodalField,
+)
+from bladewhirl.solvers.kernel.vectors import LANES
+from bladewhirl.solvers.packing.arrangement import (
+    FIT,
+    Arrangement,
+    Harmonics,
+    aligned,
+    aligned_copy,
+    dense_arrangement,
+    padded,
+)
+from bladewhirl.solvers.packing.body import by_column, by_sliding, pack_body, scheme_inverse
+
+
+def pack_casing(
+    problem: ContactProblem, dt: float, *, cyclic: bool
+) -> tuple[Arrangement, CasingArrays]:
+    """Arrange the casing; see `pack_rotor`."""
+    casing = problem.casing
+    nodes, kinds, modes = casing.nodal.shape
+    if cyclic:
+        arrangement, weight, shape = _cyclic_casing(casing)
+        # One array for all kinds: less memory to go through.
+        shapes, spreads = [by_column(shape, arrangement)] * kinds, [aligned_copy(shape)] * kinds
+    else:
+        arrangement = dense_arrangement(modes)
+        weight = np.ones((kinds, modes))
+        wide = np.zeros((kinds, nodes, arrangement.columns))
+        wide[:, :, :modes] = casing.nodal.transpose(1, 0, 2)
+        shape = wide[0]
+        shapes, spreads = [by_column(w, arrangement) for w in wide], [*map(aligned_copy, wide)]
+    clearance = aligned((2, padded(nodes + 1)))
+    clearance[:, : nodes + 1] = casing.clearance[np.append(np.arange(nodes), 0)].T
+    weights, half = [arrangement.grid(w) for w in weight], arrangement.half
+    radial, tangential = (
+        NodalField(
+            weights[v], weights[s], *halves, shapes[v], shapes[s], spreads[v], spreads[s], start
+        )
+        for v, s, halves, start in (
+            (W_KIND, W_SLOPE, (0, half), clearance),
+            (U_KIND, U_SLOPE, (half, 0), aligned(clearance.shape)),
+        )
+    )
+    inverse = scheme_inverse(casing.frequency, casing.damping_ratio, dt)
+    blocks = _compliance(casing, inverse, problem.friction, cyclic=cyclic)
+    loads = [load.casing for load in problem.loads]
+    return arrangement, CasingArrays(
+        body=pack_body(casing.frequency, casing.damping_ratio, loads, arrangement, dt),
+        radial=radial,
+        tangential=tangential,
+        fold=_folded(shape, arrangement),
+        half=half,
+        shared=cyclic,
+        compliance=aligned_copy(blocks.reshape(-1)),
+        spacing=1 if cyclic else nodes if nodes > 1 else 0,  # one node: there is one block
+        nodes=nodes,
+        element_length=casing.element_length,
+    )
+
+
+def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, FloatArray]:
+    """Arrangement, weights (4, modes) by kind of nodal value, and shape of a cyclic casing.
+
+    w and u' of a mode follow its column, w' and u the partner; so a single harmonic's mode of w'
+    and u stands in the partner's place.
+    """
+    column, nodal = casing.column, casing.nodal
+    harmonics = Harmonics(len(nodal), fold=True, unit=LANES)
+    single = harmonics.single[column]
+    kinds = range(nodal.shape[1])
+    pairs = [harmonics.amplitudes(nodal[:, kind], column) for kind in kinds]
+    scales = [max(np.abs(nodal[:, kind]).max(), np.finfo(float).tiny) for kind in kinds]
+    direct, turned = (W_KIND, U_SLOPE), (W_SLOPE, U_KIND)  # even and odd under reflection
+    size = [np.abs(own) / scale for (own, _), scale in zip(pairs, scales, strict=True)]
+    odd = single & (
+        np.maximum(*(size[kind] for kind in turned)) > np.maximum(*(size[kind] for kind in direct))
+    )
+    weights = []
+    for kind, (own, across) in zip(kinds, pairs, strict=True):
+        out_of_place = odd if kind in direct else single & ~odd
+        right, wrong = (own, across) if kind in direct else (across, own)
+        wrong = np.where(single, np.where(out_of_place, own, 0.0), wrong)
+        if np.abs(wrong).max() > FIT * scales[kind]:
+            raise ValueError("a cyclic casing must be symmetric under reflection")
+        weights.append(np.where(single, np.where(out_of_place, 0.0, own), right))
+    place = harmonics.place[column]
+    place = np.where(odd, (place + harmonics.half) % (2 * harmonics.half), place)
+    return harmonics.arrangement(place), np.array(weights), harmonics.shape
+
+
+def _folded(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
+    """Shape (nodes, columns) on a quarter of the circle, as the kernel's `_folded_fields` has it.
+
+    No rows where the kernel cannot fold: without parity, or on so few nodes that whole registers
+    of a quarter reach over half of the circle.
+    """
+    nodes = len(shape)
+    width = padded(nodes // 4 + 1)
+    if arrangement.parts == 1 or width - 1 > nodes // 2:
+        return aligned((0, LANES))
+    own = shape[:width]
+    last = own[:, arrangement.half + arrangement.used - 1]
+    rows = own[:, np.concatenate([arrangement.columns_of(part) for part in range(2)])].T
+    rows = rows.reshape(2, 2, arrangement.used, width).transpose(1, 0, 2, 3).reshape(-1, width)
+    rows[3 * arrangement.used - 1] = 0.0
+    return aligned_copy(np.vstack([rows, last]))
+
+
+def _compliance(
+    casing: ReducedCasing, inverse: FloatArray, friction: float, *, cyclic: bool
+) -> FloatArray:
+    """Four nodal values under a tip for a unit force of another, by sense of sliding and elements.
+
+    Blocks of 4 x 4, (3, elements, elements, 4, 4); cyclic: (3, 2 elements, 4, 4), by the distance
+    of two elements from -nodes to nodes - 1.
+    """
+    nodes, kinds, modes = casing.nodal.shape
+    forces = casing.nodal.reshape(nodes * kinds, modes) * inverse
+    rows = casing.nodal[:, :2].reshape(2 * nodes, modes)
+    response = (forces @ rows.T).reshape(nodes, kinds, nodes, 2)
+    ends = np.column_stack([np.arange(nodes), np.roll(np.arange(nodes), -1)])
+    pressed, dragged = (
+        response[ends][:, :, force]
+        .reshape(nodes, 4, nodes, 2)[:, :, ends]
+        .reshape(nodes, 4, nodes, 4)
+        .transpose(2, 0, 1, 3)
+        for force in ([W_KIND, W_SLOPE], [U_KIND, U_SLOPE])
+    )
+    blocks = by_sliding(pressed, dragged, friction)
+    return np.tile(blocks[:, :, 0], (1, 2, 1, 1)) if cyclic else blocks

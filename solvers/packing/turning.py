@@ -1,0 +1,143 @@
+"""Coupling of the rotor's modes by Coriolis forces and damping: blocks by nodal diameter."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.solvers.kernel.arrays import (
+    GyroscopicArrays,
+    RotorArrays,
+)
+from bladewhirl.solvers.kernel.vectors import HALF, LANES
+from bladewhirl.solvers.packing.arrangement import (
+    Arrangement,
+    aligned,
+    aligned_copy,
+)
+
+ROUNDING = 1e-14
+"""Entries of A^-1 below this share of the largest are rounding."""
+
+
+def pack_gyroscopic(
+    problem: ContactProblem, packed: RotorArrays, arrangement: Arrangement, dt: float
+) -> GyroscopicArrays | None:
+    """What couples the modes of a rotor that feels Coriolis forces; None where they don't count.
+
+    Args:
+        problem: what is marched.
+        packed: its rotor.
+        arrangement: of the rotor's modes.
+        dt: time step [s].
+    """
+    rotor = problem.rotor
+    if rotor.by_velocity is None:
+        return None
+    damping = rotor.damping
+    inverse = turning_inverse(damping, dt)
+    loss, full_loss = _losses((damping + damping.T) / 2.0, arrangement)
+    stands_still = [0, 1] if rotor.circulation != 0.0 else []
+    pull = rotor.circulation * rotor.centre * np.array([[1.0], [-1.0]])
+    cyclic, none = arrangement.half > 0, np.zeros(0, dtype=np.int64)
+    blocks, rest, to, by = (
+        _blocks(inverse, arrangement) if cyclic else (aligned(0), aligned(0), none, none)
+    )
+    normal, normal_across, shear, shear_across = (
+        _answers(inverse, arrangement, packed) if cyclic else 4 * [aligned((0, LANES))]
+    )
+    return GyroscopicArrays(
+        blocks=blocks,
+        rest=rest,
+        to=to,
+        by=by,
+        full=arrangement.pack(inverse.T[: 0 if cyclic else None]),
+        loss=loss,
+        full_loss=full_loss,
+        normal=normal,
+        normal_across=normal_across,
+        shear=shear,
+        shear_across=shear_across,
+        circulation=arrangement.pack(pull[stands_still]),
+        centre=arrangement.pack(rotor.centre[::-1][stands_still]),
+    )
+
+
+def _blocks(
+    inverse: FloatArray, arrangement: Arrangement
+) -> tuple[FloatArray, FloatArray, IntArray, IntArray]:
+    """A^-1 (modes, modes) of a cyclic rotor as blocks, and the entries that they leave out."""
+    rows, columns, half = arrangement.rows, arrangement.columns, arrangement.half
+    entries = arrangement.entries
+    full = np.zeros((entries, entries))
+    full[np.ix_(arrangement.entry, arrangement.entry)] = inverse
+    grid = full.reshape(rows, columns, rows, columns)
+    cosine = np.arange(half)
+    sine = half + cosine
+    own, across = grid[:, cosine, :, cosine].copy(), grid[:, cosine, :, sine].copy()
+    for to, by, block in (
+        (cosine, cosine, own),
+        (sine, sine, own),
+        (cosine, sine, across),
+        (sine, cosine, -across),
+    ):
+        grid[:, to, :, by] -= block
+    to, by = np.nonzero(np.abs(full) > ROUNDING * np.abs(inverse).max())
+    order = np.argsort(by, kind="stable")
+    blocks = np.zeros((2, half, rows + rows % 2, rows))
+    blocks[:, :, :rows] = own, across
+    registers = blocks.reshape(2, half // HALF, HALF, -1, 2, rows).transpose(1, 3, 5, 0, 4, 2)
+    return aligned_copy(registers.reshape(-1)), full[to, by][order], to[order], by[order]
+
+
+def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, FloatArray]:
+    """What gives d^T D d: by pairs of rows in a column or, if columns are damped together, by all.
+
+    Args:
+        damping: D, symmetric [1/s], (modes, modes).
+        arrangement: of the modes.
+
+    Returns:
+        (pairs of rows, columns) and (entries, entries): upper triangles, twice what is beside the
+        diagonal. One of them has no rows.
+    """
+    rows, columns, entries = arrangement.rows, arrangement.columns, arrangement.entries
+    full = aligned((entries, entries))
+    full[np.ix_(arrangement.entry, arrangement.entry)] = damping
+    twice = np.triu(2.0 * full) - np.diag(np.diag(full))
+    together = np.equal.outer(np.arange(entries) % columns, np.arange(entries) % columns)
+    if np.abs(full[~together]).max(initial=0.0) > ROUNDING * np.abs(damping).max(initial=0.0):
+        return aligned((0, LANES)), aligned_copy(twice)
+    grid = twice.reshape(rows, columns, rows, columns)
+    pairs = [
+        grid[m, range(columns), n, range(columns)] for m in range(rows) for n in range(m, rows)
+    ]
+    return aligned_copy(np.array(pairs)), aligned((0, LANES))
+
+
+def _answers(inverse: FloatArray, arrangement: Arrangement, rotor: RotorArrays) -> list[FloatArray]:
+    """Answer of a cyclic rotor's modes to normal forces and friction on it by column.
+
+    Returns:
+        answer to the normal force on a mode's own column and on the partner's, then to friction.
+    """
+    columns, half = arrangement.columns, arrangement.half
+    modes, column = np.arange(len(inverse)), arrangement.entry % columns
+    partner = (column + half) % columns
+    found = []
+    for own, across in (
+        (rotor.radial, np.zeros_like(rotor.radial)),
+        (rotor.tangential, rotor.crossed),
+    ):
+        force = np.zeros((len(modes), columns))
+        force[modes, column] = own.ravel()[arrangement.entry]
+        force[modes, partner] += across.ravel()[arrangement.entry]
+        answer = inverse @ force
+        found += [arrangement.grid(answer[modes, each]) for each in (column, partner)]
+    return found
+
+
+def turning_inverse(damping: FloatArray, dt: float) -> FloatArray:
+    """Inverse of A of a rotor whose modes are coupled by velocity [s2], (modes, modes)."""
+    return np.asarray(np.linalg.inv(np.eye(len(damping)) / dt**2 + damping / (2.0 * dt)))
