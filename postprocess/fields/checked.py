@@ -82,9 +82,15 @@ def attribute_fault(attributes: Mapping[str, Any]) -> str:
             kind = "positive number" if name in POSITIVE else "finite number"
             return f"attribute {name!r} to be a {kind}, found {value!r}"
     for name in TEXTS:
-        if not isinstance(attributes.get(name, ""), str):
-            return f"attribute {name!r} to be text, found {attributes[name]!r}"
+        text = attributes.get(name, "")
+        if not isinstance(text, str) or not _is_unicode(text):
+            return f"attribute {name!r} to be text, found {text!r:.60}"
     return ""
+
+
+def _is_unicode(text: str) -> bool:
+    """Whether bytes on disk were UTF-8: h5py gives others as halves of surrogate pairs."""
+    return not any("\ud800" <= letter <= "\udfff" for letter in text)
 
 
 def value_fault(dataset: xr.Dataset) -> str:

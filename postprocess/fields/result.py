@@ -35,8 +35,8 @@ from bladewhirl.solvers.march.schema import (
 PORTION = 4096
 """Records read at a time: 5 MB for 156 modes."""
 
-ATTRIBUTES = ("speed", "reference_frequency", "casing_radius", "time_step", "record_step")
-"""Numbers every analysis needs, as attributes of the result."""
+ATTRIBUTES = ("title", "speed", "reference_frequency", "casing_radius", "time_step", "record_step")
+"""What every analysis needs, as attributes of the result."""
 
 
 def open_result(path: str | PathLike[str]) -> xr.Dataset:

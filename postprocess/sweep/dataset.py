@@ -146,6 +146,8 @@ def _fault(dataset: xr.Dataset) -> str:
         values = dataset[name].values if name in dataset else np.zeros(0)
         if values.dtype.kind != "f" or not values.size or not np.isfinite(values).all():
             return f"finite numbers along {name!r}"
+    if np.any(np.diff(dataset["frequency"].values) <= 0.0):
+        return "ascending numbers along 'frequency'"
     return ""
 
 
