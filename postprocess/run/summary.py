@@ -36,13 +36,13 @@ EnergyHolders = TypedDict(
 
 
 class LineOfWhirl(TypedDict):
+    """A line of the shaft's spectrum: its frequency in both frames [Hz], forward positive, and its
+    share of the mean square."""
+
     rotating: float
     static: float
     share: float
 
-
-"""A line of the shaft's spectrum: its frequency in both frames [Hz], forward positive, and its
-share of the mean square."""
 
 MARCH_REPORT = (
     "complementarity_residual",

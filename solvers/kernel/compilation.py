@@ -77,6 +77,8 @@ def _compiler(kind: type[_Library]) -> type[CompilerBase]:
     """numba's own passes, into a library of that kind."""
 
     class Compiler(CompilerBase):
+        """numba's passes for compiled code without Python objects."""
+
         def define_pipelines(self) -> list[Any]:
             """Passes of the one attempt that is made."""
             state = self.state
