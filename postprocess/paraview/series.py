@@ -145,7 +145,7 @@ def write_series(
     with replacing(folder / "mesh.vtu") as draft:
         write_vtu(draft, undeformed_mesh(dataset))
     script = files("bladewhirl.postprocess.paraview").joinpath("view.py").read_text("utf-8")
-    about = f"SERIES = {pformat(_about(dataset, records, parts))}"
+    about = f"SERIES: dict[str, Any] = {pformat(_about(dataset, records, parts))}"
     write_whole(folder / "view.py", script.replace(FILL, about))
     for time, grids in zip(dataset["time"].values[records], parts.grids(), strict=True):
         series.add(float(time), grids)
