@@ -1,10 +1,10 @@
 """A verification case: a quantity with a known answer, and how it is computed here.
 
-A case is a function that returns (reference, ours), decorated with what is compared::
+A case is a function that returns (reference, ours), and a row of data/cases.csv, which says what
+is compared, within which tolerance, and where the reference comes from::
 
-    @verifies("frequency of {} nodal diameters", unit="Hz", source="NAFEMS R0015, test 6",
-              tolerance=1.2e-3, each=(2, 3, 4))
-    def nafems_ring(k: int) -> Pair:
+    @verifies("2", "3", "4")
+    def nafems_ring(k: str) -> Pair:
         ...
 
 Both may be arrays of one shape: the worst of their entries is told.
@@ -12,14 +12,17 @@ Both may be arrays of one shape: the worst of their entries is told.
 
 from __future__ import annotations
 
+import csv
 import time
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
-from functools import partial
-from typing import Any, Literal, TypeVar
+from functools import cache, partial
+from typing import Any, Literal, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from bladewhirl.studies.verification.references import FOLDER
 
 Pair = tuple[ArrayLike, ArrayLike]
 """Reference and ours."""
@@ -109,41 +112,35 @@ CASES: list[VerificationCase] = []
 """All cases of the modules imported so far, in the order of the table."""
 
 
-def verifies(
-    quantity: str,
-    *,
-    source: str,
-    tolerance: float,
-    unit: str = "1",
-    measure: Measure = "relative",
-    each: Sequence[Hashable] = (),
-    long: bool = False,
-) -> Callable[[Function], Function]:
+@cache
+def rows() -> dict[str, dict[str, str]]:
+    """Rows of data/cases.csv by the name of their function, "rings.nafems_ring"."""
+    text = (FOLDER / "cases.csv").read_text(encoding="utf-8")
+    return {row["case"]: row for row in csv.DictReader(text.splitlines())}
+
+
+def verifies(*each: Hashable) -> Callable[[Function], Function]:
     """Make cases of a function that returns (reference, ours).
 
     Args:
-        quantity: compared, in words; "{}" stands for the argument.
-        source: of the reference.
-        tolerance: of the error.
-        unit: of the quantity.
-        measure: of the error.
-        each: arguments, a case each; without any the function takes none.
-        long: left out of the default set.
+        each: arguments, a case each, put in for "{}" of the quantity; without any the function
+            takes none.
     """
 
     def register(function: Function) -> Function:
         name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
+        row = rows()[name]
         given = [(f"{name}[{value}]", value) for value in each] or [(name, None)]
         for own_name, value in given:
             CASES.append(
                 VerificationCase(
                     name=own_name,
-                    quantity=quantity.format(value),
-                    source=source,
-                    unit=unit,
-                    tolerance=tolerance,
-                    measure=measure,
-                    long=long,
+                    quantity=row["quantity"].format(value),
+                    source=row["source"],
+                    unit=row["unit"],
+                    tolerance=float(row["tolerance"]),
+                    measure=cast(Measure, row["measure"]),
+                    long=row["long"] == "yes",
                     compute=partial(function, value) if each else function,
                 )
             )

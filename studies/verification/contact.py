@@ -25,9 +25,7 @@ from bladewhirl.studies.verification.case import Pair, verifies
 from bladewhirl.studies.verification.references import reference
 
 ELEMENTS = 100
-WAVES = "exact wave solution"
 BARS = (*reference("contact")["bars"], *reference("published")["bars"])
-BAR_SOURCES = "exact wave solution; Carpenter et al. 1991; Siconos ImpactingBar"
 
 
 class Collision(NamedTuple):
@@ -78,22 +76,14 @@ def collision(name: str) -> Collision:
     return Collision(known, chunk, dt, np.array(found))
 
 
-@verifies(
-    "impulse of bars in impact: {}", unit="N s", source=BAR_SOURCES, tolerance=0.01, each=BARS
-)
+@verifies(*BARS)
 def impulse_of_bars(name: str) -> Pair:
     """Over the whole contact."""
     met = collision(name)
     return met.known["impulse"], met.chunk.contact_impulse.sum()
 
 
-@verifies(
-    "beginning of the contact of bars, in time steps: {}",
-    source=BAR_SOURCES,
-    tolerance=2.0,
-    measure="absolute",
-    each=BARS,
-)
+@verifies(*BARS)
 def beginning_for_bars(name: str) -> Pair:
     """First step with contact."""
     met = collision(name)
@@ -101,7 +91,7 @@ def beginning_for_bars(name: str) -> Pair:
     return met.known["start"] / met.dt, first / met.dt
 
 
-@verifies("time in contact of bars: {}", unit="s", source=BAR_SOURCES, tolerance=0.02, each=BARS)
+@verifies(*BARS)
 def duration_of_bars(name: str) -> Pair:
     """From the first step with contact to the last."""
     met = collision(name)
@@ -109,13 +99,7 @@ def duration_of_bars(name: str) -> Pair:
     return met.known["duration"], touching[-1] - touching[0]
 
 
-@verifies(
-    "mean force over the middle of the contact: {}",
-    unit="N",
-    source=BAR_SOURCES,
-    tolerance=0.01,
-    each=BARS,
-)
+@verifies(*BARS)
 def force_of_bars(name: str) -> Pair:
     """Peaks depend on the step; the mean over the middle does not."""
     met = collision(name)
@@ -125,13 +109,7 @@ def force_of_bars(name: str) -> Pair:
     return known["force"], force
 
 
-@verifies(
-    "change of velocity by the contact: {}",
-    unit="m/s",
-    source=BAR_SOURCES,
-    tolerance=0.01,
-    each=BARS,
-)
+@verifies(*BARS)
 def velocity_of_bars(name: str) -> Pair:
     """Of the centres of mass."""
     met = collision(name)
@@ -153,10 +131,7 @@ def bouncing_bar() -> Chunk:
     return marched(given, bar.time_step, round(5.0 / bar.time_step))
 
 
-DOYEN = "Doyen, Ern and Piperno 2011"
-
-
-@verifies("impulses of two bounces of a bar", unit="N s", source=DOYEN, tolerance=0.012)
+@verifies()
 def impulse_of_a_bouncing_bar() -> Pair:
     """The second after a flight in which it rings."""
     chunk = bouncing_bar()
@@ -171,12 +146,7 @@ def first_touch() -> FloatArray:
     return chunk.time[(chunk.contact_impulse[:, 0] > 0.0) & (chunk.time < 2.0)]
 
 
-@verifies(
-    "beginning of the first contact of a bouncing bar, in time steps",
-    source=DOYEN,
-    tolerance=2.0,
-    measure="absolute",
-)
+@verifies()
 def beginning_of_a_bounce() -> Pair:
     """At the time of free fall."""
     first, _ = reference("published")["bouncing_bar"]["first_contact"]
@@ -184,13 +154,7 @@ def beginning_of_a_bounce() -> Pair:
     return first / dt, first_touch()[0] / dt
 
 
-@verifies(
-    "end of the first contact of a bouncing bar",
-    unit="s",
-    source=DOYEN,
-    tolerance=6e-3,
-    measure="absolute",
-)
+@verifies()
 def end_of_a_bounce() -> Pair:
     """Within 1 % of the time in contact."""
     return reference("published")["bouncing_bar"]["first_contact"][1], first_touch()[-1]
@@ -203,25 +167,13 @@ def bounce(*, first: bool) -> float:
     return float(np.average(chunk.time[part], weights=chunk.contact_impulse[part, 0]))
 
 
-@verifies(
-    "centre of the first impulse on a bouncing bar",
-    unit="s",
-    source=DOYEN,
-    tolerance=1e-3,
-    measure="absolute",
-)
+@verifies()
 def first_bounce() -> Pair:
     """The force rises linearly."""
     return 49.0 / 36.0, bounce(first=True)
 
 
-@verifies(
-    "centre of the second impulse on a bouncing bar",
-    unit="s",
-    source=DOYEN,
-    tolerance=0.02,
-    measure="absolute",
-)
+@verifies()
 def second_bounce() -> Pair:
     """In mirror image, after a flight in which the bar rings."""
     return 143.0 / 36.0, bounce(first=False)
@@ -256,57 +208,30 @@ def impacts(name: str) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
 
 
 OSCILLATORS = ("C1", "C2", "C3", "C4")
-FLIGHT = "closed-form flight, events with 40 digits"
 
 
-@verifies(
-    "impacts of an oscillator on a stop: {}",
-    unit="s",
-    source=FLIGHT,
-    tolerance=4e-5,
-    measure="absolute",
-    each=OSCILLATORS,
-)
+@verifies(*OSCILLATORS)
 def times_of_impacts(name: str) -> Pair:
     """Within two steps."""
     exact, _, found, _ = impacts(name)
     return exact, found
 
 
-@verifies(
-    "impulses of an oscillator on a stop: {}",
-    unit="N s",
-    source=FLIGHT,
-    tolerance=4e-4,
-    measure="of largest",
-    each=OSCILLATORS,
-)
+@verifies(*OSCILLATORS)
 def impulses_of_impacts(name: str) -> Pair:
     """The stop takes all the momentum."""
     _, exact, _, found = impacts(name)
     return exact, found
 
 
-@verifies(
-    "energy lost by an oscillator that comes to rest on its stop",
-    unit="J",
-    source=FLIGHT,
-    tolerance=1e-6,
-)
+@verifies()
 def energy_of_an_impact() -> Pair:
     """Work of the contact forces."""
     case, chunk = oscillator("C1")
     return -case["energy_lost"], chunk.normal_work[-1]
 
 
-@verifies(
-    "releases of an oscillator from a stop: {}",
-    unit="s",
-    source=FLIGHT,
-    tolerance=4e-5,
-    measure="absolute",
-    each=("C2", "C3"),
-)
+@verifies("C2", "C3")
 def times_of_releases(name: str) -> Pair:
     """Of contacts that last; a mass that an impact leaves at rest leaves at once."""
     case, chunk = oscillator(name)
@@ -317,7 +242,7 @@ def times_of_releases(name: str) -> Pair:
     return exact, chunk.time[[end for end in ends if end < chunk.records]]
 
 
-@verifies("force of an oscillator at rest on its stop", unit="N", source=FLIGHT, tolerance=1e-6)
+@verifies()
 def resting_force() -> Pair:
     """Load less spring force."""
     case, chunk = oscillator("C1")
@@ -345,16 +270,7 @@ def coulomb_pad() -> tuple[Chunk, float]:
     return marched(pad_on_a_wall(), 1e-5, 20_000), 1e-5
 
 
-PAD = "Code_Aster SDND100"
-
-
-@verifies(
-    "extremes of a pad under Coulomb friction, signed sliding",
-    unit="m",
-    source=PAD,
-    tolerance=1e-6,
-    measure="absolute",
-)
+@verifies()
 def extremes_of_a_pad() -> Pair:
     """Each half swing loses 2 mu m g / k."""
     chunk, dt = coulomb_pad()
@@ -362,7 +278,7 @@ def extremes_of_a_pad() -> Pair:
     return reference("published")["coulomb_pad"]["extremes"], chunk.rotor_displacement[at, 1]
 
 
-@verifies("place where the pad sticks", unit="m", source=PAD, tolerance=1e-6, measure="absolute")
+@verifies()
 def pad_that_sticks() -> Pair:
     """At all times after the second period."""
     chunk, dt = coulomb_pad()
@@ -371,7 +287,7 @@ def pad_that_sticks() -> Pair:
     return np.full_like(stuck, known["extremes"][-1]), stuck
 
 
-@verifies("work of friction on the pad", unit="J", source=PAD, tolerance=2e-3)
+@verifies()
 def work_on_a_pad() -> Pair:
     """It slides 3.6 mm against 1 N."""
     return reference("published")["coulomb_pad"]["friction_work"], coulomb_pad()[0].friction_work[
@@ -379,7 +295,7 @@ def work_on_a_pad() -> Pair:
     ]
 
 
-@verifies("normal force on the pad", unit="N", source=PAD, tolerance=1e-9)
+@verifies()
 def force_on_a_pad() -> Pair:
     """Its weight, at all steps but those at the ends."""
     chunk, dt = coulomb_pad()
@@ -393,25 +309,14 @@ def small_marches() -> list[Chunk]:
     return [*bars, *(oscillator(name)[1] for name in OSCILLATORS), coulomb_pad()[0]]
 
 
-@verifies(
-    "energy less the work done on bars, oscillators and pad, over the largest term",
-    source="energy ledger",
-    tolerance=1e-9,
-    measure="absolute",
-)
+@verifies()
 def ledgers() -> Pair:
     """The worst step of each."""
     found = [ledger_residual(chunk) for chunk in small_marches()]
     return np.zeros(len(found)), found
 
 
-@verifies(
-    "gap of bars, oscillators and pad where there is an impulse",
-    unit="m",
-    source="complementarity",
-    tolerance=1e-12,
-    measure="absolute",
-)
+@verifies()
 def gaps_in_contact() -> Pair:
     """The largest of each, and the deepest penetration."""
     found = [
@@ -422,12 +327,7 @@ def gaps_in_contact() -> Pair:
     return np.zeros(len(found)), found
 
 
-@verifies(
-    "departure of a rigid rotor in unbalance from its orbit, over the radius, 15 speeds",
-    source="closed form, ROSS 2.3.0 agrees to 1e-6",
-    tolerance=1e-4,
-    measure="absolute",
-)
+@verifies()
 def unbalance_orbit() -> Pair:
     """Through the resonance; started on the orbit, which harmonic loads in x and y keep up."""
     known = reference("jeffcott")

@@ -66,45 +66,21 @@ def coarse(changes: Mapping[str, Any]) -> ContactProblem:
     return contact_problem(build_stage(with_values(Case(), {**COARSE, **changes})))
 
 
-DENSE = "plain dense march without the kernel"
-
-
-@verifies(
-    "gaps of all tips over 10 ms: {}",
-    unit="m",
-    source=DENSE,
-    tolerance=1e-9,
-    measure="absolute",
-    each=tuple(RUBBING),
-)
+@verifies(*RUBBING)
 def gaps_of_rubbing_stages(kind: str) -> Pair:
     """Step for step, through contact, until chaos parts them."""
     plain, chunk = rubbing(kind)
     return plain[0], chunk.gap
 
 
-@verifies(
-    "normal and friction impulses on all tips over 10 ms: {}",
-    unit="N s",
-    source=DENSE,
-    tolerance=1e-8,
-    measure="of largest",
-    each=tuple(RUBBING),
-)
+@verifies(*RUBBING)
 def impulses_of_rubbing_stages(kind: str) -> Pair:
     """Of every step."""
     plain, chunk = rubbing(kind)
     return plain[1:], [chunk.contact_impulse, chunk.friction_impulse]
 
 
-@verifies(
-    "gaps on the paper's stage in all modes over 30 ms",
-    unit="m",
-    source=DENSE,
-    tolerance=1e-9,
-    measure="absolute",
-    long=True,
-)
+@verifies()
 def gaps_of_the_papers_stage() -> Pair:
     """40 casing elements, 110 fixed-interface modes, steps of a microsecond."""
     strike = {"casing.support": 7.975e6, **STRIKE}
@@ -119,50 +95,26 @@ def turned(angle: float = 0.0, speed: float = 1.05) -> Chunk:
     return marched(coarse(changes), DT, STEPS)
 
 
-@verifies(
-    "gaps at negative speed, as seen in a mirror",
-    unit="m",
-    source="mirror symmetry",
-    tolerance=1e-12,
-    measure="absolute",
-)
+@verifies()
 def mirror() -> Pair:
     """Speed and numbers of the blades reversed, the shaft pushed along the mirror."""
     return turned().gap, turned(speed=-1.05).gap[:, -np.arange(22) % 22]
 
 
-@verifies(
-    "friction impulses at negative speed, as seen in a mirror",
-    unit="N s",
-    source="mirror symmetry",
-    tolerance=1e-8,
-    measure="of largest",
-)
+@verifies()
 def mirrored_friction() -> Pair:
     """Drags the other way."""
     mirrored = turned(speed=-1.05).friction_impulse[:, -np.arange(22) % 22]
     return turned().friction_impulse, -mirrored
 
 
-@verifies(
-    "gaps when shaft and push are turned by one blade pitch",
-    unit="m",
-    source="rotational symmetry",
-    tolerance=1e-9,
-    measure="absolute",
-)
+@verifies()
 def one_pitch() -> Pair:
     """22 blades in 22 casing elements."""
     return turned().gap, np.roll(turned(2.0 * np.pi / 22).gap, -1, axis=1)
 
 
-@verifies(
-    "friction impulses at zero speed",
-    unit="N s",
-    source="permanent sliding has no way",
-    tolerance=0.0,
-    measure="absolute",
-)
+@verifies()
 def friction_at_standstill() -> Pair:
     """Though blades touch."""
     chunk = turned(speed=0.0)
@@ -171,13 +123,7 @@ def friction_at_standstill() -> Pair:
     return np.zeros_like(chunk.friction_impulse), chunk.friction_impulse
 
 
-@verifies(
-    "gaps at zero speed above and below the line of the push",
-    unit="m",
-    source="mirror symmetry",
-    tolerance=1e-12,
-    measure="absolute",
-)
+@verifies()
 def symmetry_at_standstill() -> Pair:
     """Nothing drags the shaft aside."""
     gap = turned(speed=0.0).gap
@@ -193,12 +139,7 @@ def oscillations(given: ContactProblem, time: float) -> FloatArray:
     return np.asarray(np.exp(-rate * time) * swing)
 
 
-@verifies(
-    "order in the time step of free motion after any start",
-    source="superposition of modes",
-    tolerance=0.1,
-    measure="absolute",
-)
+@verifies()
 def order_of_free_motion() -> Pair:
     """All modes of a body set off at random, 2 ms, with modal damping."""
     random = np.random.default_rng(1)
@@ -215,13 +156,7 @@ def order_of_free_motion() -> Pair:
     return np.full(2, 2.0), observed_order(np.array(errors))
 
 
-@verifies(
-    "motion after any start over 2 ms, steps of 0.125 us",
-    source="superposition of modes",
-    unit="kg^0.5 m",
-    tolerance=1e-6,
-    measure="of largest",
-)
+@verifies()
 def free_motion() -> Pair:
     """Of the whole coarse stage pushed at its shaft."""
     given = coarse({"initial.centre_velocity": [0.1, 0.05]})
@@ -229,12 +164,7 @@ def free_motion() -> Pair:
     return oscillations(given, 2e-3), chunk.rotor_displacement[-1]
 
 
-@verifies(
-    "order in the time step of motion with contact",
-    source="measured once: first order",
-    tolerance=0.2,
-    measure="absolute",
-)
+@verifies()
 def order_of_contact() -> Pair:
     """A mass on a spring just after it has hit a stop: of the mean error over many steps.
 

@@ -20,8 +20,6 @@ from bladewhirl.studies.verification.stages import (
     steel,
 )
 
-THIN_RING = "closed form of a thin extensible ring"
-
 
 def lowest(modes: Modes, k: int) -> float:
     """Lowest frequency of a nodal diameter [Hz]."""
@@ -36,45 +34,25 @@ def flexural(elements: int, name: str) -> Pair:
     return [row[name] for row in rows], [lowest(modes, row["nodal_diameter"]) for row in rows]
 
 
-@verifies(
-    "bending frequencies, k = 2 to 10, 160 elements",
-    unit="Hz",
-    source=THIN_RING,
-    tolerance=2e-5,
-)
+@verifies()
 def free_ring() -> Pair:
     """Without a support."""
     return flexural(160, "flexural_hz")
 
 
-@verifies(
-    "bending frequencies on an elastic foundation, k = 2 to 10, 160 elements",
-    unit="Hz",
-    source=THIN_RING,
-    tolerance=2e-5,
-)
+@verifies()
 def ring_on_foundation() -> Pair:
     """On a uniform support, radial and tangential."""
     return flexural(160, "flexural_on_foundation_hz")
 
 
-@verifies(
-    "bending frequencies, k = 2 to 10, 160 elements against 800 straight beams",
-    unit="Hz",
-    source="OpenSees",
-    tolerance=3e-5,
-)
+@verifies()
 def ring_by_opensees() -> Pair:
     """Polygons of straight beams, within their own discretisation error."""
     return flexural(160, "opensees_800_hz")
 
 
-@verifies(
-    "order of convergence of the bending frequency of ten nodal diameters, 80 to 160 elements",
-    source="cubics in a fourth-order problem",
-    tolerance=0.1,
-    measure="absolute",
-)
+@verifies()
 def order_of_the_ring() -> Pair:
     """From above, with the fourth power of the element length."""
     pairs = (flexural(n, "flexural_hz") for n in (80, 160))
@@ -82,21 +60,14 @@ def order_of_the_ring() -> Pair:
     return 4.0, observed_order(np.array(errors))[0]
 
 
-@verifies(
-    "order of convergence of the squared frequency of a free ring's translations",
-    source="measured once: theirs are the only rigid motions that cubics miss",
-    tolerance=0.15,
-    measure="absolute",
-)
+@verifies()
 def order_of_translations() -> Pair:
     """Nearly the sixth."""
     eigenvalues = np.array([casing_modes(n).frequency[1] ** 2 for n in (40, 80)])
     return 5.7, observed_order(eigenvalues)[0]
 
 
-@verifies(
-    "stretching frequencies, k = 0 to 4, 80 elements", unit="Hz", source=THIN_RING, tolerance=1e-5
-)
+@verifies()
 def stretching_ring() -> Pair:
     """Those of the spectrum nearest to the closed form."""
     modes = casing_modes(80)
@@ -105,9 +76,7 @@ def stretching_ring() -> Pair:
     return exact, [f[np.argmin(np.abs(f - wanted))] for f, wanted in zip(own, exact, strict=True)]
 
 
-@verifies(
-    "flexibility of a ring pinched at two points", unit="m/N", source="Castigliano", tolerance=1e-5
-)
+@verifies()
 def pinched_ring() -> Pair:
     """Two opposite unit forces: R^3/EI (pi/4 - 2/pi) + pi R / 4 EA."""
     section, modes = steel(0.01), casing_modes(80)
@@ -119,13 +88,7 @@ def pinched_ring() -> Pair:
     return exact, np.sum((apart[elastic] / modes.frequency[elastic]) ** 2)
 
 
-@verifies(
-    "in-plane frequency of {} nodal diameters",
-    unit="Hz",
-    source="NAFEMS R0015, test 6 (inextensible ring, 0.1 % above)",
-    tolerance=1.2e-3,
-    each=("2", "3", "4"),
-)
+@verifies("2", "3", "4")
 def nafems_ring(k: str) -> Pair:
     """Radius 1 m, round bar of 0.1 m; a rectangle of the same area and second moment here."""
     diameter = 0.1
