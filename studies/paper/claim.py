@@ -10,14 +10,12 @@ judged by is in claims.csv beside this module; the modules claims_* judge.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import resources
 from typing import Literal, get_args
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
-from bladewhirl.studies.paper.trials import Evidence, NotTestableError
+from bladewhirl.studies.paper.trials import Evidence, NotTestableError, table
 
 Verdict = Literal["holds", "partly", "does not hold", "not testable"]
 
@@ -95,13 +93,7 @@ CLAIMS: dict[int, Claim] = {}
 """All claims by number, filled by the modules claims_*."""
 
 
-def _written() -> dict[int, dict[str, str]]:
-    """Rows of claims.csv by number."""
-    text = resources.files(__package__).joinpath("claims.csv").read_text(encoding="utf-8")
-    return {int(row.pop("number")): row for row in csv.DictReader(text.splitlines())}
-
-
-ROWS = _written()
+ROWS = {int(row["number"]): row for row in table("claims")}
 
 
 def evaluates(number: int) -> Callable[[Evaluator], Evaluator]:

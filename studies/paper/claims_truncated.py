@@ -22,14 +22,8 @@ from bladewhirl.studies.paper.trials import KAPPAS, NotTestableError
 LIMIT = 1.52
 """Normalised speed above which the paper's truncated space diverges under imbalance."""
 
-DISTORTED = [f"six modes, distortion at 1.05, kappa {kappa:g}" for kappa in KAPPAS]
 ROUNDING = 1e-9
 """Of normalised speeds, whose differences are compared with a step."""
-
-DIVERGING = "six modes, imbalance at 1.65, kappa 0"
-"""Of the paper's Fig. 26."""
-
-UNBALANCED = [f"six modes, imbalance at 1.05, kappa {kappa:g}" for kappa in KAPPAS]
 
 
 @evaluates(35)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 
 import numpy as np
@@ -21,8 +23,7 @@ from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
 from bladewhirl.studies.modal.stability_chart import spectrum_along, stability_chart
 from bladewhirl.studies.modal.veering import draw_veering, veering
 from bladewhirl.studies.paper.claims_modal import EXAMPLE, RANGE
-from bladewhirl.studies.paper.claims_truncated import DISTORTED, DIVERGING, UNBALANCED
-from bladewhirl.studies.paper.trials import Evidence, NotTestableError
+from bladewhirl.studies.paper.trials import Evidence, NotTestableError, table
 
 CHART_SPEEDS, CHART_KAPPAS = np.linspace(*RANGE, 241), np.linspace(0.0, 1000.0, 101)
 """Normalised speeds and stiffnesses [N/m] of the chart."""
@@ -147,119 +148,31 @@ def _slug(text: str) -> str:
     return "-".join(text.replace(",", "").split())
 
 
-def _run(trial: str, name: str, caption: str) -> Panel:
-    return Panel(
-        caption=caption, folder=_slug(trial), name=name, draw=partial(_draw_run, trial, name)
-    )
-
-
-def _sweep(survey: str, name: str, caption: str) -> Panel:
-    return Panel(
-        caption=caption,
-        folder=f"sweep-{_slug(survey)}",
-        name=name,
-        draw=partial(_draw_sweep, survey, name),
-    )
-
-
-def _figure(caption: str, *panels: Panel) -> PaperFigure:
-    return PaperFigure(caption=caption, panels=panels)
-
-
-def _modal(name: str, caption: str) -> Panel:
-    folder = next(folder for folder, (_, names) in _MODAL.items() if name in names)
-    return Panel(caption=caption, folder=folder, name=name, draw=_MODAL[folder][0])
-
-
-_MODAL: Mapping[str, tuple[Draw, tuple[str, ...]]] = {
-    "modes": (_draw_modes, ("bladed-disk-shapes", "standard-scenario", "inverted-scenario")),
-    "veering": (_draw_veering, ("families", "first-families", "shaft")),
-    "campbell": (_draw_campbell, ("campbell-rotating", "campbell-static")),
-    "stability": (_draw_chart, ("stability", "spectrum")),
-    "coupled-mode": (_draw_coupled_mode, ("shapes", "orbit", "phases")),
+_MODAL: Mapping[str, Draw] = {
+    "modes": _draw_modes,
+    "veering": _draw_veering,
+    "campbell": _draw_campbell,
+    "stability": _draw_chart,
+    "coupled-mode": _draw_coupled_mode,
 }
-"""Function that draws the pictures of each folder, and their names."""
+"""Function that draws all pictures of a folder."""
 
-_A, _A_OTHER, _B = "distortion at 1.05", "distortion at 1.39", "imbalance at 1.05"
-_B_HIGH = "imbalance at 1.6"
+
+def _panel(row: Mapping[str, str]) -> Panel:
+    """The panel of a row of figures.csv: of modes, or of a march or a sweep by name."""
+    source, name = row["source"], row["picture"]
+    draw: Draw
+    if row["kind"] == "modal":
+        folder, draw = source, _MODAL[source]
+    elif row["kind"] == "run":
+        folder, draw = _slug(source), partial(_draw_run, source, name)
+    else:
+        folder, draw = f"sweep-{_slug(source)}", partial(_draw_sweep, source, name)
+    return Panel(caption=row["caption"], folder=folder, name=name, draw=draw)
+
 
 PAPER_FIGURES: Mapping[str, PaperFigure] = {
-    "6": _figure(
-        "Modes of the bladed disk",
-        _modal("bladed-disk-shapes", "1F by nodal diameter, and the suspension"),
-    ),
-    "7": _figure(
-        "Families over nodal diameter, centre free and clamped",
-        _modal("families", "five families"),
-        _modal("first-families", "the suspension pair between 1F and 2F"),
-    ),
-    "8": _figure(
-        "Coincidence speeds",
-        _modal("campbell-rotating", "rotating frame"),
-        _modal("campbell-static", "static frame"),
-    ),
-    "9": _figure("Standard contact", _modal("standard-scenario", "casing moves less")),
-    "10": _figure("Inverted contact", _modal("inverted-scenario", "casing moves more")),
-    "11": _figure("Stability over speed and coupling", _modal("stability", "growth rate")),
-    "12": _figure("Eigenvalues at 500 N/m", _modal("spectrum", "real and imaginary parts")),
-    "13": _figure("Divergent mode in time", _modal("shapes", "bladed disk and casing")),
-    "14": _figure(
-        "Divergent mode at the centre",
-        _modal("orbit", "orbits in both frames"),
-        _modal("phases", "shaft and smallest clearance"),
-    ),
-    "15": _figure(
-        "Response to casing distortion over speed",
-        _sweep("distortion", "frequency-map", "spectrum of the shaft"),
-        _sweep("distortion", "shaft-radius", "largest displacement"),
-    ),
-    "16": _figure("Casing distortion at 1.05: the shaft", _run(_A, "orbit", "orbits")),
-    "17": _figure(
-        "Casing distortion at 1.05: frequencies and energies",
-        _run(_A, "spectrogram", "(a) spectrogram"),
-        _run(_A, "energy", "(b) strain energy"),
-    ),
-    "18": _figure(
-        "Casing distortion at 1.39",
-        _run(_A_OTHER, "orbit", "(a), (b) orbits"),
-        _run(_A_OTHER, "contact-phase", "(c) shaft and smallest clearance"),
-    ),
-    "19": _figure(
-        "Response to imbalance over speed",
-        _sweep("imbalance", "frequency-map", "spectrum of the shaft"),
-        _sweep("imbalance", "shaft-radius", "largest displacement"),
-    ),
-    "20": _figure(
-        "Imbalance at 1.05: the shaft",
-        _run(_B, "orbit", "(a), (b) orbits"),
-        _run(_B, "state-space", "(c), (d) state space and Poincaré map"),
-        _run(_B, "energy", "(e) strain energy"),
-    ),
-    "21": _figure(
-        "Imbalance at 1.05: contact",
-        _run(_B, "gaps", "(a), (b) gaps"),
-        _run(_B, "forces", "contact forces"),
-        _run(_B, "contact-phase", "(c) shaft and smallest clearance"),
-    ),
-    "22": _figure("Imbalance at 1.6", _run(_B_HIGH, "energy", "strain energy")),
-    "23": _figure(
-        "Six modes, casing distortion at 1.05",
-        _run(DISTORTED[0], "orbit", "(a), (b) orbits"),
-        _run(DISTORTED[0], "energy", "(c) strain energy"),
-    ),
-    "24": _figure(
-        "Six modes: largest displacement over speed and coupling",
-        _sweep("six modes, distortion", "shaft-radius", "a line for each coupling"),
-    ),
-    "25": _figure(
-        "Six modes, imbalance at 1.05",
-        *(_run(name, "orbit", name.rsplit(", ", 1)[1] + " N/m") for name in UNBALANCED),
-        _run(UNBALANCED[0], "energy", "(c) strain energy, kappa 0"),
-    ),
-    "26": _figure(
-        "Six modes, imbalance",
-        _run(DIVERGING, "energy", "strain energy at 1.65, kappa 0"),
-        _sweep("six modes, imbalance", "shaft-radius", "a line for each coupling"),
-    ),
+    number: PaperFigure(caption=title, panels=tuple(map(_panel, rows)))
+    for (number, title), rows in groupby(table("figures"), itemgetter("figure", "title"))
 }
-"""By number in the paper."""
+"""Rows of figures.csv by number in the paper."""

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import csv
 import math
 from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib import resources
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, cast
 
 import xarray as xr
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import with_values
+from bladewhirl.models.case.file import override_values, with_values
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.measures import Motion
@@ -102,71 +104,31 @@ class Trial:
 
     load: Load
     changes: Mapping[str, Any]  #: of the case, by dotted key
-    length: float = 1.0  #: times the duration of the others
-    repeated: bool = True  #: with a perturbed force, where a claim is judged several times
+    length: float  #: times the duration of the others
+    repeated: bool  #: with a perturbed force, where a claim is judged several times
 
 
-SHORT = 0.1
-"""Share of the duration that convergence in the time step is looked at."""
-
-TIME_STEPS = (2e-6, 1e-6, 5e-7)
 MODES = (44, 66, 88, 110, 132)
-"""Time steps [s] and numbers of fixed-interface modes of the convergence claims; none of the
-numbers cuts a pair of 22 blades in two."""
+"""Numbers of fixed-interface modes of the convergence claim; none cuts a pair of 22 blades in two.
+"""
 
-COUPLED: tuple[tuple[Load, float], ...] = (("distortion", 1.05), ("imbalance", 1.05))
-"""Loads and speeds at which the truncated space is marched with each of `KAPPAS`."""
+
+def table(name: str) -> list[dict[str, str]]:
+    """Rows of a CSV file beside this module."""
+    text = resources.files(__package__).joinpath(f"{name}.csv").read_text(encoding="utf-8")
+    return list(csv.DictReader(text.splitlines()))
+
 
 TRIALS: Mapping[str, Trial] = {
-    "distortion at 1.05": Trial(load="distortion", changes={"march.speed": 1.05}),
-    "distortion at 1.39": Trial(load="distortion", changes={"march.speed": 1.39}),
-    "clamped at 1.05": Trial(
-        load="distortion", changes={"march.speed": 1.05, "shaft.clamped": True}
-    ),
-    "clamped at 1.39": Trial(
-        load="distortion", changes={"march.speed": 1.39, "shaft.clamped": True}
-    ),
-    "ovalisation": Trial(
-        load="distortion",
-        changes={"march.speed": 1.05, "excitation.nodal_diameter": 2},
-        repeated=False,
-    ),
-    "imbalance at 1.05": Trial(load="imbalance", changes={"march.speed": 1.05}),
-    "imbalance at 1.6": Trial(load="imbalance", changes={"march.speed": 1.6}),
-    "imbalance at 1.6, twice as long": Trial(
-        load="imbalance", changes={"march.speed": 1.6}, length=2.0, repeated=False
-    ),
-    **{
-        f"time step {step:g} s": Trial(
-            load="imbalance",
-            changes={"march.speed": 1.05, "march.time_step": step},
-            length=SHORT,
-            repeated=False,
-        )
-        for step in TIME_STEPS
-    },
-    **{
-        f"six modes, {load} at {speed}, kappa {kappa:g}": Trial(
-            load=load, changes={**SIX, "march.speed": speed, "coupling.stiffness": kappa}
-        )
-        for load, speed in COUPLED
-        for kappa in KAPPAS
-    },
-    "six modes, imbalance at 1.65, kappa 0": Trial(
-        load="imbalance",
-        changes={**SIX, "march.speed": 1.65, "coupling.stiffness": 0.0},
-        repeated=False,
-    ),
-    **{
-        f"{count} modes": Trial(
-            load="imbalance",
-            changes={"march.speed": 1.05, "reduction.fixed_interface_modes": count},
-            repeated=False,
-        )
-        for count in MODES
-    },
+    row["name"]: Trial(
+        load=cast(Load, row["load"]),
+        changes=override_values(row["changes"].split("; ")),
+        length=float(row["length"]),
+        repeated=row["repeated"] == "yes",
+    )
+    for row in table("trials")
 }
-"""Marches by name."""
+"""Rows of trials.csv by name: all begin a contact, changed as by --set."""
 
 
 @dataclass(kw_only=True)
