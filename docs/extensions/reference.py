@@ -41,20 +41,21 @@ def case_keys() -> str:
 
 
 def _entries(table: type[Table], place: str, suffix: str) -> Iterator[str]:
+    descriptions = table.descriptions()
     for name, field in table.model_fields.items():
         key = f"{place}.{name}" if place else name
         inner = list(_tables(field.annotation))
         if not place and name not in ("title", "sketch"):
             continue
-        yield _entry(key + suffix, field)
+        yield _entry(key + suffix, field, descriptions.get(name, ""))
         for row in inner:
             listed = "tuple" in str(field.annotation)
             if name != "sketch":
                 yield from _entries(row, f"{key}[]" if listed else key, suffix)
 
 
-def _entry(key: str, field: FieldInfo) -> str:
-    described = field.description or _summary(next(_tables(field.annotation), ""))
+def _entry(key: str, field: FieldInfo, described: str) -> str:
+    described = described or _summary(next(_tables(field.annotation), ""))
     lines = [f"```{{confval}} {key}", f":type: {_quoted(_words(_expected(field)))}"]
     lines.append(f":default: {_quoted(_default(field))}")
     return "\n".join([*lines, "", _words(described), "```", "", ""])

@@ -39,58 +39,43 @@ WHOLE = 1e-6
 class Reduction(Table):
     """Craig-Bampton reduction of the bladed disk on its tips and centre, and modes of both."""
 
-    fixed_interface_modes: Annotated[int, count(1)] = Field(
-        default=110, description="Number of fixed-interface modes (eta in the paper, Section 2.2)."
-    )
-    modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = Field(
-        default="all",
-        description='Modes that a march keeps: "all"; "six", the paper\'s truncated space of Eqs'
-        ' (4)-(10), "1F:1,suspension:1,casing:1"; or any others by name, FAMILY:k on the bladed'
-        ' disk and casing:FAMILY:k on the casing, without ":k" in all nodal diameters, "*" for'
-        ' every family; "casing:k" is the lowest radial mode. Loads and start are projected.',
-    )
+    fixed_interface_modes: Annotated[int, count(1)] = 110
+    """Number of fixed-interface modes (eta in the paper, Section 2.2)."""
+    modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = "all"
+    """Modes that a march keeps: "all"; "six", the paper's truncated space of Eqs (4)-(10),
+    "1F:1,suspension:1,casing:1"; or any others by name, FAMILY:k on the bladed disk and
+    casing:FAMILY:k on the casing, without ":k" in all nodal diameters, "*" for every family;
+    "casing:k" is the lowest radial mode. Loads and start are projected."""
 
 
 class Damping(Table):
     """Modal damping of both structures."""
 
-    ratio: NumberOrZero = Field(
-        default=0.005,
-        description="Damping ratio xi of every mode (not in the paper; lets suspension transients"
-        " fade within about 1.1 s).",
-    )
+    ratio: NumberOrZero = 0.005
+    """Damping ratio xi of every mode (not in the paper; lets suspension transients fade within
+    about 1.1 s)."""
 
 
 class Contact(Table):
     """Contact between tips and casing."""
 
-    friction: NumberOrZero = Field(
-        default=0.1, description="Coulomb friction coefficient (paper, Table 2)."
-    )
-    sliding: Literal["permanent", "signed"] = Field(
-        default="permanent",
-        description='"permanent": friction drags every tip against the rotation ("sliding is'
-        ' assumed" in the paper); "signed": it follows the sign of the relative velocity, without'
-        " sticking: at speed 0, where tips should stick, rounding decides the sign.",
-    )
-    tip_rotation: StrictBool = Field(
-        default=False, description="Let the angle of a tip on the casing follow u_t / R."
-    )
-    restitution: NumberOrZero = Field(
-        default=0.0,
-        description="Speed of a tip after an impact over that before, 0 to 1, with march.scheme ="
-        ' "moreau-jean".',
-    )
-    penalty_stiffness: Stiffness = Field(
-        default=1e9,
-        description='Force of a tip over its depth in the casing, with march.scheme = "penalty"'
-        " [N/m]. One that the time step does not resolve is refused.",
-    )
-    stick_speed: PositiveVelocity = Field(
-        default=0.01,
-        description='Relative speed from which on friction is whole, with march.scheme = "penalty"'
-        " [m/s]; below it a tip creeps that should stick.",
-    )
+    friction: NumberOrZero = 0.1
+    """Coulomb friction coefficient (paper, Table 2)."""
+    sliding: Literal["permanent", "signed"] = "permanent"
+    """"permanent": friction drags every tip against the rotation ("sliding is assumed" in the
+    paper); "signed": it follows the sign of the relative velocity, without sticking: at speed 0,
+    where tips should stick, rounding decides the sign."""
+    tip_rotation: StrictBool = False
+    """Let the angle of a tip on the casing follow u_t / R."""
+    restitution: NumberOrZero = 0.0
+    """Speed of a tip after an impact over that before, 0 to 1, with march.scheme = "moreau-jean".
+    """
+    penalty_stiffness: Stiffness = 1e9
+    """Force of a tip over its depth in the casing, with march.scheme = "penalty" [N/m]. One that
+    the time step does not resolve is refused."""
+    stick_speed: PositiveVelocity = 0.01
+    """Relative speed from which on friction is whole, with march.scheme = "penalty" [m/s]; below it
+    a tip creeps that should stick."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Restitution that gains energy."""
@@ -104,85 +89,64 @@ class Initial(Table):
     Tips and centre move as given; the rest of the bladed disk follows as it would statically.
     """
 
-    centre_velocity: VelocityPair = Field(
-        default=(0.0, 0.0),
-        description="Velocity of the centre, x and y [m/s]. All between centre and tips follows as"
-        " it would statically: that is another motion than one where the centre's mass alone moves"
-        " (by a factor of 4 to 45 in what comes of it).",
-    )
-    centre_displacement: DisplacementPair = Field(
-        default=(0.0, 0.0), description="Displacement of the centre, x and y [m]."
-    )
+    centre_velocity: VelocityPair = (0.0, 0.0)
+    """Velocity of the centre, x and y [m/s]. All between centre and tips follows as it would
+    statically: that is another motion than one where the centre's mass alone moves (by a factor of
+    4 to 45 in what comes of it)."""
+    centre_displacement: DisplacementPair = (0.0, 0.0)
+    """Displacement of the centre, x and y [m]."""
     tip_velocity: VelocityRows | None = Field(
-        default=None,
-        description="Velocity of each tip, radial and tangential [m/s], blades x 2; left out: 0."
-        " The blade under it follows as it would statically, not as if the tip's mass alone moved.",
-        examples=["[[0.0, 0.0], [0.0, 0.0], ...]"],
+        default=None, examples=["[[0.0, 0.0], [0.0, 0.0], ...]"]
     )
+    """Velocity of each tip, radial and tangential [m/s], blades x 2; left out: 0. The blade under
+    it follows as it would statically, not as if the tip's mass alone moved."""
     tip_displacement: DisplacementRows | None = Field(
-        default=None,
-        description="Displacement of each tip, radial and tangential [m], blades x 2; left out: 0.",
-        examples=["[[0.0, 0.0], [0.0, 0.0], ...]"],
+        default=None, examples=["[[0.0, 0.0], [0.0, 0.0], ...]"]
     )
+    """Displacement of each tip, radial and tangential [m], blades x 2; left out: 0."""
 
 
 class Coupling(Table):
     """Coupling of bladed disk and casing through frame and bearings (Eqs 4-10)."""
 
-    stiffness: StiffnessOrZero = Field(
-        default=0.0, description="kappa [N/m] (0 in the paper's Table 2)."
-    )
-    modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = Field(
-        default="six",
-        description="Modes that the springs couple, of those that a march keeps, named as in"
-        " reduction.modes: on the bladed disk 1F to 5F and suspension, on the casing the lowest"
-        " radial mode of each nodal diameter.",
-    )
-    amplitude: Literal["paper", "physical"] = Field(
-        default="paper",
-        description='Amplitudes at the springs: "paper" one for each mode, "physical" those of the'
-        " mass-normalised modes.",
-    )
-    pi: StrictBool = Field(
-        default=True, description="Keep the factor pi of the integral in Eq. (8); Eq. (9) drops it."
-    )
+    stiffness: StiffnessOrZero = 0.0
+    """kappa [N/m] (0 in the paper's Table 2)."""
+    modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = "six"
+    """Modes that the springs couple, of those that a march keeps, named as in reduction.modes: on
+    the bladed disk 1F to 5F and suspension, on the casing the lowest radial mode of each nodal
+    diameter."""
+    amplitude: Literal["paper", "physical"] = "paper"
+    """Amplitudes at the springs: "paper" one for each mode, "physical" those of the mass-normalised
+    modes."""
+    pi: StrictBool = True
+    """Keep the factor pi of the integral in Eq. (8); Eq. (9) drops it."""
 
 
 class March(Table):
     """The march in time."""
 
-    speed: RotationSpeed = Field(
-        default=Speed(1.05),
-        description="Speed of rotation: a number counts multiples of the reference frequency, the"
-        " lowest free-centre frequency of the full bladed disk (also when clamped); text is"
-        ' absolute, "2500 rpm", "42 Hz" (revolutions per second) or "262 rad/s". 0 and negative'
-        " are allowed (1.05 in the paper, Section 4.3).",
-    )
-    time_step: Time = Field(
-        default=1e-6,
-        description="Time step [s] (paper, Section 4.2). Free motion is of the second order in it,"
-        " motion in contact of the first: halve it to see what that changes.",
-    )
-    duration: TimeOrZero = Field(default=3.0, description="Simulated time [s] (paper, Table 2).")
-    record_step: Time = Field(
-        default=1e-4, description="Time between records [s], a whole number of time steps."
-    )
-    displacement_limit: Length | None = Field(
-        default=None,
-        description="Radial or tangential displacement of a blade tip, or radial one of the casing,"
-        " at which a divergent march ends [m]; a blade's length when left out, where a linear model"
-        " has nothing left to say. It is off by a tenth from a third of that length on, but"
-        " transients pass that and decay (a choice).",
-        examples=["0.5"],
-    )
-    scheme: Scheme = Field(
-        default="central-difference",
-        description='Contact law and time integration. "central-difference": Lagrange multipliers'
-        ' and sliding friction, as in the paper; fast. "moreau-jean": impacts with'
-        ' contact.restitution, friction that sticks and slips. "penalty": elastic impacts on'
-        " contact.penalty_stiffness, friction that creeps below contact.stick_speed. The last two"
-        " take no notice of contact.sliding.",
-    )
+    speed: RotationSpeed = Speed(1.05)
+    """Speed of rotation: a number counts multiples of the reference frequency, the lowest
+    free-centre frequency of the full bladed disk (also when clamped); text is absolute, "2500 rpm",
+    "42 Hz" (revolutions per second) or "262 rad/s". 0 and negative are allowed (1.05 in the paper,
+    Section 4.3)."""
+    time_step: Time = 1e-6
+    """Time step [s] (paper, Section 4.2). Free motion is of the second order in it, motion in
+    contact of the first: halve it to see what that changes."""
+    duration: TimeOrZero = 3.0
+    """Simulated time [s] (paper, Table 2)."""
+    record_step: Time = 1e-4
+    """Time between records [s], a whole number of time steps."""
+    displacement_limit: Length | None = Field(default=None, examples=["0.5"])
+    """Radial or tangential displacement of a blade tip, or radial one of the casing, at which a
+    divergent march ends [m]; a blade's length when left out, where a linear model has nothing left
+    to say. It is off by a tenth from a third of that length on, but transients pass that and decay
+    (a choice)."""
+    scheme: Scheme = "central-difference"
+    """Contact law and time integration. "central-difference": Lagrange multipliers and sliding
+    friction, as in the paper; fast. "moreau-jean": impacts with contact.restitution, friction that
+    sticks and slips. "penalty": elastic impacts on contact.penalty_stiffness, friction that creeps
+    below contact.stick_speed. The last two take no notice of contact.sliding."""
 
     @property
     def summary(self) -> str:

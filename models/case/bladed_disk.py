@@ -26,90 +26,68 @@ from bladewhirl.models.sections.materials import BeamSection
 class DiskSection(BeamSection):
     """The rectangular section of the disk's beams, thicker by default."""
 
-    thickness: Length = Field(default=0.03, description="Size in the plane of motion [m].")
+    thickness: Length = 0.03
+    """Size in the plane of motion [m]."""
 
 
 class BladedDisk(Table):
     """Beams: blades from root to tip, a disk of spokes and a rim polygon through the roots."""
 
-    blades: Annotated[int, count(3)] = Field(
-        default=22, description="Number of blades (paper, Section 2.1)."
-    )
-    tip_radius: Length = Field(
-        default=0.5, description="Radius of the blade tips [m] (paper, Table 1)."
-    )
-    disk_radius: Length = Field(
-        default=0.05, description="Radius of the blade roots [m] (paper, Table 1)."
-    )
-    elements_per_blade: Annotated[int, count(1)] = Field(
-        default=10, description="Beam elements along each blade (paper, Section 2.1)."
-    )
-    blade: BeamSection = Field(
-        default=BeamSection(),
-        description="Section of the blades: width out of the plane, thickness in it [m] (paper,"
-        " Table 1; 10 mm must be in the plane for k_o to be 500 blade stiffnesses).",
-    )
-    taper: TaperRows = Field(
-        default=(),
-        description="Sections of the blades from root to tip at equal distances, linear in between,"
-        ' rows of { thickness = "12 mm", width = "0.1 m" }; what is left out is as in blade.',
-    )
-    centre_line: CentreRows = Field(
-        default=(),
-        description="Points that the blades' smooth centre line goes through after the root, rows"
-        ' of { span = 0.5, angle = "4 deg" }: share of the way to the tip, and angle from the'
-        " radial line through the root; the last at span = 1. None: straight and radial. The tips"
-        " stay where they are, the roots lie back.",
-    )
-    shrouds: ShroudRows = Field(
-        default=(),
-        description='Rings of beams from blade to blade, rows of { radius = "0.4 m", width ='
-        ' "20 mm", thickness = "5 mm" }; elements = 3 follows the arc with three beams, cuts = [21]'
-        " leaves the ring open after blade 21.",
-    )
-    disk_kind: Literal["spokes-and-rim", "spokes", "rim", "rigid"] = Field(
-        default="spokes-and-rim",
-        description='"spokes-and-rim" (the paper), "spokes" alone, "rim": a ring that springs join'
-        ' to the centre, which then needs a point mass, or "rigid".',
-    )
-    disk: DiskSection = Field(
-        default=DiskSection(),
-        description="Section of spokes and rim [m]; 30 mm in the plane is a choice (the paper has"
-        ' "a dedicated set of beams"), which puts the suspension modes at 2.53.',
-    )
-    disk_rings: RingRows = Field(
-        default=(),
-        description='More rings within the disk, rows of { radius = "25 mm", thickness = "20 mm" };'
-        " they cut the spokes.",
-    )
-    web_radial: Stiffness = Field(
-        default=1e9, description='Of each spring from centre to root where the disk is "rim" [N/m].'
-    )
-    web_tangential: Stiffness = Field(
-        default=1e9, description="The same spring across the radius [N/m]."
-    )
-    tip_mass: Mass = Field(default=0.0, description="Point mass at each tip [kg].")
-    point_masses: MassRows = Field(
-        default=(),
-        description='More point masses, rows of { radius = "0.4 m", mass = "50 g" }, on all blades'
-        ' or with blades = [0, 7] on some; with inertia = "2 kg cm2"; radius = 0 is the centre.',
-    )
-    mistuning: Mistuning = Field(
-        default=Mistuning(),
-        description="What makes blades differ: factors of stiffness, mass and length as lists, one"
-        " a blade, or as the standard deviation of random factors about 1, with a seed. A longer"
-        " blade takes from its own clearance.",
-    )
+    blades: Annotated[int, count(3)] = 22
+    """Number of blades (paper, Section 2.1)."""
+    tip_radius: Length = 0.5
+    """Radius of the blade tips [m] (paper, Table 1)."""
+    disk_radius: Length = 0.05
+    """Radius of the blade roots [m] (paper, Table 1)."""
+    elements_per_blade: Annotated[int, count(1)] = 10
+    """Beam elements along each blade (paper, Section 2.1)."""
+    blade: BeamSection = BeamSection()
+    """Section of the blades: width out of the plane, thickness in it [m] (paper, Table 1; 10 mm
+    must be in the plane for k_o to be 500 blade stiffnesses)."""
+    taper: TaperRows = ()
+    """Sections of the blades from root to tip at equal distances, linear in between, rows of {
+    thickness = "12 mm", width = "0.1 m" }; what is left out is as in blade."""
+    centre_line: CentreRows = ()
+    """Points that the blades' smooth centre line goes through after the root, rows of { span = 0.5,
+    angle = "4 deg" }: share of the way to the tip, and angle from the radial line through the root;
+    the last at span = 1. None: straight and radial. The tips stay where they are, the roots lie
+    back."""
+    shrouds: ShroudRows = ()
+    """Rings of beams from blade to blade, rows of { radius = "0.4 m", width = "20 mm", thickness =
+    "5 mm" }; elements = 3 follows the arc with three beams, cuts = [21] leaves the ring open after
+    blade 21."""
+    disk_kind: Literal["spokes-and-rim", "spokes", "rim", "rigid"] = "spokes-and-rim"
+    """"spokes-and-rim" (the paper), "spokes" alone, "rim": a ring that springs join to the centre,
+    which then needs a point mass, or "rigid"."""
+    disk: DiskSection = DiskSection()
+    """Section of spokes and rim [m]; 30 mm in the plane is a choice (the paper has "a dedicated set
+    of beams"), which puts the suspension modes at 2.53."""
+    disk_rings: RingRows = ()
+    """More rings within the disk, rows of { radius = "25 mm", thickness = "20 mm" }; they cut the
+    spokes."""
+    web_radial: Stiffness = 1e9
+    """Of each spring from centre to root where the disk is "rim" [N/m]."""
+    web_tangential: Stiffness = 1e9
+    """The same spring across the radius [N/m]."""
+    tip_mass: Mass = 0.0
+    """Point mass at each tip [kg]."""
+    point_masses: MassRows = ()
+    """More point masses, rows of { radius = "0.4 m", mass = "50 g" }, on all blades or with blades
+    = [0, 7] on some; with inertia = "2 kg cm2"; radius = 0 is the centre."""
+    mistuning: Mistuning = Mistuning()
+    """What makes blades differ: factors of stiffness, mass and length as lists, one a blade, or as
+    the standard deviation of random factors about 1, with a seed. A longer blade takes from its own
+    clearance."""
 
     mesh: MeshTable | None = Field(
         default=None,
-        description="A mesh file instead, left out here: its unit of length, its groups of nodes"
-        ' that are the tips and the centre (tips = "tips", centre = "centre"), sections of its'
-        " groups of lines; all other keys of [bladed_disk] are then left out.",
         examples=[
             '{ file = "a.msh", unit = "mm", sections.blades = { width = 0.1, thickness = 0.01 } }'
         ],
     )
+    """A mesh file instead, left out here: its unit of length, its groups of nodes that are the tips
+    and the centre (tips = "tips", centre = "centre"), sections of its groups of lines; all other
+    keys of [bladed_disk] are then left out."""
 
     @property
     def summary(self) -> str:

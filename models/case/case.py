@@ -59,7 +59,8 @@ class Case(Table):
             with a line a fault.
     """
 
-    title: StrictStr = Field(default="Fan stage", description="Title, free text.")
+    title: StrictStr = "Fan stage"
+    """Title, free text."""
     material: Material = Material()
     bladed_disk: BladedDisk = BladedDisk()
     shaft: Shaft = Shaft()
@@ -71,10 +72,9 @@ class Case(Table):
     excitation: ExcitationTable = NoExcitation()
     initial: Initial = Initial()
     sketch: SketchTable | None = Field(
-        default=None,
-        description="A bladed disk of its own, drawn in Python, instead of [bladed_disk].",
-        examples=["{ sectors = 22, nodes = [...], members = [...], sets = [...] }"],
+        default=None, examples=["{ sectors = 22, nodes = [...], members = [...], sets = [...] }"]
     )
+    """A bladed disk of its own, drawn in Python, instead of [bladed_disk]."""
     coupling: Coupling = Coupling()
     march: March = March()
 

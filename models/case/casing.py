@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field
 
 from bladewhirl.models.inputs.fields import (
     Angle,
@@ -38,18 +37,25 @@ QUARTER = np.pi / 2.0
 class Station(Table):
     """The wall's thickness at an angle."""
 
-    angle: Angle = Field(description="From the x axis [rad].")
-    thickness: Length = Field(description="Size in the plane of motion [m].")
+    angle: Angle
+    """From the x axis [rad]."""
+    thickness: Length
+    """Size in the plane of motion [m]."""
 
 
 class SpringSupport(Table):
     """Springs and dampers from the wall to the ground at an angle."""
 
-    angle: Angle = Field(description="From the x axis [rad].")
-    radial: StiffnessOrZero = Field(default=0.0, description="Stiffness [N/m].")
-    tangential: StiffnessOrZero = Field(default=0.0, description="Stiffness [N/m].")
-    radial_damping: DampingOrZero = Field(default=0.0, description="Damping [N s/m].")
-    tangential_damping: DampingOrZero = Field(default=0.0, description="Damping [N s/m].")
+    angle: Angle
+    """From the x axis [rad]."""
+    radial: StiffnessOrZero = 0.0
+    """Stiffness [N/m]."""
+    tangential: StiffnessOrZero = 0.0
+    """Stiffness [N/m]."""
+    radial_damping: DampingOrZero = 0.0
+    """Damping [N s/m]."""
+    tangential_damping: DampingOrZero = 0.0
+    """Damping [N s/m]."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Supports that are none."""
@@ -61,17 +67,17 @@ class SpringSupport(Table):
 class Strut(BeamSection):
     """A straight strut from the wall to the ground."""
 
-    angle: Angle = Field(description="Of its foot on the wall from the x axis [rad].")
-    inclination: Angle = Field(
-        default=0.0,
-        description="Angle from the outward normal to the strut, counter-clockwise, less than a"
-        " quarter turn either way [rad].",
-    )
-    length: Length = Field(description="Length [m].")
-    ends: Literal["pinned", "built-in"] = Field(
-        default="pinned", description="Pinned: a bar. Built in: a beam."
-    )
-    damping: DampingOrZero = Field(default=0.0, description="Of a damper along the strut [N s/m].")
+    angle: Angle
+    """Of its foot on the wall from the x axis [rad]."""
+    inclination: Angle = 0.0
+    """Angle from the outward normal to the strut, counter-clockwise, less than a quarter turn
+    either way [rad]."""
+    length: Length
+    """Length [m]."""
+    ends: Literal["pinned", "built-in"] = "pinned"
+    """Pinned: a bar. Built in: a beam."""
+    damping: DampingOrZero = 0.0
+    """Of a damper along the strut [N s/m]."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """A strut that runs inward."""
@@ -83,85 +89,59 @@ class Strut(BeamSection):
 class Casing(Table):
     """A ring of curved beams at tip_radius + clearance."""
 
-    elements: Annotated[int, count(3)] = Field(
-        default=40, description="Number of curved beam elements (paper, Section 2.1)."
-    )
-    clearance: LengthOrZero = Field(
-        default=1e-3,
-        description="Gap between tips and casing at rest [m] (paper, Table 1); its mean where there"
-        " are lobes.",
-    )
+    elements: Annotated[int, count(3)] = 40
+    """Number of curved beam elements (paper, Section 2.1)."""
+    clearance: LengthOrZero = 1e-3
+    """Gap between tips and casing at rest [m] (paper, Table 1); its mean where there are lobes."""
     clearance_lobes: Annotated[
         tuple[Lobe, ...], rows('{ lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }')
-    ] = Field(
-        default=(),
-        description='Out-of-round clearance, rows of { lobes = 2, amplitude = "0.2 mm", phase ='
-        ' "30 deg" }: amplitude * cos(lobes * (angle - phase)) on top of clearance, fixed in the'
-        " static frame; 2 lobes make an ellipse. The clearance alone is out of round: the beams"
-        " stay on a circle.",
-    )
-    wall: BeamSection = Field(
-        default=BeamSection(), description="Section of the wall [m] (paper, Table 1)."
-    )
+    ] = ()
+    """Out-of-round clearance, rows of { lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }:
+    amplitude * cos(lobes * (angle - phase)) on top of clearance, fixed in the static frame; 2 lobes
+    make an ellipse. The clearance alone is out of round: the beams stay on a circle."""
+    wall: BeamSection = BeamSection()
+    """Section of the wall [m] (paper, Table 1)."""
     thickness_lobes: Annotated[
         tuple[Lobe, ...], rows('{ lobes = 2, amplitude = "1 mm", phase = "30 deg" }')
-    ] = Field(
-        default=(),
-        description="Waves of the wall's thickness, rows as of clearance_lobes, on top of"
-        " wall.thickness or of the stations.",
-    )
+    ] = ()
+    """Waves of the wall's thickness, rows as of clearance_lobes, on top of wall.thickness or of the
+    stations."""
     thickness_stations: Annotated[
         tuple[Station, ...], rows('{ angle = "90 deg", thickness = "12 mm" }')
-    ] = Field(
-        default=(),
-        description='Thickness of the wall at angles, rows of { angle = "90 deg", thickness ='
-        ' "12 mm" }, linear in between and around; where there are any, wall.thickness is unused.',
-    )
+    ] = ()
+    """Thickness of the wall at angles, rows of { angle = "90 deg", thickness = "12 mm" }, linear in
+    between and around; where there are any, wall.thickness is unused."""
     stiffened_arcs: Annotated[
         tuple[Arc, ...], rows('{ start = "30 deg", end = "60 deg", thickness = "20 mm" }')
-    ] = Field(
-        default=(),
-        description='Stretches of wall that differ, rows of { start = "30 deg", end = "60 deg",'
-        ' thickness = "20 mm" } with any of thickness, width, young_modulus and density; what is'
-        " left out is as elsewhere. All sections are centred on the same circle. Arcs that end at"
-        " nodes, every 9 degrees with 40 elements, converge best.",
-    )
-    curvature: Literal["exact", "shallow"] = Field(
-        default="exact",
-        description='Bending strain, "exact" or "shallow" (not in the paper; a free exact ring has'
-        " its three rigid motions, a shallow one has not).",
-    )
-    support: Annotated[float, quantity("N/m2", "not negative")] = Field(
-        default=1508.0,
-        description="Uniform elastic support, radial and tangential [N/m per metre of"
-        " circumference] (not in the paper; puts the casing's lowest mode at 0.055, which is"
-        ' "very low" as the paper says, for modal work).',
-    )
+    ] = ()
+    """Stretches of wall that differ, rows of { start = "30 deg", end = "60 deg", thickness = "20
+    mm" } with any of thickness, width, young_modulus and density; what is left out is as elsewhere.
+    All sections are centred on the same circle. Arcs that end at nodes, every 9 degrees with 40
+    elements, converge best."""
+    curvature: Literal["exact", "shallow"] = "exact"
+    """Bending strain, "exact" or "shallow" (not in the paper; a free exact ring has its three rigid
+    motions, a shallow one has not)."""
+    support: Annotated[float, quantity("N/m2", "not negative")] = 1508.0
+    """Uniform elastic support, radial and tangential [N/m per metre of circumference] (not in the
+    paper; puts the casing's lowest mode at 0.055, which is "very low" as the paper says, for modal
+    work)."""
     springs: Annotated[
         tuple[SpringSupport, ...], rows('{ angle = "90 deg", radial = "1 MN/m" }')
-    ] = Field(
-        default=(),
-        description='Springs from the wall to the ground, rows of { angle = "90 deg", radial = "1'
-        ' MN/m", tangential = 0, radial_damping = "2 kN s/m", tangential_damping = 0 }, on top of'
-        ' support; where they or struts hold the rotation, rotation = "free" lets them. Dampers'
-        " act in a march, where contact is then of the first order in march.time_step; modes are"
-        " those without.",
-    )
+    ] = ()
+    """Springs from the wall to the ground, rows of { angle = "90 deg", radial = "1 MN/m",
+    tangential = 0, radial_damping = "2 kN s/m", tangential_damping = 0 }, on top of support; where
+    they or struts hold the rotation, rotation = "free" lets them. Dampers act in a march, where
+    contact is then of the first order in march.time_step; modes are those without."""
     struts: Annotated[
         tuple[Strut, ...], rows('{ angle = "90 deg", length = "300 mm", thickness = "8 mm" }')
-    ] = Field(
-        default=(),
-        description='Straight struts from the wall to the ground, rows of { angle = "90 deg",'
-        ' inclination = 0, length = "300 mm", width = "100 mm", thickness = "10 mm", ends ='
-        ' "pinned", damping = 0 }; with ends = "built-in" they bend too, and converge best with'
-        " feet at nodes. Their mass counts, modes of their own they have none. With damping,"
-        " contact is of the first order in march.time_step.",
-    )
-    rotation: Literal["free", "fixed"] = Field(
-        default="fixed",
-        description='Rigid rotation of the ring, "free" or "fixed" (not in the paper; free,'
-        " friction would spin the ring up).",
-    )
+    ] = ()
+    """Straight struts from the wall to the ground, rows of { angle = "90 deg", inclination = 0,
+    length = "300 mm", width = "100 mm", thickness = "10 mm", ends = "pinned", damping = 0 }; with
+    ends = "built-in" they bend too, and converge best with feet at nodes. Their mass counts, modes
+    of their own they have none. With damping, contact is of the first order in march.time_step."""
+    rotation: Literal["free", "fixed"] = "fixed"
+    """Rigid rotation of the ring, "free" or "fixed" (not in the paper; free, friction would spin
+    the ring up)."""
 
     @property
     def summary(self) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Annotated
 
 import numpy as np
-from pydantic import Field, StrictStr
+from pydantic import StrictStr
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.fields import (
@@ -33,67 +33,75 @@ Factors = tuple[Annotated[float, number("positive")], ...]
 class TaperStation(Table):
     """A section along the blade; keys left out are as in bladed_disk.blade."""
 
-    width: Length | None = Field(default=None, description="Size out of the plane [m].")
-    thickness: Length | None = Field(default=None, description="Size in the plane [m].")
-    material: StrictStr | None = Field(default=None, description="One of material.named.")
+    width: Length | None = None
+    """Size out of the plane [m]."""
+    thickness: Length | None = None
+    """Size in the plane [m]."""
+    material: StrictStr | None = None
+    """One of material.named."""
 
 
 class CentrePoint(Table):
     """A point that the centre line of a blade goes through."""
 
-    span: Annotated[float, number("positive")] = Field(
-        description="Share of the way from root to tip, by radius."
-    )
-    angle: Angle = Field(description="From the radial line through the root [rad].")
+    span: Annotated[float, number("positive")]
+    """Share of the way from root to tip, by radius."""
+    angle: Angle
+    """From the radial line through the root [rad]."""
 
 
 class Shroud(BeamSection):
     """A ring of beams from blade to blade."""
 
-    radius: Length = Field(description="Radius at which it meets the blades [m].")
-    elements: Annotated[int, count(1)] = Field(
-        default=1, description="Beams from blade to blade; a straight one, or several on the arc."
-    )
-    cuts: Blades = Field(
-        default=(), description="Blades after which the ring is cut; none: it is closed."
-    )
+    radius: Length
+    """Radius at which it meets the blades [m]."""
+    elements: Annotated[int, count(1)] = 1
+    """Beams from blade to blade; a straight one, or several on the arc."""
+    cuts: Blades = ()
+    """Blades after which the ring is cut; none: it is closed."""
 
 
 class DiskRing(BeamSection):
     """A ring of straight beams within the disk, from spoke to spoke."""
 
-    thickness: Length = Field(default=0.03, description="Size in the plane of motion [m].")
-    radius: Length = Field(description="Radius at which it meets the spokes [m].")
+    thickness: Length = 0.03
+    """Size in the plane of motion [m]."""
+    radius: Length
+    """Radius at which it meets the spokes [m]."""
 
 
 class PointMass(Table):
     """A mass at a radius, on all blades or on some."""
 
-    radius: LengthOrZero = Field(description="0 for the centre, else from root to tip [m].")
-    mass: Mass = Field(description="Each [kg].")
-    inertia: Inertia = Field(default=0.0, description="Rotary inertia, each [kg m2].")
-    blades: Blades | None = Field(default=None, description="That have it; all when left out.")
+    radius: LengthOrZero
+    """0 for the centre, else from root to tip [m]."""
+    mass: Mass
+    """Each [kg]."""
+    inertia: Inertia = 0.0
+    """Rotary inertia, each [kg m2]."""
+    blades: Blades | None = None
+    """That have it; all when left out."""
 
 
 class Mistuning(Table):
     """Differences between blades: factors, one a blade, or random ones."""
 
-    stiffness: Factors = Field(default=(), description="On Young's modulus of each blade.")
-    mass: Factors = Field(default=(), description="On the density of each blade.")
-    length: Factors = Field(
-        default=(),
-        description="On the length from root to tip. Shrouds and masses along the blade stay at"
-        " their radius: what lies beyond the last of them is longer or shorter. Sections of a taper"
-        " stay with their elements.",
-    )
-    stiffness_spread: NumberOrZero = Field(
-        default=0.0, description="Standard deviation of random factors about 1."
-    )
-    mass_spread: NumberOrZero = Field(default=0.0, description="The same for the density.")
-    length_spread: NumberOrZero = Field(default=0.0, description="The same for the length.")
-    seed: Annotated[int, count(0)] = Field(
-        default=0, description="Of the random factors; each quantity draws from its own stream."
-    )
+    stiffness: Factors = ()
+    """On Young's modulus of each blade."""
+    mass: Factors = ()
+    """On the density of each blade."""
+    length: Factors = ()
+    """On the length from root to tip. Shrouds and masses along the blade stay at their radius: what
+    lies beyond the last of them is longer or shorter. Sections of a taper stay with their elements.
+    """
+    stiffness_spread: NumberOrZero = 0.0
+    """Standard deviation of random factors about 1."""
+    mass_spread: NumberOrZero = 0.0
+    """The same for the density."""
+    length_spread: NumberOrZero = 0.0
+    """The same for the length."""
+    seed: Annotated[int, count(0)] = 0
+    """Of the random factors; each quantity draws from its own stream."""
 
     def factors(self, name: str, blades: int) -> FloatArray:
         """Factors on stiffness, mass or length, (blades,): as listed, drawn, or all one."""

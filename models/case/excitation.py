@@ -23,10 +23,8 @@ LOWEST_SPEED = Speed(0.95)
 class NoExcitation(Table):
     """No load; motion comes from the initial conditions alone."""
 
-    type: Literal["none"] = Field(
-        default="none",
-        description='"none", or "casing-distortion", "imbalance", "harmonic" with their own keys.',
-    )
+    type: Literal["none"] = "none"
+    """"none", or "casing-distortion", "imbalance", "harmonic" with their own keys."""
 
     @property
     def summary(self) -> str:
@@ -37,23 +35,17 @@ class NoExcitation(Table):
 class CasingDistortion(Table):
     """A pulse on one casing mode (the paper's scenario A)."""
 
-    type: Literal["casing-distortion"] = Field(
-        default="casing-distortion",
-        description="Force over [0, duration] on the lowest radial casing mode of a nodal"
-        " diameter, w = +cos k theta in the static frame, mass-normalised.",
-    )
-    nodal_diameter: Annotated[int, count(1)] = Field(
-        default=1, description="Nodal diameter k of the mode, at most half the casing's elements."
-    )
-    modal_force: Annotated[float, quantity("N/kg^0.5", "not negative")] = Field(
-        default=3e4, description="Modal force [N/kg^0.5] (30 kN in the paper's Table 2)."
-    )
-    duration: TimeOrZero = Field(
-        default=0.15, description='How long it acts [s] (the paper: a "short time interval").'
-    )
-    shape: Literal["rectangular", "half-sine"] = Field(
-        default="rectangular", description='Course in time, "rectangular" or "half-sine".'
-    )
+    type: Literal["casing-distortion"] = "casing-distortion"
+    """Force over [0, duration] on the lowest radial casing mode of a nodal diameter, w = +cos k
+    theta in the static frame, mass-normalised."""
+    nodal_diameter: Annotated[int, count(1)] = 1
+    """Nodal diameter k of the mode, at most half the casing's elements."""
+    modal_force: Annotated[float, quantity("N/kg^0.5", "not negative")] = 3e4
+    """Modal force [N/kg^0.5] (30 kN in the paper's Table 2)."""
+    duration: TimeOrZero = 0.15
+    """How long it acts [s] (the paper: a "short time interval")."""
+    shape: Literal["rectangular", "half-sine"] = "rectangular"
+    """Course in time, "rectangular" or "half-sine"."""
 
     @property
     def summary(self) -> str:
@@ -70,27 +62,20 @@ class Imbalance(Table):
     The unbalance m e is given, or follows from ``clearance_speed``; either is None.
     """
 
-    type: Literal["imbalance"] = Field(
-        default="imbalance",
-        description="Force m e Omega^2 along blade 0 at the centre, constant in the rotating"
-        " frame. Give clearance_speed or unbalance, not both.",
-    )
-    clearance_speed: PositiveSpeed | None = Field(
-        default=None,
-        description="Speed at which the static answer just closes the clearance: a number counts"
-        ' multiples of the reference frequency (see march.speed), text as "2500 rpm" is absolute.'
-        " Without unbalance it is 0.95, the lowest speed of the paper's Table 2.",
-    )
+    type: Literal["imbalance"] = "imbalance"
+    """Force m e Omega^2 along blade 0 at the centre, constant in the rotating frame. Give
+    clearance_speed or unbalance, not both."""
+    clearance_speed: PositiveSpeed | None = None
+    """Speed at which the static answer just closes the clearance: a number counts multiples of the
+    reference frequency (see march.speed), text as "2500 rpm" is absolute. Without unbalance it is
+    0.95, the lowest speed of the paper's Table 2."""
     unbalance: Annotated[float, quantity("kg m", "not negative")] | None = Field(
-        default=None,
-        description="Unbalance m e [kg m], instead of clearance_speed.",
-        examples=[0.59],
+        default=None, examples=[0.59]
     )
-    ramp: TimeOrZero = Field(
-        default=0.2,
-        description="Half-cosine ramp of the force [s], 0 for a step (not in the paper; a step"
-        " overshoots to twice the static answer).",
-    )
+    """Unbalance m e [kg m], instead of clearance_speed."""
+    ramp: TimeOrZero = 0.2
+    """Half-cosine ramp of the force [s], 0 for a step (not in the paper; a step overshoots to twice
+    the static answer)."""
 
     @property
     def summary(self) -> str:
@@ -117,21 +102,15 @@ class Imbalance(Table):
 class Harmonic(Table):
     """A harmonic force at the centre (not in the paper)."""
 
-    type: Literal["harmonic"] = Field(
-        default="harmonic",
-        description="Force cos(2 pi frequency t) at the centre along x of a frame.",
-    )
-    force: Annotated[float, quantity("N", "not negative")] = Field(
-        default=1e3, description="Amplitude [N]; the default moves the default shaft by 0.03 mm."
-    )
-    frequency: Annotated[float, quantity("Hz")] = Field(
-        default=40.0,
-        description="Frequency in cycles per second [Hz]; the default is near the first blade"
-        " bending of the default stage.",
-    )
-    frame: Literal["rotating", "static"] = Field(
-        default="static", description='Frame that the force is fixed in, "rotating" or "static".'
-    )
+    type: Literal["harmonic"] = "harmonic"
+    """Force cos(2 pi frequency t) at the centre along x of a frame."""
+    force: Annotated[float, quantity("N", "not negative")] = 1e3
+    """Amplitude [N]; the default moves the default shaft by 0.03 mm."""
+    frequency: Annotated[float, quantity("Hz")] = 40.0
+    """Frequency in cycles per second [Hz]; the default is near the first blade bending of the
+    default stage."""
+    frame: Literal["rotating", "static"] = "static"
+    """Frame that the force is fixed in, "rotating" or "static"."""
 
     @property
     def summary(self) -> str:

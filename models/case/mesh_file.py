@@ -58,8 +58,10 @@ def _unit(value: Any) -> str | float:
 class MeshSection(BeamSection):
     """Section of the lines of a group; its sizes have no defaults."""
 
-    width: Length = Field(description="Size out of the plane of motion [m].")
-    thickness: Length = Field(description="Size in the plane of motion [m].")
+    width: Length
+    """Size out of the plane of motion [m]."""
+    thickness: Length
+    """Size in the plane of motion [m]."""
 
 
 class MeshTable(Table):
@@ -69,30 +71,20 @@ class MeshTable(Table):
     the table is made, so that the number of blades and their tips are known from then on.
     """
 
-    file: Annotated[str, BeforeValidator(_path)] = Field(
-        description="Gmsh's .msh, .vtu or Abaqus's .inp; its path from the case file's folder."
-    )
-    unit: Annotated[str | float, PlainValidator(_unit)] = Field(
-        default=1.0, description='Unit of length in the file, such as "mm" [m].'
-    )
-    tips: StrictStr = Field(
-        default="tips",
-        description="Group of nodes: the blade tips, in any order. Blade 0 is the one nearest to"
-        " +x, others follow counter-clockwise.",
-    )
-    centre: StrictStr = Field(
-        default="centre", description="Group of nodes: the one at the origin, on the shaft."
-    )
-    sections: dict[str, MeshSection] = Field(
-        default={},
-        description="Section of each group of lines, { width, thickness, material }, the last where"
-        " it is one of material.named. Lines left out have their sections in the file.",
-    )
-    tip_radius: Length | None = Field(
-        default=None,
-        description="Radius that the clearance counts from [m]; the largest of the tips' own when"
-        " left out.",
-    )
+    file: Annotated[str, BeforeValidator(_path)]
+    """Gmsh's .msh, .vtu or Abaqus's .inp; its path from the case file's folder."""
+    unit: Annotated[str | float, PlainValidator(_unit)] = 1.0
+    """Unit of length in the file, such as "mm" [m]."""
+    tips: StrictStr = "tips"
+    """Group of nodes: the blade tips, in any order. Blade 0 is the one nearest to +x, others follow
+    counter-clockwise."""
+    centre: StrictStr = "centre"
+    """Group of nodes: the one at the origin, on the shaft."""
+    sections: dict[str, MeshSection] = Field(default={})
+    """Section of each group of lines, { width, thickness, material }, the last where it is one of
+    material.named. Lines left out have their sections in the file."""
+    tip_radius: Length | None = None
+    """Radius that the clearance counts from [m]; the largest of the tips' own when left out."""
 
     def __hash__(self) -> int:
         """Hash of the contents: a table with a mapping has none by itself."""

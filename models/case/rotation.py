@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Literal
 
-from pydantic import Field
-
 from bladewhirl.models.inputs.table import Inconsistency, Table
 
 Effects = Literal["none", "centrifugal", "full"]
@@ -16,17 +14,13 @@ Effects = Literal["none", "centrifugal", "full"]
 class Rotation(Table):
     """Forces that the bladed disk feels because it turns; the paper leaves them out."""
 
-    effects: Effects = Field(
-        default="none",
-        description='"none", as in the paper; "centrifugal": tension in blades and disk, the'
-        ' stiffness that it gives, spin softening and the growth of the tips; "full": Coriolis'
-        " forces, too. All at march.speed.",
-    )
-    clearance: Literal["hot", "cold"] = Field(
-        default="hot",
-        description='State that casing.clearance is measured in: "hot", at march.speed; "cold", at'
-        " rest, so that the growth of the tips at march.speed is taken off it.",
-    )
+    effects: Effects = "none"
+    """"none", as in the paper; "centrifugal": tension in blades and disk, the stiffness that it
+    gives, spin softening and the growth of the tips; "full": Coriolis forces, too. All at
+    march.speed."""
+    clearance: Literal["hot", "cold"] = "hot"
+    """State that casing.clearance is measured in: "hot", at march.speed; "cold", at rest, so that
+    the growth of the tips at march.speed is taken off it."""
 
     @property
     def summary(self) -> str:

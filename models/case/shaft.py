@@ -15,51 +15,35 @@ from bladewhirl.models.inputs.units import handy
 class Shaft(Table):
     """The two springs that carry the centre; it does not rotate in the plane."""
 
-    stiffness: Stiffness = Field(
-        default=3.4e7,
-        description="Of each of the two springs, x and y, or of that along x [N/m] (paper,"
-        " Section 2.1).",
-    )
-    stiffness_y: Stiffness | None = Field(
-        default=None,
-        description="Of the spring along y [N/m], where it differs.",
-        examples=["2e7"],
-    )
+    stiffness: Stiffness = 3.4e7
+    """Of each of the two springs, x and y, or of that along x [N/m] (paper, Section 2.1)."""
+    stiffness_y: Stiffness | None = Field(default=None, examples=["2e7"])
+    """Of the spring along y [N/m], where it differs."""
     suspension_frequency: Annotated[float, quantity("Hz")] | None = Field(
-        default=None,
-        description="Frequency wanted of the suspension pair, of the full bladed disk at rest [Hz];"
-        " both springs get the stiffness that gives it, instead of shaft.stiffness.",
-        examples=["300 Hz"],
+        default=None, examples=["300 Hz"]
     )
-    frame: Literal["rotating", "static"] = Field(
-        default="rotating",
-        description='Where springs that differ stand: "rotating", they turn with the bladed disk'
-        " as a shaft does that is not round, x along blade 0, and its matrices are constant;"
-        ' "static", they stand still as unequal bearings do, and its stiffness swings twice a turn'
-        " about the mean of both. Modes are then those on the mean. With rotation.effects ="
-        ' "full" a round rotor answers them as on bearings that stand still; without Coriolis and'
-        " centrifugal terms a speed near the suspension frequency excites it by the swing, which it"
-        " would not.",
-    )
-    damping: DampingOrZero = Field(
-        default=0.0,
-        description="Of a damper beside each of the springs, or beside that along x [N s/m]. With"
-        " dampers, contact is of the first order in march.time_step; with rotation.effects ="
-        ' "full" they feel it within the step.',
-    )
-    damping_y: DampingOrZero | None = Field(
-        default=None,
-        description="Of the damper along y [N s/m], where it differs.",
-        examples=["1e3"],
-    )
-    damping_frame: Literal["rotating", "static"] = Field(
-        default="rotating",
-        description='Where the dampers stand: "rotating", they turn with the bladed disk, see its'
-        ' velocity in rotating axes, and feed forward whirl above its critical speed; "static",'
-        " they stand still as those of bearings do, c (v + Omega z x u), and hold it. That takes"
-        ' Coriolis forces, rotation.effects = "full", and dampers that are equal.',
-    )
-    clamped: StrictBool = Field(default=False, description="Hold the centre instead.")
+    """Frequency wanted of the suspension pair, of the full bladed disk at rest [Hz]; both springs
+    get the stiffness that gives it, instead of shaft.stiffness."""
+    frame: Literal["rotating", "static"] = "rotating"
+    """Where springs that differ stand: "rotating", they turn with the bladed disk as a shaft does
+    that is not round, x along blade 0, and its matrices are constant; "static", they stand still as
+    unequal bearings do, and its stiffness swings twice a turn about the mean of both. Modes are
+    then those on the mean. With rotation.effects = "full" a round rotor answers them as on bearings
+    that stand still; without Coriolis and centrifugal terms a speed near the suspension frequency
+    excites it by the swing, which it would not."""
+    damping: DampingOrZero = 0.0
+    """Of a damper beside each of the springs, or beside that along x [N s/m]. With dampers, contact
+    is of the first order in march.time_step; with rotation.effects = "full" they feel it within the
+    step."""
+    damping_y: DampingOrZero | None = Field(default=None, examples=["1e3"])
+    """Of the damper along y [N s/m], where it differs."""
+    damping_frame: Literal["rotating", "static"] = "rotating"
+    """Where the dampers stand: "rotating", they turn with the bladed disk, see its velocity in
+    rotating axes, and feed forward whirl above its critical speed; "static", they stand still as
+    those of bearings do, c (v + Omega z x u), and hold it. That takes Coriolis forces,
+    rotation.effects = "full", and dampers that are equal."""
+    clamped: StrictBool = False
+    """Hold the centre instead."""
 
     @property
     def summary(self) -> str:

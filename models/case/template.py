@@ -43,7 +43,7 @@ def _document(case: Case, *, commented: bool) -> str:
 
 
 def _keys(table: Table, *, commented: bool) -> Iterator[str]:
-    written = table.model_dump()
+    written, descriptions = table.model_dump(), type(table).descriptions()
     for name, field in type(table).model_fields.items():
         value = getattr(table, name)
         if name not in written:
@@ -51,7 +51,7 @@ def _keys(table: Table, *, commented: bool) -> Iterator[str]:
         if isinstance(table, Case) and isinstance(value, Table):
             continue  # has a heading of its own; tables further down are written inline
         if commented:
-            yield _comment(str(field.description))
+            yield _comment(descriptions[name])
         if value is not None:
             yield f"{name} = {_value(value)}\n"
         elif commented:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
+import textwrap
 from collections.abc import Iterator
+from itertools import pairwise
 from operator import attrgetter
 from typing import NamedTuple, Self
 
@@ -27,6 +31,21 @@ class Table(BaseModel):
     """A table of the case file."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    @classmethod
+    def descriptions(cls) -> dict[str, str]:
+        """What each key means: its docstring in the source, on one line."""
+        found: dict[str, str] = {}
+        for table in reversed(cls.__mro__[: cls.__mro__.index(Table)]):
+            body = ast.parse(textwrap.dedent(inspect.getsource(table))).body[0]
+            for key, words in pairwise(ast.iter_child_nodes(body)):
+                match key, words:
+                    case (
+                        ast.AnnAssign(target=ast.Name(id=name)),
+                        ast.Expr(value=ast.Constant(value=str(text))),
+                    ):
+                        found[name] = " ".join(text.split())
+        return found
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Values of this table that do not fit together."""

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.fields import Angle, LengthOrZero, count
@@ -20,9 +19,12 @@ FINE = 7200
 class Lobe(Table):
     """Waves around the ring: amplitude * cos(lobes * (angle - phase)); 2 lobes are an ellipse."""
 
-    lobes: Annotated[int, count(1)] = Field(description="Number of waves around the ring.")
-    amplitude: LengthOrZero = Field(description="Height of a crest [m].")
-    phase: Angle = Field(default=0.0, description="Angle of a crest from the x axis [rad].")
+    lobes: Annotated[int, count(1)]
+    """Number of waves around the ring."""
+    amplitude: LengthOrZero
+    """Height of a crest [m]."""
+    phase: Angle = 0.0
+    """Angle of a crest from the x axis [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)

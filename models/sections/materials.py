@@ -15,11 +15,12 @@ from bladewhirl.models.inputs.units import handy
 class BeamSection(Table):
     """A rectangular beam section."""
 
-    width: Length = Field(default=0.1, description="Size out of the plane of motion [m].")
-    thickness: Length = Field(default=0.01, description="Size in the plane of motion [m].")
-    material: StrictStr | None = Field(
-        default=None, description="One of material.named; the material of the case when left out."
-    )
+    width: Length = 0.1
+    """Size out of the plane of motion [m]."""
+    thickness: Length = 0.01
+    """Size in the plane of motion [m]."""
+    material: StrictStr | None = None
+    """One of material.named; the material of the case when left out."""
 
     @property
     def summary(self) -> str:
@@ -31,38 +32,33 @@ class BeamSection(Table):
 class NamedMaterial(Table):
     """A material that sections may ask for by name."""
 
-    name: StrictStr = Field(description="What sections call it.")
-    young_modulus: Modulus = Field(description="Young's modulus [Pa].")
-    density: Density = Field(description="Density [kg/m3].")
-    yield_strength: Modulus | None = Field(
-        default=None,
-        description="Stress at which it yields [Pa]: the summary of a run says where that is"
-        " passed. Nothing yields in the model.",
-        examples=['"600 MPa"'],
-    )
+    name: StrictStr
+    """What sections call it."""
+    young_modulus: Modulus
+    """Young's modulus [Pa]."""
+    density: Density
+    """Density [kg/m3]."""
+    yield_strength: Modulus | None = Field(default=None, examples=['"600 MPa"'])
+    """Stress at which it yields [Pa]: the summary of a run says where that is passed. Nothing
+    yields in the model."""
 
 
 class Material(Table):
     """Material of the bladed disk and the casing."""
 
-    young_modulus: Modulus = Field(
-        default=2.1e11, description='Young\'s modulus [Pa] (the paper: "steel").'
-    )
-    density: Density = Field(default=7800.0, description='Density [kg/m3] (the paper: "steel").')
-    yield_strength: Modulus | None = Field(
-        default=None,
-        description="Stress at which it yields [Pa]: the summary of a run says where that is"
-        " passed. Nothing yields in the model.",
-        examples=['"600 MPa"'],
-    )
+    young_modulus: Modulus = 2.1e11
+    """Young's modulus [Pa] (the paper: "steel")."""
+    density: Density = 7800.0
+    """Density [kg/m3] (the paper: "steel")."""
+    yield_strength: Modulus | None = Field(default=None, examples=['"600 MPa"'])
+    """Stress at which it yields [Pa]: the summary of a run says where that is passed. Nothing
+    yields in the model."""
     named: Annotated[
         tuple[NamedMaterial, ...],
         rows('{ name = "titanium", young_modulus = "114 GPa", density = 4430.0 }'),
-    ] = Field(
-        default=(),
-        description='More materials, rows of { name = "titanium", young_modulus = "114 GPa",'
-        ' density = 4430.0 }, for sections that ask for one: { material = "titanium", ... }.',
-    )
+    ] = ()
+    """More materials, rows of { name = "titanium", young_modulus = "114 GPa", density = 4430.0 },
+    for sections that ask for one: { material = "titanium", ... }."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """One name for two materials."""

@@ -17,7 +17,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from pydantic import Field
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import RingMesh
@@ -48,12 +47,18 @@ class WallProperties:
 class Arc(Table):
     """A stretch of wall of another section or material; keys left out are as elsewhere."""
 
-    start: Angle = Field(description="Angle from the x axis at which it begins [rad].")
-    end: Angle = Field(description="Angle at which it ends, at most a turn further on [rad].")
-    thickness: Length | None = Field(default=None, description="Size in the plane [m].")
-    width: Length | None = Field(default=None, description="Size out of the plane [m].")
-    young_modulus: Modulus | None = Field(default=None, description="Young's modulus [Pa].")
-    density: Density | None = Field(default=None, description="Density [kg/m3].")
+    start: Angle
+    """Angle from the x axis at which it begins [rad]."""
+    end: Angle
+    """Angle at which it ends, at most a turn further on [rad]."""
+    thickness: Length | None = None
+    """Size in the plane [m]."""
+    width: Length | None = None
+    """Size out of the plane [m]."""
+    young_modulus: Modulus | None = None
+    """Young's modulus [Pa]."""
+    density: Density | None = None
+    """Density [kg/m3]."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """An arc without length or of more than a turn."""

@@ -229,6 +229,7 @@ def unit_of(case: Case, key: str) -> str:
 
 def _numeric_keys(table: Table) -> Iterator[tuple[str, str]]:
     """Dotted keys that hold one number, with their descriptions."""
+    descriptions = type(table).descriptions()
     for name, field in type(table).model_fields.items():
         value = getattr(table, name)
         for key, row in value.items() if isinstance(value, Mapping) else ():
@@ -240,7 +241,7 @@ def _numeric_keys(table: Table) -> Iterator[tuple[str, str]]:
         kinds |= {part for kind in tuple(kinds) for part in get_args(kind)}
         scalar = isinstance(value, int | float | Speed) and not isinstance(value, bool)
         if scalar or (value is None and kinds & {int, float, Speed} and tuple not in kinds):
-            yield name, str(field.description)
+            yield name, descriptions.get(name, "")
 
 
 def _check_values(axis: Axis) -> None:

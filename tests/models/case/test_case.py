@@ -130,11 +130,12 @@ def test_every_key_is_described_and_every_dimension_has_its_unit() -> None:
     models += [*EXCITATIONS.values(), BeamSection, DiskSection]
     for model in models:
         assert model.__doc__
+        descriptions = model.descriptions()
         for name, field in model.model_fields.items():
-            assert field.description, f"{model.__name__}.{name}"
+            assert descriptions[name], f"{model.__name__}.{name}"
             a_word = get_origin(field.annotation) is Literal
             if not a_word and name in {key.rpartition(".")[2] for key, *_ in NUMBERS}:
-                assert "[" in field.description, f"{model.__name__}.{name} has no unit"
+                assert "[" in descriptions[name], f"{model.__name__}.{name} has no unit"
 
 
 @pytest.mark.parametrize(("key", "unit", "size", "zero"), NUMBERS)
