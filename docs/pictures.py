@@ -3,6 +3,7 @@
     python docs/pictures.py
 
 needs what `bladewhirl render` needs, and two minutes. PNGs are reduced to a palette.
+The film is one revolution of casing_distortion.toml.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw, ImageFont, ImageSequence
 
 from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE
 
@@ -20,6 +21,8 @@ DOCS = Path(__file__).parent
 EXAMPLES = DOCS.parent / "examples"
 BLADEWHIRL = Path(sys.executable).with_name("bladewhirl")
 COLOURS = 256  #: of a palette
+FRAMES, REVOLUTION = 36, ("--from", "0.85 s", "--to", "0.87367 s")  #: of the film
+FILM = (560, 420, 32)  #: its width and height [pixels], its colours
 
 GALLERY = {
     "curved_blades": "curved blades",
@@ -55,11 +58,28 @@ def keep(
     name: str,
     colours: int = COLOURS,
     method: Image.Quantize = Image.Quantize.MEDIANCUT,
+    widest: int = 2400,
 ) -> None:
-    """Put a picture beside this script, small."""
+    """Put a picture beside this script, small: at most so wide [pixels], with so many colours."""
+    (DOCS / name).parent.mkdir(exist_ok=True)
     with Image.open(picture) as image:
+        image.thumbnail((widest, 2 * widest), Image.Resampling.LANCZOS)
         small = image.convert("RGB").quantize(colours, method=method, dither=Image.Dither.NONE)
     small.save(DOCS / name, optimize=True)
+
+
+def keep_film(film: Path, name: str) -> None:
+    """Put a GIF beside this script, small."""
+    width, height, colours = FILM
+    with Image.open(film) as frames:
+        wait = frames.info["duration"]
+        small = [
+            frame.convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
+            for frame in ImageSequence.Iterator(frames)
+        ]
+    palette = small[0].quantize(colours, dither=Image.Dither.NONE)
+    first, *rest = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in small)
+    first.save(DOCS / name, save_all=True, append_images=rest, duration=wait, loop=0, optimize=True)
 
 
 def gallery(folder: Path) -> Path:
@@ -93,6 +113,9 @@ def main() -> None:
         bladewhirl("stability", EXAMPLES / "fan_stage.toml", "-o", chart, "--no-films")
         keep(gallery(folder), "gallery.png", PLAIN, Image.Quantize.FASTOCTREE)  # flat colours
         keep(folder / "still.png", "contact.png")
+        film = ("--frames", str(FRAMES), *REVOLUTION, "--orbit", "-o", folder / "film.gif")
+        bladewhirl("render", distortion, "--gif", *film)
+        keep_film(folder / "film.gif", "contact.gif")
         keep(distortion / "energy.png", "distortion_energy.png")
         keep(imbalance / "orbit.png", "imbalance_orbit.png")
         keep(chart / "stability.png", "stability.png")

@@ -1,10 +1,11 @@
-"""Writes the scorecard of reproduction.md, and the count in README.md.
+"""Writes what `bladewhirl reproduce` found into the pages and README.md.
 
     bladewhirl reproduce -o REPRODUCTION
     python docs/reproduction.py REPRODUCTION
 
-The rest of the page is left as it is. The page names the commit that the checkout is at, which has
-to be the one that REPRODUCTION was made from.
+These are the scorecard of reproduction.md, paper_figures.md with its pictures, and the count in
+README.md; the rest of a page is left as it is. reproduction.md names the commit that the checkout
+is at, which has to be the one that REPRODUCTION was made from.
 """
 
 from __future__ import annotations
@@ -17,22 +18,32 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from pictures import keep
+
+from bladewhirl.studies.paper.figures import PAPER_FIGURES
 from bladewhirl.studies.paper.scorecard import counted
 
 DOCS = Path(__file__).parent
 PAGE, README = DOCS / "reproduction.md", DOCS.parent / "README.md"
+FIGURES, PICTURES = DOCS / "paper_figures.md", "paper_figures"
 COUNT = re.compile(r"(?<=<!-- scorecard -->\n).*?(?=\n<!-- scorecard end -->)", re.DOTALL)
 """The sentence of README.md on the scorecard."""
+
+AFTER_INTRODUCTION = re.compile(r"^## .*", re.DOTALL | re.MULTILINE)
+"""All of a page from its first heading on."""
+
+WIDTH, COLOURS = 1000, 64  #: of a picture [pixels], of its palette
 
 CARD = re.compile(r"(?<=^## Scorecard\n).*?(?=^## )", re.DOTALL | re.MULTILINE)
 """What stands below the page's first heading."""
 
 
 def main(folder: str) -> None:
-    """Write both."""
+    """Write them all."""
     card = json.loads((Path(folder) / "scorecard.json").read_text(encoding="utf-8"))
     replace(PAGE, CARD, "\n" + "\n".join(scored(card)) + "\n\n")
     replace(README, COUNT, sentence(card))
+    replace(FIGURES, AFTER_INTRODUCTION, "\n".join(figures(Path(folder) / "figures", card)))
 
 
 def replace(path: Path, part: re.Pattern[str], text: str) -> None:
@@ -69,14 +80,32 @@ def scored(scorecard: dict[str, Any]) -> Iterator[str]:
     yield from ("| condition | |", "|---|---|", f"| commit | {commit()} |")
     for name, value in scorecard["conditions"].items():
         yield f"| {name.replace('_', ' ')} | {value if value != {} else 'none'} |"
-    yield from ("", "| | claim | paper | ours | verdict |", "|---|---|---|---|---|")
-    for row in scorecard["claims"]:
-        cells = (row[name].replace("|", "\\|") for name in ("text", "paper", "ours", "verdict"))
-        yield f"| {row['claim']} | {' | '.join(cells)} |"
+    yield from ("", *table(scorecard["claims"]))
     yield from ("", "Why a claim does not hold, or holds in part:", "")
     for row in scorecard["claims"]:
         if row["verdict"] != "holds":
             yield f"* {row['claim']}, {row['verdict']}: {row['why']}"
+
+
+def table(claims: list[dict[str, Any]]) -> Iterator[str]:
+    """Claims of the scorecard as a Markdown table."""
+    yield from ("| | claim | paper | ours | verdict |", "|---|---|---|---|---|")
+    for row in claims:
+        cells = (row[name].replace("|", "\\|") for name in ("text", "paper", "ours", "verdict"))
+        yield f"| {row['claim']} | {' | '.join(cells)} |"
+
+
+def figures(drawn: Path, scorecard: dict[str, Any]) -> Iterator[str]:
+    """Our pictures like the paper's figures, kept small, with the claims that they bear on."""
+    for number, figure in PAPER_FIGURES.items():
+        yield from (f"## Figure {number}: {figure.caption}", "")
+        for panel in figure.panels:
+            name = f"{PICTURES}/{panel.folder}-{panel.name}.png"
+            keep(drawn / panel.folder / f"{panel.name}.png", name, COLOURS, widest=WIDTH)
+            yield from (f"![{panel.caption}]({name})", "", f"*{panel.caption}*", "")
+        claims = [claim for claim in scorecard["claims"] if number in claim["figures"]]
+        if claims:
+            yield from (*table(claims), "")
 
 
 if __name__ == "__main__":

@@ -1,12 +1,13 @@
-"""A page for each case in examples/: drawing, words of its header, key numbers, command."""
+"""A page for each case in examples/: drawing, words of its header, film, key numbers, command."""
 
 from __future__ import annotations
 
 import json
 import os
 import subprocess
+import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from itertools import takewhile
 from pathlib import Path
@@ -15,17 +16,18 @@ from typing import Any
 from blocks import EXECUTABLES, ROOT
 
 EXAMPLES = ROOT / "examples"
+MARCH = Path(__file__).with_name("marched.py")
 
 
 def write(pages: Path, drawings: Path) -> None:
-    """Write a page for each example, and draw what is not drawn yet or older than its file."""
+    """Write a page for each example, and make what is not there yet or older than its file."""
     drawings.mkdir(parents=True, exist_ok=True)
     examples = sorted(EXAMPLES.glob("*.toml"))
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         shown = list(pool.map(lambda example: _show(example, drawings), examples))
     names = [example.stem for example in examples]
     for example, numbers in zip(examples, shown, strict=True):
-        _keep(pages / f"{example.stem}.md", _page(example, numbers))
+        _keep(pages / f"{example.stem}.md", _page(example, numbers, drawings))
     rows = "\n".join(
         f"- [![{name}](../built/gallery/{name}.png)]({name}.md) [{_title(name)}]({name}.md)"
         for name in names
@@ -46,31 +48,46 @@ def _keep(page: Path, text: str) -> None:
 
 
 def _show(example: Path, drawings: Path) -> dict[str, Any]:
-    """The document of `bladewhirl show --json`, kept beside the drawing that it makes."""
+    """The document of `bladewhirl show --json`, kept beside the drawing and the film."""
     drawing, kept = drawings / f"{example.stem}.png", drawings / f"{example.stem}.json"
-    if (
-        not (drawing.exists() and kept.exists())
-        or drawing.stat().st_mtime < example.stat().st_mtime
-    ):
-        done = subprocess.run(
-            [EXECUTABLES / "bladewhirl", "show", example, "--json", "--png", "-o", drawing],
-            check=True,
-            capture_output=True,
-            text=True,
-        )
-        kept.write_text(done.stdout, encoding="utf-8")
+    if not kept.exists() or kept.stat().st_mtime < example.stat().st_mtime:
+        show = [EXECUTABLES / "bladewhirl", "show", example, "--json", "--png", "-o", drawing]
+        if drawing.exists():
+            show.append("--overwrite")
+        shown = _output(show)
+        _output([sys.executable, MARCH, example, drawings])
+        kept.write_text(shown, encoding="utf-8")
     found: dict[str, Any] = json.loads(kept.read_text(encoding="utf-8"))
     return found
 
 
-def _page(example: Path, numbers: dict[str, Any]) -> str:
+def _output(command: list[str | Path]) -> str:
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def _page(example: Path, numbers: dict[str, Any], drawings: Path) -> str:
     name = example.stem
     return (
         f"# {_title(name)}\n\n{_header(example)}\n\n"
         f"![{_title(name)}: the stage](../built/gallery/{name}.png)\n\n"
         f"```console\nbladewhirl run examples/{name}.toml\n```\n\n"
-        f"{_table(numbers)}\n\n"
+        f"{_table(_numbers(numbers))}\n\n{_marched(name, drawings)}"
+        f"## The case\n\n"
         f"```{{literalinclude}} ../../examples/{name}.toml\n:language: toml\n```\n"
+    )
+
+
+def _marched(name: str, drawings: Path) -> str:
+    """Film, orbit and figures of the march, of an example that has a load."""
+    kept = drawings / f"{name}-summary.json"
+    if not kept.exists():
+        return ""
+    summary = json.loads(kept.read_text(encoding="utf-8"))
+    return (
+        f"## The first {summary['end_time']:.3g} s\n\n"
+        f"![{_title(name)}: blades and casing where contact is strongest]"
+        f"(../built/gallery/{name}.gif)\n\n{_table(_outcome(summary))}\n\n"
+        f"![{_title(name)}: orbit of the shaft](../built/gallery/{name}-orbit.png)\n\n"
     )
 
 
@@ -85,9 +102,24 @@ def _header(example: Path) -> str:
     return "\n".join(line.removeprefix("#").removeprefix(" ") for line in comment)
 
 
-def _table(numbers: dict[str, Any]) -> str:
-    rows = [f"| {name} | {value} |" for name, value in _numbers(numbers)]
-    return "\n".join(["| | |", "|---|---|", *rows])
+def _table(values: Iterable[tuple[str, str]]) -> str:
+    return "\n".join(["| | |", "|---|---|", *(f"| {name} | {value} |" for name, value in values)])
+
+
+def _outcome(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """What came of the march, in handy units."""
+    yield "motion", summary["regime"]
+    yield "largest radius of the orbit", f"{1e3 * summary['shaft_radius_max']:.3g} mm"
+    yield "blades that touched", str(sum(share > 0 for share in summary["contact_share"]))
+    force = summary["contact_force_max"]
+    if force:
+        yield (
+            f"largest contact force over {1e3 * force['averaged_over']:.3g} ms",
+            f"{force['force']:.3g} N, blade {force['blade']}",
+        )
+    for body, found in summary["stress_max"].items():
+        name = body.replace("_", " ")
+        yield f"largest stress of the {name}", f"{abs(found['stress']) / 1e6:.3g} MPa"
 
 
 def _numbers(numbers: dict[str, Any]) -> Iterator[tuple[str, str]]:

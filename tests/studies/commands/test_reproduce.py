@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import re
+import sys
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
@@ -14,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from PIL import Image
 from places import ROOT
 from synthetic_result import CLEARANCE, ROTOR_FREQUENCY, synthetic_result
 from typer.testing import CliRunner
@@ -37,7 +39,7 @@ from bladewhirl.studies.paper.claim import (
 )
 from bladewhirl.studies.paper.claims_imbalance import done_points
 from bladewhirl.studies.paper.claims_truncated import middle_of_divergence
-from bladewhirl.studies.paper.figures import PAPER_FIGURES, draw_figures
+from bladewhirl.studies.paper.figures import PAPER_FIGURES, Panel, PaperFigure, draw_figures
 from bladewhirl.studies.paper.judge import Plan, chosen_claims, reproduce_claims
 from bladewhirl.studies.paper.page import scorecard_page
 from bladewhirl.studies.paper.scorecard import Score, Scorecard, counted
@@ -407,7 +409,7 @@ def maker(monkeypatch: pytest.MonkeyPatch) -> Any:
     return importlib.import_module("reproduction")
 
 
-def test_the_page_and_the_readme_say_what_was_computed(
+def test_the_pages_and_the_readme_say_what_was_computed(
     maker: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     card = card_of(lambda: Finding(ours="a | b", checks=checks(True, False)))
@@ -415,8 +417,16 @@ def test_the_page_and_the_readme_say_what_was_computed(
     readme, page = tmp_path / "README.md", tmp_path / "reproduction.md"
     readme.write_text("before\n<!-- scorecard -->\nold\n<!-- scorecard end -->\nafter\n")
     page.write_text("# Title\n\n## Scorecard\n\nold\n\n## Values\n\nkept\n")
-    monkeypatch.setattr(maker, "README", readme)
-    monkeypatch.setattr(maker, "PAGE", page)
+    figures, drawn = tmp_path / "paper_figures.md", tmp_path / "figures" / "folder" / "name.png"
+    figures.write_text("# Title\n\n## Old\n")
+    drawn.parent.mkdir(parents=True)
+    Image.new("RGB", (1200, 300), "white").save(drawn)
+    panel = Panel(caption="a panel", folder="folder", name="name", draw=lambda *_: None)
+    shown = {"1": PaperFigure(caption="one", panels=(panel,))}
+    for name, value in (("README", readme), ("PAGE", page), ("FIGURES", figures)):
+        monkeypatch.setattr(maker, name, value)
+    monkeypatch.setattr(maker, "PAPER_FIGURES", shown)
+    monkeypatch.setattr(sys.modules["pictures"], "DOCS", tmp_path)
     monkeypatch.setattr(maker, "commit", lambda: "0123456789")  # a copy of the files has no commit
     maker.main(str(tmp_path))
     count = "of 1 claims 0 hold, 1 partly, 0 do not hold, 0 not testable"
@@ -427,6 +437,11 @@ def test_the_page_and_the_readme_say_what_was_computed(
     assert written.startswith(f"# Title\n\n## Scorecard\n\n`bladewhirl reproduce`: {count}.\n")
     assert "\n| commit | 0123456789 |\n" in written
     assert "| a \\| b | partly |" in written
+    assert figures.read_text() == (
+        "# Title\n\n## Figure 1: one\n\n![a panel](paper_figures/folder-name.png)\n\n*a panel*\n"
+    )
+    with Image.open(tmp_path / "paper_figures" / "folder-name.png") as kept:
+        assert kept.size == (1000, 250)
     assert written.endswith("* 1, partly: not met: False; met: True.\n\n## Values\n\nkept\n")
 
 
