@@ -22,7 +22,7 @@ EXAMPLES = DOCS.parent / "examples"
 BLADEWHIRL = Path(sys.executable).with_name("bladewhirl")
 COLOURS = 256  #: of a palette
 FRAMES, REVOLUTION = 36, ("--from", "0.85 s", "--to", "0.87367 s")  #: of the film
-FILM = (560, 420, 32)  #: its width and height [pixels], its colours
+FILM = (560, 420, 64)  #: its width and height [pixels], its colours
 
 GALLERY = {
     "curved_blades": "curved blades",
@@ -77,7 +77,7 @@ def keep_film(film: Path, name: str) -> None:
             frame.convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
             for frame in ImageSequence.Iterator(frames)
         ]
-    palette = small[0].quantize(colours, dither=Image.Dither.NONE)
+    palette = small[0].quantize(colours, method=Image.Quantize.MAXCOVERAGE)  # keeps arrows orange
     first, *rest = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in small)
     first.save(DOCS / name, save_all=True, append_images=rest, duration=wait, loop=0, optimize=True)
 
