@@ -43,6 +43,8 @@ def stage_arrays(
     growth = np.zeros(len(disk.tip_radial)) if turning is None else turning.growth
     return StageArrays(
         rotor_frequency=disk_modes.frequency,
+        rotor_backward_frequency=disk_modes.frequency,
+        rotor_forward_frequency=disk_modes.frequency,
         rotor_nodal_diameter=disk_modes.nodal_diameter,
         rotor_family=disk_family,
         rotor_spring_share=disk_modes.spring_share,

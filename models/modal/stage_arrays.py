@@ -15,6 +15,8 @@ class StageArrays:
     """Modes, geometry and shapes of both bodies; the rotor in its rotating axes at angle 0."""
 
     rotor_frequency: FloatArray  #: [rad/s], (rotor modes,)
+    rotor_backward_frequency: FloatArray  #: of the wave, with Coriolis forces [rad/s], likewise
+    rotor_forward_frequency: FloatArray  #: the same forward; negative past its critical speed
     rotor_nodal_diameter: IntArray  #: (rotor modes,)
     rotor_family: tuple[str, ...]  #: "1F", "2F", ..., "suspension", (rotor modes,)
     rotor_spring_share: FloatArray  #: share of strain energy in the shaft springs, (rotor modes,)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -34,6 +34,7 @@ from bladewhirl.models.rotation.eigenproblems import modal_damping
 from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
 from bladewhirl.models.stage.kept_modes import KeptModes, kept_modes
 from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
+from bladewhirl.models.stage.whirl import wave_errors, wave_frequencies
 
 FULL_FREQUENCIES = 7
 """Frequencies of the full model found for each nodal diameter: five families, the suspension
@@ -61,7 +62,9 @@ class Stage:
     reference_frequency: float  #: lowest of the full bladed disk with a free centre [rad/s]
     reduction: ReducedModes  #: of the bladed disk
     disk_family: tuple[str, ...]  #: of each of its modes
-    frequency_error: dict[str, float]  #: largest relative one of the reduction, by family
+    frequency_error: dict[str, float]
+    """Largest relative one of the reduction, by family; with Coriolis forces on equal sectors of
+    the waves."""
     casing_modes: Modes  #: all of them; the casing is not reduced
     casing_family: tuple[str, ...]
     rotor: ReducedRotor  #: in all modes
@@ -132,16 +135,21 @@ class Stage:
     @property
     def arrays(self) -> StageArrays:
         """Description of the stage for a result, by the modes that a march has."""
-        return stage_arrays(
+        modes = self.reduction.modes.take(self.kept.rotor)
+        family = tuple(self.disk_family[mode] for mode in self.kept.rotor)
+        arrays = stage_arrays(
             self.case,
             self.disk,
-            self.reduction.modes.take(self.kept.rotor),
-            tuple(self.disk_family[mode] for mode in self.kept.rotor),
+            modes,
+            family,
             self.casing,
             self.casing_modes.take(self.kept.casing),
             tuple(self.casing_family[mode] for mode in self.kept.casing),
             self.turning,
         )
+        rotor = self.rotor.take(self.kept.rotor)
+        backward, forward = wave_frequencies(rotor, modes.nodal_diameter, self.speed)
+        return replace(arrays, rotor_backward_frequency=backward, rotor_forward_frequency=forward)
 
 
 def build_stage(case: Case) -> Stage:
@@ -175,6 +183,10 @@ def build_stage(case: Case) -> Stage:
         disk_family = mode_families(disk.structure, reduction.modes, tip, "bladed-disk")
         casing_family = mode_families(casing.structure, casing_modes, wall, "casing")
     rotor = _reduced_rotor(case, disk, reduction.modes, turning)
+    if turning is None or case.rotation.effects != "full" or not disk.structure.is_cyclic:
+        errors = family_errors(reduction.modes, list(disk_family), full)
+    else:
+        errors = wave_errors(rotor, reduction.modes.nodal_diameter, disk_family, turning)
     reduced_casing = _reduced_casing(case, casing, casing_modes)
     return Stage(
         case=case,
@@ -184,7 +196,7 @@ def build_stage(case: Case) -> Stage:
         reference_frequency=reference,
         reduction=reduction,
         disk_family=disk_family,
-        frequency_error=family_errors(reduction.modes, list(disk_family), full),
+        frequency_error=errors,
         casing_modes=casing_modes,
         casing_family=casing_family,
         rotor=rotor,

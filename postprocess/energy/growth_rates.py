@@ -139,14 +139,16 @@ def ripple_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
     """Windows of the motion about its mean place; None where it cannot be judged.
 
     They cover the last two thirds of the time, half of them the last third, and are two periods
-    of the lowest rotor mode long or more: so long that a mean place can be told from the motion.
+    of the slowest wave of the rotor long or more: so long that a mean place can be told from the
+    motion.
 
     Args:
         dataset: a result.
         strain_energy: of the bladed disk with its shaft springs at each record [J], (time,).
     """
     time = dataset["time"].values
-    shortest = 2 * RIPPLE_PERIODS * longest_half_period(dataset)
+    slower = np.abs(_wave_frequencies(dataset)).min(axis=0)
+    shortest = 2 * RIPPLE_PERIODS * _half_period(slower)
     found = windowed_amplitude(time, strain_energy, shortest)
     if found is None:
         return None
@@ -232,9 +234,19 @@ def load_end(dataset: xr.Dataset) -> float:
 def longest_half_period(dataset: xr.Dataset) -> float:
     """Half a period of the lowest rotor mode [s], in which a strain energy rises and falls.
 
-    Rigid modes hold none and don't count; infinite where there are no others.
+    With Coriolis forces the energy of a pair does so in 2 pi over the sum of the frequencies of
+    its two waves. Rigid modes hold none and don't count; infinite where there are no others.
     """
-    frequency = dataset["rotor_frequency"].values
+    return _half_period(np.abs(np.mean(_wave_frequencies(dataset), axis=0)))
+
+
+def _wave_frequencies(dataset: xr.Dataset) -> list[Array]:
+    """Of the backward and of the forward wave of each rotor mode [rad/s]."""
+    return [dataset[f"rotor_{way}_frequency"].values for way in ("backward", "forward")]
+
+
+def _half_period(frequency: Array) -> float:
+    """Of the lowest frequency that isn't rigid [s]; infinite where there is none."""
     elastic = frequency[frequency > RIGID * frequency.max()]
     return float(np.pi / elastic.min()) if len(elastic) else float("inf")
 

@@ -103,7 +103,8 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     """A result with everything that the schema calls a coordinate as one, whatever its format.
 
     Format 1 says nothing of how beams change along their lines: they don't. Those before 4 say
-    nothing of recess and growth of the tips: it is that at rest, and none.
+    nothing of recess and growth of the tips: it is that at rest, and none; those before 5 nothing
+    of waves with Coriolis forces: theirs are the frequencies of the modes.
     """
     indices = {
         name: (name, index_values(name, dataset.sizes[name]), variable.attributes)
@@ -118,6 +119,9 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     }
     if "tip_recess" in constant:
         constant["tip_recess"] += recess_at_rest(dataset)
+    for name in ("rotor_backward_frequency", "rotor_forward_frequency"):
+        if name not in dataset:
+            constant[name] = dataset["rotor_frequency"].assign_attrs(STATIC[name].attributes)
     described = [name for name, variable in STATIC.items() if variable.is_coordinate]
     return dataset.assign(constant).assign_coords(indices).set_coords(described)
 

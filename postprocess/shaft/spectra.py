@@ -79,8 +79,8 @@ def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
 
     That is the first family and the suspension of the bladed disk and the lowest mode of the
     casing, one nodal diameter each, forward and backward; between the frames their frequencies
-    differ by the speed. And the speed: of a load at rest in space as the rotor sees it, or of one
-    fixed in the rotor as an observer at rest does.
+    differ by the speed, and with Coriolis forces in any frame. And the speed: of a load at rest in
+    space as the rotor sees it, or of one fixed in the rotor as an observer at rest does.
 
     Args:
         dataset: a result.
@@ -91,14 +91,15 @@ def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
     """
     speed = abs(float(dataset.attrs["speed"]))
     rotor_shift, casing_shift = (0.0, -speed) if frame == "rotating" else (speed, 0.0)
-    frequency = dataset["rotor_frequency"].values
+    waves = [dataset[f"rotor_{way}_frequency"].values for way in ("backward", "forward")]
     family, diameter = dataset["rotor_family"].values, dataset["rotor_nodal_diameter"].values
     names, values = [ORDER], [rotor_shift + casing_shift]
     for name in (FIRST_FAMILY, SUSPENSION):
-        own = frequency[(family == name) & (diameter == 1)]
-        if len(own):
+        own = (family == name) & (diameter == 1)
+        if own.any():
+            backward, forward = (frequency[own].min() for frequency in waves)
             names += [name] * 2
-            values += [rotor_shift - own.min(), rotor_shift + own.min()]
+            values += [rotor_shift - backward, rotor_shift + forward]
     wall = dataset["casing_frequency"].values[dataset["casing_nodal_diameter"].values == 1]
     if len(wall):
         names += ["casing"] * 2

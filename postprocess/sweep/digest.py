@@ -77,7 +77,8 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
             step,
             layout.frequency,
         ),
-        "mode_frequency": _mode_frequencies(dataset),
+        "mode_frequency": _mode_frequencies(dataset, "backward"),
+        "mode_forward_frequency": _mode_frequencies(dataset, "forward"),
         "energy_mean": groups[first:].mean(axis=0),
         "energy_max": groups.max(axis=0),
         **_thinned(time, motion, groups, layout.samples),
@@ -135,14 +136,20 @@ def _groups(energies: xr.Dataset, layout: Layout) -> Array:
     return np.column_stack([energies["suspension"].values, family, energies["rest"].values])
 
 
-def _mode_frequencies(dataset: xr.Dataset) -> Array:
-    """Lowest frequency of each of `MODE_LINES` [Hz]; NaN where there is no such mode."""
+def _mode_frequencies(dataset: xr.Dataset, way: str) -> Array:
+    """Lowest frequency of each of `MODE_LINES` [Hz]; NaN where there is no such mode.
+
+    Args:
+        dataset: a result.
+        way: that waves of the rotor travel with Coriolis forces.
+    """
     found = []
     for body, family in MODE_LINES.values():
         own = dataset[f"{body}_nodal_diameter"].values == 1
         if family is not None:
             own &= dataset[f"{body}_family"].values == family
-        frequency = dataset[f"{body}_frequency"].values[own]
+        wave = f"_{way}" if body == "rotor" else ""
+        frequency = dataset[f"{body}{wave}_frequency"].values[own]
         found.append(frequency.min() / (2.0 * np.pi) if frequency.size else np.nan)
     return np.array(found)
 

@@ -92,7 +92,7 @@ def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
     Raises:
         ViewError: no point is done.
     """
-    names = ["rotation_speed", "reference_frequency", "mode_frequency"]
+    names = ["rotation_speed", "reference_frequency", "mode_frequency", "mode_forward_frequency"]
     points = along(dataset, key, names)
     with_points = np.flatnonzero((points["state"] == "done").any(key).values)
     drawn = with_points[chosen(len(with_points), MOST_PANELS)]
@@ -135,7 +135,8 @@ def _unit(points: xr.Dataset) -> tuple[float, str]:
 
 def _mode_lines(points: xr.Dataset) -> xr.DataArray:
     """Frequencies [Hz] of `LINES` in the rotating frame, (line, key, mode, direction)."""
-    own = points["mode_frequency"].sel(mode=list(LINES))
+    ways = [points[name] for name in ("mode_frequency", "mode_forward_frequency")]
+    own = xr.concat(ways, "direction").sel(mode=list(LINES))
     speed = np.abs(points["rotation_speed"]) / (2 * np.pi)
     on_casing = own["mode"].astype(str).str.startswith("casing")
     direction = xr.DataArray(

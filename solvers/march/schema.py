@@ -17,13 +17,14 @@ from numpy.typing import NDArray
 RESULT_NAME = "result.nc"
 """The result's file in the folder of a run."""
 
-RESULT_FORMAT = 4
+RESULT_FORMAT = 5
 """Of result.nc. 1 and 2 carry no number: 1 lacks what is marked since 2, and neither has the
-coordinates marked since 3; these, and recess and growth of tips, are added on opening."""
+coordinates marked since 3; these, recess and growth of tips, and frequencies of waves are added on
+opening."""
 
-SWEEP_FORMAT = 3
+SWEEP_FORMAT = 4
 """Of sweep.nc. 1 lacks what is marked since 2, and neither 1 nor 2 keeps swept values in the unit
-that they were given in. Both can be read, but not resumed."""
+that they were given in; 3 lacks what is marked since 4. They can be read, but not resumed."""
 
 TIME = "time"
 

@@ -149,15 +149,18 @@ def _shapes(stage: ModalStage, modes: list[ChosenMode]) -> Drawn:
 
 
 def _scenarios(stage: ModalStage) -> Drawn:
-    """Both contact scenarios; there are none without a 1F pair at rest that moves the shaft."""
-    if stage.case.shaft.clamped or not stage.disk_modes.find("1F", 1).size:
+    """Both contact scenarios; there are none without a 1F pair that moves the shaft and meets the
+    casing's.
+    """
+    if stage.case.shaft.clamped:
         return
     for name, share in CASING_SHARES.items():
-        modes = whirling_modes(stage, casing_share=share)
+        try:
+            modes = whirling_modes(stage, casing_share=share)
+        except UserError:
+            return
         data = scenario_dataset(modes, reference=stage.reference_frequency)
         data = data.assign_attrs(case=stage.case.title)
-        if stage.disk_whirl is not None:
-            data.attrs["mode"] += " at rest"
         yield f"{name}-scenario", (plot_scenario(data), data)
 
 

@@ -7,10 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
+from bladewhirl.models.rotation.at_speed import TurningDisk
+from bladewhirl.models.rotation.waves import waves
+from bladewhirl.models.rotation.whirl_modes import whirl_modes
 from bladewhirl.postprocess.modal.motion import shown_clearance
-from bladewhirl.solvers.stability.coincidence import coincidences
 from bladewhirl.solvers.stability.coupled_modes import wave_coefficient
 from bladewhirl.solvers.stability.scenario import (
     Scenario,
@@ -24,6 +27,9 @@ TIMES, ANGLES = 97, 1440
 
 SHAFT = 1
 """Nodal diameter of the modes that move the shaft."""
+
+HIGHEST = 2.0
+"""Speeds that are looked at go up to that many times the sum of the frequencies."""
 
 CASING_SHARES = {"standard": 0.5, "inverted": 2.0}
 """Radial motion of the casing over that of the tips, in the pictures of the two scenarios."""
@@ -50,6 +56,8 @@ class WhirlingModes:
 def whirling_modes(stage: ModalStage, *, casing_share: float, family: str = "1F") -> WhirlingModes:
     """Put a k = 1 mode of the bladed disk and the lowest of the casing in step, contact closing.
 
+    With Coriolis forces that is the backward wave at the speed at which the two coincide.
+
     Args:
         stage: finite element models with their modes.
         casing_share: radial motion of the casing over that of the tips; not 1, where the two move
@@ -57,36 +65,65 @@ def whirling_modes(stage: ModalStage, *, casing_share: float, family: str = "1F"
         family: of the bladed disk's mode.
 
     Raises:
-        UserError: the stage has no such mode.
+        UserError: the stage has no such mode, or with Coriolis forces no speed at which they meet.
     """
     disk_modes, casing_modes = stage.disk_modes, stage.casing_modes
     on_disk = disk_modes.find(family, SHAFT)
     on_casing = (casing_modes.nodal_diameter == SHAFT).nonzero()[0]
     if not (on_disk.size and on_casing.size):
         raise UserError(f"{family}: the stage has no such mode with one nodal diameter")
-    number, wall = int(on_disk[0]), int(on_casing[0])
-    shape = disk_modes.fields(on_disk[:1])
+    wall = float(casing_modes.frequency[on_casing[0]])
+    if stage.turning is not None and stage.case.rotation.effects == "full":
+        frequency, shape = _backward_wave(stage, stage.turning, family, wall)
+    else:
+        frequency = float(disk_modes.frequency[on_disk[0]])
+        shape = disk_modes.fields(on_disk[:1])
     centre = stage.disk.mesh.node_sets["centre"][0]
     shaft = float(stage.disk.cartesian(shape)[centre, 0, 0])
     tips = shape[stage.disk.tip_radial, 0]
     rotor = float(wave_coefficient(tips, stage.disk.tip_angles, SHAFT).real)
     clearance = shown_clearance(stage)
     scale = clearance / abs(rotor * (1.0 - casing_share))
-    met = coincidences(
-        rotor_frequency=disk_modes.frequency[[number]],
-        rotor_nodal_diameter=[SHAFT],
-        casing_frequency=casing_modes.frequency[[wall]],
-        casing_nodal_diameter=[SHAFT],
-    )
     return WhirlingModes(
         name=family,
         shaft=scale * shaft,
         rotor=scale * rotor,
         casing=scale * rotor * casing_share,
-        frequency=float(disk_modes.frequency[number]),
-        speed=float(met.speed[0]),
+        frequency=frequency,
+        speed=(wall + frequency) / SHAFT,
         clearance=clearance,
     )
+
+
+def _backward_wave(
+    stage: ModalStage, turning: TurningDisk, family: str, wall: float
+) -> tuple[float, FloatArray]:
+    """Frequency [rad/s] and field (size, 1) of a family's k = 1 wave where it meets the casing's.
+
+    The field is the wave when its crest is at angle 0.
+
+    Raises:
+        UserError: it does not meet it.
+    """
+    own = waves(turning.matrices, SHAFT, "full")
+    branch, modes = stage.disk_modes.one_a_pair(), stage.disk_modes
+    pairs = [i for i in branch if modes.nodal_diameter[i] == SHAFT]
+    rank = [modes.family[i] for i in pairs].index(family)
+    highest = HIGHEST * (wall + float(modes.frequency[pairs[rank]]))
+    met = [
+        speed
+        for speed in own.meeting(wall, highest)
+        if own.rank(float(speed), SHAFT * float(speed) - wall) == (rank, True)
+    ]
+    if not met:
+        raise UserError(f"{family}: its backward wave meets the casing's at no speed")
+    structure = turning.matrices.at_speed(float(met[0]), "full")
+    whirl = whirl_modes(structure)
+    backward = np.array(whirl.direction) == "backward"
+    own_wave = backward & (whirl.nodal_diameter == SHAFT) & (whirl.rank == rank)
+    field = whirl.fields(np.flatnonzero(own_wave))
+    crest = np.exp(-1j * stage.disk.tip_angles) @ field[stage.disk.tip_radial, 0]
+    return SHAFT * float(met[0]) - wall, (field * np.conj(crest) / np.abs(crest)).real
 
 
 def scenario_dataset(modes: WhirlingModes, *, reference: float) -> xr.Dataset:

@@ -152,7 +152,10 @@ def synthetic_result(
             "friction_work": ("time", friction_work),
             "damping_work": ("time", damping_work),
             "coupling_work": ("time", coupling_work),
-            "rotor_frequency": ("rotor_mode", ROTOR_FREQUENCY),
+            **{
+                f"rotor_{way}frequency": ("rotor_mode", ROTOR_FREQUENCY)
+                for way in ("", "backward_", "forward_")
+            },
             "rotor_nodal_diameter": ("rotor_mode", np.array([1, 1, 0, 1, 1])),
             "rotor_family": (
                 "rotor_mode",

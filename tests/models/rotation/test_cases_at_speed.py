@@ -196,3 +196,52 @@ def test_modes_at_speed(tmp_path: Path) -> None:
     first, second = listed_modes(turning(), tmp_path, "--count", "2")["bladed_disk"]
     assert first["frequency_hz"] == second["frequency_hz"]
     assert first["frequency_hz"] == pytest.approx(known(1.05)["centrifugal"]["1"][0], rel=1e-8)
+
+
+@pytest.mark.parametrize("ratio", [1.05, -1.05])
+def test_a_result_has_the_waves_that_its_modes_make_up(ratio: float) -> None:
+    """k = 1 and 3 against the full model; mirrored, they travel as they did."""
+    arrays = build_stage(turning("full", march={"speed": ratio})).arrays
+    for way in WAYS:
+        for k in (1, 3):
+            own = np.flatnonzero(arrays.rotor_nodal_diameter == k)[:6:2]
+            found = getattr(arrays, f"rotor_{way}_frequency")[own] / (2.0 * np.pi)
+            np.testing.assert_allclose(found, known(1.05)[way][str(k)][:3], rtol=3e-3)
+
+
+def test_the_error_of_the_reduction_is_that_of_its_waves() -> None:
+    """At 1.05 backward and forward against the full model's, the other way round alike."""
+    ahead, back = (build_stage(turning("full", march={"speed": x})) for x in (1.05, -1.05))
+    arrays = ahead.arrays
+    own = int(np.flatnonzero(arrays.rotor_nodal_diameter == 1)[0])
+    error = max(
+        abs(
+            getattr(arrays, f"rotor_{way}_frequency")[own] / (2 * np.pi * known(1.05)[way]["1"][0])
+            - 1
+        )
+        for way in WAYS
+    )
+    assert 0.0 < error <= ahead.frequency_error["1F"] < 1e-3
+    assert back.frequency_error == pytest.approx(ahead.frequency_error, rel=1e-3)
+
+
+def test_past_its_critical_speed_a_forward_wave_is_negative() -> None:
+    """The one that ends at its critical speed; Coriolis forces aside nothing has two ways."""
+    arrays = build_stage(turning("full", march={"speed": 2.5})).arrays
+    lowest, next_one = np.flatnonzero(arrays.rotor_nodal_diameter == 1)[[0, 2]]
+    assert arrays.rotor_family[lowest] == "1F"
+    assert arrays.rotor_forward_frequency[lowest] < 0.0 < arrays.rotor_forward_frequency[next_one]
+    none = build_stage(turning("centrifugal")).arrays
+    np.testing.assert_array_equal(none.rotor_forward_frequency, none.rotor_frequency)
+
+
+def test_blades_hardly_unlike_have_nearly_the_same_waves() -> None:
+    alike, unlike = (
+        build_stage(turning("full", bladed_disk={"disk": {"thickness": 0.01}, **mistuned})).arrays
+        for mistuned in ({}, {"mistuning": {"stiffness": [1.0 + 1e-6] + [1.0] * 21}})
+    )
+    assert np.any(alike.rotor_backward_frequency > 1.5 * alike.rotor_forward_frequency)
+    own = np.flatnonzero(unlike.rotor_nodal_diameter == 1)[:6]
+    for way in WAYS:
+        wanted, found = (getattr(each, f"rotor_{way}_frequency")[own] for each in (alike, unlike))
+        np.testing.assert_allclose(found, wanted, rtol=1e-5)

@@ -149,6 +149,8 @@ class TestSummarise:
             rotor_displacement=(("time", "rotor_mode"), motion),
             rotor_velocity=(("time", "rotor_mode"), motion),
             rotor_frequency=("rotor_mode", np.linspace(1.0, 9.0, modes)),
+            rotor_backward_frequency=("rotor_mode", np.linspace(1.0, 9.0, modes)),
+            rotor_forward_frequency=("rotor_mode", np.linspace(1.0, 9.0, modes)),
             rotor_nodal_diameter=("rotor_mode", np.arange(modes) // 2 % 12),
             rotor_spring_share=("rotor_mode", np.zeros(modes)),
             rotor_family=("rotor_mode", np.array(["1F"] * 22 + ["2F"] * 134, dtype=object)),
@@ -355,7 +357,8 @@ class TestRegimes:
         [([190.0, 75.0], np.pi / 75.0), ([1e-5, 75.0], np.pi / 75.0), ([0.0, 0.0], np.inf)],
     )
     def test_rigid_modes_set_no_period(self, frequency: list[float], half_period: float) -> None:
-        stage = xr.Dataset({"rotor_frequency": ("rotor_mode", frequency)})
+        ways = ("rotor_backward_frequency", "rotor_forward_frequency")
+        stage = xr.Dataset({way: ("rotor_mode", frequency) for way in ways})
         assert longest_half_period(stage) == pytest.approx(half_period)
 
     def test_too_few_periods_or_records_are_not_judged(self) -> None:

@@ -105,6 +105,12 @@ class TestModalLines:
         assert seen["suspension"] == [-190.0, 190.0]
         assert sorted(static.values[static["mode"].values == "casing"]) == [-5.0, 5.0]
 
+    def test_coriolis_forces_part_them(self) -> None:
+        result = synthetic.synthetic_result()
+        result["rotor_forward_frequency"] = result["rotor_frequency"] - 90.0
+        lines = modal_lines(result, "rotating")
+        assert lines.values[lines["mode"].values == "1F"].tolist() == [-75.0, -15.0]
+
     def test_without_such_modes_the_speed_is_left(self) -> None:
         result = synthetic.synthetic_result()
         result["rotor_nodal_diameter"] = "rotor_mode", np.zeros(5, dtype=np.int64)

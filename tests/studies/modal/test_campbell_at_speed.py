@@ -17,9 +17,11 @@ from typer.testing import CliRunner
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_from, dumps_case, with_values
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.postprocess.modal.campbell import plot_campbell
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.modal.campbell import campbell, coincidence_list
+from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
 
 KNOWN = oracle("rotation")["stages"]["0.01"]
 
@@ -135,3 +137,17 @@ def test_unlike_sectors_are_refused() -> None:
     blades = {"stiffness": [1.0] * 21 + [1.01]}
     with pytest.raises(UserError, match="campbell: expected equal sectors"):
         campbell(with_values(stage_case("centrifugal"), {"bladed_disk.mistuning": blades}))
+
+
+def test_contact_scenarios_are_of_the_wave_where_it_meets_the_casing() -> None:
+    """The backward wave of 1F, slow in static axes there, hardly moves the shaft."""
+    stage = modal_stage(with_values(stage_case(), {"casing.support": 1508.0}))
+    found = campbell(stage, families=1, speeds=(0.0, 2.5))["normalised_speed"]
+    met = found.values[[(row[0], row[2]) == ("1F", 1) for row in found["coincidence"].values]]
+    for name, share in CASING_SHARES.items():
+        modes = whirling_modes(stage, casing_share=share)
+        assert modes.speed / stage.reference_frequency == pytest.approx(met[0], rel=1e-9)
+        assert abs(modes.shaft) < 0.5 * abs(modes.rotor), name
+    stiff = with_values(stage_case(), {"casing.support": 7.975e6})
+    with pytest.raises(UserError, match="meets the casing's at no speed"):
+        whirling_modes(modal_stage(stiff), casing_share=0.5)
