@@ -17,8 +17,22 @@ DENSITIES = (500.0, 25e3)
 TIP_RADII = (0.01, 10.0)
 """Tip radii of bladed disks [m]: from model turbines to ship fans."""
 
-LARGEST_CLEARANCE = 0.1
-"""Clearance over the tip radius beyond which a tip hardly finds the casing."""
+CLEARANCES = (1e-6, 0.1)
+"""Clearance over the tip radius: below it is rounding, beyond it a tip hardly finds the casing."""
+
+MOST = {
+    "contact.friction": (2.0, "dry friction of metals is below 1.5"),
+    "damping.ratio": (0.5, "a mode of ratio 1 does not vibrate"),
+}
+"""Numbers without dimension that are hardly exceeded, and why."""
+
+STIFFEST = 1e13
+"""Stiffness of a spring that no part of a stage has [N/m]: a block of steel of 1 m has 2e11."""
+
+WAYS = ("radial", "tangential")  #: of the springs under a casing
+
+LONGEST = 100.0
+"""Length of a strut over the tip radius that none has."""
 
 
 def unusual_values(case: Case) -> Iterator[Fault]:
@@ -33,16 +47,44 @@ def unusual_values(case: Case) -> Iterator[Fault]:
     if drawn:
         sections |= {"bladed_disk.blade": case.bladed_disk.blade}
         sections |= {"bladed_disk.disk": case.bladed_disk.disk}
-    for key, section in sections.items():
+    struts = {f"casing.struts[{row}]": strut for row, strut in enumerate(case.casing.struts)}
+    for key, section in (sections | struts).items():
         for name in ("width", "thickness"):
             size = getattr(section, name)
             if size > radius:
                 expected = f"at most the tip radius, {radius:g} m"
                 yield _fault(f"{key}.{name}", size, expected, "10 mm")
-    clearance = case.casing.clearance
-    if clearance > LARGEST_CLEARANCE * radius:
-        expected = f"at most a tenth of the tip radius, {LARGEST_CLEARANCE * radius:g} m"
+    for key, strut in struts.items():
+        if strut.length > LONGEST * radius:
+            expected = f"at most {LONGEST:g} tip radii, {LONGEST * radius:g} m"
+            yield _fault(f"{key}.length", strut.length, expected, "300 mm")
+    clearance, (least, most) = case.casing.clearance, CLEARANCES
+    if 0.0 < clearance < least * radius:
+        expected = f"0, or at least a millionth of the tip radius, {least * radius:g} m"
         yield _fault("casing.clearance", clearance, expected, "1 mm")
+    if clearance > most * radius:
+        expected = f"at most a tenth of the tip radius, {most * radius:g} m"
+        yield _fault("casing.clearance", clearance, expected, "1 mm")
+    yield from _beyond_reason(case)
+
+
+def _beyond_reason(case: Case) -> Iterator[Fault]:
+    """Friction, damping and springs that no stage has."""
+    for key, (most, why) in MOST.items():
+        table, name = key.split(".")
+        value = getattr(getattr(case, table), name)
+        if value > most:
+            yield Fault(key=key, value=value, expected=f"at most {most:g} ({why})")
+    springs = {
+        "coupling.stiffness": case.coupling.stiffness,
+        "contact.penalty_stiffness": case.contact.penalty_stiffness,
+        "shaft.stiffness": case.shaft.stiffness,
+    }
+    for row, spring in enumerate(case.casing.springs):
+        springs |= {f"casing.springs[{row}].{way}": getattr(spring, way) for way in WAYS}
+    for key, stiffness in springs.items():
+        if stiffness is not None and stiffness > STIFFEST:
+            yield _fault(key, stiffness, f"at most {STIFFEST:g} N/m", "34 MN/m")
 
 
 def case_hints(case: Case) -> tuple[str, ...]:

@@ -104,11 +104,15 @@ class Speed:
         return self.value if self.kind == RAD_PER_S else self.value * reference
 
 
+LARGEST = 1e30
+"""Numbers of a case are smaller: no quantity in SI units comes near, and products stay floats."""
+
+
 def finite(number: SupportsFloat) -> float:
-    """A finite float.
+    """A finite float of a size that quantities have.
 
     Raises:
-        ValueError: not a number, infinite, or an integer beyond the largest float.
+        ValueError: not a number, infinite, or larger than `LARGEST`.
     """
     try:
         value = float(number)
@@ -116,6 +120,8 @@ def finite(number: SupportsFloat) -> float:
         raise ValueError("too large") from None
     if not math.isfinite(value):
         raise ValueError("not finite")
+    if abs(value) > LARGEST:
+        raise ValueError("too large")
     return value
 
 

@@ -87,12 +87,18 @@ def floquet(
         tolerance: relative change of the monodromy matrix at which doubling stops.
 
     Raises:
-        ArithmeticError: the tolerance was not met with `MOST_STEPS` steps.
+        ArithmeticError: the tolerance was not met with `MOST_STEPS` steps, or it takes more
+            to go through so long a period.
     """
     first = stiffness(np.zeros(1))[0]
     drag = np.broadcast_to(0.0 if damping is None else damping, first.shape)
     unit = np.sqrt(np.abs(first).max()) or 1.0  # x is measured in x' / unit, for equal sizes
     steps = max(FEWEST_STEPS, int(np.ceil(0.25 * period * unit)))
+    if 2 * steps > MOST_STEPS:
+        longest = MOST_STEPS / (0.5 * unit)
+        raise ArithmeticError(
+            f"monodromy matrix: expected a period of at most {longest:.4g} s, got {period:.4g} s"
+        )
     coarse = _propagate(stiffness, drag, period, steps, unit)
     while 2 * steps <= MOST_STEPS:
         steps *= 2

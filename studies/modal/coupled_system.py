@@ -61,18 +61,25 @@ class System(ABC):
     ) -> FloatArray:
         """Growth rate [1/s] on a grid of speeds [rad/s] and stiffnesses [N/m], (kappas, omegas)."""
 
-    def check_speed(self, omega: float) -> None:
-        """Refuse a speed [rad/s] so far above all frequencies that growth is lost in rounding.
+    def check_reach(self, omega: float, kappa: float) -> None:
+        """Refuse a speed [rad/s] or springs [N/m] beside which growth is lost in rounding.
 
         Raises:
-            UserError: it is.
+            UserError: one of them is.
         """
-        highest = FASTEST * float(self.modes.frequency.max()) / self.reference
-        if not abs(omega) <= highest * self.reference:
+        highest = FASTEST * float(self.modes.frequency.max())
+        reason = (
+            f"{FASTEST:g} times the highest coupled frequency; beyond it growth is lost in rounding"
+        )
+        if not abs(omega) <= highest:
             raise UserError(
                 f"stability: speed {omega / self.reference:.6g} ω₁: expected at most"
-                f" {highest:.4g}, {FASTEST:g} times the highest coupled frequency; beyond it growth"
-                " is lost in rounding"
+                f" {highest / self.reference:.4g}, {reason}"
+            )
+        if not kappa <= highest**2:  # of modes whose mass at the springs is 1 kg
+            raise UserError(
+                f"stability: stiffness {kappa:.6g} N/m: expected at most {highest**2:.4g} N/m, the"
+                f" square of {reason}"
             )
 
     def options(self) -> dict[str, object]:

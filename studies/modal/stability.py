@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -77,10 +78,8 @@ def given_speed(given: float | str) -> Speed:
     Raises:
         UserError: it is none.
     """
-    try:
-        return Speed(float(given))
-    except ValueError:
-        pass
+    with suppress(ValueError):
+        given = float(given)
     try:
         return Speed(given)
     except ValueError as error:
@@ -95,15 +94,21 @@ def stability_point(system: System, omega: float, kappa: float) -> xr.Dataset:
 
     Where each mode has one nodal diameter, next to the growth rate of the autonomous form stands
     that of the monodromy matrix of the periodic system, which knows nothing of that form (absent
-    at rest, which has no period).
+    at rest, which has no period, and so near to it that a period can't be integrated over).
 
     Args:
         system: the coupled modes.
         omega: speed [rad/s].
         kappa: spring stiffness [N/m].
+
+    Raises:
+        UserError: speed or stiffness are out of reach.
     """
-    system.check_speed(omega)
-    spectrum = system.spectrum(omega, kappa)
+    system.check_reach(omega, kappa)
+    try:
+        spectrum = system.spectrum(omega, kappa)
+    except ArithmeticError as error:
+        raise UserError(f"stability: speed {omega / system.reference:.6g} ω₁: {error}") from None
     growth, own = spectrum[0].real, {}
     if isinstance(system, EvenSystem):
         growth = system.growth(np.array([omega]), np.array([kappa]))[0, 0]
@@ -132,7 +137,7 @@ def _even_point(system: EvenSystem, omega: float, kappa: float) -> dict[str, Any
     """Variables of a point that only modes of one nodal diameter each have."""
     found: dict[str, Any] = {}
     modes = system.modes
-    if omega:
+    with suppress(ArithmeticError):  # ZeroDivisionError at rest
         turns = coupled_floquet(modes, speed=omega, kappa=kappa, with_pi=system.with_pi)
         growth = max(float(turn.growth) for turn in turns.values())
         found["growth_rate_floquet"] = ((), growth, GROWTH | {"method": "monodromy matrix"})
@@ -146,7 +151,7 @@ def _even_point(system: EvenSystem, omega: float, kappa: float) -> dict[str, Any
             "long_name": "size of each mode in the fastest growing motion",
         },
     )
-    if omega and is_unstable(mode.eigenvalue.real, omega):
+    if "growth_rate_floquet" in found and is_unstable(mode.eigenvalue.real, omega):
         motion = divergent_motion(system.of_diameter(mode.nodal_diameter), omega, kappa)
         found |= {name: ((), *value) for name, value in motion_measures(motion).items()}
         if motion.nodal_diameter == 1:

@@ -38,7 +38,7 @@ def stability_chart(
         kappas: spring stiffnesses [N/m], ascending.
         progress: called with the points done and the points in all.
     """
-    system.check_speed(omegas[-1])
+    system.check_reach(omegas[-1], kappas[-1])
     growth = system.growth(omegas, kappas, progress)
     data = _ranges(system, omegas, kappas)
     if isinstance(system, EvenSystem):

@@ -112,7 +112,7 @@ def _march_into(
     reason, message = EndReason.COMPLETED.value, ""
     first, before = None, 0.0
     if begin is not None:
-        first, before = _state_at(prepared, begin), begin.wall_time
+        first, before = state_at(prepared, begin), begin.wall_time
         residual = first.statistics.complementarity_residual
         unsolved = first.statistics.lcp_failures
     began, flushed, waiting = time.perf_counter() - before, -FLUSH_TIME, list[Chunk]()
@@ -177,7 +177,12 @@ def _chunk(records: xr.Dataset, time_step: float) -> Chunk:
     return Chunk(step=np.rint(values["time"] / time_step).astype(np.int64), **values)
 
 
-def _state_at(prepared: Prepared, begin: Checkpoint) -> Any:
+def state_at(prepared: Prepared, begin: Checkpoint) -> Any:
+    """State of the scheme at a checkpoint.
+
+    Raises:
+        UserError: the march is to end before it, or it is of another scheme or stage.
+    """
     steps = int(begin.state["step"])
     if steps > prepared.timing.steps + 1:
         reached = (steps - 1) * prepared.timing.time_step

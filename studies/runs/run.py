@@ -23,6 +23,7 @@ from bladewhirl.studies.runs.recorded_march import (
     check_room,
     expected_bytes,
     march_to_file,
+    state_at,
 )
 
 
@@ -109,6 +110,7 @@ def resume(
             " with; only march.duration may change"
         )
     prepared = prepare(case)
+    state_at(prepared, checkpoint)  # nothing is written if it can't go on
     with writing(directory), locked(directory):
         write_whole(path, folder.portable_case(case))
         window = Window(frames=frames, start=None, end=None, rotating=rotating)

@@ -28,9 +28,10 @@ from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
+from small_run import COMMAND, SMALL, small
 
 from bladewhirl.meshes.files.registry import WRITERS
-from bladewhirl.models.case.file import dumps_case, loads, read_case
+from bladewhirl.models.case.file import dumps_case, read_case
 from bladewhirl.models.inputs.toml import toml_value
 from bladewhirl.studies.commands.cli import app, main
 
@@ -38,24 +39,8 @@ ROOT = Path(__file__).parents[2]
 SECONDS, BYTES, FILE_BYTES = 30, 6 * 2**30, 2**28
 """What a command may take: of the processor (twenty times that on the clock), memory and disk."""
 
-SMALL = """
-[bladed_disk]
-blades = 6
-elements_per_blade = 2
-[casing]
-elements = 12
-support = 7.975e6
-[reduction]
-fixed_interface_modes = 10
-[excitation]
-type = "casing-distortion"
-modal_force = 30000
-duration = "5 ms"
-[march]
-time_step = 2e-6
-record_step = 2e-5
-duration = 0.002
-"""
+RECORDED = {"march.record_step": 2e-5, "march.duration": 0.002}
+"""Values of the run, and of the case, that inputs begin with."""
 
 SHORT = "march = { speed = 1.05, time_step = 2e-6, record_step = 2e-5, duration = 4e-4 }"
 
@@ -117,8 +102,6 @@ READING = (
 SWEEP = ("plot sweep", "plot sweep frequency-map", "report sweep", "plot sweep regimes")
 """Commands on a sweep."""
 
-COMMAND = "from bladewhirl.studies.commands.cli import main; main()"
-
 
 class Input(NamedTuple):
     """One command, to be given in a folder that has been prepared for it."""
@@ -146,7 +129,7 @@ class Makers:
         self._base = base
         files = sorted((ROOT / "examples").glob("*.toml"))
         self._tables = [_small(read_case(file).model_dump(exclude_none=True)) for file in files]
-        self._tables.append(loads(SMALL).model_dump(exclude_none=True))
+        self._tables.append(small().model_dump(exclude_none=True))
         self._tables.append(read_case(ROOT / "tests/data/sketch_stage.toml").model_dump())
         self._tables = [_without_none(tables) for tables in self._tables]
         self._keys = sorted({key for tables in self._tables for key in _keys(tables)})
@@ -164,7 +147,7 @@ class Makers:
 
     def prepare(self, kind: str) -> None:
         """Make what inputs of a kind begin with, and load what their commands need."""
-        (self._base / "case.toml").write_text(dumps_case(loads(SMALL)))
+        (self._base / "case.toml").write_text(dumps_case(small(**RECORDED)))
         meshes = self._base / "meshes"
         shutil.copytree(ROOT / "tests/data/meshes", meshes)
         shutil.copy(ROOT / "examples/shrouded_fan.msh", meshes)

@@ -26,6 +26,10 @@ def test_none_at_what_is_usual(path: Path) -> None:
     assert case_hints(read_case(path)) == ()
 
 
+def strut(**values: float) -> dict[str, float]:
+    return {"angle": 0.0, "width": 0.01, "thickness": 0.01, "length": 0.3, **values}
+
+
 @pytest.mark.parametrize(
     ("key", "value", "hint"),
     [
@@ -35,12 +39,30 @@ def test_none_at_what_is_usual(path: Path) -> None:
         ("bladed_disk.blade.thickness", 10, "unusual bladed_disk.blade.thickness = 10.0: at most"),
         ("casing.wall.width", 100, "unusual casing.wall.width = 100.0: at most the tip radius"),
         ("casing.clearance", 1, "unusual casing.clearance = 1.0: at most a tenth of the tip radiu"),
+        ("casing.clearance", 1e-300, "unusual casing.clearance = 1e-300: 0, or at least a million"),
+        ("coupling.stiffness", 1e20, "unusual coupling.stiffness = 1e+20: at most 1e+13 N/m"),
+        ("shaft.stiffness", 1e20, "unusual shaft.stiffness = 1e+20: at most 1e+13 N/m"),
+        ("casing.struts", [strut(width=1e6)], "unusual casing.struts[0].width = 1000000.0: at mo"),
+        ("casing.struts", [strut(length=1e6)], "unusual casing.struts[0].length = 1000000.0: at "),
+        ("casing.springs", [{"angle": 0, "radial": 1e20}], "unusual casing.springs[0].radial = 1"),
     ],
 )
 def test_another_unit_was_meant(key: str, value: float, hint: str) -> None:
     [line] = case_hints(with_values(Case(), {key: value}))
     assert line.startswith(hint)
     assert "text carries its unit" in line
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "hint"),
+    [
+        ("contact.friction", 1e29, "unusual contact.friction = 1e+29: at most 2 (dry friction of"),
+        ("damping.ratio", 5e9, "unusual damping.ratio = 5000000000.0: at most 0.5 (a mode of"),
+    ],
+)
+def test_numbers_that_no_stage_has(key: str, value: float, hint: str) -> None:
+    [line] = case_hints(with_values(Case(), {key: value}))
+    assert line.startswith(hint)
 
 
 def test_a_material_by_name_is_looked_at_too() -> None:

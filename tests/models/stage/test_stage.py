@@ -137,13 +137,9 @@ def test_faults_of_the_march_come_together() -> None:
             {"bladed_disk.blades": 5000},
             "bladed_disk: expected a bladed disk of fewer degrees of freedom than 165002,",
         ),
-        (
-            {"bladed_disk.tip_radius": 1e200},
-            "bladed_disk.tip_radius = 1e200: expected 0.01 to 10 m",
-        ),
-        ({"material.young_modulus": 1e300}, "material.young_modulus = 1e300: expected 1e+09 to "),
+        ({"material.young_modulus": 1e30}, "material.young_modulus = 1e30: expected 1e+09 to "),
         ({"material.density": 1e-300}, "material.density = 1e-300: expected 500 to 25000 kg/m3"),
-        ({"shaft.stiffness": 1e30}, "expected sizes, material and springs within reach"),
+        ({"shaft.stiffness": 1e30}, "shaft.stiffness = 1e30: expected at most 1e+13 N/m"),
     ],
 )
 def test_what_finite_elements_refuse_is_one_line(values: dict[str, object], line: str) -> None:

@@ -77,3 +77,5 @@ def test_too_tight_a_tolerance_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("bladewhirl.solvers.stability.floquet.MOST_STEPS", 256)
     with pytest.raises(ArithmeticError, match="monodromy matrix: expected a change below 0"):
         floquet(lambda times: np.cos(times)[:, None, None], period=2.0 * np.pi, tolerance=0.0)
+    with pytest.raises(ArithmeticError, match="expected a period of at most 512 s, got 1e\\+09 s"):
+        floquet(lambda times: np.cos(times)[:, None, None], period=1e9)

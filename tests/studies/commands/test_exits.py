@@ -8,8 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-
-COMMAND = "from bladewhirl.studies.commands.cli import main; main()"
+from small_run import COMMAND
 
 
 def bladewhirl(*arguments: str, output: str = os.devnull) -> subprocess.CompletedProcess[str]:

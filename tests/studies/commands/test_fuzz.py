@@ -5,19 +5,13 @@ A night's work: `python tests/support/fuzz.py KIND --count 2000` for each of the
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import pytest
-from places import ROOT
+from small_run import run_script
 
 
 def findings(kind: str, count: int) -> str:
     """What went wrong with the first inputs of a kind; empty if nothing did."""
-    script = ROOT / "tests" / "support" / "fuzz.py"
-    tried = subprocess.run(
-        [sys.executable, str(script), kind, "--count", str(count)], capture_output=True, text=True
-    )
+    tried = run_script("fuzz.py", kind, "--count", str(count))
     return "" if tried.returncode == 0 else tried.stdout + tried.stderr
 
 

@@ -18,11 +18,12 @@ import meshio
 import numpy as np
 import pytest
 import xarray as xr
+from small_run import SMALL, small
 from typer.testing import CliRunner
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import dumps_case, loads, read_case, with_values
+from bladewhirl.models.case.file import dumps_case, read_case, with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import build_stage
@@ -30,26 +31,6 @@ from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.studies.commands.cli import app
 
 RUNNER = CliRunner()
-
-SMALL = """
-title = "A few blades"
-[bladed_disk]
-blades = 6
-elements_per_blade = 2
-[casing]
-elements = 12
-support = 7.975e6
-[reduction]
-fixed_interface_modes = 10
-[excitation]
-type = "casing-distortion"
-modal_force = 30000
-duration = "5 ms"
-[march]
-time_step = 2e-6
-record_step = 1e-4
-duration = 0.01
-"""
 
 FILES = [
     "case.toml",
@@ -294,7 +275,7 @@ def test_faults_of_the_model_name_the_file(path: Path) -> None:
 
 
 def quick(**values: object) -> Case:
-    return with_values(loads(SMALL), {"march.duration": 1e-4, **values})
+    return small(**{"march.duration": 1e-4, **values})
 
 
 def test_overwriting_replaces_a_run_and_nothing_else(tmp_path: Path) -> None:

@@ -70,15 +70,24 @@ def test_physical_amplitudes_are_hundreds_of_times_weaker() -> None:
     assert not point["unstable"]
 
 
-def test_speeds_beyond_all_frequencies_are_refused() -> None:
-    for given in (["--speed", "1e300", "--kappa", "500"], ["--speeds", "1:1e9:3"]):
+def test_speeds_and_springs_beyond_all_frequencies_are_refused() -> None:
+    for given in (
+        ["--speed", "1e9", "--kappa", "500"],
+        ["--speed", "1.1", "--kappa", "1e300"],
+        ["--speeds", "1:1e9:3"],
+        ["--kappas", "0:1e200:3"],
+    ):
         result = RUNNER.invoke(app, ["stability", FAN_STAGE, *given, "--json"])
         assert (result.exit_code, result.stdout) == (2, "")
         assert "beyond it growth is lost in rounding" in result.stderr
+    result = RUNNER.invoke(app, ["stability", FAN_STAGE, "--speed", "1e300", "--kappa", "500"])
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr.startswith("--speed 1e+300: expected multiples of the reference frequency")
 
 
-def test_rest_has_no_monodromy() -> None:
-    point = json.loads(run("--speed", "0", "--kappa", "500", "--json"))
+@pytest.mark.parametrize("speed", ["0", "1e-9", "5e-324"])
+def test_rest_has_no_monodromy(speed: str) -> None:
+    point = json.loads(run("--speed", speed, "--kappa", "500", "--json"))
     assert point["growth_rate"] == pytest.approx(0.0, abs=1e-6)
     assert "growth_rate_floquet" not in point
 

@@ -2,56 +2,41 @@
 
 from __future__ import annotations
 
+import shutil
 import signal
 import subprocess
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
+from small_run import COMMAND, SMALL, run_script, small
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import dumps_case, loads, with_values
+from bladewhirl.models.case.file import dumps_case, read_case
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.solvers.march.schema import HISTORY, RESULT_NAME
+from bladewhirl.solvers.march.scheme import KERNEL
 from bladewhirl.studies.runs.place import locked
 from bladewhirl.studies.runs.recorded_march import Activity
 from bladewhirl.studies.runs.run import resume
-
-SMALL = """
-[bladed_disk]
-blades = 6
-elements_per_blade = 2
-[casing]
-elements = 12
-support = 7.975e6
-[reduction]
-fixed_interface_modes = 10
-[excitation]
-type = "casing-distortion"
-modal_force = 30000
-duration = "5 ms"
-[march]
-time_step = 2e-6
-record_step = 1e-4
-duration = 0.1
-"""
-
-COMMAND = "from bladewhirl.studies.commands.cli import main; main()"
 
 
 class Disturbed(Exception):
     """The march ends as by a kill, as far as its folder goes."""
 
 
-def small(**values: object) -> Case:
-    return with_values(loads(SMALL), values)
+def long(**values: object) -> Case:
+    """The small case, to march for 0.1 s."""
+    return small(**{"march.duration": 0.1, **values})
 
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run that nothing disturbed."""
-    return bw.run(small(), tmp_path_factory.mktemp("whole") / "run", frames=0).directory
+    return bw.run(long(), tmp_path_factory.mktemp("whole") / "run", frames=0).directory
 
 
 def broken_off(case: Case, directory: Path, steps: int, *, overwrite: bool = False) -> None:
@@ -71,7 +56,7 @@ def assert_same_bits(one: Path, other: Path) -> None:
 
 
 def test_a_run_broken_off_goes_on_to_the_same_bits(whole: Path, tmp_path: Path) -> None:
-    broken_off(small(), tmp_path / "run", 20_000)
+    broken_off(long(), tmp_path / "run", 20_000)
     with bw.open_result(tmp_path / "run") as left:
         assert 0 < left.sizes["time"] < 1001
     done = resume(tmp_path / "run", frames=0)
@@ -83,7 +68,7 @@ def test_a_run_broken_off_goes_on_to_the_same_bits(whole: Path, tmp_path: Path) 
 @pytest.mark.parametrize("duration", [0.05, 0.05003])
 def test_a_finished_run_is_made_longer(whole: Path, tmp_path: Path, duration: float) -> None:
     """Also one whose last record is one that a longer run does not make."""
-    bw.run(small(**{"march.duration": duration}), tmp_path / "run", frames=3)
+    bw.run(long(**{"march.duration": duration}), tmp_path / "run", frames=3)
     resume(tmp_path / "run", ["march.duration=0.1"], frames=2)
     assert_same_bits(whole, tmp_path / "run")
     assert len([*(tmp_path / "run" / "vtk" / "frames").iterdir()]) == 8
@@ -94,6 +79,7 @@ def test_only_the_duration_may_change(whole: Path, tmp_path: Path) -> None:
         resume(whole, ["march.speed=1.2"])
     with pytest.raises(UserError, match=r"march\.duration: expected 0\.1 s, which is marched, or"):
         resume(whole, ["march.duration=0.05"])
+    assert read_case(whole / "case.toml").march.duration == 0.1
     (tmp_path / "case.toml").write_text(SMALL)
     for content in (b"", b"nonsense", b"PK\x03\x04"):
         (tmp_path / "checkpoint.npz").write_bytes(content)
@@ -103,11 +89,11 @@ def test_only_the_duration_may_change(whole: Path, tmp_path: Path) -> None:
 
 def test_a_run_that_overwrites_and_is_broken_off_leaves_the_old_one(tmp_path: Path) -> None:
     out = tmp_path / "run"
-    bw.run(small(title="old", **{"march.duration": 1e-3}), out, frames=0)
+    bw.run(long(title="old", **{"march.duration": 1e-3}), out, frames=0)
     before = (out / "result.nc").read_bytes()
-    broken_off(small(title="new"), out, 20_000, overwrite=True)
+    broken_off(long(title="new"), out, 20_000, overwrite=True)
     assert (out / "result.nc").read_bytes() == before
-    bw.run(small(title="new", **{"march.duration": 1e-3}), out, frames=0, overwrite=True)
+    bw.run(long(title="new", **{"march.duration": 1e-3}), out, frames=0, overwrite=True)
     with bw.open_result(out) as result:
         assert result.attrs["title"] == "new"
     assert [path.name for path in tmp_path.iterdir()] == ["run"]
@@ -115,7 +101,7 @@ def test_a_run_that_overwrites_and_is_broken_off_leaves_the_old_one(tmp_path: Pa
 
 def test_overwriting_follows_no_links(tmp_path: Path) -> None:
     out, other = tmp_path / "run", tmp_path / "other"
-    short = small(**{"march.duration": 1e-3})
+    short = long(**{"march.duration": 1e-3})
     bw.run(short, out, frames=2)
     (out / "vtk").rename(other)
     (out / "vtk").symlink_to(other)
@@ -126,7 +112,7 @@ def test_overwriting_follows_no_links(tmp_path: Path) -> None:
 
 
 def test_a_folder_between_its_first_files_is_not_stuck(tmp_path: Path) -> None:
-    out, short = tmp_path / "run", small(**{"march.duration": 1e-3})
+    out, short = tmp_path / "run", long(**{"march.duration": 1e-3})
     broken_off(short, out, 0)
     (out / "provenance.json").unlink()
     bw.run(short, out, frames=0, overwrite=True)
@@ -142,7 +128,7 @@ def test_two_runs_do_not_share_a_folder(tmp_path: Path) -> None:
 def test_a_refused_write_is_one_line_and_what_was_recorded_stays(
     whole: Path, tmp_path: Path
 ) -> None:
-    (tmp_path / "case.toml").write_text(dumps_case(small()))
+    (tmp_path / "case.toml").write_text(dumps_case(long()))
     limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (1_600_000, 1_600_000)); "
     arguments = ["run", str(tmp_path / "case.toml"), "-o", str(tmp_path / "run"), "--frames", "0"]
     ended = subprocess.run(
@@ -157,7 +143,7 @@ def test_a_refused_write_is_one_line_and_what_was_recorded_stays(
 
 
 def test_a_killed_run_goes_on_to_the_same_bits(whole: Path, tmp_path: Path) -> None:
-    (tmp_path / "case.toml").write_text(dumps_case(small()))
+    (tmp_path / "case.toml").write_text(dumps_case(long()))
     arguments = ["run", str(tmp_path / "case.toml"), "-o", str(tmp_path / "run")]
     longer = ["--set", "march.duration=3600"]
     with subprocess.Popen([sys.executable, "-c", COMMAND, *arguments, *longer]) as process:
@@ -168,3 +154,53 @@ def test_a_killed_run_goes_on_to_the_same_bits(whole: Path, tmp_path: Path) -> N
         resume(tmp_path / "run", ["march.duration=0.1"], frames=0)
     resume(tmp_path / "run", ["march.duration=0.1"], frames=0)
     assert_same_bits(whole, tmp_path / "run")
+
+
+@pytest.mark.slow
+def test_kills_at_random_moments_lose_at_most_one_flush() -> None:
+    """Two hundred, as they were before a release: `python tests/support/kills.py --count 200`."""
+    done = run_script("kills.py", "--count", "20")
+    assert done.stdout.startswith("20 kills: all read"), done.stderr
+
+
+def test_a_header_longer_than_what_was_vouched_for_is_read_up_to_there(
+    whole: Path, tmp_path: Path
+) -> None:
+    """As a kill in mid-write leaves it: lengths that promise records which never came."""
+    shutil.copy(whole / RESULT_NAME, tmp_path)
+    with h5py.File(tmp_path / RESULT_NAME, "r+") as file:
+        file.attrs.modify("steps", np.int64(20_000))
+        for number, name in enumerate(HISTORY):
+            file[name].resize(1200 - number, axis=0)
+            file[name][401:] = 0
+    with bw.open_result(tmp_path) as left, bw.open_result(whole) as right:
+        assert left.sizes["time"] == 401
+        for name in HISTORY:
+            np.testing.assert_array_equal(left[name].values, right[name].values[:401])
+
+
+def test_what_is_left_of_an_earlier_run_is_told(tmp_path: Path) -> None:
+    short = long(**{"march.duration": 1e-3})
+    out, old = tmp_path / "run", tmp_path / "run.old"
+    bw.run(short, out, frames=0)
+    old.mkdir()
+    with pytest.raises(UserError, match=rf"^{old}: expected no such folder; it has files of an ea"):
+        bw.run(short, out, frames=0, overwrite=True)
+    old.rmdir()
+    bw.run(short, out, frames=0, overwrite=True)
+
+
+def test_a_run_goes_on_with_the_kernel_it_was_begun_with(
+    whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(KERNEL, "reference")
+    with pytest.raises(UserError, match="expected the state of this march"):
+        resume(whole, ["march.duration=0.2"])
+    brief = {"march.record_step": 2e-5, "march.time_step": 1e-5}
+    ends = [long(**{"march.duration": end, **brief}) for end in (4e-4, 6e-4)]
+    bw.run(ends[0], tmp_path / "run", frames=0)
+    resume(tmp_path / "run", ["march.duration=6e-4"], frames=0)
+    assert_same_bits(bw.run(ends[1], tmp_path / "whole", frames=0).directory, tmp_path / "run")
+    monkeypatch.delenv(KERNEL)
+    with pytest.raises(UserError, match="expected the state of this march"):
+        resume(tmp_path / "run", ["march.duration=8e-4"])
