@@ -164,13 +164,6 @@ def test_a_folder_that_cannot_be_made(case: Path, tmp_path: Path) -> None:
     assert len(below.stderr.splitlines()) == 1
 
 
-def test_numbers_beyond_double_precision_are_a_fault_of_the_case(case: Path) -> None:
-    result = run("modes", case, "--set", "bladed_disk.disk.thickness=1e-150")
-    assert result.exit_code == 2
-    assert "within reach of double precision" in result.stderr
-    assert len(result.stderr.splitlines()) == 1
-
-
 def test_every_nodal_diameter_and_family_has_its_speed(case: Path) -> None:
     """Held against Eq. (14) worked out from the frequencies of `bladewhirl modes`."""
     found = document("campbell", case)

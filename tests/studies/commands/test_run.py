@@ -395,18 +395,3 @@ def test_ctrl_c_finishes_what_was_recorded(path: Path) -> None:
         assert result.attrs["end_reason"] == "interrupted"
         assert result.attrs["steps"] == summary["steps"] == round(summary["end_time"] / 2e-6)
         assert result["time"][-1] == summary["end_time"] > 0.0
-
-
-def test_a_killed_run_can_be_read_and_overwritten(path: Path) -> None:
-    out = path.parent / "out"
-    with running(path, out) as process:
-        process.send_signal(signal.SIGKILL)
-        process.communicate()
-    with xr.open_dataset(out / "result.nc") as result:
-        assert result.attrs["end_reason"] == "unfinished"
-        records = result.sizes["time"]
-        assert records > 100
-        np.testing.assert_allclose(result["time"], 1e-4 * np.arange(records), atol=1e-9)
-        assert np.isfinite(result["rotor_velocity"].values).all()
-    run = bw.run(read_case(path), out, frames=0, overwrite=True)
-    assert run.end_reason == "completed"

@@ -58,19 +58,6 @@ def test_a_suspension_is_what_springs_hold_and_clamping_ends_it() -> None:
     assert "suspension" not in disk.sel(centre="clamped")["family"].values
 
 
-def test_coincidences_follow_from_the_modes() -> None:
-    """Equation (14), k Omega = omega_casing + omega_rotor, from what `modes` says."""
-    modes, coincidences = found()["modes"], found()["campbell"]
-    disk = modes.sel(body="bladed-disk", centre="free", family="1F", nodal_diameter=2)
-    wall = modes.sel(body="casing", family="1F", nodal_diameter=2)
-    sum_ = disk.normalised_frequency[0] + wall.normalised_frequency.values[0]
-    met = coincidences.sel(family="1F", casing_family="1F", nodal_diameter=2)
-    assert float(met.normalised_speed) == pytest.approx(float(sum_) / 2.0)
-    assert float(met.speed) == pytest.approx(
-        60.0 * float(sum_) / 2.0 * modes.attrs["reference_frequency_hz"]
-    )
-
-
 def test_a_diagram_drawn_is_drawn_again_the_same() -> None:
     once = drawn_part(found()["campbell"])
     assert once.sizes["mode"] < found()["campbell"].sizes["mode"]

@@ -150,6 +150,10 @@ def test_a_killed_run_goes_on_to_the_same_bits(whole: Path, tmp_path: Path) -> N
         while not (tmp_path / "run" / "checkpoint.npz").exists():
             assert process.poll() is None
         process.send_signal(signal.SIGKILL)
+    with bw.open_result(tmp_path / "run") as left:
+        assert left.attrs["end_reason"] == "unfinished"
+        np.testing.assert_allclose(left["time"], 1e-4 * np.arange(left.sizes["time"]), atol=1e-9)
+        assert np.isfinite(left["rotor_velocity"].values).all()
     with pytest.raises(UserError, match="is in use"), locked(tmp_path / "run"):
         resume(tmp_path / "run", ["march.duration=0.1"], frames=0)
     resume(tmp_path / "run", ["march.duration=0.1"], frames=0)
