@@ -23,12 +23,13 @@ from bladewhirl.studies.runs.properties import stage_properties
 
 RUNNER = CliRunner()
 STEEL = 7800.0
+IMBALANCE = '[casing]\nsupport = 7.975e6\n[excitation]\ntype = "imbalance"\n'
 
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     path = tmp_path / "case.toml"
-    path.write_text('[casing]\nsupport = 7.975e6\n[excitation]\ntype = "imbalance"\n')
+    path.write_text(IMBALANCE)
     return path
 
 
@@ -39,8 +40,15 @@ def shown(path: Path, *arguments: str) -> dict[str, Any]:
     return document
 
 
-def test_masses_frequencies_and_speed(path: Path) -> None:
-    derived = shown(path)["derived"]
+@pytest.fixture(scope="module")
+def derived(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """Figures of the default stage under an imbalance."""
+    path = tmp_path_factory.mktemp("shown") / "case.toml"
+    path.write_text(IMBALANCE)
+    return shown(path)["derived"]
+
+
+def test_masses_frequencies_and_speed(derived: Any) -> None:
     blades, spokes = 22 * 0.45 * 0.1 * 0.01, 22 * 0.05 * 0.1 * 0.03
     rim = 22 * 2 * 0.05 * np.sin(np.pi / 22) * 0.1 * 0.03
     assert derived["bladed_disk_mass"] == pytest.approx(STEEL * (blades + spokes + rim))
@@ -62,8 +70,7 @@ def test_masses_frequencies_and_speed(path: Path) -> None:
     assert casing[1]["normalised"] == pytest.approx(4.0, abs=1e-3)
 
 
-def test_march_and_load(path: Path) -> None:
-    derived = shown(path)["derived"]
+def test_march_and_load(derived: Any) -> None:
     assert derived["imbalance"]["force"] == pytest.approx(34e3 * (1.05 / 0.95) ** 2)
     assert derived["imbalance"]["unbalance"] == pytest.approx(0.59, rel=0.01)
     assert derived["distortion"] is None
