@@ -43,7 +43,8 @@ def _document(case: Case, *, commented: bool) -> str:
 
 
 def _keys(table: Table, *, commented: bool) -> Iterator[str]:
-    written, descriptions = table.model_dump(), type(table).descriptions()
+    written = table.model_dump()
+    descriptions = type(table).descriptions() if commented else {}
     for name, field in type(table).model_fields.items():
         value = getattr(table, name)
         if name not in written:

@@ -12,6 +12,8 @@ from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.studies.runs.outputs import Run
 
+pytestmark = pytest.mark.usefixtures("pictures_unsaved")
+
 EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
 
 

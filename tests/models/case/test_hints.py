@@ -139,6 +139,7 @@ def path(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.usefixtures("pictures_unsaved")
 def test_commands_tell_and_go_on(path: Path, tmp_path: Path) -> None:
     change = ["--set", "casing.clearance=0.06"]
     for command in (["show"], ["run", "-o", str(tmp_path / "run"), "--frames", "0"]):

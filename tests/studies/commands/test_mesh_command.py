@@ -103,6 +103,7 @@ def test_what_a_format_does_not_hold_is_said(tmp_path: Path) -> None:
     assert len(read_line_mesh(tmp_path / "a.inp").lines) == 6
 
 
+@pytest.mark.usefixtures("pictures_unsaved")
 def test_a_run_of_a_mesh_file_can_be_rerun_from_its_folder_alone(tmp_path: Path) -> None:
     elsewhere, first, moved, second = (tmp_path / name for name in ("in", "a", "b", "c"))
     elsewhere.mkdir()

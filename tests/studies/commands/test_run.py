@@ -32,6 +32,8 @@ from bladewhirl.studies.commands.cli import app
 
 RUNNER = CliRunner()
 
+pytestmark = pytest.mark.usefixtures("pictures_unsaved")
+
 FILES = [
     "case.toml",
     "checkpoint.npz",

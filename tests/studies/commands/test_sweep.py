@@ -40,6 +40,8 @@ from bladewhirl.studies.sweeps.plan import PLAN_NAME, plan_sweep, read_plan, wri
 from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work
 from bladewhirl.studies.sweeps.sweep import HISTORIES_NAME, resume_sweep, run_sweep
 
+pytestmark = pytest.mark.usefixtures("pictures_unsaved")
+
 CASE = Case(
     excitation=Imbalance(ramp=1e-3),
     march=March(duration=6e-3, record_step=5e-5),

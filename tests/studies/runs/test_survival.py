@@ -23,6 +23,8 @@ from bladewhirl.studies.runs.place import locked
 from bladewhirl.studies.runs.recorded_march import Activity
 from bladewhirl.studies.runs.run import resume
 
+pytestmark = pytest.mark.usefixtures("pictures_unsaved")
+
 
 class Disturbed(Exception):
     """The march ends as by a kill, as far as its folder goes."""
