@@ -15,6 +15,8 @@ from typing import Any
 
 from blocks import EXECUTABLES, ROOT
 
+import bladewhirl as bw
+
 EXAMPLES = ROOT / "examples"
 MARCH = Path(__file__).with_name("marched.py")
 
@@ -56,6 +58,9 @@ def _show(example: Path, drawings: Path) -> dict[str, Any]:
             show.append("--overwrite")
         shown = _output(show)
         _output([sys.executable, MARCH, example, drawings])
+        if _turns(example.stem):
+            diagrams = drawings / f"{example.stem}-campbell"
+            _output([EXECUTABLES / "bladewhirl", "campbell", example, "-o", diagrams])
         kept.write_text(shown, encoding="utf-8")
     found: dict[str, Any] = json.loads(kept.read_text(encoding="utf-8"))
     return found
@@ -71,9 +76,25 @@ def _page(example: Path, numbers: dict[str, Any], drawings: Path) -> str:
         f"# {_title(name)}\n\n{_header(example)}\n\n"
         f"![{_title(name)}: the stage](../built/gallery/{name}.png)\n\n"
         f"```console\nbladewhirl run examples/{name}.toml\n```\n\n"
-        f"{_table(_numbers(numbers))}\n\n{_marched(name, drawings)}"
+        f"{_table(_numbers(numbers))}\n\n{_campbell(name)}{_marched(name, drawings)}"
         f"## The case\n\n"
         f"```{{literalinclude}} ../../examples/{name}.toml\n:language: toml\n```\n"
+    )
+
+
+def _turns(name: str) -> bool:
+    """Whether an example has rotation effects."""
+    return bw.read_case(EXAMPLES / f"{name}.toml").rotation.effects != "none"
+
+
+def _campbell(name: str) -> str:
+    """Campbell diagram of an example with rotation effects, whose frequencies change with speed."""
+    if not _turns(name):
+        return ""
+    return (
+        f"## Campbell diagram\n\n```console\nbladewhirl campbell examples/{name}.toml\n```\n\n"
+        f"![{_title(name)}: Campbell diagram, static frame]"
+        f"(../built/gallery/{name}-campbell/campbell-static.png)\n\n"
     )
 
 

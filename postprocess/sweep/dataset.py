@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -109,11 +110,13 @@ def open_sweep(path: str | Path) -> xr.Dataset:
     if fault:
         dataset.close()
         raise ResultError(f"{file}: expected a sweep of bladewhirl, {fault}")
-    named = {
+    named: dict[str, Any] = {
         name: (dataset[name].dims, np.array(variable.labels)[dataset[name].values])
         for name, variable in SWEEP.items()
         if variable.labels and name in dataset
     }
+    if "mode_forward_frequency" not in dataset and "mode_frequency" in dataset:  # before format 4
+        named["mode_forward_frequency"] = dataset["mode_frequency"]
     ratio = dataset["rotation_speed"] / dataset["reference_frequency"]
     about = {"units": "1", "long_name": "speed over the reference frequency"}
     opened = dataset.assign(named).assign_coords(

@@ -7,12 +7,14 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+import xarray as xr
 from synthetic_result import synthetic_result
 from synthetic_sweep import LAYOUT, REPORT
 
 from bladewhirl.postprocess.fields.result import ResultError
 from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.digest import digest
+from bladewhirl.postprocess.sweep.frequency_map import frequency_map
 from bladewhirl.postprocess.sweep.quantities import along
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 from bladewhirl.studies.sweeps.axes import Axis, Grid
@@ -42,6 +44,15 @@ def test_speeds_in_rpm_stay_beside_si_and_the_ratio(folder: Path) -> None:
         assert sweep["contact_share"].sel(blade=3, march_speed=RAD_PER_S[0]).item() > 0
         lines = along(sweep, "march_speed", ["regime"])
         assert {*lines.coords} == {"march_speed"}
+
+
+def test_before_format_4_waves_have_the_frequencies_of_modes(folder: Path) -> None:
+    with h5py.File(folder / "sweep.nc", "r+") as file:
+        file.attrs["format"] = 3
+        del file["mode_forward_frequency"]
+    with open_sweep(folder) as sweep:
+        xr.testing.assert_equal(sweep["mode_forward_frequency"], sweep["mode_frequency"])
+        assert frequency_map(sweep, "march_speed")["mode_line"].notnull().any()
 
 
 def test_a_newer_format_is_refused(folder: Path) -> None:

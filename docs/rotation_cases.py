@@ -1,0 +1,240 @@
+"""Sweeps the paper's contact cases with rotation effects; makes what rotation_cases.md shows.
+
+    python docs/rotation_cases.py FOLDER
+
+Sweeps and runs that FOLDER holds already are taken as they are; the others are made there, in half
+an hour on one core. The numbers of every point go to rotation_cases.csv beside this script, the
+figures to PNGs with a palette.
+"""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from PIL import Image
+
+import bladewhirl as bw
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, INCH, SEQUENTIAL, styled
+from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.sweep.frequency_map import LINES, MODE_DASHES, frequency_map
+from bladewhirl.postprocess.sweep.quantities import cell_edges
+
+DOCS = Path(__file__).parent
+CASES = {"casing_distortion": ("casing distortion", 1.5), "imbalance": ("imbalance", 3.0)}
+"""Case files, with their name in figures and the length of their marches [s]."""
+
+EFFECTS = {"none": COLOURS["rotor"], "centrifugal": COLOURS["other k"], "full": COLOURS["k = 0"]}
+SPEEDS = (0.95, 1, 1.05, 1.1, 1.15, 1.2, 1.25, 1.3, 1.35, 1.39, 1.45, 1.5, 1.6, 1.7, 1.8, 1.9, 2)
+CRITICAL = 1.8797  #: speed from which on "centrifugal" is refused
+SHOWN = 1.05  #: speed of the orbits
+MARKERS = {"divergent": "^", "sustained": "o", "damped": "v"}
+FLOOR, TOP, REACH = 1e-3, 10.0, 2.9  #: of the maps: amplitudes [mm], frequency / reference
+STEADY = 10.0  #: scatter of a whirl that is drawn at most [Hz]
+TURNS = 4  #: of the orbit at its end, drawn in full
+
+NUMBERS = (
+    "end_time growth_rate shaft_radius_max late_radius whirl_frequency whirl_scatter"
+    " mode_frequency mode_forward_frequency late_contact_share"
+).split()
+SHARES = {"suspension": "suspension", "k = 0": "1F k=0", "k = 1": "1F k=1", "rest": "rest"}
+
+
+def bladewhirl(folder: Path, *arguments: str | Path) -> Path:
+    """Run a command of the program that makes a folder, unless there is one."""
+    if not folder.exists():
+        program = Path(sys.executable).with_name("bladewhirl")
+        subprocess.run([program, *arguments, "-o", folder], check=True, stdout=subprocess.DEVNULL)
+    return folder
+
+
+def swept(folder: Path, case: str, effects: str) -> xr.Dataset:
+    """Sweep of a case over the speed with some effects."""
+    known = [speed for speed in SPEEDS if effects != "centrifugal" or speed < CRITICAL]
+    bladewhirl(
+        folder / f"{case}-{effects}",
+        *(
+            "sweep",
+            DOCS.parent / "examples" / f"{case}.toml",
+            "--set",
+            f"rotation.effects={effects}",
+        ),
+        *("--over", f"march.speed={','.join(map(str, known))}"),
+        *("--set", f"march.duration={CASES[case][1]}"),
+    )
+    return bw.open_sweep(folder / f"{case}-{effects}")
+
+
+def orbit(folder: Path, case: str, effects: str) -> xr.Dataset:
+    """Orbit of a case at `SHOWN` with some effects."""
+    example = DOCS.parent / "examples" / f"{case}.toml"
+    run = bladewhirl(
+        folder / f"{case}-{effects}-run",
+        *("run", example, "--set", f"rotation.effects={effects}"),
+        *("--set", f"march.speed={SHOWN}", "--set", f"march.duration={CASES[case][1]}"),
+        *("--frames", "0"),
+    )
+    with bw.open_result(run) as result:
+        return shaft_orbit(result).load()
+
+
+def rows(case: str, effects: str, sweep: xr.Dataset) -> Iterator[dict[str, Any]]:
+    """One row of the table for each point: lengths in mm, frequencies in Hz."""
+    for number, speed in enumerate(sweep["march_speed"].values):
+        point = sweep.isel(march_speed=number)
+        first = point.sel(mode="1F k=1")
+        energy = point["energy_mean"]
+        contact = point["contact_share"].values
+        row = {"case": case, "effects": effects, "speed": f"{speed:g}"}
+        for name in ("regime", "whirl_rotating", "whirl_static", "scenario"):
+            row[name] = str(point[name].values)
+        row["blades_touched"] = str(int((contact > 0).sum()))
+        for name in NUMBERS:
+            value = float(np.mean(first[name].values))
+            row[name] = f"{value * (1e3 if 'radius' in name else 1.0):.5g}"
+        for name, group in SHARES.items():
+            share = float(energy.sel(energy_group=group) / energy.sum())
+            row[f"energy, {name}"] = f"{share:.3f}"
+        yield row
+
+
+@styled
+def plot_radii(table: list[dict[str, Any]]) -> Figure:
+    """Late radius and whirl over the speed, by effects, with the regime of each point."""
+    figure = Figure(figsize=(FULL_WIDTH / INCH, 4.6), layout="constrained")
+    axes = figure.subplots(2, 2, sharex=True, sharey="row")
+    for column, (case, (title, _)) in enumerate(CASES.items()):
+        radius, whirl = axes[:, column]
+        for effects, colour in EFFECTS.items():
+            own = [row for row in table if (row["case"], row["effects"]) == (case, effects)]
+            speed = [float(row["speed"]) for row in own]
+            sizes = [float(row["late_radius"]) for row in own]
+            radius.plot(speed, sizes, color=colour, linewidth=0.7)
+            turning = [float(row["whirl_frequency"]) for row in own]
+            clear = [
+                value if row["whirl_rotating"] != "none" and _is_steady(row) else np.nan
+                for value, row in zip(turning, own, strict=True)
+            ]
+            whirl.plot(speed, clear, color=colour, linewidth=0.7)
+            for x, size, rate, row in zip(speed, sizes, clear, own, strict=True):
+                filled = colour if row["regime"] == "divergent" else "white"
+                style = {"marker": MARKERS[row["regime"]], "markersize": 5, "color": colour}
+                radius.plot(x, size, **style, markerfacecolor=filled, linestyle="")
+                whirl.plot(x, rate, **style, markerfacecolor=filled, linestyle="")
+        whirl.axhline(0.0, color="grey", linewidth=0.5)
+        for panel in (radius, whirl):
+            panel.axvline(CRITICAL, color="grey", linestyle=":")
+        radius.set(yscale="log", title=title)
+        whirl.set_xlabel("speed / ω$_1$ [–]")
+    axes[0, 0].set_ylabel("late radius of the shaft [mm]")
+    axes[1, 0].set_ylabel("whirl, rotating frame [Hz]\n← backward   forward →")
+    for effects, colour in EFFECTS.items():
+        axes[0, 0].plot([], [], color=colour, label=f'effects = "{effects}"')
+    for regime, marker in MARKERS.items():
+        face = "grey" if regime == "divergent" else "white"
+        style = {"color": "grey", "linestyle": "", "markerfacecolor": face, "markersize": 5}
+        axes[0, 0].plot([], [], marker=marker, label=regime, **style)
+    axes[0, 0].plot([], [], color="grey", linestyle=":", label="critical speed")
+    figure.legend(loc="outside lower center", ncols=4)
+    return figure
+
+
+def _is_steady(row: dict[str, Any]) -> bool:
+    """Whether the whirl of a point has one frequency; too short a march has no scatter."""
+    return not float(row["whirl_scatter"]) > STEADY
+
+
+@styled
+def plot_maps(sweeps: dict[tuple[str, str], xr.Dataset]) -> Figure:
+    """Spectra of the shaft over the speed, rotating frame, with the waves of one nodal diameter."""
+    figure = Figure(figsize=(FULL_WIDTH / INCH, 4.6), layout="constrained")
+    axes = figure.subplots(len(CASES), len(EFFECTS), sharex=True, sharey=True)
+    for panel, ((case, effects), sweep) in zip(axes.flat, sweeps.items(), strict=True):
+        picture = _map(panel, frequency_map(sweep, "march_speed").isel(line=0))
+        panel.set_title(f'{CASES[case][0]}, "{effects}"')
+    for panel in axes[-1]:
+        panel.set(xlabel="speed / ω$_1$ [–]", xlim=(SPEEDS[0], SPEEDS[-1]))
+    figure.supylabel("frequency / ω$_1$, forward positive", fontsize="medium")
+    figure.colorbar(picture, ax=list(axes.flat), label="amplitude of the shaft [mm]", pad=0.01)
+    handles, names = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside lower center", ncols=3, handlelength=2.6)
+    return figure
+
+
+def _map(axes: Axes, one: xr.Dataset) -> Any:
+    speed, frequency = one["march_speed"].values, one["frequency"].values
+    picture = axes.pcolormesh(
+        cell_edges(speed, logarithmic=False),
+        cell_edges(frequency, logarithmic=False),
+        np.maximum(1e3 * one["amplitude"].values, FLOOR).T,
+        norm=LogNorm(FLOOR, TOP),
+        cmap=SEQUENTIAL,
+        rasterized=True,
+    )
+    for name, (colour, _) in LINES.items():
+        for way in ("backward", "forward"):
+            line = one["mode_line"].sel(mode=name, direction=way)
+            label = name if way == "backward" else None
+            axes.plot(speed, line, color=colour, linestyle=MODE_DASHES[name], label=label)
+    axes.set_ylim(-REACH, REACH)
+    axes.grid(False)
+    return picture
+
+
+@styled
+def plot_orbits(orbits: dict[tuple[str, str], xr.Dataset]) -> Figure:
+    """Ends of the orbits in static axes."""
+    figure = Figure(figsize=(FULL_WIDTH / INCH, 4.9), layout="constrained")
+    axes = figure.subplots(len(CASES), len(EFFECTS))
+    for panel, ((case, effects), found) in zip(axes.flat, orbits.items(), strict=True):
+        end = float(found["time"][-1])
+        last = found["time"].values > end - TURNS * 2 * np.pi / abs(found.attrs["speed"])
+        x, y = 1e3 * found["static"].values[last].T
+        panel.plot(x, y, color=EFFECTS[effects], linewidth=0.8)
+        panel.plot(x[-1], y[-1], "s", color=EFFECTS[effects], markersize=4)
+        panel.plot(0, 0, "+", color="grey")
+        panel.set(aspect="equal", title=f'{CASES[case][0]}, "{effects}"\nuntil {end:.2f} s')
+        reach = 1.1 * np.hypot(x, y).max()
+        panel.set(xlim=(-reach, reach), ylim=(-reach, reach))
+    for panel in axes[-1]:
+        panel.set_xlabel("x [mm]")
+    for panel in axes[:, 0]:
+        panel.set_ylabel("y [mm]")
+    figure.suptitle(f"Shaft over the last {TURNS} revolutions at {SHOWN} ω$_1$, static frame")
+    return figure
+
+
+def keep(figure: Figure, name: str) -> None:
+    """Put a figure beside this script, small."""
+    path = DOCS / f"{name}.png"
+    figure.savefig(path, dpi=200)
+    with Image.open(path) as image:
+        small = image.convert("RGB").quantize(256, dither=Image.Dither.NONE)
+    small.save(path, optimize=True)
+
+
+def main(folder: Path) -> None:
+    """Make table and figures."""
+    kinds = [(case, effects) for case in CASES for effects in EFFECTS]
+    sweeps = {kind: swept(folder, *kind) for kind in kinds}
+    table = [row for kind, sweep in sweeps.items() for row in rows(*kind, sweep)]
+    with (DOCS / "rotation_cases.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, table[0], lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(table)
+    keep(plot_radii(table), "rotation_radii")
+    keep(plot_maps(sweeps), "rotation_maps")
+    keep(plot_orbits({kind: orbit(folder, *kind) for kind in kinds}), "rotation_orbits")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
