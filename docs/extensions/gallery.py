@@ -51,13 +51,9 @@ def _keep(page: Path, text: str) -> None:
 
 def _show(example: Path, drawings: Path) -> dict[str, Any]:
     """The document of `bladewhirl show --json`, kept beside the drawing and the film."""
-    drawing, kept = drawings / f"{example.stem}.png", drawings / f"{example.stem}.json"
+    kept = drawings / f"{example.stem}.json"
     if not kept.exists() or kept.stat().st_mtime < example.stat().st_mtime:
-        show = [EXECUTABLES / "bladewhirl", "show", example, "--json", "--png", "-o", drawing]
-        if drawing.exists():
-            show.append("--overwrite")
-        shown = _output(show)
-        _output([sys.executable, MARCH, example, drawings])
+        shown = _output([sys.executable, MARCH, example, drawings])
         if _turns(example.stem):
             diagrams = drawings / f"{example.stem}-campbell"
             _output([EXECUTABLES / "bladewhirl", "campbell", example, "-o", diagrams])
