@@ -69,27 +69,19 @@ def set_off(given: ContactProblem, mode: CoupledMode, size: float) -> ContactPro
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.005])
-@pytest.mark.parametrize("modes", ["six", "all"])
-def test_marches_as_the_stability_analysis_says(modes: str, damping: float) -> None:
-    """The growing mode of Eqs (17)-(21), step by step, with second order in the time step."""
-    given = problem(*FINE, f"reduction.modes={modes}", f"damping.ratio={damping}")
-    assert len(given.rotor.frequency) == (4 if modes == "six" else 110 + 46)
+def test_marches_in_all_modes_as_the_stability_analysis_says(damping: float) -> None:
+    """The growing mode of Eqs (17)-(21), step by step; `verify stability` has the six alone."""
+    given = problem(*FINE, "reduction.modes=all", f"damping.ratio={damping}")
+    assert len(given.rotor.frequency) == 110 + 46
     system = springs(given).modes
     assert system.size == 6
     mode = coupled_modes(system, speed=given.speed, kappa=500.0)[0]
     assert mode.eigenvalue.real == pytest.approx(6.8655 if damping else 7.5035, abs=1e-3)
-    errors = []
-    for dt in (4e-4, 2e-4) if modes == "six" else (4e-6,):
-        steps = round(0.2 / dt)
-        _, chunk, _ = run(set_off(given, mode, 1e-6), dt, steps, every=steps // 10)
-        expected = 1e-6 * modal_response(mode, chunk.time)[0]
-        found = coordinates(given, chunk.rotor_displacement, chunk.casing_displacement)
-        errors.append(np.abs(found - expected).max() / np.abs(expected).max())
-        assert ledger_residual(chunk) < 1e-8
-    if modes == "six":
-        assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
-    else:
-        assert errors[0] < 1e-5
+    _, chunk, _ = run(set_off(given, mode, 1e-6), 4e-6, 50_000, every=5000)
+    expected = 1e-6 * modal_response(mode, chunk.time)[0]
+    found = coordinates(given, chunk.rotor_displacement, chunk.casing_displacement)
+    assert np.abs(found - expected).max() < 1e-5 * np.abs(expected).max()
+    assert ledger_residual(chunk) < 1e-8
 
 
 @pytest.mark.parametrize("modes", ["six", "all"])

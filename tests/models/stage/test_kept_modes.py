@@ -18,6 +18,8 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.loads import radial_mode
 from bladewhirl.models.stage.stage import Stage, build_stage
 
+pytestmark = pytest.mark.usefixtures("pictures_unsaved")
+
 CONTACT = ("casing.support=7.975e6", "reduction.fixed_interface_modes=22", "casing.elements=20")
 
 

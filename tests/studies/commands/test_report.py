@@ -61,6 +61,12 @@ def page(folder: Path) -> Parsed:
     return Parsed((folder / "report.html").read_text(encoding="utf-8"))
 
 
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reports without their figures, which cost most of the time."""
+    monkeypatch.setattr("bladewhirl.postprocess.reports.run.RUN_FIGURES", {})
+
+
 def test_it_stands_alone(folder: Path, page: Parsed) -> None:
     assert page.references
     assert page.outside() == []
@@ -129,6 +135,7 @@ def test_it_begins_with_the_run_at_one_instant(folder: Path, page: Parsed) -> No
         assert len(outlines["places"]) == len(times) == len(page.machine["words"])
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
     ("reason", "words"),
     [
@@ -152,6 +159,7 @@ def test_a_march_that_did_not_end_is_said_to_be_so(tmp_path: Path, reason: str, 
     assert not (run / "report.html").exists()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_march_to_its_limit_says_so_once(tmp_path: Path) -> None:
     message = "blade 3 passed march.displacement_limit = 0.1 m at 0.4 s; look at its load"
     run = made(tmp_path / "run", end_reason="divergent", end_message=message)
@@ -190,6 +198,7 @@ def test_files_that_cannot_be(folder: Path, tmp_path: Path) -> None:
         assert len(done.stderr.splitlines()) == 1
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_file_of_the_users_is_not_replaced_unasked(tmp_path: Path) -> None:
     run = made(tmp_path / "run")
     theirs = [run / "report.html", tmp_path / "theirs.html"]
