@@ -130,6 +130,7 @@ def test_pictures_and_films(case: Path, tmp_path: Path) -> None:
         assert film.info["loop"] == 0
 
 
+@pytest.mark.usefixtures("pictures_unsaved")
 def test_waves_at_speed_are_pictured_as_they_travel(case: Path, tmp_path: Path) -> None:
     effects = (*SMALL, "--set", "rotation.effects=full", "-o", tmp_path / "new")
     chosen = ("--shapes", "1F:0,1F:1", "--animate", "1F:1")
@@ -145,6 +146,7 @@ def test_waves_at_speed_are_pictured_as_they_travel(case: Path, tmp_path: Path) 
     assert refused.stderr == f"--wave standing: {told}\n"
 
 
+@pytest.mark.usefixtures("pictures_unsaved")
 def test_a_clamped_centre_has_neither_suspension_nor_contact_scenario(
     case: Path, tmp_path: Path
 ) -> None:
@@ -232,6 +234,7 @@ def test_campbell_diagrams_and_table(case: Path, tmp_path: Path) -> None:
         np.testing.assert_allclose(data.attrs["operating_range"], (1.0, 1.2))
 
 
+@pytest.mark.usefixtures("pictures_unsaved")
 def test_own_files_are_replaced_and_no_others(case: Path, tmp_path: Path) -> None:
     folder = tmp_path / "fan-campbell"
     folder.mkdir()
@@ -291,6 +294,7 @@ def test_veering_diagrams_and_document(case: Path, tmp_path: Path) -> None:
     }
 
 
+@pytest.mark.usefixtures("pictures_unsaved")
 def test_veering_of_a_disk_with_fewer_families_than_asked_for(case: Path) -> None:
     small = ("--set", "bladed_disk.blades=3", "--set", "bladed_disk.elements_per_blade=1")
     assert run("veering", case, *small).exit_code == 0

@@ -94,6 +94,7 @@ def test_a_folder_without_a_run(tmp_path: Path) -> None:
     assert "expected a result" in result.stderr
 
 
+@pytest.mark.usefixtures("pictures_unsaved")
 def test_figures_that_a_run_does_not_have_are_left_out_of_all(tmp_path: Path) -> None:
     still = made(tmp_path / "still", 0.0)
     result = plot(still, "all")

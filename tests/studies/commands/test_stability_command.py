@@ -159,6 +159,7 @@ def test_divergent_mode_in_time(tmp_path: Path) -> None:
     assert len(list((folder / "vtk").rglob("*.vtu"))) > min(frames, 300)
 
 
+@pytest.mark.usefixtures("pictures_unsaved")
 def test_damping_takes_energy_as_a_growing_circle_does(tmp_path: Path) -> None:
     """The power sum 2 xi omega v^2 grows with exp(2 growth t)."""
     folder = tmp_path / "mode"
@@ -178,6 +179,7 @@ def test_damping_takes_energy_as_a_growing_circle_does(tmp_path: Path) -> None:
         assert balance == pytest.approx(energy - energy[0])
 
 
+@pytest.mark.usefixtures("pictures_unsaved")
 def test_mode_of_more_nodal_diameters_leaves_the_shaft_alone(tmp_path: Path) -> None:
     folder = tmp_path / "mode"
     point = json.loads(

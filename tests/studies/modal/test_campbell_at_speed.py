@@ -114,6 +114,7 @@ def test_the_figures_tell_branches_and_critical_speeds() -> None:
     assert not {"forward wave", "critical speed"} & set(at_rest)
 
 
+@pytest.mark.usefixtures("pictures_unsaved")
 def test_the_command_says_it_in_words_and_as_json(tmp_path: Path) -> None:
     file = tmp_path / "case.toml"
     file.write_text(dumps_case(stage_case()), encoding="utf-8")
