@@ -31,6 +31,7 @@ from bladewhirl.postprocess.run.late_motion import late_motion
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.sweep.dataset import DONE, Layout, open_sweep
 from bladewhirl.postprocess.sweep.figures import LEFT_BY_A_SWEEP
+from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
 from bladewhirl.studies.sweeps import cluster as sweep_cluster
@@ -365,7 +366,7 @@ def test_a_sweep_of_another_format_is_not_mixed(swept: Path, tmp_path: Path) -> 
     plan = json.loads((swept / PLAN_NAME).read_text())
     del plan["format"]
     (tmp_path / PLAN_NAME).write_text(json.dumps(plan))
-    with pytest.raises(UserError, match="format 3, this one is of 1"):
+    with pytest.raises(UserError, match=f"format {SWEEP_FORMAT}, this one is of 1"):
         resume_sweep(tmp_path)
 
 
