@@ -132,7 +132,7 @@ def _outcome(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
     if force:
         yield (
             f"largest contact force over {1e3 * force['averaged_over']:.3g} ms",
-            f"{force['force']:.3g} N, blade {force['blade']}",
+            f"{force['force'] / 1e3:.3g} kN, blade {force['blade']}",
         )
     for body, found in summary["stress_max"].items():
         name = body.replace("_", " ")
