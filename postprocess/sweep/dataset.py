@@ -7,10 +7,12 @@ numbers with their meanings beside them (CF conventions), so that a point is wri
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from math import prod
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 import xarray as xr
@@ -25,6 +27,12 @@ SWEEP_NAME = "sweep.nc"
 
 MISSING, DONE, FAILED = 0, 1, 2
 """`state` of a point."""
+
+CHECKED_BYTES = 2**28
+"""Size of a dataset up to which opening it looks at the checksums of all points: it reads all."""
+
+BLOCK = 64
+"""Points whose checksums are looked at together."""
 
 WINDOW_SHARE = 0.5
 """Share of the shortest march, at whose end spectra and mean energies are taken of each one; the
@@ -94,16 +102,55 @@ def flag(variable: str, meaning: str) -> int:
     return SWEEP[variable].labels.index(meaning)
 
 
+def checksum(numbers: Mapping[str, Array], coordinates: Iterable[Array]) -> int:
+    """CRC-32 of what is kept of a point, and of the values of the swept keys.
+
+    Args:
+        numbers: of the point, by name.
+        coordinates: values of every swept key, and frequencies.
+    """
+    found = 0
+    for values in coordinates:
+        found = crc32(np.ascontiguousarray(values, dtype="f8").tobytes(), found)
+    for name, variable in SWEEP.items():
+        if name in numbers and name not in ("state", "checksum"):
+            found = crc32(np.ascontiguousarray(numbers[name], variable.kind).tobytes(), found)
+    return found
+
+
+def changed_point(
+    read: Callable[[str, slice], Array], shape: tuple[int, ...], coordinates: Iterable[Array]
+) -> int | None:
+    """The first point done whose numbers are not those that the sweep wrote; None if all are.
+
+    Args:
+        read: gives rows of a variable along the first swept key.
+        shape: numbers of values of the swept keys.
+        coordinates: as of `checksum`.
+    """
+    width, given = prod(shape[1:]), list(coordinates)
+    for first in range(0, shape[0], max(1, BLOCK // width)):
+        rows = slice(first, first + max(1, BLOCK // width))
+        block = {name: read(name, rows) for name in SWEEP}
+        flat = {n: values.reshape(-1, *values.shape[len(shape) :]) for n, values in block.items()}
+        for point in np.flatnonzero(flat["state"] == DONE):
+            numbers = {name: values[point] for name, values in flat.items()}
+            if checksum(numbers, given) != numbers["checksum"]:
+                return int(first * width + point)
+    return None
+
+
 def open_sweep(path: str | Path) -> xr.Dataset:
     """Open the dataset of a sweep, or of the folder that holds it; arrays are read when used.
 
     What is a name is text. `speed_ratio`, the speed over the reference frequency, is a coordinate
     of the points, and a swept value given with a unit one along its key, such as `march_speed_rpm`.
     What is read is not kept, so that going through the histories of many points takes the memory
-    of one. Close it, or use ``with``.
+    of one. Up to `CHECKED_BYTES` all numbers are compared with their checksums. Close it, or use
+    ``with``.
 
     Raises:
-        ResultError: nothing there, or not a sweep that this version reads.
+        ResultError: nothing there, not a sweep that this version reads, or one that was changed.
     """
     dataset, file = open_file(path, SWEEP_NAME, "a sweep", cache=False)
     fault = _fault(dataset)
@@ -130,6 +177,9 @@ def _fault(dataset: xr.Dataset) -> str:
     """Why it is no sweep that this version reads; empty if it is one."""
     if "over" not in dataset.attrs or "state" not in dataset:
         return "it has no state of its points"
+    for name in ("title", "criterion", "window"):
+        if name not in dataset.attrs:
+            return f"it has no {name!r}"
     if fault := attribute_fault(dataset.attrs):
         return fault
     made_by = dataset.attrs.get("format", 1)
@@ -151,7 +201,17 @@ def _fault(dataset: xr.Dataset) -> str:
             return f"finite numbers along {name!r}"
     if np.any(np.diff(dataset["frequency"].values) <= 0.0):
         return "ascending numbers along 'frequency'"
-    return ""
+    return _changed(dataset, made_by)
+
+
+def _changed(dataset: xr.Dataset, made_by: int) -> str:
+    if made_by < SWEEP["checksum"].since or dataset.nbytes > CHECKED_BYTES:
+        return ""
+    coordinates = [dataset[name].values for name in (*swept(dataset), "frequency")]
+    point = changed_point(
+        lambda name, rows: dataset[name][rows].values, dataset["state"].shape, coordinates
+    )
+    return "" if point is None else f"but point {point} is not as it was written: it was changed"
 
 
 def swept(dataset: xr.Dataset) -> list[str]:

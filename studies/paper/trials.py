@@ -225,7 +225,7 @@ class Evidence:
             "watch": watch,
         }
         if (directory / PLAN_NAME).exists():
-            if not _is_complete(directory):
+            if not is_complete(directory):
                 resume_sweep(directory, **options)
         else:
             run_sweep(case, axes, directory, **options)
@@ -257,7 +257,7 @@ def perturbed(case: Case, repeat: int) -> Case:
     return case
 
 
-def _is_complete(directory: Path) -> bool:
+def is_complete(directory: Path) -> bool:
     """Whether every point has a result; what failed is tried again."""
     if not (directory / SWEEP_NAME).exists():
         return False

@@ -17,6 +17,9 @@ from bladewhirl.studies.runs.folder import version
 from bladewhirl.studies.runs.interrupts import held_back
 from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work, march_group
 
+ENCRYPTION = "distributed.comm.require-encryption"
+"""dask's setting; a scheduler without TLS is used where it is false, as nobody has it by chance."""
+
 PATIENCE = "30s"
 """How long an existing scheduler has to answer."""
 
@@ -61,7 +64,7 @@ def march_groups(
         dashboard: show dask's web page of local workers.
 
     Raises:
-        UserError: the scheduler does not answer, or its workers have another version.
+        UserError: the scheduler does not answer, has no TLS, or its workers have another version.
     """
     waiting = iter(groups)
     count = workers or CPU_COUNT
@@ -120,6 +123,12 @@ def _in_flight(
 def _client(scheduler: str | None, workers: int, dashboard: bool) -> Iterator[Client]:
     """A client of the scheduler, or of a local cluster that ends with it."""
     if scheduler is not None:
+        if not scheduler.startswith("tls://") and dask.config.get(ENCRYPTION) is not False:
+            raise UserError(
+                f"--scheduler {scheduler}: expected tls://HOST:PORT; without TLS anybody who"
+                " reaches the port runs code as you. If nobody else can, allow it by"
+                " DASK_DISTRIBUTED__COMM__REQUIRE_ENCRYPTION=False"
+            )
         try:
             client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:

@@ -32,6 +32,8 @@ from bladewhirl.postprocess.sweep.dataset import (
     SWEEP_NAME,
     WINDOW_SHARE,
     Layout,
+    changed_point,
+    checksum,
 )
 from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT
 from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
@@ -107,7 +109,8 @@ class Store(AbstractContextManager["Store"]):
         plan: digest of the plan that the dataset was laid out by, if it has one.
 
     Raises:
-        UserError: another process has it open, it can't be written, or is of another plan.
+        UserError: another process has it open, it can't be written, is of another plan, or its
+            numbers were changed.
     """
 
     def __init__(self, directory: Path, grid: Grid, plan: str | None = None) -> None:
@@ -126,6 +129,16 @@ class Store(AbstractContextManager["Store"]):
         if found != plan:
             self._h5.close()
             raise UserError(f"{path}: expected the dataset of the plan beside it, found another's")
+        names = (*(axis.name for axis in grid.axes), "frequency")
+        self._coordinates = [self._h5[name][()] for name in names]
+        changed = changed_point(
+            lambda name, rows: np.asarray(self._h5[name][rows]), grid.shape, self._coordinates
+        )
+        if changed is not None:
+            self._h5.close()
+            raise UserError(
+                f"{path}: expected point {changed} as it was written; it was changed or damaged"
+            )
         #: state of every point as written, (points,)
         self.state = np.asarray(self._h5["state"][()], dtype=np.int8).ravel()
         #: reason of each failed point
@@ -155,6 +168,7 @@ class Store(AbstractContextManager["Store"]):
             index = np.unravel_index(point, self._grid.shape)
             for name, values in outcome.items():
                 self._h5[name][index] = values
+            self._h5["checksum"][index] = checksum(outcome, self._coordinates)
         self._h5.flush()
         self._write_failures()
         for point, outcome in outcomes.items():

@@ -38,7 +38,7 @@ class TestOpenResult:
     def test_histories_stay_on_disk(self, run: Path) -> None:
         with open_result(run) as result:
             reduce_modes(result, "rotor_displacement", np.ones((1, 5)))
-            assert not result["rotor_displacement"].variable._in_memory
+            assert "values with dtype" in repr(result["rotor_displacement"])  # none are shown
 
     def test_nothing_there(self, tmp_path: Path) -> None:
         with pytest.raises(ResultError, match=r"result\.nc: expected a result .* no such file"):

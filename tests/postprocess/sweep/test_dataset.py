@@ -11,6 +11,7 @@ import xarray as xr
 from synthetic_result import synthetic_result
 from synthetic_sweep import LAYOUT, REPORT
 
+from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.result import ResultError
 from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.digest import digest
@@ -53,6 +54,26 @@ def test_before_format_4_waves_have_the_frequencies_of_modes(folder: Path) -> No
     with open_sweep(folder) as sweep:
         xr.testing.assert_equal(sweep["mode_forward_frequency"], sweep["mode_frequency"])
         assert frequency_map(sweep, "march_speed")["mode_line"].notnull().any()
+
+
+@pytest.mark.parametrize("name", ["march_speed", "frequency", "growth_rate", "spectrum", "regime"])
+def test_numbers_that_were_changed_are_refused(folder: Path, name: str) -> None:
+    with h5py.File(folder / "sweep.nc", "r+") as file:
+        first = (0,) * file[name].ndim
+        changed = 0.999 * np.nan_to_num(file[name][first], nan=1.0)
+        file[name][first] = changed if file[name].dtype.kind == "f" else 0
+    with pytest.raises(ResultError, match="but point 0 is not as it was written"):
+        open_sweep(folder)
+    with pytest.raises(UserError, match="expected point 0 as it was written"):
+        Store(folder, Grid(axes=(Axis(key="march.speed", values=("2500 rpm", "2600 rpm")),)))
+
+
+@pytest.mark.parametrize("name", ["title", "criterion", "window", "over"])
+def test_what_every_sweep_says_of_itself_is_not_missing(folder: Path, name: str) -> None:
+    with h5py.File(folder / "sweep.nc", "r+") as file:
+        del file.attrs[name]
+    with pytest.raises(ResultError, match="expected a sweep of bladewhirl, it has no"):
+        open_sweep(folder)
 
 
 def test_a_newer_format_is_refused(folder: Path) -> None:

@@ -233,13 +233,13 @@ def test_critical_speeds_of_a_sweep() -> None:
 def test_a_sweep_with_a_failed_point_is_not_complete(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert not trials._is_complete(tmp_path)
+    assert not trials.is_complete(tmp_path)
     (tmp_path / SWEEP_NAME).touch()
     sweep = swept([[True] * 3, [True] * 3])
     monkeypatch.setattr(trials, "open_sweep", lambda directory: nullcontext(sweep))
-    assert not trials._is_complete(tmp_path)
+    assert not trials.is_complete(tmp_path)
     sweep["state"][0, 0] = "done"
-    assert trials._is_complete(tmp_path)
+    assert trials.is_complete(tmp_path)
 
 
 def test_a_quick_sweep_is_coarser_in_speed_alone() -> None:

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
+import dask
 import h5py
 import numpy as np
 import psutil
@@ -388,7 +389,19 @@ def test_a_sweep_of_another_version_is_not_mixed(swept: Path, tmp_path: Path) ->
 def test_a_scheduler_that_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweep_cluster, "PATIENCE", "1s")
     with pytest.raises(UserError, match="expected the address of a dask scheduler"):
-        run_sweep(CASE, OVER, tmp_path / "new", scheduler="tcp://127.0.0.1:9")
+        run_sweep(CASE, OVER, tmp_path / "new", scheduler="tls://127.0.0.1:9")
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "127.0.0.1:9", "ws://127.0.0.1:9"])
+def test_a_scheduler_without_encryption_has_to_be_allowed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, address: str
+) -> None:
+    monkeypatch.setattr(sweep_cluster, "PATIENCE", "1s")
+    with pytest.raises(UserError, match=r"expected tls://HOST:PORT; without TLS anybody"):
+        run_sweep(CASE, OVER, tmp_path / "new", scheduler=address)
+    with dask.config.set({sweep_cluster.ENCRYPTION: False}):
+        with pytest.raises(UserError, match="expected the address of a dask scheduler"):
+            resume_sweep(tmp_path / "new", scheduler=address)
 
 
 def test_what_is_no_sweep_is_refused(tmp_path: Path, swept: Path) -> None:

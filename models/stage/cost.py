@@ -1,0 +1,85 @@
+"""What a stage will take before anything of it is assembled: memory and time, in round numbers."""
+
+from __future__ import annotations
+
+import logging
+import os
+from dataclasses import dataclass
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.elements.build import case_beam_model
+from bladewhirl.models.inputs.errors import CaseError, Fault
+
+logger = logging.getLogger(__name__)
+
+DOFS_PER_NODE = 3  #: two displacements and a rotation
+
+FIELDS = 3
+"""Copies of all shapes that are there at once, at the most."""
+
+BYTES_PER_ENTRY = 64
+"""Mass, stiffness and shapes of a sector, complex, for each entry of one of its matrices."""
+
+SECONDS_PER_ENTRY, SECONDS_PER_CUBE = 2.5e-7, 3e-9
+"""Time for each entry of the shapes, and for the cube of a sector's size, by nodal diameter; on a
+processor of 2023, right to a factor of three."""
+
+LARGE_BYTES, LARGE_SECONDS = 2e9, 60.0
+"""From here on a stage is told to be large."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cost:
+    """Least that the reduction of a stage takes; blades that differ take more."""
+
+    dofs: int  #: of the full bladed disk
+    modes: int  #: of the reduced one
+    memory: float  #: [bytes]
+    time: float  #: of the processor [s]
+
+    def __str__(self) -> str:
+        """For people."""
+        time = f"{self.time / 60:.2g} min" if self.time < 3600 else f"{self.time / 3600:.2g} h"
+        return (
+            f"{self.dofs} degrees of freedom and {self.modes} modes take at least"
+            f" {self.memory / 1e9:.2g} GB of memory and some {time}"
+        )
+
+
+def stage_cost(case: Case) -> Cost:
+    """Cost of the stage of a case as if all its blades were alike.
+
+    Raises:
+        CaseError: parts of the bladed disk that do not fit together.
+    """
+    blades, dofs = case.blades, DOFS_PER_NODE * len(case_beam_model(case).mesh.points)
+    modes = case.reduction.fixed_interface_modes + 2 * blades + 2
+    sector, diameters = dofs / blades, blades // 2 + 1
+    return Cost(
+        dofs=dofs,
+        modes=modes,
+        memory=8.0 * FIELDS * dofs * modes + BYTES_PER_ENTRY * diameters * sector**2,
+        time=SECONDS_PER_ENTRY * dofs * modes + SECONDS_PER_CUBE * diameters * sector**3,
+    )
+
+
+def tell_cost(case: Case) -> None:
+    """Log what a large stage takes, before it is assembled.
+
+    Raises:
+        CaseError: this machine has not the memory for it.
+    """
+    cost = stage_cost(case)
+    if cost.memory > (most := memory()):
+        expected = f"a smaller stage: {cost}, and this machine has {most / 1e9:.3g} GB"
+        raise CaseError([Fault(key="bladed_disk", expected=expected)])
+    if cost.memory > LARGE_BYTES or cost.time > LARGE_SECONDS:
+        logger.warning("Large stage: %s.", cost)
+
+
+def memory() -> float:
+    """Memory of this machine [bytes]; infinite where the system does not tell."""
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, ValueError, OSError):
+        return float("inf")
