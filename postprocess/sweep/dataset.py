@@ -70,7 +70,7 @@ class Layout:
     @property
     def groups(self) -> tuple[str, ...]:
         """Groups of rotor modes that strain energies are given for."""
-        return ("suspension", *(f"1F k={k}" for k in range(self.nodal_diameters)), "rest")
+        return groups_of(self.nodal_diameters)
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -95,6 +95,11 @@ class Layout:
             np.dtype(variable.kind).itemsize * int(np.prod(self.shape(name), dtype=np.int64))
             for name, variable in SWEEP.items()
         )
+
+
+def groups_of(nodal_diameters: int) -> tuple[str, ...]:
+    """Groups of rotor modes with so many nodal diameters in the first blade family."""
+    return ("suspension", *(f"1F k={k}" for k in range(nodal_diameters)), "rest")
 
 
 def flag(variable: str, meaning: str) -> int:
@@ -199,6 +204,9 @@ def _fault(dataset: xr.Dataset) -> str:
         values = dataset[name].values if name in dataset else np.zeros(0)
         if values.dtype.kind != "f" or not values.size or not np.isfinite(values).all():
             return f"finite numbers along {name!r}"
+    for name, labels in ((LINE, [*MODE_LINES]), (GROUP, groups_of(dataset.sizes[GROUP] - 2))):
+        if name not in dataset or dataset[name].values.tolist() != [*labels]:
+            return f"its own names along {name!r}"
     if np.any(np.diff(dataset["frequency"].values) <= 0.0):
         return "ascending numbers along 'frequency'"
     return _changed(dataset, made_by)

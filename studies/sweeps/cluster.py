@@ -131,7 +131,7 @@ def _client(scheduler: str | None, workers: int, dashboard: bool) -> Iterator[Cl
             )
         try:
             client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
-        except (OSError, ValueError, TimeoutError) as error:
+        except (OSError, ValueError, TypeError, TimeoutError) as error:  # TypeError: no keys
             raise UserError(
                 f"--scheduler {scheduler}: expected the address of a dask scheduler ({error})"
             ) from None

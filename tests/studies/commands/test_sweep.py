@@ -20,6 +20,7 @@ import pytest
 import sweep_work
 import xarray as xr
 from distributed import LocalCluster
+from synthetic_sweep import LAYOUT
 from typer.testing import CliRunner
 
 import bladewhirl as bw
@@ -38,6 +39,7 @@ from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
 from bladewhirl.studies.sweeps import cluster as sweep_cluster
 from bladewhirl.studies.sweeps import plan as sweep_plan
 from bladewhirl.studies.sweeps.axes import make_grid
+from bladewhirl.studies.sweeps.cluster import march_groups
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, plan_sweep, read_plan, write_plan
 from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work
 from bladewhirl.studies.sweeps.sweep import HISTORIES_NAME, resume_sweep, run_sweep
@@ -392,16 +394,19 @@ def test_a_scheduler_that_is_not_there(tmp_path: Path, monkeypatch: pytest.Monke
         run_sweep(CASE, OVER, tmp_path / "new", scheduler="tls://127.0.0.1:9")
 
 
-@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "127.0.0.1:9", "ws://127.0.0.1:9"])
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "127.0.0.1:9"])
 def test_a_scheduler_without_encryption_has_to_be_allowed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, address: str
+    monkeypatch: pytest.MonkeyPatch, address: str
 ) -> None:
+    refused = pytest.raises(UserError, match=r"expected tls://HOST:PORT; without TLS anybody")
+    work = Work(case="", layout=LAYOUT, histories="")
+    groups = [Group(number=0, points={0: {}}, history_names={})]
+    with refused:
+        next(march_groups(work, groups, scheduler=address, workers=None))
     monkeypatch.setattr(sweep_cluster, "PATIENCE", "1s")
-    with pytest.raises(UserError, match=r"expected tls://HOST:PORT; without TLS anybody"):
-        run_sweep(CASE, OVER, tmp_path / "new", scheduler=address)
-    with dask.config.set({sweep_cluster.ENCRYPTION: False}):
-        with pytest.raises(UserError, match="expected the address of a dask scheduler"):
-            resume_sweep(tmp_path / "new", scheduler=address)
+    allowed = pytest.raises(UserError, match="expected the address of a dask scheduler")
+    with dask.config.set({sweep_cluster.ENCRYPTION: False}), allowed:
+        next(march_groups(work, groups, scheduler=address, workers=None))
 
 
 def test_what_is_no_sweep_is_refused(tmp_path: Path, swept: Path) -> None:
