@@ -64,7 +64,7 @@ def killed(case: Case, folder: Path, chance: random.Random) -> int:
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
     with os.fdopen(told, "rb") as stream:
-        return max([0, *np.frombuffer(stream.read(), dtype="<i8").tolist()])
+        return int(max([0, *np.frombuffer(stream.read(), dtype="<i8")]))
 
 
 def look(folder: Path, whole: xr.Dataset, steps: int, every: int) -> int:
