@@ -22,9 +22,9 @@ RESULT_FORMAT = 5
 coordinates marked since 3; these, recess and growth of tips, and frequencies of waves are added on
 opening."""
 
-SWEEP_FORMAT = 4
+SWEEP_FORMAT = 5
 """Of sweep.nc. 1 lacks what is marked since 2, and neither 1 nor 2 keeps swept values in the unit
-that they were given in; 3 lacks what is marked since 4. They can be read, but not resumed."""
+that they were given in; 3 and 4 lack what is marked later. They can be read, but not resumed."""
 
 TIME = "time"
 
