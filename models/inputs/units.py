@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from functools import cache
 from numbers import Real
-from typing import Final, Literal, SupportsFloat
+from typing import TYPE_CHECKING, Final, Literal, SupportsFloat
 
-import pint
+if TYPE_CHECKING:
+    import pint
 
 # Only this much syntax reaches pint: its evaluator would also work out "9**9**9 m".
 _EXPONENT = r"-?(?:[1-9](?:\.[0-9])?|0\.[1-9])"
@@ -21,6 +22,10 @@ _TEXT = re.compile(
 )
 _POWER = re.compile(rf"(?<=[^\W\d])(?:\*\*|\^)?({_EXPONENT})")
 _LONGEST = 80
+
+_PREFIXED = ("m", "s", "N", "Pa", "N/m")
+_PREFIXES = {"": 0, "u": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}
+"""Powers of ten of what most cases hold, so that they are read without loading pint."""
 
 RAD_PER_S: Final = "rad/s"
 TURN_PER_S: Final = "turn/s"
@@ -34,6 +39,9 @@ def to_si(text: str, unit: str) -> float:
     Raises:
         ValueError: no number and unit, an unknown unit, another dimension, too large a number.
     """
+    simple = _prefixed(text, unit)
+    if simple is not None:
+        return finite(simple)
     quantity = _parse(text)
     needed = _registry().Unit(_spelled_out(unit))
     if quantity.dimensionality != needed.dimensionality:
@@ -125,13 +133,28 @@ def finite(number: SupportsFloat) -> float:
     return value
 
 
+def _prefixed(text: str, unit: str) -> Decimal | None:
+    """A number in a unit that is ``unit`` or differs by a prefix; None where pint is needed."""
+    match = _TEXT.fullmatch(text) if len(text) <= _LONGEST else None
+    if match is None or not match["unit"].endswith(unit):
+        return None
+    power = _PREFIXES.get(match["unit"].removesuffix(unit))
+    if power is None or unit not in _PREFIXED:
+        return None
+    return Decimal(match["number"]).scaleb(power)
+
+
 @cache
 def _registry() -> pint.UnitRegistry[Decimal]:
+    import pint
+
     # Decimals keep conversions exact: 210 GPa is 2.1e11 Pa to the last bit.
     return pint.UnitRegistry(non_int_type=Decimal)
 
 
 def _parse(text: str) -> pint.Quantity[Decimal]:
+    import pint
+
     match = _TEXT.fullmatch(text) if len(text) <= _LONGEST else None
     if match is None:
         raise ValueError("not a number followed by a unit")

@@ -244,8 +244,10 @@ def sizes_of(stage: StageArrays) -> dict[str, int]:
 
 def finite_records(history: Mapping[str, FloatArray]) -> int:
     """Number of leading records in which every number is finite."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        doubtful = [values for values in history.values() if not np.isfinite(values.sum())]
     bad = [
         np.flatnonzero(~np.isfinite(values.reshape(len(values), -1)).all(axis=1))
-        for values in history.values()
+        for values in doubtful
     ]
     return min([len(history[TIME]), *(int(rows[0]) for rows in bad if rows.size)])

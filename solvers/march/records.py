@@ -26,16 +26,26 @@ class Records:
         stage: arrays that describe the stage.
         attributes: of the result.
         most: records that there may be, which room is taken for.
+        room: arrays of an earlier march whose records are no longer needed: what fits is written
+            over, the rest is replaced. Pages that the system has to find first cost more than
+            writing them.
     """
 
-    def __init__(self, stage: StageArrays, attributes: Mapping[str, Attribute], most: int) -> None:
+    def __init__(
+        self,
+        stage: StageArrays,
+        attributes: Mapping[str, Attribute],
+        most: int,
+        room: dict[str, Values] | None = None,
+    ) -> None:
         self.stage, self.records, self.steps = stage, 0, 0
         self.attributes = dict(attributes)
         sizes = sizes_of(stage)
-        self._room = {
-            name: np.empty((most, *widths_of(variable, sizes)), dtype=variable.kind)
-            for name, variable in HISTORY.items()
-        }
+        self._room: dict[str, Values] = {} if room is None else room
+        for name, variable in HISTORY.items():
+            widths, held = tuple(widths_of(variable, sizes)), self._room.get(name)
+            if held is None or len(held) < most or held.shape[1:] != widths:
+                self._room[name] = np.empty((most, *widths), dtype=variable.kind)
 
     @property
     def histories(self) -> dict[str, Values]:

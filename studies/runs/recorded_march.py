@@ -29,6 +29,7 @@ from bladewhirl.solvers.march.recorder import (
     NonFiniteError,
     Record,
     Recorder,
+    Values,
     description_bytes,
     result_bytes,
 )
@@ -93,10 +94,16 @@ def march_to_file(
         return _march_into(recorder, prepared, flush, progress, begin)
 
 
-def march_in_memory(prepared: Prepared) -> tuple[xr.Dataset, dict[str, float]]:
-    """March and record in memory; returns the result and what `march_to_file` does."""
-    records = Records(prepared.stage.arrays, _attributes(prepared, ""), prepared.timing.records)
-    report = _march_into(records, prepared, lambda chunk, *_: records.write(chunk))
+def march_in_memory(
+    prepared: Prepared, room: dict[str, Values] | None = None
+) -> tuple[xr.Dataset, dict[str, float]]:
+    """March and record in memory; returns the result and what `march_to_file` does.
+
+    The result lies in the room, if one is given, until that is used again (see `Records`).
+    """
+    attributes = _attributes(prepared, "")
+    records = Records(prepared.stage.arrays, attributes, prepared.timing.records, room)
+    report = _march_into(records, prepared, lambda chunk, *_: records.write(chunk), pause=0.0)
     return result_of(records.stage, records.histories, records.attributes), report
 
 
@@ -106,8 +113,9 @@ def _march_into(
     flush: Callable[[Chunk, MarchState, float], None],
     progress: Progress | None = None,
     begin: Checkpoint | None = None,
+    pause: float = FLUSH_TIME,
 ) -> dict[str, float]:
-    """March, flushing records every now and then with the state and the time that it took."""
+    """March, flushing records after each pause [s] with the state and the time that it took."""
     timing, residual, unsolved = prepared.timing, 0.0, 0
     reason, message = EndReason.COMPLETED.value, ""
     first, before = None, 0.0
@@ -115,13 +123,13 @@ def _march_into(
         first, before = state_at(prepared, begin), begin.wall_time
         residual = first.statistics.complementarity_residual
         unsolved = first.statistics.lcp_failures
-    began, flushed, waiting = time.perf_counter() - before, -FLUSH_TIME, list[Chunk]()
+    began, flushed, waiting = time.perf_counter() - before, -pause, list[Chunk]()
     try:
         with asked_to_stop() as interrupted:
             for state, chunk, end in march(prepared.scheme, timing, first):
                 stopping = end is None and interrupted()
                 waiting.append(chunk)
-                due = time.perf_counter() - flushed >= FLUSH_TIME
+                due = time.perf_counter() - flushed >= pause
                 if due or end or stopping or sum(c.records for c in waiting) > FLUSH_RECORDS:
                     flush(joined(waiting), state, time.perf_counter() - began)
                     waiting, flushed = [], time.perf_counter()

@@ -7,6 +7,7 @@ worker does a group, when, or how often.
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -36,6 +37,9 @@ KEPT_STAGES = 2
 
 IN_MEMORY = 500_000_000
 """Bytes of a history that a worker holds; a longer one lies in a file until it is reduced."""
+
+_OWN = threading.local()
+"""Of a thread that marches: the room of its records, from point to point."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,7 +119,8 @@ def _outcome(work: Work, case: Case, values: Mapping[str, Value], name: str | No
 def _march_point(work: Work, case: Case, name: str | None) -> Digest:
     prepared = prepare_stage(stage_at(case))
     if name is None and expected_bytes(prepared) <= IN_MEMORY:
-        return digest(*march_in_memory(prepared), work.layout)
+        room = _OWN.__dict__.setdefault("room", {})
+        return digest(*march_in_memory(prepared, room), work.layout)
     # A history to keep is written where it will stay, under another name until it is whole.
     folder = work.histories if name is not None else None
     with TemporaryDirectory(prefix=".point-", dir=folder) as scratch:

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bladewhirl.models.inputs import units
 from bladewhirl.models.inputs.units import RAD_PER_S, TURN_PER_S, Speed, rotation, to_si
 
 
@@ -36,6 +37,20 @@ from bladewhirl.models.inputs.units import RAD_PER_S, TURN_PER_S, Speed, rotatio
 )
 def test_text_becomes_si(text: str, unit: str, value: float) -> None:
     assert to_si(text, unit) == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize("unit", units._PREFIXED)
+def test_what_is_read_without_pint_is_what_pint_reads(
+    unit: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    texts = [
+        f"{number} {prefix}{unit}"
+        for number in ("210", "0.1", "-7.975e-6", "1.2345678901234567e200", "3")
+        for prefix in units._PREFIXES
+    ]
+    quick = [to_si(text, unit) for text in texts]
+    monkeypatch.setattr(units, "_prefixed", lambda text, unit: None)
+    assert quick == [to_si(text, unit) for text in texts]
 
 
 def test_prefixes_are_exact() -> None:

@@ -6,9 +6,13 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import bladewhirl as bw
+from bladewhirl.models.case.file import dumps_case
+from bladewhirl.postprocess.sweep.digest import digest
 from bladewhirl.studies.runs.prepare import prepare_stage
 from bladewhirl.studies.runs.recorded_march import march_in_memory, march_to_file
-from bladewhirl.studies.sweeps.points import stage_at
+from bladewhirl.studies.sweeps.axes import make_grid
+from bladewhirl.studies.sweeps.plan import plan_sweep
+from bladewhirl.studies.sweeps.points import Group, Work, march_group, stage_at
 
 
 @pytest.mark.parametrize("effects", ["none", "centrifugal"])
@@ -39,3 +43,19 @@ def test_records_in_memory_are_those_in_a_file(tmp_path: Path) -> None:
             assert kept[name].dims == found[name].dims
             assert_array_equal(kept[name].values, found[name].values)
         assert {*found.attrs} - {*kept.attrs} == {"format"}
+
+
+def test_points_that_share_their_room_are_those_marched_in_their_own() -> None:
+    """The second is shorter, the third has more records than the room that the first left."""
+    case = bw.case_from({"march": {"speed": 1.05, "record_step": "20 us"}})
+    grid = make_grid(case, {"march.duration": [0.004, 0.002, 0.006]}, large=False)
+    layout = plan_sweep(case, grid, histories=False).layout
+    work = Work(case=dumps_case(case), layout=layout, histories="")
+    points = {point: grid.values(point) for point in range(grid.size)}
+    shared = march_group(work, Group(number=0, points=points, history_names={}))
+    for point, at_point in enumerate(grid.cases(case)):
+        own = digest(*march_in_memory(prepare_stage(stage_at(at_point))), layout)
+        found = shared[point]
+        assert isinstance(found, dict)
+        for name in own:
+            assert_array_equal(found[name], own[name])
