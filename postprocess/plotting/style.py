@@ -5,7 +5,8 @@ nothing is below 6.5 points in a column of 8 cm. No display and no pyplot state 
 matplotlib picks Agg for PNG and its own writer for PDF from the file's name.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
@@ -106,6 +107,25 @@ def time_axis(*panels: Axes) -> None:
     panels[-1].set_xlabel(f"time [{unit}]")
 
 
+@contextmanager
+def arranged(figure: Figure, dpi: float) -> Iterator[None]:
+    """Arrange a figure once, for all files that are printed of it at that resolution.
+
+    `figure.savefig` would arrange it for each file, and twice.
+    """
+    arrangement, canvas, before = figure.get_layout_engine(), figure.canvas, figure.dpi
+    figure.dpi = dpi
+    if figure.axes and arrangement is not None:
+        arrangement.execute(figure)
+        figure.set_layout_engine("none")
+    try:
+        yield
+    finally:
+        figure.set_layout_engine(arrangement)
+        figure.set_canvas(canvas)
+        figure.dpi = before
+
+
 @styled
 def save_figure(figure: Figure, path: str | Path, data: xr.Dataset | None = None) -> list[Path]:
     """Save as PNG and PDF, with the data behind the figure beside them; returns the paths.
@@ -119,19 +139,11 @@ def save_figure(figure: Figure, path: str | Path, data: xr.Dataset | None = None
     path = Path(path)
     name = path.stem if path.suffix in (".png", ".pdf") else path.name
     png, pdf, beside = (path.with_name(f"{name}{suffix}") for suffix in (".png", ".pdf", ".nc"))
-    arrangement, canvas, dpi = figure.get_layout_engine(), figure.canvas, figure.dpi
-    figure.dpi = rcParams["savefig.dpi"]
-    if figure.axes and arrangement is not None:
-        arrangement.execute(figure)
-        figure.set_layout_engine("none")
-    # `figure.savefig` would draw each of them twice, to be arranged anew.
-    with replacing(png) as draft:
-        FigureCanvasAgg(figure).print_png(draft)  # type: ignore[no-untyped-call]
-    with replacing(pdf) as draft:
-        FigureCanvasPdf(figure).print_pdf(draft)  # type: ignore[no-untyped-call]
-    figure.set_layout_engine(arrangement)
-    figure.set_canvas(canvas)
-    figure.dpi = dpi
+    with arranged(figure, rcParams["savefig.dpi"]):
+        with replacing(png) as draft:
+            FigureCanvasAgg(figure).print_png(draft)  # type: ignore[no-untyped-call]
+        with replacing(pdf) as draft:
+            FigureCanvasPdf(figure).print_pdf(draft)  # type: ignore[no-untyped-call]
     if data is None:
         return [png, pdf]
     with replacing(beside) as draft:

@@ -22,7 +22,7 @@ from bladewhirl.meshes.files.drafts import write_whole
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
 from bladewhirl.postprocess.plotting.registry import FigureKind
-from bladewhirl.postprocess.plotting.style import styled
+from bladewhirl.postprocess.plotting.style import arranged, styled
 from bladewhirl.postprocess.reports.interactive import Plot
 
 DPI = 200
@@ -154,8 +154,8 @@ def _report_figure(
 @styled
 def _as_png(figure: Figure) -> str:
     file = io.BytesIO()
-    figure.set_dpi(DPI)
-    FigureCanvasAgg(figure).print_figure(file)
+    with arranged(figure, DPI):
+        FigureCanvasAgg(figure).print_png(file)  # type: ignore[no-untyped-call]
     return base64.b64encode(file.getvalue()).decode("ascii")
 
 
