@@ -12,9 +12,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
-from bladewhirl.postprocess.plotting.axes import Names, frequency_axis, speed_axis, title_of_case
+from bladewhirl.postprocess.plotting.axes import Names, frequency_axis, speed_axis
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.solvers.stability.coincidence import frequency_in_other_frame
 
 Frame = Literal["rotating", "static"]
@@ -124,7 +125,7 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     _draw_engine_orders(axes, names, data, frame)
     speed_axis(axes, reference)
     frequency_axis(axes, reference, f"frequency / ω$_1$, {frame} frame [–]")
-    title_of_case(figure, data.attrs["case"], f"Campbell diagram, {frame} frame")
+    set_title(figure, data.attrs["case"], f"Campbell diagram, {frame} frame")
     legends_below(figure, Group(_legend(data, frame), _left_out(whole, data)))
     return figure
 

@@ -15,7 +15,6 @@ from matplotlib.lines import Line2D
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures.drawing import Drawing, Ribbon
-from bladewhirl.postprocess.plotting.axes import title_of_case
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
@@ -24,7 +23,7 @@ from bladewhirl.postprocess.plotting.style import (
     new_figure,
     styled,
 )
-from bladewhirl.postprocess.plotting.titles import speed_label
+from bladewhirl.postprocess.plotting.titles import set_title, speed_label
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
 MILLI, MICRO = 1e3, 1e6
@@ -151,7 +150,7 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
 def _title(figure: Figure, shown: str, data: xr.Dataset) -> None:
     """Title a figure with the case, what is shown, the speed and the coupling stiffness."""
     kappa = f", κ = {data.attrs['kappa']:.4g} N/m" if "kappa" in data.attrs else ""
-    title_of_case(figure, data.attrs.get("case", ""), f"{shown}\n{speed_label(data)}{kappa}")
+    set_title(figure, data.attrs.get("case", ""), f"{shown}\n{speed_label(data)}{kappa}")
 
 
 def _draw_ribbon(axes: Axes, ribbon: Ribbon, norm: Normalize) -> PolyCollection:

@@ -21,7 +21,6 @@ from bladewhirl.postprocess.fields.enlarged import magnify
 from bladewhirl.postprocess.fields.kinematics import casing_rows, line_rows, ring_angles, rotate
 from bladewhirl.postprocess.pictures.films import shared_palette, write_gif
 from bladewhirl.postprocess.pictures.offscreen import Pixels
-from bladewhirl.postprocess.plotting.axes import title_of_case
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
@@ -30,6 +29,7 @@ from bladewhirl.postprocess.plotting.style import (
     new_figure,
     styled,
 )
+from bladewhirl.postprocess.plotting.titles import set_title
 
 DRAWN = 0.2
 """Largest displacement in a picture, as a share of the radius."""
@@ -220,7 +220,7 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
         ticks=[0.0, 0.5, 1.0],
     )
     names = {"bladed-disk": "the bladed disk, rotating frame", "casing": "the casing"}
-    title_of_case(figure, data.attrs["case"], f"Modes of {names[body]}; {TURNS}")
+    set_title(figure, data.attrs["case"], f"Modes of {names[body]}; {TURNS}")
     legends_below(figure, Group([(shape.rest, "centre at rest"), (shape.centre, "displaced")]))
     return figure
 
@@ -253,7 +253,7 @@ def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
     frame = "rotating frame" if body == "bladed-disk" else "static frame"
     hertz = _frequency(data, float(data[f"{prefix}_frequency"].values[0]))
     title = f"{data.attrs['title']}, {hertz}, {frame}; {TURNS}"
-    title_of_case(figure, data.attrs["case"], title)
+    set_title(figure, data.attrs["case"], title)
     marks = [(shape.rest, "centre at rest"), (shape.centre, "displaced"), (crests, "crest")]
     legends_below(figure, Group(marks))
     return figure

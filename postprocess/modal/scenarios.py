@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.postprocess.plotting.axes import title_of_case
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.titles import set_title
 
 DRAWN_CLEARANCE = 0.16
 """The clearance in a picture, as a share of the tip radius."""
@@ -56,8 +56,8 @@ def plot_scenario(data: xr.Dataset) -> Figure:
     driven = "backward" if kind == "standard" else "forward"
     ratio, rpm = data.attrs["speed"] / reference, 30.0 * data.attrs["speed"] / np.pi
     title = f"{kind.capitalize()} contact scenario of {data.attrs['mode']}, k = 1"
-    words = f"friction drives {driven} whirl; Ω/ω$_1$ = {ratio:.4g} ({rpm:.0f} rpm)"
-    title_of_case(figure, data.attrs["case"], f"{title}: {words}")
+    words = f"friction drives {driven} whirl; Ω/ω₁ = {ratio:.4g} ({rpm:.0f} rpm)"
+    set_title(figure, data.attrs["case"], f"{title}: {words}")
     groups = (
         Group([*zip(*axes.get_legend_handles_labels(), strict=True)]) for axes in (left, right)
     )

@@ -23,10 +23,10 @@ from bladewhirl.postprocess.plotting.axes import (
     Names,
     frequency_axis,
     speed_axis,
-    title_of_case,
 )
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, is_unstable
 
 KAPPA_AXIS = "coupling stiffness κ [N/m]"
@@ -81,7 +81,7 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
         axes.plot(*point, "o", color=COLOURS["contact"], markerfacecolor="none", label="point")
     if "zone" in data.dims:
         _name_zones(axes, data)
-    title_of_case(figure, data.attrs["case"], _words("Growth of coupled modes", data))
+    set_title(figure, data.attrs["case"], _words("Growth of coupled modes", data))
     handles, labels = axes.get_legend_handles_labels()
     legends_below(figure, Group([*zip(handles, labels, strict=True)]))
     return figure
@@ -139,7 +139,7 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
     lower.set_xlabel(SPEED)
     frequency_axis(lower, reference / (2.0 * np.pi), "frequency / ω$_1$, half-speed frame [–]")
     shown = _words(f"Eigenvalues along κ = {data.attrs['kappa']:.4g} N/m", data)
-    title_of_case(figure, data.attrs["case"], shown)
+    set_title(figure, data.attrs["case"], shown)
     legends_below(figure, Group(entries))
     return figure
 
@@ -171,7 +171,7 @@ def plot_truncation(data: xr.Dataset) -> Figure:
     _draw_borders(axes, data.isel(zone=~whole))
     entries.append((Patch(facecolor="none", edgecolor=COLOURS["total"]), "zones of six modes"))
     _name_zones(axes, data.isel(zone=whole))
-    title_of_case(figure, data.attrs["case"], "Unstable zones that the six modes hide")
+    set_title(figure, data.attrs["case"], "Unstable zones that the six modes hide")
     legends_below(figure, Group(entries))
     return figure
 

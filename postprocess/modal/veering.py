@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
-from bladewhirl.postprocess.plotting.axes import FREQUENCY, Names, frequency_axis, title_of_case
+from bladewhirl.postprocess.plotting.axes import FREQUENCY, Names, frequency_axis
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
@@ -25,7 +25,7 @@ from bladewhirl.postprocess.plotting.style import (
     new_figure,
     styled,
 )
-from bladewhirl.postprocess.plotting.titles import speed_label
+from bladewhirl.postprocess.plotting.titles import set_title, speed_label
 
 DIAMETER_AXIS = "nodal diameter k [–]"
 
@@ -80,7 +80,7 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
         figure.supylabel(f"{FREQUENCY}, broken axis; right: [Hz]", fontsize=7.5)
     panels[-1].set_xlabel(DIAMETER_AXIS)
     panels[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
-    title_of_case(figure, data.attrs["case"], f"Frequencies by nodal diameter{_at_speed(data)}")
+    set_title(figure, data.attrs["case"], f"Frequencies by nodal diameter{_at_speed(data)}")
     legends_below(figure, Group(_marks(data, names)))
     return figure
 
@@ -128,7 +128,7 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
     figure.colorbar(
         lines, ax=axes, label="share of energy in the springs [–]", location="top", aspect=30
     )
-    title_of_case(figure, data.attrs["case"], f"Modes with k = 1{_at_speed(data)}")
+    set_title(figure, data.attrs["case"], f"Modes with k = 1{_at_speed(data)}")
     handles = [
         (Line2D([], [], color=COLOURS["k = 1"], linewidth=0.8), "the case"),
         (Line2D([], [], color=COLOURS["rest"], linestyle="--"), "clamped centre"),

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Callable, Iterator
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import FloatArray
 
 SPEED = "speed Ω / ω$_1$ [–]"
 FREQUENCY = "frequency / ω$_1$ [–]"
-
-LETTERS_PER_INCH = 16.0
-"""Letters of a title that an inch of a figure has room for."""
 
 LETTER, LINE = 3.8, 9.0
 """Room of a name's letter and of its line [points]."""
@@ -67,13 +62,6 @@ Scaling = Callable[[ArrayLike], FloatArray]
 def _multiples(unit: float) -> tuple[Scaling, Scaling]:
     """From multiples to an amount, and back."""
     return lambda x: np.asarray(x) * unit, lambda x: np.asarray(x) / unit
-
-
-def title_of_case(figure: Figure, case: str, shown: str) -> None:
-    """Title a figure with the case's name and what is shown, in as many lines as that takes."""
-    letters = int(LETTERS_PER_INCH * figure.get_figwidth())
-    lines = [line for line in (case, *shown.splitlines()) if line]
-    figure.suptitle("\n".join(textwrap.fill(line, letters) for line in lines))
 
 
 class Names:

@@ -35,19 +35,16 @@ def head(figure: Figure, data: xr.Dataset, *words: str) -> None:
         data: with the attributes of `fields.labelled`.
         words: as many lines as are wanted; the first goes beside the speed where both fit.
     """
-    name = _wrapped(figure, str(data.attrs.get("case_title", "")), most_lines=NAME_LINES)
     first = ", ".join([speed_label(data), *words[:1]])
-    together = _wrapped(figure, first)
-    if len(together) > 1:
-        together = [speed_label(data), *_wrapped(figure, *words[:1])]
-    rest = [line for text in words[1:] for line in _wrapped(figure, text)]
-    figure.suptitle("\n".join([*name, *together, *rest]), parse_math=False)
+    beside = [first] if len(_wrapped(figure, first)) == 1 else [speed_label(data), *words[:1]]
+    set_title(figure, str(data.attrs.get("case_title", "")), "\n".join([*beside, *words[1:]]))
 
 
-def set_title(figure: Figure, title: str) -> None:
-    """Title a figure, in as many lines as that takes."""
-    lines = [line for text in title.split("\n") for line in _wrapped(figure, text)]
-    figure.suptitle("\n".join(lines))
+def set_title(figure: Figure, case: str, shown: str) -> None:
+    """Title a figure by the case's name and what is shown, in as many lines as that takes."""
+    name = _wrapped(figure, case, most_lines=NAME_LINES)
+    rest = [line for text in shown.splitlines() for line in _wrapped(figure, text)]
+    figure.suptitle("\n".join([*name, *rest]), parse_math=False)
 
 
 def _wrapped(figure: Figure, text: str, *, most_lines: int | None = None) -> list[str]:

@@ -171,14 +171,9 @@ def label_figure(figure: Figure, found: xr.Dataset, *groups: Group, note: str = 
         note: after the title.
     """
     rpm_on_top(found, figure.axes[0])
-    set_title(figure, titled(found) + note + left_out_note(found.sizes[LINE], MOST_LINES))
+    left_out = left_out_note(found.sizes[LINE], MOST_LINES)
+    set_title(figure, found.attrs["case"], found.attrs["title"] + note + left_out)
     legends_below(figure, *groups)
-
-
-def titled(found: xr.Dataset) -> str:
-    """The swept case and what is shown of it, a line each."""
-    case = str(found.attrs["case"]).replace("$", r"\$")  # no mathematics
-    return "\n".join(filter(None, [case, found.attrs["title"]]))
 
 
 def two_columns(
@@ -210,7 +205,7 @@ def two_columns(
     figure.colorbar(picture, ax=rows[:, coloured].tolist(), label=label, pad=0.02)
     note = left_out_note(found.sizes[LINE], MOST_ROWS) + panels_note(found, "rows")
     rpm_on_top(found, *rows[0])
-    set_title(figure, titled(found) + note)
+    set_title(figure, found.attrs["case"], found.attrs["title"] + note)
     entries = zip(*rows[0, 1 - coloured].get_legend_handles_labels(), strict=True)
     legends_below(figure, Group(list(entries)))
     return figure

@@ -33,7 +33,6 @@ from bladewhirl.postprocess.sweep.drawing import (
     panel_grid,
     panel_titles,
     panels_note,
-    titled,
 )
 from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges
 
@@ -207,7 +206,8 @@ def plot_frequency_map(maps: xr.Dataset) -> Figure:
     else:
         figure.supylabel(label, fontsize="medium")
     note = left_out_note(int(maps.attrs["lines"]), MOST_PANELS)
-    set_title(figure, titled(maps) + note + panels_note(maps, "panels"))
+    shown = maps.attrs["title"] + note + panels_note(maps, "panels")
+    set_title(figure, maps.attrs["case"], shown)
     named = {
         name: handle
         for axes in panels

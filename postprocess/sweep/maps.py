@@ -41,7 +41,6 @@ from bladewhirl.postprocess.sweep.drawing import (
     left_out_note,
     panel_titles,
     panels_note,
-    titled,
 )
 from bladewhirl.postprocess.sweep.quantities import LINE, as_lines, in_order
 from bladewhirl.postprocess.sweep.regimes import HATCH, draw_regimes, regime_entries
@@ -136,7 +135,10 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
             bar.ax.xaxis.set_minor_locator(NullLocator())
     set_title(
         figure,
-        titled(maps) + left_out_note(maps.sizes[LINE], MOST_ROWS) + panels_note(maps, "rows"),
+        maps.attrs["case"],
+        maps.attrs["title"]
+        + left_out_note(maps.sizes[LINE], MOST_ROWS)
+        + panels_note(maps, "rows"),
     )
     crossed = Patch(fc="white", ec=DOUBTFUL_COLOUR, hatch=DOUBTFUL_HATCH, lw=0.0)
     legends_below(

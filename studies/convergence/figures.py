@@ -137,6 +137,6 @@ def plot_schemes(data: xr.Dataset) -> Figure:
     for axes, label in zip(panels, SCHEME_PANELS.values(), strict=True):
         axes.set_ylabel(label)
     panels[-1].set_xlabel("time [ms]")
-    set_title(figure, f"{data.attrs['title']}\n{speed_label(data)}")
+    set_title(figure, data.attrs["title"], speed_label(data))
     figure.legend(loc="outside lower center", ncols=1)
     return figure
