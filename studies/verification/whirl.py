@@ -67,13 +67,16 @@ def step_of_force(thickness: str) -> Pair:
     return known, found
 
 
-def jeffcott(omega: float, *, internal: float = 0.0, external: float = 0.0) -> ContactProblem:
+def jeffcott(
+    omega: float, *, internal: float = 0.0, external: float = 0.0, anisotropy: float = 0.0
+) -> ContactProblem:
     """A rigid rotor on two springs with unbalance, its stiffness softened by the speed.
 
     Args:
         omega: speed of rotation [rad/s].
         internal: strength of dampers that turn with it [N s/m].
         external: of dampers that stand still.
+        anisotropy: of springs that stand still, half of what they differ by [N/m].
     """
     rotor = reference("jeffcott")["rotor"]
     square = rotor["stiffness"] / rotor["mass"] - omega**2
@@ -84,6 +87,7 @@ def jeffcott(omega: float, *, internal: float = 0.0, external: float = 0.0) -> C
         dampers=np.sqrt(internal + external) * centre,
         by_velocity=2.0 * omega * np.array([[0.0, -1.0], [1.0, 0.0]]),
         circulation=external * omega,
+        anisotropy=anisotropy,
     )
     load = Load(rotor=rotor["unbalance"] * omega**2 * centre[0], casing=np.zeros(1), ramp=0.5)
     return problem(body, wall(1.0), loads=(load,), speed=omega)
@@ -102,6 +106,26 @@ def unbalance_through_resonance() -> Pair:
         wanted.append([row["amplitude"], -row["phase_lag"]])
         found.append([np.hypot(x, y), np.arctan2(y, x)])
     return wanted, found
+
+
+@verifies(0.8, 0.95, 1.2)
+def unequal_bearings(share: float) -> Pair:
+    """Forward and backward parts of the orbit: below, between and above the two critical speeds."""
+    rotor, dt = reference("jeffcott")["rotor"], 1e-5
+    omega = share * np.sqrt(rotor["stiffness"] / rotor["mass"])
+    damping, half = 5e3, 0.15 * rotor["stiffness"]
+    stiffness = rotor["stiffness"] + half * np.array([1.0, -1.0])
+    dynamic = stiffness - rotor["mass"] * omega**2 + 1j * damping * omega
+    along, across = rotor["unbalance"] * omega**2 / dynamic
+    given = jeffcott(omega, external=damping, anisotropy=half)
+    chunk = marched(given, dt, 200_000, every=500)
+    late = chunk.time > 1.5
+    x, y = given.rotor.centre @ chunk.rotor_displacement[late].T
+    turning = np.exp(2j * omega * chunk.time[late])
+    parts = np.column_stack([np.ones_like(turning), turning.conj()])
+    found = np.linalg.lstsq(parts, x + 1j * y, rcond=None)[0]
+    wanted = np.array([(along + across) / 2.0, (along - across).conj() / 2.0])
+    return wanted.view(float), found.view(float)
 
 
 @verifies(0.9, 1.3)
