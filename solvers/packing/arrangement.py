@@ -68,13 +68,14 @@ def dense_arrangement(modes: int) -> Arrangement:
     return Arrangement(rows=1, columns=padded(used, PAIR), entry=np.arange(modes), used=used)
 
 
-def _couples(points: int, parity: int | None) -> list[tuple[int, ...]]:
-    """DFT columns of one parity (or all) two by two: cosine and sine, singles with each other."""
+def _couples(points: int, parity: int | None, *, alone: bool) -> list[tuple[int, ...]]:
+    """DFT columns of one parity (or all) two by two: cosine and sine, singles together or alone."""
     wanted = [c for c in range(points) if parity in (None, nodal_diameter_of(c) % 2)]
     paired = [c for c in wanted if is_pair(nodal_diameter_of(c), points)]
     single = [c for c in wanted if not is_pair(nodal_diameter_of(c), points)]
     both = [*zip(paired[::2], paired[1::2], strict=True)]
-    return [*both, tuple(single)] if single else list(both)
+    together = [(column,) for column in single] if alone else [tuple(single)]
+    return [*both, *together] if single else list(both)
 
 
 def aligned(shape: int | tuple[int, ...]) -> FloatArray:
@@ -102,12 +103,15 @@ class Harmonics:
             opposite points are equal in the former and opposite in the latter (even numbers of
             points only).
         unit: each half is padded to a multiple of it.
+        alone: give each column without a partner a place whose partner is empty, so that the
+            blocks of a turning body hold all that couples its modes.
     """
 
-    def __init__(self, points: int, *, fold: bool, unit: int) -> None:
+    def __init__(self, points: int, *, fold: bool, unit: int, alone: bool = False) -> None:
         self.parts = 2 if fold and points % 2 == 0 else 1
         couples = [
-            _couples(points, part if self.parts == 2 else None) for part in range(self.parts)
+            _couples(points, part if self.parts == 2 else None, alone=alone)
+            for part in range(self.parts)
         ]
         self.used = max(map(len, couples))
         self.half = padded(self.parts * self.used, unit)

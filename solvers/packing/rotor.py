@@ -43,7 +43,8 @@ def pack_rotor(
     rotor = problem.rotor
     tips, modes = rotor.tip_radial.shape
     if cyclic:
-        harmonics = Harmonics(tips, fold=False, unit=HALF)
+        turning = rotor.by_velocity is not None
+        harmonics = Harmonics(tips, fold=False, unit=HALF, alone=turning)
         arrangement = harmonics.arrangement(harmonics.place[rotor.column])
         radial, across = harmonics.amplitudes(rotor.tip_radial, rotor.column)
         if not np.abs(across).max(initial=0.0) <= FIT * np.abs(radial).max(initial=0.0):

@@ -83,6 +83,8 @@ def _blocks(
         (sine, cosine, -across),
     ):
         grid[:, to, :, by] -= block
+    empty = np.setdiff1d(np.arange(entries), arrangement.entry)  # nothing is ever there
+    full[empty], full[:, empty] = 0.0, 0.0
     to, by = np.nonzero(np.abs(full) > ROUNDING * np.abs(inverse).max())
     order = np.argsort(by, kind="stable")
     blocks = np.zeros((2, half, rows + rows % 2, rows))
