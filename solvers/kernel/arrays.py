@@ -8,6 +8,7 @@ from bladewhirl.solvers.kernel.compilation import Array
 
 RUNNING, DIVERGED = 0, 1
 W_KIND, W_SLOPE, U_KIND, U_SLOPE = 0, 1, 2, 3
+LOSS_ROWS = 4  # whose damping is summed at a time
 PUSH, DRAG = 4, 5  # of the tips, behind the nodal forces
 EXTERNAL, NORMAL, FRICTION, DAMPING, PARAMETRIC = 0, 1, 2, 3, 4
 WORKS = 5
@@ -70,8 +71,9 @@ class GyroscopicArrays(NamedTuple):
     by: Array  #: and the force that does it
     full: Array  #: without symmetry: what all modes get of each, (modes, entries); else no rows
     loss: Array
-    """Damping by column: of pairs of rows, upper triangle, twice what is beside the diagonal."""
-    full_loss: Array  #: the same of all entries, where columns are damped together; else no rows
+    """Damping by column: upper triangle, twice what is beside the diagonal, `LOSS_ROWS` rows after
+    each other for each column of the triangle from their first on, zero below the diagonal."""
+    full_loss: Array  #: the triangle of all, where columns are damped together; else no rows
     normal: Array  #: answer to forces by column, (rows, columns); of one column without symmetry
     normal_across: Array  #: by the partner column
     shear: Array  #: to friction

@@ -12,6 +12,7 @@ from typing import Any
 from numba import njit
 
 from bladewhirl.solvers.kernel.arrays import (
+    LOSS_ROWS,
     PUSH,
     ContactScratch,
     FieldScratch,
@@ -87,13 +88,22 @@ def turning_loss(
         return 0.25 * float(total(loss))
     for h in range(0, columns, LANES):
         pair = 0
-        for m in range(rows):
-            force = splat(0.0)
+        for m in range(0, rows, LOSS_ROWS):
+            a, b, c, d = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
             for n in range(m, rows):
                 with_it = load(moved, n * columns + h)
-                force = fma(load_row(gyroscopic.loss, pair, h), with_it, force)
-                pair += 1
-            loss = fma(force, load(moved, m * columns + h), loss)
+                a = fma(load_row(gyroscopic.loss, pair, h), with_it, a)
+                b = fma(load_row(gyroscopic.loss, pair + 1, h), with_it, b)
+                c = fma(load_row(gyroscopic.loss, pair + 2, h), with_it, c)
+                d = fma(load_row(gyroscopic.loss, pair + 3, h), with_it, d)
+                pair += LOSS_ROWS
+            loss = fma(a, load(moved, m * columns + h), loss)
+            if m + 1 < rows:
+                loss = fma(b, load(moved, (m + 1) * columns + h), loss)
+            if m + 2 < rows:
+                loss = fma(c, load(moved, (m + 2) * columns + h), loss)
+            if m + 3 < rows:
+                loss = fma(d, load(moved, (m + 3) * columns + h), loss)
     return 0.25 * float(total(loss))
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel.arrays import (
+    LOSS_ROWS,
     GyroscopicArrays,
     RotorArrays,
 )
@@ -101,8 +102,8 @@ def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, 
         arrangement: of the modes.
 
     Returns:
-        (pairs of rows, columns) and (entries, entries): upper triangles, twice what is beside the
-        diagonal. One of them has no rows.
+        (groups of rows, columns) as in `GyroscopicArrays`, and (entries, entries): upper triangles,
+        twice what is beside the diagonal. One of them has no rows.
     """
     rows, columns, entries = arrangement.rows, arrangement.columns, arrangement.entries
     full = aligned((entries, entries))
@@ -112,10 +113,11 @@ def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, 
     if np.abs(full[~together]).max(initial=0.0) > ROUNDING * np.abs(damping).max(initial=0.0):
         return aligned((0, LANES)), aligned_copy(twice)
     grid = twice.reshape(rows, columns, rows, columns)
-    pairs = [
-        grid[m, range(columns), n, range(columns)] for m in range(rows) for n in range(m, rows)
-    ]
-    return aligned_copy(np.array(pairs)), aligned((0, LANES))
+    padded_rows = np.zeros((rows + LOSS_ROWS, rows, columns))
+    padded_rows[:rows] = grid[:, range(columns), :, range(columns)].transpose(1, 2, 0)
+    groups = range(0, rows, LOSS_ROWS)
+    pairs = [padded_rows[m : m + LOSS_ROWS, n] for m in groups for n in range(m, rows)]
+    return aligned_copy(np.concatenate(pairs)), aligned((0, LANES))
 
 
 def _answers(inverse: FloatArray, arrangement: Arrangement, rotor: RotorArrays) -> list[FloatArray]:
