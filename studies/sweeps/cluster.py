@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import uuid
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -10,6 +11,7 @@ from itertools import chain, islice
 import dask
 from dask.system import CPU_COUNT
 from distributed import Client, LocalCluster, Security, as_completed
+from distributed.comm.addressing import get_address_host_port
 from distributed.scheduler import KilledWorker
 
 from bladewhirl.models.inputs.errors import UserError
@@ -20,8 +22,8 @@ from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work, marc
 ENCRYPTION = "distributed.comm.require-encryption"
 """dask's setting; a scheduler without TLS is used where it is false, as nobody has it by chance."""
 
-PATIENCE = "30s"
-"""How long an existing scheduler has to answer."""
+PATIENCE = 30.0
+"""How long an existing scheduler has to answer [s]."""
 
 LOCAL: Mapping[str, object] = {
     # A group that a worker died with is suspect at once: it is then tried alone, see below.
@@ -130,6 +132,9 @@ def _client(scheduler: str | None, workers: int, dashboard: bool) -> Iterator[Cl
                 " DASK_DISTRIBUTED__COMM__REQUIRE_ENCRYPTION=False"
             )
         try:
+            # A client that can't connect is ended when it is collected; where that happens while
+            # another one starts, both wait for each other.
+            socket.create_connection(get_address_host_port(scheduler), PATIENCE).close()
             client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError, TypeError, TimeoutError) as error:  # TypeError: no keys
             raise UserError(

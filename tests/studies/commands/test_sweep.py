@@ -389,7 +389,7 @@ def test_a_sweep_of_another_version_is_not_mixed(swept: Path, tmp_path: Path) ->
 
 
 def test_a_scheduler_that_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sweep_cluster, "PATIENCE", "1s")
+    monkeypatch.setattr(sweep_cluster, "PATIENCE", 1.0)
     with pytest.raises(UserError, match="expected the address of a dask scheduler"):
         run_sweep(CASE, OVER, tmp_path / "new", scheduler="tls://127.0.0.1:9")
 
@@ -403,7 +403,7 @@ def test_a_scheduler_without_encryption_has_to_be_allowed(
     groups = [Group(number=0, points={0: {}}, history_names={})]
     with refused:
         next(march_groups(work, groups, scheduler=address, workers=None))
-    monkeypatch.setattr(sweep_cluster, "PATIENCE", "1s")
+    monkeypatch.setattr(sweep_cluster, "PATIENCE", 1.0)
     allowed = pytest.raises(UserError, match="expected the address of a dask scheduler")
     with dask.config.set({sweep_cluster.ENCRYPTION: False}), allowed:
         next(march_groups(work, groups, scheduler=address, workers=None))
