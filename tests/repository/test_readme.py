@@ -123,9 +123,10 @@ def test_every_picture_is_shown() -> None:
     shown = {
         (document.parent / link).resolve()
         for document in DOCUMENTS
-        for link in re.findall(r"\]\(([^)]+\.png)\)", document.read_text(encoding="utf-8"))
+        for link in re.findall(r"\]\(([^)]+\.(?:png|gif))\)", document.read_text(encoding="utf-8"))
     }
-    assert shown == {path.resolve() for path in (ROOT / "docs").glob("*.png")}
+    kept = [*DOCS.glob("*.png"), *DOCS.glob("*.gif"), *DOCS.glob("paper_figures/*.png")]
+    assert shown == {path.resolve() for path in kept}
 
 
 def test_every_dependency_is_explained() -> None:

@@ -45,7 +45,7 @@ def test_what_is_read_without_pint_is_what_pint_reads(
 ) -> None:
     texts = [
         f"{number} {prefix}{unit}"
-        for number in ("210", "0.1", "-7.975e-6", "1.2345678901234567e200", "3")
+        for number in ("210", "0.1", "-7.975e-6", "1.2345678901234567e10", "3")
         for prefix in units._PREFIXES
     ]
     quick = [to_si(text, unit) for text in texts]
