@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bladewhirl.meshes.line_mesh import ComplexArray
 from bladewhirl.models.rotation.waves import Waves
 
 
@@ -13,16 +14,19 @@ def waves() -> Waves:
     """Hermitian matrices of three waves that soften little, with Coriolis forces."""
     chance = np.random.default_rng(4)
 
-    def hermitian(size: float) -> np.ndarray:
-        made = chance.normal(size=(3, 3)) + 1j * chance.normal(size=(3, 3))
-        return size * (made + made.conj().T)
+    def drawn() -> ComplexArray:
+        return np.asarray(chance.normal(size=(3, 3)) + 1j * chance.normal(size=(3, 3)))
 
-    coriolis = chance.normal(size=(3, 3)) + 1j * chance.normal(size=(3, 3))
+    def hermitian(size: float) -> ComplexArray:
+        made = drawn()
+        return np.asarray(size * (made + made.conj().T))
+
+    coriolis = drawn()
     return Waves(
         nodal_diameter=3,
         mass=2.0 * np.eye(3) + hermitian(0.1),
         stiffness=np.diag([4.0, 9.0, 16.0]) + hermitian(0.1),
-        coriolis=0.1 * (coriolis - coriolis.conj().T),
+        coriolis=np.asarray(0.1 * (coriolis - coriolis.conj().T)),
         softening=hermitian(0.05),
     )
 
