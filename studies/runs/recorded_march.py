@@ -91,7 +91,7 @@ def march_to_file(
             if checkpoints is not None and state.step <= prepared.timing.whole_steps + 1:
                 _keep(checkpoints, digest, recorder, state, wall_time)
 
-        return _march_into(recorder, prepared, flush, progress, begin)
+        return _march_into(recorder, prepared, flush, FLUSH_TIME, progress, begin)
 
 
 def march_in_memory(
@@ -103,7 +103,7 @@ def march_in_memory(
     """
     attributes = _attributes(prepared, "")
     records = Records(prepared.stage.arrays, attributes, prepared.timing.records, room)
-    report = _march_into(records, prepared, lambda chunk, *_: records.write(chunk), pause=0.0)
+    report = _march_into(records, prepared, lambda chunk, *_: records.write(chunk), 0.0)
     return result_of(records.stage, records.histories, records.attributes), report
 
 
@@ -111,9 +111,9 @@ def _march_into(
     record: Record,
     prepared: Prepared,
     flush: Callable[[Chunk, MarchState, float], None],
+    pause: float,
     progress: Progress | None = None,
     begin: Checkpoint | None = None,
-    pause: float = FLUSH_TIME,
 ) -> dict[str, float]:
     """March, flushing records after each pause [s] with the state and the time that it took."""
     timing, residual, unsolved = prepared.timing, 0.0, 0
