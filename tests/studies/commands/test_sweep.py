@@ -130,7 +130,10 @@ def test_the_number_of_workers_does_not_matter(swept: Path, tmp_path: Path) -> N
 
 @pytest.mark.slow
 def test_an_existing_scheduler_gives_the_same_bits(swept: Path, tmp_path: Path) -> None:
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster:
+    with (
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster,
+        dask.config.set({sweep_cluster.ENCRYPTION: False}),
+    ):
         run_sweep(CASE, OVER, tmp_path / "other", scheduler=cluster.scheduler_address)
         assert len(cluster.scheduler_info["workers"]) == 2  # it lives on
     assert same_bits(swept, tmp_path / "other")
