@@ -8,7 +8,7 @@ from bladewhirl.solvers.kernel.compilation import Array
 
 RUNNING, DIVERGED = 0, 1
 W_KIND, W_SLOPE, U_KIND, U_SLOPE = 0, 1, 2, 3
-LOSS_ROWS = 4  # whose damping is summed at a time
+ROWS = 4  # of a block that are summed at a time
 PUSH, DRAG = 4, 5  # of the tips, behind the nodal forces
 EXTERNAL, NORMAL, FRICTION, DAMPING, PARAMETRIC = 0, 1, 2, 3, 4
 WORKS = 5
@@ -65,14 +65,14 @@ class GyroscopicArrays(NamedTuple):
     """
 
     blocks: Array
-    """By half registers of cosines, pairs of rows and rows: R of both, X of both; flat."""
+    """By half registers of cosines, `ROWS` rows at a time, and rows: R of these, then X; flat."""
     rest: Array  #: entries that this leaves out, those of single harmonics among them
     to: Array  #: what each of these moves
     by: Array  #: and the force that does it
     full: Array  #: without symmetry: what all modes get of each, (modes, entries); else no rows
     loss: Array
-    """Damping by column: upper triangle, twice what is beside the diagonal, `LOSS_ROWS` rows after
-    each other for each column of the triangle from their first on, zero below the diagonal."""
+    """Damping of cosine and sine alike: upper triangle, twice what is beside the diagonal. By half
+    registers, groups of `ROWS` rows and rows from the group's first on; flat, zero where padded."""
     full_loss: Array  #: the triangle of all, where columns are damped together; else no rows
     normal: Array  #: answer to forces by column, (rows, columns); of one column without symmetry
     normal_across: Array  #: by the partner column

@@ -12,8 +12,8 @@ from typing import Any
 from numba import njit
 
 from bladewhirl.solvers.kernel.arrays import (
-    LOSS_ROWS,
     PUSH,
+    ROWS,
     ContactScratch,
     FieldScratch,
     GyroscopicArrays,
@@ -86,25 +86,38 @@ def turning_loss(
             loss = fma(mul(by, load_row(gyroscopic.full_loss, n, i)), load(moved, i), loss)
     if len(gyroscopic.loss) == 0:
         return 0.25 * float(total(loss))
-    for h in range(0, columns, LANES):
-        pair = 0
-        for m in range(0, rows, LOSS_ROWS):
-            a, b, c, d = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    half, at = rotor.half, 0
+    lost = splat_half(0.0)
+    for h in range(0, half, HALF):
+        for m in range(0, rows, ROWS):
+            a, b, c, d = splat_half(0.0), splat_half(0.0), splat_half(0.0), splat_half(0.0)
+            aa, bb, cc, dd = splat_half(0.0), splat_half(0.0), splat_half(0.0), splat_half(0.0)
             for n in range(m, rows):
-                with_it = load(moved, n * columns + h)
-                a = fma(load_row(gyroscopic.loss, pair, h), with_it, a)
-                b = fma(load_row(gyroscopic.loss, pair + 1, h), with_it, b)
-                c = fma(load_row(gyroscopic.loss, pair + 2, h), with_it, c)
-                d = fma(load_row(gyroscopic.loss, pair + 3, h), with_it, d)
-                pair += LOSS_ROWS
-            loss = fma(a, load(moved, m * columns + h), loss)
+                cosine = load_half(moved, n * columns + h)
+                sine = load_half(moved, n * columns + half + h)
+                p, q = load_half(gyroscopic.loss, at), load_half(gyroscopic.loss, at + HALF)
+                a, b = fma(p, cosine, a), fma(q, cosine, b)
+                aa, bb = fma(p, sine, aa), fma(q, sine, bb)
+                at += 2 * HALF
+                p, q = load_half(gyroscopic.loss, at), load_half(gyroscopic.loss, at + HALF)
+                c, d = fma(p, cosine, c), fma(q, cosine, d)
+                cc, dd = fma(p, sine, cc), fma(q, sine, dd)
+                at += 2 * HALF
+            i = m * columns + h
+            lost = _lost(moved, i, half, a, aa, lost)
             if m + 1 < rows:
-                loss = fma(b, load(moved, (m + 1) * columns + h), loss)
+                lost = _lost(moved, i + columns, half, b, bb, lost)
             if m + 2 < rows:
-                loss = fma(c, load(moved, (m + 2) * columns + h), loss)
+                lost = _lost(moved, i + 2 * columns, half, c, cc, lost)
             if m + 3 < rows:
-                loss = fma(d, load(moved, (m + 3) * columns + h), loss)
-    return 0.25 * float(total(loss))
+                lost = _lost(moved, i + 3 * columns, half, d, dd, lost)
+    return 0.25 * float(total(lost))
+
+
+@njit(**COMPILE)
+def _lost(moved: Array, i: int, half: int, cosine: Any, sine: Any, lost: Any) -> Any:
+    """Add products with a row of cosines and sines to a sum."""
+    return fma(cosine, load_half(moved, i), fma(sine, load_half(moved, i + half), lost))
 
 
 @njit(**COMPILE)
@@ -137,36 +150,46 @@ def _add_full(full: Array, f: Array, x: Array, slot: int, out: int) -> None:
 def _add_blocks(
     rotor: RotorArrays, gyroscopic: GyroscopicArrays, f: Array, x: Array, slots: Slots
 ) -> None:
-    """x_{n-1} + A^-1 f on a cyclic rotor, two rows of cosines and sines at a time."""
+    """x_{n-1} + A^-1 f on a cyclic rotor, `ROWS` rows of cosines and sines at a time."""
     rows, columns = rotor.radial.shape
     blocks, half, at = gyroscopic.blocks, rotor.half, 0
     for h in range(0, half, HALF):
-        for m in range(0, rows, 2):
-            c, d, s, t = splat_half(0.0), splat_half(0.0), splat_half(0.0), splat_half(0.0)
-            cc, dd, ss, tt = splat_half(0.0), splat_half(0.0), splat_half(0.0), splat_half(0.0)
+        for m in range(0, rows, ROWS):
+            a, b, c, d = splat_half(0.0), splat_half(0.0), splat_half(0.0), splat_half(0.0)
+            aa, bb, cc, dd = splat_half(0.0), splat_half(0.0), splat_half(0.0), splat_half(0.0)
             for n in range(rows):
                 cosine, sine = load_half(f, n * columns + h), load_half(f, n * columns + half + h)
-                r, rr = load_half(blocks, at), load_half(blocks, at + HALF)
-                q, qq = load_half(blocks, at + 2 * HALF), load_half(blocks, at + 3 * HALF)
-                c, cc = fma(r, cosine, c), fma(rr, cosine, cc)
-                d, dd = fma(q, sine, d), fma(qq, sine, dd)
-                s, ss = fma(r, sine, s), fma(rr, sine, ss)
-                t, tt = fma(q, cosine, t), fma(qq, cosine, tt)
-                at += 4 * HALF
+                minus = sub(splat_half(0.0), cosine)
+                p, q = load_half(blocks, at), load_half(blocks, at + HALF)
+                a, b = fma(p, cosine, a), fma(q, cosine, b)
+                aa, bb = fma(p, sine, aa), fma(q, sine, bb)
+                p, q = load_half(blocks, at + 2 * HALF), load_half(blocks, at + 3 * HALF)
+                c, d = fma(p, cosine, c), fma(q, cosine, d)
+                cc, dd = fma(p, sine, cc), fma(q, sine, dd)
+                p, q = load_half(blocks, at + 4 * HALF), load_half(blocks, at + 5 * HALF)
+                a, b = fma(p, sine, a), fma(q, sine, b)
+                aa, bb = fma(p, minus, aa), fma(q, minus, bb)
+                p, q = load_half(blocks, at + 6 * HALF), load_half(blocks, at + 7 * HALF)
+                c, d = fma(p, sine, c), fma(q, sine, d)
+                cc, dd = fma(p, minus, cc), fma(q, minus, dd)
+                at += 2 * ROWS * HALF
             i = m * columns + h
-            _move(x, slots, i, add(c, d))
-            _move(x, slots, i + half, sub(s, t))
+            _move(x, slots, i, half, a, aa)
             if m + 1 < rows:
-                _move(x, slots, i + columns, add(cc, dd))
-                _move(x, slots, i + columns + half, sub(ss, tt))
+                _move(x, slots, i + columns, half, b, bb)
+            if m + 2 < rows:
+                _move(x, slots, i + 2 * columns, half, c, cc)
+            if m + 3 < rows:
+                _move(x, slots, i + 3 * columns, half, d, dd)
     for k in range(len(gyroscopic.rest)):
         x[slots.new, gyroscopic.to[k]] += gyroscopic.rest[k] * f[gyroscopic.by[k]]
 
 
 @njit(**COMPILE)
-def _move(x: Array, slots: Slots, i: int, change: Any) -> None:
-    """x_{n-1} and a change over two steps, half a register."""
-    store_row(x, slots.new, i, add(load_half_row(x, slots.old, i), change))
+def _move(x: Array, slots: Slots, i: int, half: int, cosine: Any, sine: Any) -> None:
+    """x_{n-1} and a change over two steps, of a half register of cosines and of sines."""
+    store_row(x, slots.new, i, add(load_half_row(x, slots.old, i), cosine))
+    store_row(x, slots.new, i + half, add(load_half_row(x, slots.old, i + half), sine))
 
 
 @njit(**APART)

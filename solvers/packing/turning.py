@@ -7,7 +7,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel.arrays import (
-    LOSS_ROWS,
+    ROWS,
     GyroscopicArrays,
     RotorArrays,
 )
@@ -16,10 +16,14 @@ from bladewhirl.solvers.packing.arrangement import (
     Arrangement,
     aligned,
     aligned_copy,
+    padded,
 )
 
 ROUNDING = 1e-14
 """Entries of A^-1 below this share of the largest are rounding."""
+
+ALIKE = 1e-12
+"""Damping of a cosine and its sine that differs by less of the largest is the same."""
 
 
 def pack_gyroscopic(
@@ -88,36 +92,42 @@ def _blocks(
     full[empty], full[:, empty] = 0.0, 0.0
     to, by = np.nonzero(np.abs(full) > ROUNDING * np.abs(inverse).max())
     order = np.argsort(by, kind="stable")
-    blocks = np.zeros((2, half, rows + rows % 2, rows))
+    blocks = np.zeros((2, half, padded(rows, ROWS), rows))
     blocks[:, :, :rows] = own, across
-    registers = blocks.reshape(2, half // HALF, HALF, -1, 2, rows).transpose(1, 3, 5, 0, 4, 2)
+    registers = blocks.reshape(2, half // HALF, HALF, -1, ROWS, rows).transpose(1, 3, 5, 0, 4, 2)
     return aligned_copy(registers.reshape(-1)), full[to, by][order], to[order], by[order]
 
 
 def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, FloatArray]:
-    """What gives d^T D d: by pairs of rows in a column or, if columns are damped together, by all.
+    """What gives d^T D d: by blocks of a cosine and its sine or, where these differ, of all modes.
 
     Args:
         damping: D, symmetric [1/s], (modes, modes).
         arrangement: of the modes.
 
     Returns:
-        (groups of rows, columns) as in `GyroscopicArrays`, and (entries, entries): upper triangles,
-        twice what is beside the diagonal. One of them has no rows.
+        as in `GyroscopicArrays`, flat, and (entries, entries): upper triangles, twice what is
+        beside the diagonal. One of them is empty.
     """
-    rows, columns, entries = arrangement.rows, arrangement.columns, arrangement.entries
+    rows, half, entries = arrangement.rows, arrangement.half, arrangement.entries
     full = aligned((entries, entries))
     full[np.ix_(arrangement.entry, arrangement.entry)] = damping
     twice = np.triu(2.0 * full) - np.diag(np.diag(full))
-    together = np.equal.outer(np.arange(entries) % columns, np.arange(entries) % columns)
-    if np.abs(full[~together]).max(initial=0.0) > ROUNDING * np.abs(damping).max(initial=0.0):
-        return aligned((0, LANES)), aligned_copy(twice)
-    grid = twice.reshape(rows, columns, rows, columns)
-    padded_rows = np.zeros((rows + LOSS_ROWS, rows, columns))
-    padded_rows[:rows] = grid[:, range(columns), :, range(columns)].transpose(1, 2, 0)
-    groups = range(0, rows, LOSS_ROWS)
-    pairs = [padded_rows[m : m + LOSS_ROWS, n] for m in groups for n in range(m, rows)]
-    return aligned_copy(np.concatenate(pairs)), aligned((0, LANES))
+    grid = twice.copy().reshape(2 * [rows, arrangement.columns])
+    cosine = np.arange(half)
+    own = np.zeros((half, padded(rows, ROWS), rows))
+    own[:, :rows] = grid[:, cosine, :, cosine]
+    for column in (cosine, half + cosine):
+        grid[:, column, :, column] -= own[:, :rows]
+    left = grid.reshape(entries, entries)[np.ix_(arrangement.entry, arrangement.entry)]
+    if half == 0 or np.abs(left).max(initial=0.0) > ALIKE * np.abs(damping).max(initial=0.0):
+        return aligned(0), aligned_copy(twice)
+    registers = own.reshape(half // HALF, HALF, -1, ROWS, rows).transpose(0, 2, 4, 3, 1)
+    groups = [registers[:, g, g * ROWS :] for g in range(registers.shape[1])]
+    by_register = [
+        np.concatenate([group[h].ravel() for group in groups]) for h in range(len(registers))
+    ]
+    return aligned_copy(np.concatenate(by_register)), aligned((0, LANES))
 
 
 def _answers(inverse: FloatArray, arrangement: Arrangement, rotor: RotorArrays) -> list[FloatArray]:
