@@ -51,7 +51,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
     meaning = _sentence(REGIMES[regime.name].meaning)
     classes = contact_classes(_late(dataset))
     reason = str(dataset.attrs.get("end_reason", "completed"))
-    ended = reason in ("completed", "divergent")
+    ended = reason in ("completed", "divergent", "damped")
 
     sections = [
         Section(
@@ -160,6 +160,8 @@ def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
     message = str(dataset.attrs.get("end_message", ""))
     if reason == "completed":
         return []
+    if reason == "damped":
+        return [_sentence(message)]
     if reason == "divergent":
         remedy = message.partition("; ")[2]  # what happened is said beside the regime
         return [_sentence(remedy)] if remedy else []

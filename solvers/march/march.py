@@ -6,7 +6,7 @@ state in, state out, so that a march can be stopped, stored and resumed bit by b
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from enum import Enum
 from typing import Protocol, TypeVar
@@ -23,6 +23,7 @@ class EndReason(Enum):
 
     COMPLETED = "completed"
     DIVERGENT = "divergent"
+    DAMPED = "damped"  #: nothing can touch any more, see `FreeMotion`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,7 +114,10 @@ CHUNK_STEPS = 20_000
 
 
 def march(
-    scheme: Scheme[StateT], timing: Timing, state: StateT | None = None
+    scheme: Scheme[StateT],
+    timing: Timing,
+    state: StateT | None = None,
+    is_over: Callable[[Chunk], bool] | None = None,
 ) -> Iterator[tuple[StateT, Chunk, EndReason | None]]:
     """Advance a scheme over a whole march, yielding state and records chunk by chunk.
 
@@ -127,6 +131,7 @@ def march(
         scheme: factorised for the problem and ``timing.time_step``.
         timing: steps and records.
         state: to resume from; the scheme's start when None.
+        is_over: looks at each chunk; the march ends early when it says so.
 
     Yields:
         the state reached, the records since the last yield, and why the march ended (None while
@@ -147,6 +152,8 @@ def march(
         )
         if end is None and state.step >= last:
             end = EndReason.COMPLETED
+        if end is None and is_over is not None and is_over(chunk):
+            end = EndReason.DAMPED
         yield state, chunk, end
         if end is not None:
             return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,6 +24,13 @@ from bladewhirl.studies.commands.progress import progress_bar
 if TYPE_CHECKING:
     from bladewhirl.studies.sweeps.plan import Plan
     from bladewhirl.studies.sweeps.sweep import Sweep
+
+
+class StopWhen(StrEnum):
+    """What a march ends early for."""
+
+    DAMPED = "damped"
+
 
 SHOWN_FAILURES = 10
 """Failed points that are listed on screen; failures.json lists all."""
@@ -51,6 +59,14 @@ def sweep(
     histories: Annotated[
         bool, typer.Option("--histories", help="Keep the full history of every point.")
     ] = False,
+    stop_when: Annotated[
+        StopWhen | None,
+        typer.Option(
+            "--stop-when",
+            help="End a march early when its answer is known: damped, free motion that has too"
+            " little energy left to touch again.",
+        ),
+    ] = None,
     resume: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Finish the sweep in this folder.")
     ] = None,
@@ -88,6 +104,7 @@ def sweep(
         if resume is not None:
             anew: dict[str, object] = {"CASE": case, "--over": over, "--output": output}
             anew |= {"--set": overrides, "--histories": histories}
+            anew["--stop-when"] = stop_when
             if any(anew.values()):
                 given = ", ".join(name for name, value in anew.items() if value)
                 raise UserError(
@@ -109,6 +126,7 @@ def sweep(
                 workers=workers,
                 histories=histories,
                 large=yes,
+                stop_when=None if stop_when is None else stop_when.value,
                 dashboard=dashboard,
                 watch=watch,
             )

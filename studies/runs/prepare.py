@@ -16,6 +16,7 @@ from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.solvers.march.free_motion import FreeMotion
 from bladewhirl.solvers.march.march import Scheme
 from bladewhirl.solvers.march.scheme import make_scheme
 
@@ -28,6 +29,7 @@ class Prepared:
     problem: ContactProblem
     timing: Timing
     scheme: Scheme[Any]
+    stop: FreeMotion | None = None  #: that the march may end early at
 
 
 def prepare(case: Case) -> Prepared:

@@ -22,6 +22,7 @@ from bladewhirl.solvers.march.checkpoint import (
     state_from,
     write_checkpoint,
 )
+from bladewhirl.solvers.march.free_motion import RULE
 from bladewhirl.solvers.march.march import Chunk, EndReason, MarchState, joined, march
 from bladewhirl.solvers.march.recorder import (
     INTERRUPTED,
@@ -119,6 +120,7 @@ def _march_into(
     timing, residual, unsolved = prepared.timing, 0.0, 0
     reason, message = EndReason.COMPLETED.value, ""
     first, before = None, 0.0
+    is_over = prepared.stop.is_over if prepared.stop is not None else None
     if begin is not None:
         first, before = state_at(prepared, begin), begin.wall_time
         residual = first.statistics.complementarity_residual
@@ -126,7 +128,7 @@ def _march_into(
     began, flushed, waiting = time.perf_counter() - before, -pause, list[Chunk]()
     try:
         with asked_to_stop() as interrupted:
-            for state, chunk, end in march(prepared.scheme, timing, first):
+            for state, chunk, end in march(prepared.scheme, timing, first, is_over):
                 stopping = end is None and interrupted()
                 waiting.append(chunk)
                 due = time.perf_counter() - flushed >= pause
@@ -139,6 +141,8 @@ def _march_into(
                     progress("marching", min(state.step, timing.steps), timing.steps)
                 if end is EndReason.DIVERGENT:
                     reason, message = end.value, _divergence(prepared, chunk)
+                elif end is EndReason.DAMPED:
+                    reason, message = end.value, f"ended at {chunk.time[-1]:.6g} s, {RULE}"
                 elif stopping:
                     reason = INTERRUPTED
                     message = f"interrupted at {record.steps * timing.time_step:.6g} s"

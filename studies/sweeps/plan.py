@@ -16,8 +16,9 @@ from bladewhirl.meshes.files.drafts import write_whole
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.build import march_faults
+from bladewhirl.models.stage.build import contact_problem, march_faults
 from bladewhirl.postprocess.sweep.dataset import DONE, Layout
+from bladewhirl.solvers.march.free_motion import STOPS, FreeMotion, StopWhen
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import (
@@ -32,6 +33,8 @@ from bladewhirl.studies.sweeps.axes import (
 from bladewhirl.studies.sweeps.layout import history_bytes, make_layout, march_extent
 from bladewhirl.studies.sweeps.points import Group, stage_at
 from bladewhirl.studies.sweeps.store import Coordinates
+
+STOP_WHEN = "--stop-when"
 
 PLAN_NAME = "sweep.json"
 """What a sweep is, so that it can be resumed."""
@@ -60,6 +63,7 @@ class Plan:
     layout: Layout
     histories: bool
     group_size: int
+    stop_when: StopWhen | None
     steps: int  #: of all marches together, if none ends early
     history_bytes: int  #: of all full histories
 
@@ -71,7 +75,7 @@ class Plan:
     @property
     def digest(self) -> str:
         """See `plan_digest`."""
-        return plan_digest(self.case, self.grid.over, self.group_size)
+        return plan_digest(self.case, self.grid.over, self.group_size, self.stop_when)
 
     @property
     def groups(self) -> Iterator[range]:
@@ -107,6 +111,7 @@ def plan_sweep(
     histories: bool,
     large: bool = True,
     group_size: int = GROUP_SIZE,
+    stop_when: StopWhen | None = None,
 ) -> Plan:
     """Check every point of a sweep and find what it will take.
 
@@ -118,9 +123,11 @@ def plan_sweep(
         histories: full histories are kept.
         large: more than a billion steps of a march, or a trillion of all, are meant.
         group_size: points in a unit of work.
+        stop_when: what a march ends early for, see `free_motion.RULE`.
 
     Raises:
-        UserError: faults of the case at points, each with its point; more steps than are meant.
+        UserError: faults of the case at points, each with its point; more steps than are meant; a
+            march of the first point that can't end early by its nature.
     """
     extent = march_extent(grid.cases(case))
     for steps, most, what in (
@@ -134,6 +141,11 @@ def plan_sweep(
     coordinates = _coordinates(case, grid)
     _check_stages(case, grid)
     stage = stage_at(with_values(case, grid.values(0)))
+    if stop_when is not None:
+        try:
+            FreeMotion.of(contact_problem(stage), case.march.timing.time_step)
+        except ValueError as error:
+            raise UserError(f"{STOP_WHEN} {stop_when}: expected free motion, but {error}") from None
     return Plan(
         case=case,
         grid=grid,
@@ -141,14 +153,17 @@ def plan_sweep(
         layout=make_layout(extent, stage),
         histories=histories,
         group_size=group_size,
+        stop_when=stop_when,
         steps=extent.steps,
         history_bytes=history_bytes(extent, stage) if histories else 0,
     )
 
 
-def plan_digest(case: Case, over: Mapping[str, Any], group_size: int) -> str:
+def plan_digest(
+    case: Case, over: Mapping[str, Any], group_size: int, stop_when: StopWhen | None
+) -> str:
     """Digest of all that the points of a sweep depend on, SHA-256, the same in plan and dataset."""
-    made_by = (folder.version(), SWEEP_FORMAT, dict(over), group_size)
+    made_by = (folder.version(), SWEEP_FORMAT, dict(over), group_size, stop_when)
     whole = sha256(json.dumps(made_by).encode())
     for name, content in folder.case_files(case).items():
         whole.update(name.encode() + content)
@@ -166,6 +181,7 @@ def write_plan(plan: Plan, directory: Path) -> None:
         "over": plan.grid.over,
         "histories": plan.histories,
         "group_size": plan.group_size,
+        "stop_when": plan.stop_when,
     }
     text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
     for name, content in files.items():
@@ -186,6 +202,8 @@ def read_plan(directory: Path) -> Plan:
         made_by, text = str(document[folder.PACKAGE]), str(document["case"])
         over = {str(key): tuple(values) for key, values in dict(document["over"]).items()}
         histories, group_size = bool(document["histories"]), int(document["group_size"])
+        told = document.get("stop_when")
+        stop_when = None if told is None else STOPS[STOPS.index(told)]
     except OSError as error:
         raise UserError(f"{path}: expected the plan of a sweep ({error.strerror})") from None
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
@@ -202,7 +220,7 @@ def read_plan(directory: Path) -> Plan:
         )
     case = loads(text, file=str(path))
     try:
-        found = plan_digest(case, over, group_size)
+        found = plan_digest(case, over, group_size, stop_when)
     except OSError as error:  # of the mesh file
         raise UserError(f"{error.filename}: expected a readable file ({error.strerror})") from None
     if document.get("digest") != found:
@@ -211,7 +229,11 @@ def read_plan(directory: Path) -> Plan:
             " before would not agree with those to come"
         )
     return plan_sweep(
-        case, make_grid(case, over, large=True), histories=histories, group_size=group_size
+        case,
+        make_grid(case, over, large=True),
+        histories=histories,
+        group_size=group_size,
+        stop_when=stop_when,
     )
 
 

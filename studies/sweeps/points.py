@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -22,6 +23,7 @@ from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.sweep.dataset import Layout
 from bladewhirl.postprocess.sweep.digest import Digest, digest
+from bladewhirl.solvers.march.free_motion import FreeMotion, StopWhen
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.folder import portable_case
 from bladewhirl.studies.runs.prepare import prepare_stage
@@ -68,6 +70,7 @@ class Work:
     case: str  #: the case that the sweep varies, TOML
     layout: Layout
     histories: str  #: folder of full histories
+    stop_when: StopWhen | None = None  #: what a march ends early for
 
 
 def march_group(work: Work, group: Group) -> dict[int, Outcome]:
@@ -118,6 +121,10 @@ def _outcome(work: Work, case: Case, values: Mapping[str, Value], name: str | No
 
 def _march_point(work: Work, case: Case, name: str | None) -> Digest:
     prepared = prepare_stage(stage_at(case))
+    if work.stop_when is not None:
+        with suppress(ValueError):  # where it can't end early it goes on to its end
+            stop = FreeMotion.of(prepared.problem, prepared.timing.time_step)
+            prepared = replace(prepared, stop=stop)
     if name is None and expected_bytes(prepared) <= IN_MEMORY:
         room = _OWN.__dict__.setdefault("room", {})
         return digest(*march_in_memory(prepared, room), work.layout)

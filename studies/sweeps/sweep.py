@@ -16,6 +16,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import dumps_case, with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
+from bladewhirl.solvers.march.free_motion import RULE, StopWhen
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.runs.prepare import prepare_stage
 from bladewhirl.studies.sweeps.axes import Grid, Value, make_grid
@@ -65,6 +66,7 @@ def run_sweep(
     workers: int | None = None,
     histories: bool = False,
     large: bool = False,
+    stop_when: StopWhen | None = None,
     dashboard: bool = False,
     watch: Watch | None = None,
 ) -> Sweep:
@@ -87,6 +89,8 @@ def run_sweep(
             seen by all workers under the same path.
         large: more than 100,000 points are meant, or more than a billion steps of one march or a
             trillion of all.
+        stop_when: "damped" ends a march early when no tip can touch any more, by the rule that the
+            dataset's attribute `stop_rule` says.
         dashboard: show dask's web page of the local cluster, to this machine only.
         watch: is told how it goes.
 
@@ -100,7 +104,7 @@ def run_sweep(
         hint = "; --resume finishes the sweep in it" if resumable else ""
         raise UserError(f"{directory}: expected a new or an empty folder{hint}")
     grid = make_grid(case, over, large=large)
-    plan = plan_sweep(case, grid, histories=histories, large=large)
+    plan = plan_sweep(case, grid, histories=histories, large=large, stop_when=stop_when)
     watch = watch or Watch()
     watch.planned(plan)
     try:
@@ -158,11 +162,17 @@ def _carry_out(
     if not (directory / SWEEP_NAME).exists():
         attributes = {"title": plan.case.title, "case": folder.portable_case(plan.case)}
         attributes |= {"version": folder.version(), "plan": plan.digest}
+        attributes |= {} if plan.stop_when is None else {"stop_rule": RULE}
         create(directory, plan.grid, plan.coordinates, plan.layout, attributes)
     with Store(directory, plan.grid, plan.digest) as store:
         # What is kept of a point has to fit the file, whatever this machine would have chosen.
         layout = replace(plan.layout, frequency=store.frequency)
-        work = Work(case=dumps_case(plan.case), layout=layout, histories=str(histories))
+        work = Work(
+            case=dumps_case(plan.case),
+            layout=layout,
+            histories=str(histories),
+            stop_when=plan.stop_when,
+        )
         state, marched = store.state.copy(), 0
         watch.progress(store.done, 0, plan.grid.size)
         first = next(plan.left(state), None)

@@ -1,0 +1,85 @@
+"""Marches that may end early: free motion that has too little energy left to touch again."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, Self, get_args
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.solvers.march.march import CHUNK_STEPS, Chunk
+
+StopWhen = Literal["damped"]
+"""What a march may end early for."""
+
+STOPS: tuple[StopWhen, ...] = get_args(StopWhen)
+
+CLOSING = 0.8
+"""Share of the smallest gap at rest that the energy left must not be able to close."""
+
+FREE_TURNS = 10.0
+"""Revolutions of free motion that a march ends after at the earliest."""
+
+RULE = (
+    "damped: the loads have ended, no tip has touched for at least half of the time marched and"
+    f" {FREE_TURNS:g} revolutions, and the energy left, which nothing but damping changes, cannot"
+    f" close more than {CLOSING:.0%} of the smallest gap at rest; looked at about every"
+    f" {CHUNK_STEPS} steps; such a march has end_reason damped and ends at end_time"
+)
+"""The rule in words, as it is written with every sweep that follows it."""
+
+
+@dataclass(kw_only=True)
+class FreeMotion:
+    """Watch over a march for the time when no tip can touch any more.
+
+    Free motion of bodies on springs and dampers that turn with the rotor only loses energy. With
+    E left, a displacement sum_m phi_m q_m is at most sqrt(2 E sum_m (phi_m / omega_m)^2).
+    """
+
+    enough: float  #: energy below which nothing touches [J]
+    free_time: float  #: that motion has to be free for, at least [s]
+    since: float  #: time from which motion is free [s]
+
+    @classmethod
+    def of(cls, problem: ContactProblem, time_step: float) -> Self:
+        """The watch over a march of a problem.
+
+        Raises:
+            ValueError: its energy may grow, or last, without contact; the reason in words.
+        """
+        rotor, casing = problem.rotor, problem.casing
+        since = max((load.end for load in problem.loads), default=0.0)
+        if math.isinf(since):
+            raise ValueError("a load never ends")
+        if problem.springs is not None or rotor.anisotropy or rotor.circulation:
+            raise ValueError("springs or dampers that stand still may drive the rotor")
+        if min(rotor.frequency.min(), casing.frequency.min()) <= 0.0:
+            raise ValueError("a mode has no stiffness")
+        compliance = _compliance(rotor.tip_radial, rotor.frequency)
+        compliance += _compliance(casing.nodal[:, 0], casing.frequency)
+        gap = CLOSING * float(casing.clearance[:, 0].min() + rotor.tip_recess.min())
+        # What the scheme keeps is less than the energy by this, at the highest frequency.
+        share = 1.0 - (time_step / problem.critical_time_step) ** 2
+        turn = 2.0 * np.pi / abs(problem.speed) if problem.speed else np.inf
+        return cls(
+            enough=0.5 * share * gap**2 / compliance, free_time=FREE_TURNS * turn, since=since
+        )
+
+    def is_over(self, chunk: Chunk) -> bool:
+        """Look at the next records; whether the march may end with them."""
+        touched = np.flatnonzero(chunk.contact_steps.any(axis=1))
+        if touched.size:
+            self.since = max(self.since, float(chunk.time[touched[-1]]))
+        if not chunk.records or chunk.energy[-1] >= self.enough:
+            return False
+        now = float(chunk.time[-1])
+        return now - self.since >= max(self.free_time, self.since)
+
+
+def _compliance(rows: FloatArray, frequency: FloatArray) -> float:
+    """Largest squared displacement per twice the energy that any of the rows can have [m/N]."""
+    return float(((rows / frequency) ** 2).sum(axis=1).max())

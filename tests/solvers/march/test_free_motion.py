@@ -1,0 +1,104 @@
+"""Marches that end early: nothing that they leave out would have touched."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+import bladewhirl as bw
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.postprocess.energy.regimes import classify
+from bladewhirl.postprocess.energy.strain import strain_energies
+from bladewhirl.postprocess.sweep.dataset import open_sweep
+from bladewhirl.solvers.march.free_motion import RULE, FreeMotion
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_in_memory
+from bladewhirl.studies.sweeps.plan import read_plan
+from bladewhirl.studies.sweeps.points import Group, Outcome, Work, march_group
+from bladewhirl.studies.sweeps.sweep import run_sweep
+
+STEP = 1e-6
+
+
+def pulse(force: float, **more: object) -> Case:
+    """A casing that is distorted for 3 ms, and then left to itself."""
+    excitation = {"type": "casing-distortion", "modal_force": force, "duration": "3 ms"}
+    march = {"speed": 1.05, "time_step": STEP, "duration": 0.5, "record_step": 1e-4}
+    stiff = {"casing": {"support": 7.975e6}, "damping": {"ratio": 0.05}}
+    return bw.case_from({**stiff, "excitation": excitation, "march": march, **more})
+
+
+@pytest.mark.parametrize(("force", "regime"), [(1e3, "no-contact"), (3e4, "damped")])
+def test_a_stopped_march_begins_as_the_whole_one_and_nothing_touches_later(
+    force: float, regime: str
+) -> None:
+    whole = prepare(pulse(force))
+    stop = FreeMotion.of(whole.problem, STEP)
+    long, _ = march_in_memory(whole)
+    short, report = march_in_memory(replace(whole, stop=stop))
+    assert short.attrs["end_reason"] == "damped"
+    assert report["steps"] == short.attrs["steps"] < 400_000
+    for name in ("rotor_displacement", "casing_displacement", "energy", "contact_steps"):
+        assert_array_equal(short[name], long[name][: short.sizes["time"]])
+    assert not long["contact_steps"][short.sizes["time"] // 2 :].any()
+    for found in (short, long):
+        assert classify(found, strain_energies(found)["total"].values).name == regime
+
+
+def test_no_state_with_so_little_energy_closes_the_gap() -> None:
+    """The worst of states of that energy, of every tip and wall node, closes just the share."""
+    problem = prepare(pulse(3e4)).problem
+    stop = FreeMotion.of(problem, STEP)
+    ways = [
+        [row / frequency for row in rows]
+        for rows, frequency in (
+            (problem.rotor.tip_radial, problem.rotor.frequency),
+            (problem.casing.nodal[:, 0], problem.casing.frequency),
+        )
+    ]
+    rotor, casing = (max(np.linalg.norm(way) for way in body) for body in ways)
+    closed = np.sqrt(2.0 * stop.enough) * np.hypot(rotor, casing)
+    assert 0.95 < closed / (0.8 * problem.casing.clearance[:, 0].min()) <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({"excitation": {"type": "imbalance"}}, "a load never ends"),
+        ({"coupling": {"stiffness": 1e4}}, "may drive the rotor"),
+    ],
+)
+def test_motion_that_may_be_driven_for_ever_is_told_before_a_sweep(
+    changed: dict[str, object], told: str, tmp_path: Path
+) -> None:
+    case = pulse(3e4, **changed) if "coupling" in changed else bw.case_from(changed)
+    with pytest.raises(ValueError, match=told):
+        FreeMotion.of(contact_problem(bw.build_stage(case)), STEP)
+    with pytest.raises(UserError, match=f"--stop-when damped.*{told}"):
+        run_sweep(case, {"march.speed": [1.0, 1.1]}, tmp_path / "new", stop_when="damped")
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.usefixtures("pictures_unsaved")
+def test_a_sweep_says_where_it_stopped_and_why(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def here(work: Work, groups: Iterable[Group], **_: object) -> Iterator[dict[int, Outcome]]:
+        return (march_group(work, group) for group in groups)
+
+    monkeypatch.setattr("bladewhirl.studies.sweeps.sweep.march_groups", here)
+    speeds = {"march.speed": [1.0, 1.1]}
+    run_sweep(pulse(1e3), speeds, tmp_path / "early", stop_when="damped")
+    run_sweep(pulse(1e3), speeds, tmp_path / "whole")
+    with open_sweep(tmp_path / "early") as early, open_sweep(tmp_path / "whole") as whole:
+        assert early.attrs["stop_rule"] == RULE
+        assert "stop_rule" not in whole.attrs
+        assert (early["end_reason"] == "damped").all()
+        assert (early["end_time"] < 0.6 * whole["end_time"]).all()
+        assert_array_equal(early["regime"], whole["regime"])
+    assert read_plan(tmp_path / "early").stop_when == "damped"
