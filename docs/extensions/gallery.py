@@ -3,30 +3,28 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 import tomllib
 from collections.abc import Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from itertools import takewhile
+from concurrent.futures import ProcessPoolExecutor
+from itertools import repeat, takewhile
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from blocks import EXECUTABLES, ROOT
+import marched
+from blocks import ROOT
 
 import bladewhirl as bw
 
 EXAMPLES = ROOT / "examples"
-MARCH = Path(__file__).with_name("marched.py")
 
 
 def write(pages: Path, drawings: Path) -> None:
     """Write a page for each example, and make what is not there yet or older than its file."""
     drawings.mkdir(parents=True, exist_ok=True)
     examples = sorted(EXAMPLES.glob("*.toml"))
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        shown = list(pool.map(lambda example: _show(example, drawings), examples))
+    with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:  # each loads VTK once
+        shown = list(pool.map(_show, examples, repeat(drawings)))
     names = [example.stem for example in examples]
     for example, numbers in zip(examples, shown, strict=True):
         _keep(pages / f"{example.stem}.md", _page(example, numbers, drawings))
@@ -53,17 +51,9 @@ def _show(example: Path, drawings: Path) -> dict[str, Any]:
     """The document of `bladewhirl show --json`, kept beside the drawing and the film."""
     kept = drawings / f"{example.stem}.json"
     if not kept.exists() or kept.stat().st_mtime < example.stat().st_mtime:
-        shown = _output([sys.executable, MARCH, example, drawings])
-        if _turns(example.stem):
-            diagrams = drawings / f"{example.stem}-campbell"
-            _output([EXECUTABLES / "bladewhirl", "campbell", example, "-o", diagrams])
-        kept.write_text(shown, encoding="utf-8")
+        kept.write_text(marched.shown(example, drawings), encoding="utf-8")
     found: dict[str, Any] = json.loads(kept.read_text(encoding="utf-8"))
     return found
-
-
-def _output(command: list[str | Path]) -> str:
-    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
 def _page(example: Path, numbers: dict[str, Any], drawings: Path) -> str:

@@ -257,11 +257,6 @@ def _documented(name: str, thing: Any) -> str:
     return f".. autoclass:: {name}\n{options}\n"
 
 
-def verification() -> str:
-    """Known answers, recomputed now: a table for each subject."""
-    return bw.verify().to_markdown()
-
-
 GENERATED = {
     "case-keys": case_keys,
     "commands": commands,
@@ -270,6 +265,5 @@ GENERATED = {
     "run-figures": run_figures,
     "sweep-figures": sweep_figures,
     "api": api,
-    "verification": verification,
 }
 """Parts of pages by the name in `<!-- generated: NAME -->`."""

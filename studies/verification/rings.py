@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.modes import Modes, structure_modes
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.sections.wall import Wall
@@ -52,18 +53,28 @@ def ring_by_opensees() -> Pair:
     return flexural(160, "opensees_800_hz")
 
 
+def ring_errors(elements: int) -> FloatArray:
+    """Relative errors of the bending frequencies of two to ten nodal diameters."""
+    exact, ours = flexural(elements, "flexural_hz")
+    return np.array(ours) / np.array(exact) - 1.0
+
+
 @verifies()
 def order_of_the_ring() -> Pair:
     """From above, with the fourth power of the element length."""
-    pairs = (flexural(n, "flexural_hz") for n in (80, 160))
-    errors = [np.array(ours)[-1] / np.array(exact)[-1] - 1.0 for exact, ours in pairs]
+    errors = [ring_errors(n)[-1] for n in (80, 160)]
     return 4.0, observed_order(np.array(errors))[0]
+
+
+def translation_error(elements: int) -> float:
+    """Square of the frequency of a free ring's translation, which is 0 [rad^2/s^2]."""
+    return float(casing_modes(elements).frequency[1] ** 2)
 
 
 @verifies()
 def order_of_translations() -> Pair:
     """Nearly the sixth."""
-    eigenvalues = np.array([casing_modes(n).frequency[1] ** 2 for n in (40, 80)])
+    eigenvalues = np.array([translation_error(n) for n in (40, 80)])
     return 5.7, observed_order(eigenvalues)[0]
 
 

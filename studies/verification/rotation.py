@@ -241,11 +241,11 @@ def flapwise_cantilevers() -> Pair:
 
 
 @verifies()
-def coriolis_cantilevers() -> Pair:
+def coriolis_cantilevers(elements: int = 20) -> Pair:
     """Bending coupled to stretching."""
     rows, found = reference("rotation")["cantilevers"]["chordwise"], []
     for row in rows:
-        disk, time = cantilevers(row["delta"], row["alpha"], 20)
+        disk, time = cantilevers(row["delta"], row["alpha"], elements)
         modes = whirl_modes(rotation_matrices(disk).at_speed(row["gamma"] / time, "full"))
         found.append(modes.frequency[modes.nodal_diameter == 0][:2] * time)
     return [row["frequencies"][:2] for row in rows], found

@@ -104,11 +104,11 @@ def force_of_sticking() -> Pair:
 
 
 @cache
-def masses_on_a_stop(frequency: float) -> tuple[FloatArray, FloatArray]:
+def masses_on_a_stop(frequency: float, steps: int = 20_000) -> tuple[FloatArray, FloatArray]:
     """Displacement of the first mass over ten periods: by an ODE solver, and marched."""
     stiffness = np.array([[1.0, -1.0], [-1.0, 2.0]])
     square, shapes = np.linalg.eigh(stiffness)
-    period, steps = 2.0 * np.pi / frequency, 20_000
+    period = 2.0 * np.pi / frequency
     dt = 10.0 * period / steps
 
     def rates(time: float, state: FloatArray) -> FloatArray:
