@@ -9,6 +9,7 @@ from enum import Enum
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
+import licences
 from pydantic import TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 from typer.models import ArgumentInfo, CommandInfo, OptionInfo
@@ -265,5 +266,6 @@ GENERATED = {
     "run-figures": run_figures,
     "sweep-figures": sweep_figures,
     "api": api,
+    "licences": licences.table,
 }
 """Parts of pages by the name in `<!-- generated: NAME -->`."""

@@ -43,8 +43,8 @@ def test_the_blocks_of_a_page_run(name: str, tmp_path: Path) -> None:
     for block in blocks(PAGES[name]):
         if block.runs:
             session.run(block)
-    for picture in re.findall(r"^<!-- picture: (\S+) \|", PAGES[name], flags=re.MULTILINE):
-        assert (tmp_path / picture).is_file()
+    for drawn in re.findall(r"^<!-- picture: (\S+) \|", PAGES[name], flags=re.MULTILINE):
+        assert (tmp_path / drawn).is_file()
 
 
 def test_a_block_that_is_not_run_says_why() -> None:

@@ -2,11 +2,11 @@
 
 import re
 import tomllib
-from importlib.metadata import metadata
+from types import SimpleNamespace
 
+import licences
+import pytest
 from places import ROOT
-
-PERMISSIVE = re.compile(r"\b(MIT|BSD|Apache|PSF|Python Software Foundation)\b")
 
 FOLDERS = ("meshes", "models", "solvers", "postprocess", "studies")
 
@@ -29,12 +29,23 @@ def test_lower_bounds_are_those_that_were_tried() -> None:
     assert {re.sub(r"\[.*\]|,<.*", "", bound).replace(">=", "==") for bound in bounds} <= set(tried)
 
 
-def test_dependencies_are_under_permissive_licences() -> None:
+def test_dependencies_and_theirs_are_under_permissive_licences() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    for bound in project["dependencies"]:
-        name = re.split(r"[^\w.-]", bound)[0]
-        told = metadata(name).json
-        classifiers = [line for line in told.get("classifier", ()) if line.startswith("License")]
-        text = str(told.get("license_expression") or classifiers or told["license"])
-        assert PERMISSIVE.search(text), f"{name}: {text}"
-        assert "GPL" not in text, f"{name}: {text}"
+    own = {re.split(r"[^\w.-]", bound)[0] for bound in project["dependencies"]}
+    assert own < set(licences.dependencies())
+
+
+@pytest.mark.parametrize("text", ["GPL-3.0-only", "BSD AND GPL-2.0", "all rights reserved", ""])
+def test_another_licence_is_told(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    told = SimpleNamespace(metadata=SimpleNamespace(json={"license": text}), requires=[])
+    monkeypatch.setattr(licences, "distribution", lambda name: told)
+    with pytest.raises(ValueError, match="expected a permissive licence"):
+        licences.dependencies()
+
+
+def test_the_source_distribution_holds_what_tests_read() -> None:
+    declared = (ROOT / "MANIFEST.in").read_text()
+    for line in ("graft tests", "graft docs", "graft examples", "graft benchmarks", "graft .ci"):
+        assert f"{line}\n" in declared
+    for line in ("CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "SECURITY.md"):
+        assert line in declared

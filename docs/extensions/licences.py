@@ -1,0 +1,60 @@
+"""Licences of what is installed with the package, as the metadata tells them."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator
+from importlib.metadata import distribution
+
+from blocks import ROOT
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+PERMISSIVE = re.compile(r"\b(MIT|BSD|Apache|PSF|Python Software Foundation|ISC)\b")
+OTHERS = {"certifi": "Mozilla Public License 2.0"}
+"""Known and allowed besides: certificates, whose licence asks for changes to be published only."""
+
+
+def dependencies() -> dict[str, str]:
+    """Licence of each dependency, and of what they depend on, by name."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    waiting, found = [Requirement(each) for each in project["dependencies"]], {}
+    followed: set[tuple[str, frozenset[str]]] = set()
+    while waiting:
+        wanted = waiting.pop()
+        name = canonicalize_name(wanted.name)
+        if (name, frozenset(wanted.extras)) not in followed:
+            followed.add((name, frozenset(wanted.extras)))
+            found[name] = _licence(name)
+            waiting += _requirements(name, wanted.extras)
+    return dict(sorted(found.items()))
+
+
+def _requirements(name: str, extras: set[str]) -> Iterator[Requirement]:
+    """Those that hold on this system."""
+    for text in distribution(name).requires or ():
+        one = Requirement(text)
+        if one.marker is None or any(one.marker.evaluate({"extra": e}) for e in ("", *extras)):
+            yield one
+
+
+def _licence(name: str) -> str:
+    told = distribution(name).metadata.json
+    listed = [line for line in told.get("classifier", ()) if line.startswith("License ::")]
+    named = told.get("license_expression") or "; ".join(listed) or told.get("license", "")
+    text = str(named).replace("License :: OSI Approved :: ", "")
+    if name in OTHERS and OTHERS[name] in text:
+        return text
+    if "GPL" in text or not PERMISSIVE.search(text):
+        raise ValueError(f"{name}: expected a permissive licence, not {text!r}")
+    return text
+
+
+def table() -> str:
+    """Name, version and licence of each."""
+    rows = "\n".join(
+        f"| {name} | {distribution(name).version} | {licence} |"
+        for name, licence in dependencies().items()
+    )
+    return f"| package | here | licence |\n|---|---|---|\n{rows}\n"
