@@ -32,9 +32,10 @@ SPELLED = {"craig bampton": "Craig-Bampton", "mathieu": "Mathieu's", "nafems": "
 def sections(folder: Path) -> Iterator[str]:
     """Text of each subject; its figures go to the folder."""
     for subject, outcomes in bw.verify().by_subject().items():
-        yield Verification(outcomes=tuple(outcomes)).to_markdown()
+        head, _, table = Verification(outcomes=tuple(outcomes)).to_markdown().partition("\n\n")
         _save(margins(SUBJECTS[subject], outcomes), folder, subject)
-        yield f"![{SUBJECTS[subject]}: error over tolerance](built/verification/{subject}.svg)\n"
+        drawn = f"![{SUBJECTS[subject]}: error over tolerance](built/verification/{subject}.svg)"
+        yield f"{head}\n\n{drawn}\n\n{{.cases}}\n{table}"
         refined = [one for one in REFINEMENTS if one.subject == subject]
         if refined:
             yield f"### {SUBJECTS[subject]}: how errors fall\n\n{{.refinements}}"
