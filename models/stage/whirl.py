@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import is_pair
@@ -36,6 +35,8 @@ def wave_frequencies(rotor: ReducedRotor, nodal_diameter: IntArray, sense: float
     found = np.stack([rotor.frequency, rotor.frequency])
     if rotor.by_velocity is None:
         return found
+    from scipy.optimize import linear_sum_assignment  # takes long to load
+
     coriolis = (rotor.by_velocity - rotor.by_velocity.T) / 2.0
     signed = np.zeros_like(rotor.frequency)
     diameters = np.unique(nodal_diameter)

@@ -126,7 +126,7 @@ def sweep(
                 workers=workers,
                 histories=histories,
                 large=yes,
-                stop_when=None if stop_when is None else stop_when.value,
+                stop_when=None if stop_when is None else "damped",
                 dashboard=dashboard,
                 watch=watch,
             )

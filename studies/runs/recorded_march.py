@@ -7,14 +7,12 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import xarray as xr
 
 from bladewhirl.meshes.files.drafts import replacing
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.fields.result import open_result, portions, result_of
 from bladewhirl.solvers.march.checkpoint import (
     CHECKPOINT_NAME,
     Checkpoint,
@@ -40,6 +38,9 @@ from bladewhirl.studies.runs import folder
 from bladewhirl.studies.runs.interrupts import asked_to_stop
 from bladewhirl.studies.runs.prepare import Prepared
 from bladewhirl.studies.runs.properties import MARCHES
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 SPARE_BYTES = 4_000_000
 """Room on the disk that a march leaves: HDF5 can't close a file on a full disk in order."""
@@ -102,6 +103,8 @@ def march_in_memory(
 
     The result lies in the room, if one is given, until that is used again (see `Records`).
     """
+    from bladewhirl.postprocess.fields.result import result_of  # loads xarray
+
     attributes = _attributes(prepared, "")
     records = Records(prepared.stage.arrays, attributes, prepared.timing.records, room)
     report = _march_into(records, prepared, lambda chunk, *_: records.write(chunk), 0.0)
@@ -174,6 +177,8 @@ def _recorder(
         with Recorder(path, prepared.stage.arrays, attributes) as recorder:
             yield recorder
         return
+    from bladewhirl.postprocess.fields.result import open_result, portions  # loads xarray
+
     with ExitStack() as stack:
         with replacing(path) as draft, open_result(path) as earlier:
             if earlier.sizes["time"] < begin.records:
