@@ -134,7 +134,7 @@ def plot_radii(table: list[dict[str, Any]]) -> Figure:
         for panel in (radius, whirl):
             panel.axvline(CRITICAL, color="grey", linestyle=":")
         radius.set(yscale="log", title=title)
-        whirl.set_xlabel("speed / ω$_1$ [–]")
+        whirl.set_xlabel("speed / ω₁ [–]")
     axes[0, 0].set_ylabel("late radius of the shaft [mm]")
     axes[1, 0].set_ylabel("whirl, rotating frame [Hz]\n← backward   forward →")
     for effects, colour in EFFECTS.items():
@@ -162,8 +162,8 @@ def plot_maps(sweeps: dict[tuple[str, str], xr.Dataset]) -> Figure:
         picture = _map(panel, frequency_map(sweep, "march_speed").isel(line=0))
         panel.set_title(f'{CASES[case][0]}, "{effects}"')
     for panel in axes[-1]:
-        panel.set(xlabel="speed / ω$_1$ [–]", xlim=(SPEEDS[0], SPEEDS[-1]))
-    figure.supylabel("frequency / ω$_1$, forward positive", fontsize="medium")
+        panel.set(xlabel="speed / ω₁ [–]", xlim=(SPEEDS[0], SPEEDS[-1]))
+    figure.supylabel("frequency / ω₁, forward positive", fontsize="medium")
     figure.colorbar(picture, ax=list(axes.flat), label="amplitude of the shaft [mm]", pad=0.01)
     handles, names = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=3, handlelength=2.6)
@@ -209,7 +209,7 @@ def plot_orbits(orbits: dict[tuple[str, str], xr.Dataset]) -> Figure:
         panel.set_xlabel("x [mm]")
     for panel in axes[:, 0]:
         panel.set_ylabel("y [mm]")
-    figure.suptitle(f"Shaft over the last {TURNS} revolutions at {SHOWN} ω$_1$, static frame")
+    figure.suptitle(f"Shaft over the last {TURNS} revolutions at {SHOWN} ω₁, static frame")
     return figure
 
 

@@ -124,7 +124,7 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     _draw_modes(axes, names, data, frame)
     _draw_engine_orders(axes, names, data, frame)
     speed_axis(axes, reference)
-    frequency_axis(axes, reference, f"frequency / ω$_1$, {frame} frame [–]")
+    frequency_axis(axes, reference, f"frequency / ω₁, {frame} frame [–]")
     set_title(figure, data.attrs["case"], f"Campbell diagram, {frame} frame")
     legends_below(figure, Group(_legend(data, frame), _left_out(whole, data)))
     return figure

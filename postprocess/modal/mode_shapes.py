@@ -340,7 +340,7 @@ def mode_title(family: str, nodal_diameter: int, purity: float = 1.0) -> str:
 def _frequency(data: xr.Dataset, frequency: float) -> str:
     """A frequency [rad/s] in multiples of the reference and in Hz."""
     ratio = _digits(frequency / float(data.attrs["reference_frequency"]))
-    return f"{ratio} ω$_1$ = {frequency / (2 * np.pi):.4g} Hz"
+    return f"{ratio} ω₁ = {frequency / (2 * np.pi):.4g} Hz"
 
 
 def _digits(ratio: float) -> str:

@@ -137,7 +137,7 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
     speed_axis(upper, reference / (2.0 * np.pi))
     upper.set_xlabel("")
     lower.set_xlabel(SPEED)
-    frequency_axis(lower, reference / (2.0 * np.pi), "frequency / ω$_1$, half-speed frame [–]")
+    frequency_axis(lower, reference / (2.0 * np.pi), "frequency / ω₁, half-speed frame [–]")
     shown = _words(f"Eigenvalues along κ = {data.attrs['kappa']:.4g} N/m", data)
     set_title(figure, data.attrs["case"], shown)
     legends_below(figure, Group(entries))

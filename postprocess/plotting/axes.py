@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import FloatArray
 
-SPEED = "speed Ω / ω$_1$ [–]"
-FREQUENCY = "frequency / ω$_1$ [–]"
+SPEED = "speed Ω / ω₁ [–]"
+FREQUENCY = "frequency / ω₁ [–]"
 
 LETTER, LINE = 3.8, 9.0
 """Room of a name's letter and of its line [points]."""

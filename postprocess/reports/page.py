@@ -15,14 +15,13 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import xarray as xr
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from bladewhirl.meshes.files.drafts import write_whole
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
 from bladewhirl.postprocess.plotting.registry import FigureKind
-from bladewhirl.postprocess.plotting.style import arranged, styled
+from bladewhirl.postprocess.plotting.style import arranged, print_png, styled
 from bladewhirl.postprocess.reports.interactive import Plot
 
 DPI = 200
@@ -155,7 +154,7 @@ def _report_figure(
 def _as_png(figure: Figure) -> str:
     file = io.BytesIO()
     with arranged(figure, DPI):
-        FigureCanvasAgg(figure).print_png(file)  # type: ignore[no-untyped-call]
+        print_png(figure, file)
     return base64.b64encode(file.getvalue()).decode("ascii")
 
 

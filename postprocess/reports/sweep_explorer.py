@@ -285,7 +285,7 @@ def _words(points: xr.Dataset) -> Any:
 
 def _key_axis(values: xr.DataArray) -> dict[str, Any]:
     return {
-        "title": {"text": key_label(values).replace("$_1$", "₁")},
+        "title": {"text": key_label(values)},
         "type": "log" if is_wide(values.values) else "linear",
     }
 

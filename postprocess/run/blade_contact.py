@@ -11,9 +11,10 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import LinearSegmentedColormap, LogNorm
 from matplotlib.figure import Figure
 
+from bladewhirl.meshes.line_mesh import BoolArray
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.units import length_unit
+from bladewhirl.postprocess.fields.units import handy_unit, length_unit
 from bladewhirl.postprocess.fields.windows import (
     select_window,
     span_edges,
@@ -53,6 +54,10 @@ PEAK = 1.5
 
 FEW_PERCENT = 40.0
 """Largest share of the time in contact [%] below which its axis ends there."""
+
+BRIEF, BRIEF_MARGIN = 0.5, 0.1
+"""Share of the time below which contact is brief, so that axes of time follow it, and what they
+show beyond it, in shares of its length."""
 
 CLASS_COLOURS: Mapping[str, str] = {
     "permanent": COLOURS["contact"],
@@ -208,8 +213,12 @@ def plot_forces(maps: xr.Dataset) -> Figure:
         rasterized=True,
     )
     figure.colorbar(picture, ax=axes, label=f"mean normal force [{unit}]", extend="min")
+    limits, words = contact_span(
+        maps["edge"].values, np.any(force > 0.0, axis=1, keepdims=True)[:, 0]
+    )
+    axes.set_xlim(*limits)
     time_axis(axes)
-    head(figure, maps, *([] if force.any() else ["no contact"]))
+    head(figure, maps, *filter(None, [words]))
     return figure
 
 
@@ -248,6 +257,27 @@ def plot_contact_classes(classes: xr.Dataset) -> Figure:
 def _share(steps: Array, time: Array | float, dataset: xr.Dataset) -> Array:
     """Share of the time steps in contact, from their number in that time [s]."""
     return np.asarray(steps / np.maximum(np.round(time / dataset.attrs["time_step"]), 1.0))
+
+
+def contact_span(edge: Array, touching: BoolArray) -> tuple[tuple[float, float], str]:
+    """Limits of a time axis that follow contact where that is brief, and words on when it is; none
+    where it is not brief.
+
+    Args:
+        edge: borders of the spans of time [s], (span + 1,).
+        touching: whether there is contact in each.
+    """
+    spans = np.flatnonzero(touching)
+    begin, end = float(edge[0]), float(edge[-1])
+    if not len(spans):
+        return (begin, end), "no contact"
+    first, last = float(edge[spans[0]]), float(edge[spans[-1] + 1])
+    if last - first > BRIEF * (end - begin):
+        return (begin, end), ""
+    unit, scale = handy_unit(end, "s")
+    words = f"contact from {scale * first:.3g} to {scale * last:.3g} of {scale * end:.3g} {unit}"
+    room = BRIEF_MARGIN * (last - first)
+    return (max(begin, first - room), min(end, last + room)), words
 
 
 def draw_share(

@@ -13,7 +13,7 @@ from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import select_window
 from bladewhirl.postprocess.plotting.style import new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
-from bladewhirl.postprocess.run.blade_contact import COLUMNS, draw_share
+from bladewhirl.postprocess.run.blade_contact import COLUMNS, contact_span, draw_share
 
 SECTORS = 4
 """Sectors of the casing within a blade pitch at most."""
@@ -104,6 +104,8 @@ def plot_casing_contact(contact: xr.Dataset) -> Figure:
     """Draw the share of the time in contact over casing angle and revolutions; below, of a long
     run, over its last revolutions.
 
+    The upper panel follows contact that is brief.
+
     Args:
         contact: from `casing_contact`, `with_last_turns`.
     """
@@ -115,13 +117,19 @@ def plot_casing_contact(contact: xr.Dataset) -> Figure:
     turning = float(contact.attrs["speed"]) != 0
     words = "passes in contact [%]" if turning else "time in contact [%]"
     figure.colorbar(picture, ax=[*panels], label=words)
-    head(figure, contact, *([] if contact["share"].any() else ["no contact"]))
+    limits, when = contact_span(
+        contact["time_edge"].values, (contact["share"] > 0).any("sector").values
+    )
+    panels[0].set_xlim(*((_turns_each(contact) or 1.0) * limit for limit in limits))
+    if not turning:
+        time_axis(panels[0])
+    head(figure, contact, *filter(None, [when]))
     return figure
 
 
 def _draw(axes: Axes, contact: xr.Dataset, which: str) -> QuadMesh:
     """One of the panels."""
-    turns_each = abs(float(contact.attrs["speed"])) / (2 * np.pi)
+    turns_each = _turns_each(contact)
     across = (turns_each or 1.0) * contact[f"{which}time_edge"]
     angle = np.degrees(contact[f"{which}angle_edge"].values)
     picture = draw_share(axes, across, angle, contact[f"{which}share"], on="white")
@@ -129,6 +137,9 @@ def _draw(axes: Axes, contact: xr.Dataset, which: str) -> QuadMesh:
     axes.set(yticks=(0, 90, 180, 270, 360), ylabel="casing angle [°]", ylim=angle[[0, -1]])
     if turns_each:
         axes.set_xlabel("revolutions of the rotor")
-    else:
-        time_axis(axes)
     return picture
+
+
+def _turns_each(contact: xr.Dataset) -> float:
+    """Revolutions in a second."""
+    return abs(float(contact.attrs["speed"])) / (2 * np.pi)

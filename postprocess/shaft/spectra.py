@@ -227,7 +227,7 @@ def plot_spectrum(spectrum: xr.Dataset) -> Figure:
     Args:
         spectrum: from `shaft_spectrum`, `with_lines`.
     """
-    figure = new_figure(height=0.055)
+    figure = new_figure(height=0.06)
     axes = figure.add_subplot()
     amplitude = MILLI * spectrum["amplitude"].values
     top = amplitude.max() or 1.0  # all at rest: 1 mm
@@ -239,13 +239,15 @@ def plot_spectrum(spectrum: xr.Dataset) -> Figure:
         linewidth=0.8,
     )
     axes.set_yscale("log")
-    axes.set_ylim(floor, 2 * top)
+    axes.set_ylim(max(floor, 0.5 * float(amplitude.min())), 2 * top)
     axes.set(xlabel="frequency [Hz]   ← backward  forward →", ylabel="amplitude [mm]")
     low, high = _hertz(spectrum["frequency"].values[[0, -1]])
     if low < high:
         axes.set_xlim(low, high)
     _draw_lines(axes, spectrum["modal_line"], axes.axvline)
-    head(figure, spectrum, f"{spectrum.attrs['frame']} frame, {spectrum.attrs['window']}")
+    resolution = f"resolution {_hertz(spectrum.attrs['resolution']):.3g} Hz"
+    frame, window = spectrum.attrs["frame"], spectrum.attrs["window"]
+    head(figure, spectrum, f"{frame} frame, {window}", resolution)
     figure.legend(loc="outside lower center", ncols=4, handlelength=2.6)
     return figure
 
@@ -274,8 +276,9 @@ def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
     time_axis(axes)
     _draw_lines(axes, spectrogram["modal_line"], axes.axhline)
     axes.set_ylabel("frequency [Hz]\n← backward  forward →")
+    resolution = f"resolution {_hertz(spectrogram.attrs['resolution']):.3g} Hz"
     frame, slice_length = spectrogram.attrs["frame"], 1e3 * spectrogram.attrs["slice"]
-    head(figure, spectrogram, f"{frame} frame, slices of {slice_length:.3g} ms")
+    head(figure, spectrogram, f"{frame} frame, slices of {slice_length:.3g} ms", resolution)
     figure.colorbar(picture, ax=axes, label="amplitude [mm]")
     figure.legend(loc="outside lower center", ncols=4, handlelength=2.6)
     return figure

@@ -199,7 +199,7 @@ def plot_frequency_map(maps: xr.Dataset) -> Figure:
     label_outer(panels)
     rpm_on_top(maps, *panels[: 2 if count >= 4 else 1])
     figure.colorbar(picture, ax=list(panels), label="amplitude of the shaft [mm]", pad=0.01)
-    unit = "/ ω$_1$" if maps["frequency"].attrs["units"] == "1" else "[Hz]"
+    unit = "/ ω₁" if maps["frequency"].attrs["units"] == "1" else "[Hz]"
     label = f"frequency {unit}, forward positive"
     if count == 1:
         panels[0].set_ylabel(label)

@@ -13,7 +13,6 @@ from bladewhirl.postprocess.plotting.files import checked_target
 from bladewhirl.postprocess.reports.page import Page, write_page
 from bladewhirl.postprocess.reports.provenance import Provenance
 from bladewhirl.postprocess.reports.run import run_report
-from bladewhirl.postprocess.reports.sweep import sweep_report
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
 from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.folder import PROVENANCE_NAME, REPORT_NAME, read_failures
@@ -67,6 +66,8 @@ def _run_page(directory: Path) -> Page:
 
 
 def _sweep_page(directory: Path) -> Page:
+    from bladewhirl.postprocess.reports.sweep import sweep_report
+
     with open_sweep(directory) as sweep:
         return sweep_report(
             sweep,

@@ -10,6 +10,7 @@ from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.run.blade_contact import (
     contact_classes,
     contact_maps,
+    contact_span,
     plot_contact_classes,
     plot_forces,
     plot_gaps,
@@ -178,3 +179,21 @@ class TestPhase:
         result = synthetic.synthetic_result(shaft_radius=0.2e-3)
         result["contact_impulse"] = 0.0 * result["contact_impulse"]
         assert "no contact" in plot_contact_phase(contact_phase(result)).get_suptitle()
+
+
+@pytest.mark.parametrize(
+    ("touching", "limits", "words"),
+    [
+        ([], (0.0, 0.1), "no contact"),
+        ([3], (0.029, 0.041), "contact from 0.03 to 0.04 of 0.1 s"),
+        ([8, 9], (0.078, 0.1), "contact from 0.08 to 0.1 of 0.1 s"),
+        ([0, 9], (0.0, 0.1), ""),
+    ],
+)
+def test_an_axis_of_time_follows_brief_contact(
+    touching: list[int], limits: tuple[float, float], words: str
+) -> None:
+    spans = np.isin(np.arange(10), touching)
+    found, when = contact_span(np.linspace(0.0, 0.1, 11), spans)
+    assert found == pytest.approx(limits)
+    assert when == words

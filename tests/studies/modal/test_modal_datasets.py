@@ -97,7 +97,7 @@ def test_the_front_door_draws_them() -> None:
     frames: tuple[Literal["rotating", "static"], ...] = ("rotating", "static")
     for frame in frames:
         (axes,) = bw.plot.campbell(found()["campbell"], frame).axes
-        assert axes.get_ylabel() == f"frequency / ω$_1$, {frame} frame [–]"
+        assert axes.get_ylabel() == f"frequency / ω₁, {frame} frame [–]"
         upper, right = axes.child_axes
         assert (upper.get_xlabel(), right.get_ylabel()) == ("speed [rpm]", "frequency [Hz]")
     assert len(bw.plot.veering(found()["veering"], families=2).axes) == 3
