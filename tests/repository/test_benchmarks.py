@@ -22,6 +22,7 @@ BENCHMARKS = ROOT / "benchmarks"
             ["--workers", "1", "--points", "1", "--duration", "0.01", "--turns", "1"],
             ["per step of a worker", "efficiency"],
         ),
+        ("cluster.py", ["--points", "3", "--duration", "0.01"], ["one killed", "bytes of a point"]),
     ],
 )
 def test_benchmark(script: str, arguments: list[str], words: list[str]) -> None:
