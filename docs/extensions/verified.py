@@ -63,7 +63,7 @@ def margins(title: str, outcomes: Sequence[Outcome]) -> Figure:
         for plain, name in SPELLED.items():
             kind = kind.replace(plain, name)
         shares.setdefault(kind, []).append(share)
-    figure = Figure(figsize=(7.2, 0.9 + 0.22 * len(shares)), layout="constrained")
+    figure = Figure(figsize=(6.0, 0.9 + 0.22 * len(shares)), layout="constrained")
     axes = figure.add_subplot()
     for row, values in enumerate(shares.values()):
         inside = [share for share in values if share > SMALLEST]

@@ -56,7 +56,7 @@ def ring_by_opensees() -> Pair:
 def ring_errors(elements: int) -> FloatArray:
     """Relative errors of the bending frequencies of two to ten nodal diameters."""
     exact, ours = flexural(elements, "flexural_hz")
-    return np.array(ours) / np.array(exact) - 1.0
+    return np.asarray(np.array(ours) / np.array(exact) - 1.0)
 
 
 @verifies()

@@ -208,7 +208,8 @@ def narrow_zones() -> Pair:
 @cache
 def coupled_march(steps: int) -> FloatArray:
     """Where six coupled modes are after 0.2 s."""
-    return marched(coupled("0.005"), 0.2 / steps, steps, every=steps).rotor_displacement[-1]
+    chunk = marched(coupled("0.005"), 0.2 / steps, steps, every=steps)
+    return np.asarray(chunk.rotor_displacement[-1])
 
 
 @verifies()
