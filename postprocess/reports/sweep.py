@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY, rate_text
+from bladewhirl.postprocess.plotting.axes import SPEED
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.reports.page import (
     Explorer,
@@ -27,7 +28,7 @@ from bladewhirl.postprocess.reports.sweep_explorer import (
 )
 from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table, headline
 from bladewhirl.postprocess.shaft.orbits import MILLI
-from bladewhirl.postprocess.sweep.axes import in_handy_units
+from bladewhirl.postprocess.sweep.axes import in_handy_units, key_label
 from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map
@@ -91,7 +92,7 @@ def sweep_report(
         tone=tone,
         reason=headline(points, counts, ", ".join(keys)),
         warnings=_warnings(state.size, done, failed),
-        figures=_glance(dataset, counts, done),
+        figures=_glance(dataset, points, counts, done),
         sections=[part for part in sections if part.blocks],
     )
 
@@ -136,15 +137,21 @@ def _warnings(points: int, done: int, failed: int) -> list[str]:
 
 
 def _glance(
-    dataset: xr.Dataset, counts: Mapping[str, int], done: int
+    dataset: xr.Dataset, points: xr.Dataset | None, counts: Mapping[str, int], done: int
 ) -> list[tuple[str, str, str]]:
     found = [("points done", f"{done} of {dataset['state'].size}", "")]
-    keys = in_handy_units(dataset[swept(dataset)])
+    about = {} if points is None else points.attrs
+    keys = in_handy_units(dataset[swept(dataset)].assign_attrs(about))
     for key in swept(dataset):
         values = keys[key].values
         unit = str(keys[key].attrs["units"])
         words = f"{values.min():.5g} to {values.max():.5g}" if len(values) > 1 else f"{values[0]:g}"
         remark = f"{len(values)} values" + ("" if unit == "1" else f", {unit}")
+        if key_label(keys[key]) == SPEED and "reference_hz" in about:
+            first, last = (
+                60.0 * float(about["reference_hz"]) * np.array([values.min(), values.max()])
+            )
+            remark += f", Ω/ω₁; {first:.0f} to {last:.0f} rpm"
         found.append((str(dataset[key].attrs["long_name"]), words, remark))
     found += [(name, str(count), f"{100 * count / done:.3g} %") for name, count in counts.items()]
     return found

@@ -15,8 +15,9 @@ from typer.testing import CliRunner
 
 import bladewhirl as bw
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
+from bladewhirl.postprocess.reports.sweep import sweep_report
 from bladewhirl.postprocess.reports.verdict import headline
-from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
+from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
 from bladewhirl.studies.commands.cli import app
 
 REFERENCE = 75.0  # rad/s
@@ -58,6 +59,19 @@ def test_the_verdict_is_of_its_points(page: Parsed) -> None:
     assert "1 of 4 points failed; the reasons are listed under Points." in words
     assert "march.speed = 1.6 it could not be marched" in words
     assert "unfinished" not in words
+
+
+def test_swept_speeds_are_told_in_multiples_and_in_rpm(tmp_path: Path) -> None:
+    turns = REFERENCE * np.array([1.0, 1.5])
+    over, units = {"march.speed": turns.tolist()}, {"march.speed": "rad/s"}
+    motions = [{"speed": speed, "shaft_radius": 1e-3} for speed in turns]
+    folder = synthetic_sweep(tmp_path / "sweep", over, motions, units=units)
+    with open_sweep(folder) as sweep:
+        ((_, words, remark),) = [
+            row for row in sweep_report(sweep, {}).figures if row[0] == "march.speed"
+        ]
+    rpm = turns * 30 / np.pi
+    assert (words, remark) == ("1 to 1.5", f"2 values, Ω/ω₁; {rpm[0]:.0f} to {rpm[1]:.0f} rpm")
 
 
 def test_points_and_maps_are_those_of_the_sweep(page: Parsed) -> None:
