@@ -120,17 +120,19 @@ def print_png(figure: Figure, file: str | Path | BinaryIO) -> None:
 
 def _print_pdf(figure: Figure, file: Path) -> None:
     """Print a figure that is `arranged` as PDF, its fonts without `LAYOUT_TABLES`: to read these
-    would take half of the time.
+    would take half of the time. matplotlib hands no options on to fontTools, so its list of tables
+    to drop is another one meanwhile; where fontTools has no such list, nothing is left out.
     """
     from fontTools.subset import Options
     from matplotlib.backends.backend_pdf import FigureCanvasPdf
 
-    dropped = Options._drop_tables_default
-    Options._drop_tables_default = [*dropped, *LAYOUT_TABLES]
+    name = "_drop_tables_default"
+    dropped = getattr(Options, name, [])
+    setattr(Options, name, [*dropped, *LAYOUT_TABLES])
     try:
         FigureCanvasPdf(figure).print_pdf(file)  # type: ignore[no-untyped-call]
     finally:
-        Options._drop_tables_default = dropped
+        setattr(Options, name, dropped)
 
 
 @contextmanager
