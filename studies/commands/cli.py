@@ -8,7 +8,6 @@ load the standard library and typer only; what the command needs is imported whe
 from __future__ import annotations
 
 import os
-import sys
 from importlib import metadata
 from typing import Annotated
 
@@ -92,7 +91,5 @@ def main() -> None:
     # Matrices of one sector are small: on a busy machine threads make their products wait for
     # each other, twenty times as long as one thread needs. NumPy, not loaded yet, heeds this.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # xarray loads it at its first Dataset to know its arrays; no command has any of them.
-    sys.modules.setdefault("dask.array", None)  # type: ignore[arg-type]
     with whole_output():
         app()

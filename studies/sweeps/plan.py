@@ -163,7 +163,8 @@ def plan_digest(
     case: Case, over: Mapping[str, Any], group_size: int, stop_when: StopWhen | None
 ) -> str:
     """Digest of all that the points of a sweep depend on, SHA-256, the same in plan and dataset."""
-    made_by = (folder.version(), SWEEP_FORMAT, dict(over), group_size, stop_when)
+    made_by = [folder.version(), SWEEP_FORMAT, dict(over), group_size]
+    made_by += [] if stop_when is None else [stop_when]
     whole = sha256(json.dumps(made_by).encode())
     for name, content in folder.case_files(case).items():
         whole.update(name.encode() + content)
