@@ -6,7 +6,7 @@ import errno
 import os
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike, fspath
@@ -40,6 +40,9 @@ SET = "--set"
 """Named instead of the file in faults of overridden keys."""
 
 LOAD_TYPE = "excitation.type"
+
+SPRINGS = ("shaft.stiffness", "shaft.suspension_frequency")
+"""Either of these replaces the other in the case that it changes."""
 
 
 def read_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
@@ -95,12 +98,15 @@ def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Ca
 def with_values(case: Case, values: Mapping[str, Any]) -> Case:
     """A copy of a case with other values, by dotted key: ``{"march.speed": 1.2}``.
 
+    None leaves a key out: ``{"shaft.suspension_frequency": None, "shaft.stiffness": "5 MN/m"}``.
+
     Raises:
         CaseError: all faults of the new case.
     """
     tables = case.model_dump(exclude_none=True)
     for key in sorted(values, key=_comes_later):
         _set(tables, key, values[key])
+    _keep_one_of_springs(tables, values)
     return case_from(tables)
 
 
@@ -171,6 +177,7 @@ def _checked(tables: dict[str, Any], file: str, overrides: Iterable[str]) -> Cas
                 overridden.append(key)
         except CaseError as error:
             faults += error.faults
+    _keep_one_of_springs(tables, overridden)
     try:
         case = case_from(tables)
     except CaseError as error:
@@ -215,10 +222,19 @@ def _set(tables: dict[str, Any], key: str, value: Any) -> None:
         if not isinstance(table, dict):
             expected = f"a key of a table; {parent} is none"
             raise CaseError([Fault(key=key, value=value, expected=expected)])
-    table[name] = value
+    if value is None:
+        table.pop(name, None)
+    else:
+        table[name] = value
     if key == LOAD_TYPE and isinstance(value, str) and value in EXCITATIONS:
         own = EXCITATIONS[value].model_fields
         tables[parents[0]] = {each: given for each, given in table.items() if each in own}
+
+
+def _keep_one_of_springs(tables: dict[str, Any], changed: Collection[str]) -> None:
+    for key, other in (SPRINGS, SPRINGS[::-1]):
+        if key in changed and other not in changed:
+            _set(tables, other, None)
 
 
 def _comes_later(key: str) -> bool:

@@ -18,6 +18,8 @@ from bladewhirl.models.modal.labels import labelled_modes
 
 KEY = "shaft.suspension_frequency"
 
+HALVINGS = 12  # of an interval of stiffnesses
+
 AGREE = 0.01
 """Largest relative difference of the suspension's mean frequency from the one wanted: blades that
 differ split the pair, another family is farther away."""
@@ -31,7 +33,8 @@ def with_sized_shaft(case: Case) -> Case:
     differ, the pair is split about w: half of the trace stands for both.
 
     Raises:
-        CaseError: no springs do, or the mode that they bring to w belongs to another family.
+        CaseError: no springs do, or the mode that they bring to w belongs to another family; it
+            names the nearest frequencies within reach.
     """
     wanted = case.shaft.suspension_frequency
     if wanted is None:
@@ -44,17 +47,46 @@ def with_sized_shaft(case: Case) -> Case:
         centre[disk.centre] = np.eye(2)
         flexibility = centre.T @ spla.splu(sp.csc_array(dynamic)).solve(centre)
         stiffness = -2.0 / float(np.trace(flexibility))
-        if not (np.isfinite(stiffness) and stiffness > 0.0):
-            raise CaseError([case_fault(case, KEY, "a frequency that springs can bring about")])
-        shaft = case.shaft.model_copy(update={"stiffness": stiffness, "suspension_frequency": None})
-        sized = case.model_copy(update={"shaft": shaft})
-        held = case_bladed_disk(sized, clamped=False)
-        modes = labelled_modes(held.structure, tip_in_sector(held), "bladed-disk")
-    found = float(modes.frequency[modes.find("suspension", 1)].mean() / (2.0 * np.pi))
-    if abs(found / wanted - 1.0) > AGREE:
-        expected = (
-            "a frequency at which the shaft springs hold most of the mode: springs of"
-            f" {stiffness:.4g} N/m give it to another family, the suspension is at {found:.4g} Hz"
-        )
-        raise CaseError([case_fault(case, KEY, expected)])
-    return sized
+        if np.isfinite(stiffness) and stiffness > 0.0:
+            sized = _on_springs(case, stiffness)
+            if abs(_suspension(sized) / wanted - 1.0) <= AGREE:
+                return sized
+        raise CaseError([case_fault(case, KEY, _within_reach(case, wanted, abs(stiffness)))])
+
+
+def _on_springs(case: Case, stiffness: float) -> Case:
+    shaft = case.shaft.model_copy(update={"stiffness": stiffness, "suspension_frequency": None})
+    return case.model_copy(update={"shaft": shaft})
+
+
+def _suspension(case: Case) -> float:
+    """Mean frequency of the suspension pair [Hz], of any stiffness of the springs."""
+    held = case_bladed_disk(case, clamped=False)
+    modes = labelled_modes(held.structure, tip_in_sector(held), "bladed-disk")
+    return float(modes.frequency[modes.find("suspension", 1)].mean() / (2.0 * np.pi))
+
+
+def _within_reach(case: Case, wanted: float, stiffness: float) -> str:
+    """The nearest frequencies that the suspension can have below and above the one wanted."""
+    springs = stiffness * np.geomspace(1e-4, 1e4, 40)
+    found = np.array([_suspension(_on_springs(case, float(each))) for each in springs])
+    above = int(np.searchsorted(found > wanted, True))
+    if 0 < above < len(found):
+        soft, stiff = springs[above - 1 : above + 1]
+        for _ in range(HALVINGS):
+            middle = float(np.sqrt(soft * stiff))
+            soft, stiff = (
+                (middle, stiff)
+                if _suspension(_on_springs(case, middle)) < wanted
+                else (soft, middle)
+            )
+        low, high = (_suspension(_on_springs(case, float(each))) for each in (soft, stiff))
+        if high / low > 1.0 + 2.0 * AGREE:
+            return (
+                f"at most {low:.4g} Hz or at least {high:.4g} Hz: between them the mode with one"
+                " nodal diameter belongs to another family, whatever the springs are; other blades"
+                " or another disk move these limits, and shaft.stiffness takes any springs"
+            )
+        return "a frequency that rounding tells from none"
+    nearest = found.min() if above == 0 else found.max()
+    return f"a frequency that springs can give the suspension, {nearest:.4g} Hz is the nearest"

@@ -79,6 +79,9 @@ class Section(Rectangle[float]):
                 expected = "either material, or young_modulus and density"
                 raise CaseError([Fault(key="section.material", expected=expected)])
             young_modulus, density = material.young_modulus, material.density
+        elif young_modulus is None or density is None:
+            expected = "a material, such as Material() for steel, or young_modulus and density"
+            raise CaseError([Fault(key="section", expected=expected)])
         given = {
             "width": (width, "m"),
             "thickness": (thickness, "m"),

@@ -252,9 +252,9 @@ def couple(
         return couple_even(modal, modes=modes, damped=damped, with_pi=with_pi, physical=physical)
     if not (physical or one_each):
         raise UserError(
-            "stability: expected --physical where blades differ, or the casing from place to"
-            " place: one amplitude for every mode has a meaning only if each mode has one nodal"
-            " diameter"
+            "stability: expected --physical (in Python physical=True) where blades differ, or the"
+            " casing from place to place: one amplitude for every mode has a meaning only if each"
+            " mode has one nodal diameter"
         )
     try:
         waves = coupled_waves(modal, modes=modes, damped=damped, physical=physical)

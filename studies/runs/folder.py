@@ -74,8 +74,8 @@ def _check_replaceable(directory: Path, *, overwrite: bool) -> None:
         return
     if not overwrite:
         raise UserError(
-            f"{directory}: already exists; --overwrite replaces the run in it, -o names another"
-            " folder"
+            f"{directory}: already exists; --overwrite (in Python overwrite=True) replaces the run"
+            " in it, -o names another folder"
         )
     if not directory.is_dir():
         raise UserError(f"{directory}: expected a folder to overwrite, found a file")

@@ -231,7 +231,7 @@ def test_the_command_charts_unlike_blades(tmp_path: Path) -> None:
     assert "Largest growth rate" in result.stdout
     assert (folder / "stability.png").is_file()
     for arguments, said in (
-        ([], "expected --physical where blades differ"),
+        ([], "where blades differ"),
         (["--physical", "--modes", "1F"], "--modes 1F: expected modes of both bodies"),
         (["--physical", "--modes", "99F"], "--modes 99F: families of the bladed disk are"),
     ):

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from stages import SMALL, stage
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import with_values
+from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.modal.suspension import KEY, with_sized_shaft
@@ -38,10 +40,29 @@ def test_a_stage_has_the_stiffness_found() -> None:
     np.testing.assert_array_equal(built.arrays.shaft_stiffness, stiffness)
 
 
-def test_where_families_repel_no_springs_do() -> None:
-    """Between the modes that 2F and the suspension exchange, the mode at 300 Hz is 2F."""
-    with pytest.raises(CaseError, match="the suspension is at"):
-        with_sized_shaft(with_values(Case(), {KEY: 300.0}))
+@pytest.mark.parametrize("wanted", [45.0, 300.0])
+def test_where_families_repel_no_springs_do(wanted: float) -> None:
+    """Between modes that a family and the suspension exchange; limits named are within reach."""
+    with pytest.raises(CaseError, match=r"at most [\d.]+ Hz or at least") as error:
+        with_sized_shaft(with_values(Case(), {KEY: wanted}))
+    below, above = map(float, re.findall(r"([\d.]+) Hz", str(error.value)))
+    assert below < wanted < above
+    for limit in (0.995 * below, 1.005 * above):
+        with_sized_shaft(with_values(Case(), {KEY: limit}))
+
+
+def test_what_rounding_hides_is_refused() -> None:
+    with pytest.raises(CaseError, match="a frequency that rounding tells from none"):
+        with_sized_shaft(with_values(Case(), {KEY: 1e-3}))
+
+
+def test_springs_replace_a_frequency_and_the_reverse() -> None:
+    asked = with_values(Case(), {KEY: 300.0})
+    given = with_values(asked, {"shaft.stiffness": 1e7}).shaft
+    assert (given.stiffness, given.suspension_frequency) == (1e7, None)
+    assert with_values(Case(), {"shaft.stiffness": 1e7, KEY: None}).shaft == given
+    text = 'shaft.stiffness = "10 MN/m"'
+    assert loads(text, overrides=[f"{KEY}=300 Hz"]).shaft == asked.shaft
 
 
 def test_springs_are_given_once() -> None:

@@ -113,7 +113,8 @@ def test_the_folder_is_named_after_the_case(path: Path, monkeypatch: pytest.Monk
     refused = RUNNER.invoke(app, arguments)
     assert refused.exit_code == 2
     assert refused.stderr == (
-        "runs/small: already exists; --overwrite replaces the run in it, -o names another folder\n"
+        "runs/small: already exists; --overwrite (in Python overwrite=True) replaces the run in it,"
+        " -o names another folder\n"
     )
 
 
