@@ -1,6 +1,8 @@
-"""Links from signatures to other libraries, without fetching their inventories when built."""
+"""Types in signatures: short, linked to other libraries without fetching their inventories."""
 
 from __future__ import annotations
+
+import re
 
 from docutils import nodes
 from sphinx.addnodes import pending_xref
@@ -24,6 +26,9 @@ PAGES = {
 }
 """Pages of names, by the end of the full name."""
 
+LONGEST = 300
+"""Characters of a class's signature that is left as it is."""
+
 
 def link(
     app: Sphinx, env: BuildEnvironment, node: pending_xref, inside: nodes.Element
@@ -36,7 +41,31 @@ def link(
     return nodes.reference("", "", inside, refuri=page, internal=False)
 
 
+def plain(app: Sphinx, *_: object) -> None:
+    """Leave of the types of parameters what Python checks, not what pydantic does with them."""
+    for types in app.env.current_document.autodoc_annotations.values():
+        for name, told in types.items():
+            types[name] = re.sub(r"Annotated\[((?:[^\[\],]|\[[^\]]*\])*),.*\]", r"\1", told)
+
+
+def brief(
+    app: Sphinx,
+    kind: str,
+    name: str,
+    item: object,
+    options: object,
+    arguments: str | None,
+    out: str,
+) -> tuple[str, str] | None:
+    """A long signature without defaults that are objects with values of their own."""
+    if kind != "class" or arguments is None or len(arguments) < LONGEST:
+        return None
+    return re.sub(r"=[A-Z]\w*\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\)", "=…", arguments), out
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Answer references that Sphinx itself does not find."""
+    """Answer references that Sphinx itself does not find; keep types short."""
     app.connect("missing-reference", link)
+    app.connect("autodoc-process-signature", brief)
+    app.connect("object-description-transform", plain, priority=400)  # before types are listed
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -6,6 +6,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.units import to_si
 from bladewhirl.postprocess.fields.kinematics import casing_rows, record_lengths
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
@@ -111,7 +113,7 @@ def tip_displacement(
 
 def casing_displacement(
     result: xr.Dataset,
-    angle: ArrayLike = 0.0,
+    angle: ArrayLike | str = 0.0,
     *,
     start: float | None = None,
     end: float | None = None,
@@ -120,18 +122,26 @@ def casing_displacement(
 
     Args:
         result: of a run; it is read portion by portion.
-        angle: from +x, counter-clockwise [rad], one or (points,).
+        angle: from +x, counter-clockwise [rad], one or (points,), or text such as "90 deg".
         start: of the window [s]; of the run when None.
         end: of the window [s]; of the run when None.
 
     Returns:
         `displacement` (time, angle, component) [m]; components "radial" (outward) and "tangential"
-        (counter-clockwise).
+        (counter-clockwise). One angle is a dimension of length 1.
+
+    Raises:
+        UserError: text that is no angle.
 
     Example:
-        ``casing_displacement(result, angle=np.pi / 2)["displacement"].sel(component="radial")``
+        ``casing_displacement(result, angle="90 deg")["displacement"].sel(component="radial")``
     """
     result = in_window(result, start, end)
+    if isinstance(angle, str):
+        try:
+            angle = to_si(angle, "rad")
+        except ValueError as error:
+            raise UserError(f'angle = "{angle}": expected an angle ({error})') from None
     angles = np.atleast_1d(np.asarray(angle, dtype=np.float64))
     rows = casing_rows(result, angles)
     moved = reduce_modes(result, "casing_displacement", rows.reshape(-1, rows.shape[-1]))

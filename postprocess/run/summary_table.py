@@ -1,5 +1,6 @@
 """The summary of a run in words: rows, a table on screen, hints."""
 
+import numpy as np
 from rich.table import Table
 
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY
@@ -16,9 +17,14 @@ def summary_rows(summary: Summary) -> dict[str, str]:
     total = held["suspension"] + sum(family.values()) + held["rest"]
     other = sum(energy for k, energy in family.items() if k not in ("0", "1"))
     shares = summary.contact_share
+    blades = np.flatnonzero(np.array(shares) > 0)
+    touching = np.split(blades, np.flatnonzero(np.diff(blades) > 1) + 1) if len(blades) else []
+    ends = ("–".join(dict.fromkeys([str(run[0]), str(run[-1])])) for run in touching)
     touched = [share for share in shares if share > 0]
-    share = (
-        f", {100 * min(touched):.3g} to {100 * max(touched):.3g} % of the steps" if touched else ""
+    told = (
+        f": {', '.join(ends)}; {100 * min(touched):.3g} to {100 * max(touched):.3g} % of the steps"
+        if touched
+        else ""
     )
 
     def part(energy: float) -> str:
@@ -30,7 +36,8 @@ def summary_rows(summary: Summary) -> dict[str, str]:
             known = 2 * (summary.whirl_frequency_error or 0.0)
             return f"{way}, {abs(frequency):.4g} ± {known:.1g} Hz over the last third"
         lines = [f"{line['share']:.0%} at {line[frame]:.3g} Hz" for line in summary.whirl_lines]
-        return ": ".join(filter(None, ["no single rate", ", ".join(lines)]))
+        spectrum = f"; lines of its spectrum: {', '.join(lines)}" if lines else ""
+        return f"doesn't go round the centre at one rate{spectrum}"
 
     def wall(way: str) -> str:
         peak = summary.casing_displacement_max[way]
@@ -76,7 +83,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
             f"stress, {body.replace('_', ' ')}": stress(summary, body)
             for body in summary.stress_max
         },
-        "blades that touched": f"{len(touched)} of {len(shares)}{share}",
+        "blades that touched": f"{len(touched)} of {len(shares)}{told}",
         "deepest penetration": f"{summary.gap_violation_max:.3g} m",
         "energy residual": f"{summary.energy_residual:.3g}",
         "complementarity residual": f"{summary.complementarity_residual:.3g}",

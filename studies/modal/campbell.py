@@ -50,6 +50,14 @@ def campbell(
     mode_body, mode_family and mode_nodal_diameter. `found.reset_index("coincidence")` goes into a
     file; `bladewhirl.plot.campbell` draws it.
 
+    With rotation effects there are more: over `critical`, critical_speed (normalised; times
+    60 found.attrs["reference_frequency_hz"] it is in rpm) with critical_family and
+    critical_nodal_diameter; over `engine_order` the same of the speeds at which k times that of
+    rotation is a frequency; over `branch` and `line_speed` (normalised), branch_frequency in the
+    rotating frame [Hz], positive backward, with branch_family, branch_nodal_diameter and
+    branch_direction; over `line_speed`, tip_growth [m]. Attribute clearance_gone is the speed
+    (normalised) at which the tips have grown by the clearance.
+
     Args:
         case_or_stage: a case, or a stage of it; the centre is held as the case says.
         families: how many of the bladed disk, the suspension pair apart.

@@ -7,6 +7,7 @@ still in the rotating frame makes a critical speed.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -151,11 +152,16 @@ def _speeds(
     chosen: set[str],
     highest: float,
     reference: float,
-) -> dict[str, tuple[str, FloatArray | list[object]]]:
+) -> dict[str, tuple[Any, ...]]:
     """Critical speeds, or those of engine orders, ascending: speed, nodal diameter, family."""
+    words = {"critical": "critical speed", "engine_order": "speed met by the engine order k"}
     rows = sorted(_rows(kind, found, names, chosen, highest))
     return {
-        f"{kind}_speed": (kind, np.array([speed for speed, *_ in rows]) / reference),
+        f"{kind}_speed": (
+            kind,
+            np.array([speed for speed, *_ in rows]) / reference,
+            {"units": "1", "long_name": f"normalised {words[kind]}"},
+        ),
         f"{kind}_nodal_diameter": (kind, [k for _, k, _ in rows]),
         f"{kind}_family": (kind, np.array([name for *_, name in rows], dtype=object)),
     }
