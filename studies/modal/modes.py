@@ -226,9 +226,14 @@ def print_modes(found: xr.Dataset, count: int) -> None:
         _table(own.isel(mode=slice(count)), f"Bladed disk, {centre} centre"),
         _table(found.sel(body="casing").isel(mode=slice(count)), "Casing"),
         f"ω₁ = {2.0 * np.pi * hertz:.6g} rad/s = {hertz:.6g} Hz, the lowest of the bladed"
-        " disk with a free centre. Pairs share a row.",
+        " disk with a free centre. Pairs share a row."
+        + (MIXED if float(own["purity"].min()) < PURE else ""),
         sep="\n",
     )
+
+
+MIXED = " k is the nodal diameter that holds most of a mode, purity its share."
+PURE = 0.999  # nothing to say about mixed modes above this purity
 
 
 def _table(lowest: xr.Dataset, title: str) -> Table:
