@@ -77,6 +77,10 @@ def test_the_casing_moves_between_its_nodes_as_its_cubics_do(result: xr.Dataset)
     along = -2e-3 * np.sin(angle) - 0.5e-3 * np.sin(2 * angle)
     np.testing.assert_allclose(moved.sel(component="tangential"), along, rtol=0, atol=error)
     assert bw.casing_displacement(still, angle=0.5).sizes["angle"] == 1
+    turned = bw.casing_displacement(still, angle="90 deg")
+    xr.testing.assert_identical(turned, bw.casing_displacement(still, angle=np.pi / 2))
+    with pytest.raises(bw.UserError, match='angle = "90 mm": expected an angle'):
+        bw.casing_displacement(still, angle="90 mm")
 
 
 def test_forces_are_impulses_over_the_time_since_the_record_before(result: xr.Dataset) -> None:

@@ -3,6 +3,7 @@
 import io
 import json
 import tracemalloc
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -508,6 +509,13 @@ class TestWriting:
         weak = summarise(result.assign_attrs(yield_strength=1e3), REPORT)
         assert "linear" in summary_rows(weak)["stress, casing"]
         assert summary_rows(weak)["stress, casing"].endswith("beyond the yield strength, 0.001 MPa")
+
+    def test_the_table_names_the_blades_that_touched(self, result: xr.Dataset) -> None:
+        shares = np.zeros(22)
+        shares[[0, 1, 2, 7, 20, 21]] = 0.25
+        touched = replace(summarise(result, REPORT), contact_share=tuple(shares))
+        told = "6 of 22: 0–2, 7, 20–21; 25 to 25 % of the steps"
+        assert summary_rows(touched)["blades that touched"] == told
 
     def test_the_rest_is_split_where_it_leads(self, result: xr.Dataset) -> None:
         assert "most of it" not in summary_rows(summarise(result, REPORT))["  rest"]
