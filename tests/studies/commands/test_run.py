@@ -369,7 +369,7 @@ def flushed_records(result: Path) -> int:
 def running(path: Path, out: Path) -> Iterator[subprocess.Popen[str]]:
     """A run of an hour, under way."""
     code = "from bladewhirl.studies.commands.cli import main; main()"
-    values = ["--set", "march.duration=3600", "--frames", "3"]
+    values = ["--set", "march.duration=360", "--frames", "3"]
     arguments = ["run", str(path), "-o", str(out), *values]
     with subprocess.Popen(
         [sys.executable, "-c", code, *arguments],

@@ -147,7 +147,7 @@ def test_a_refused_write_is_one_line_and_what_was_recorded_stays(
 def test_a_killed_run_goes_on_to_the_same_bits(whole: Path, tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(dumps_case(long()))
     arguments = ["run", str(tmp_path / "case.toml"), "-o", str(tmp_path / "run")]
-    longer = ["--set", "march.duration=3600"]
+    longer = ["--set", "march.duration=360"]
     with subprocess.Popen([sys.executable, "-c", COMMAND, *arguments, *longer]) as process:
         while not (tmp_path / "run" / "checkpoint.npz").exists():
             assert process.poll() is None
