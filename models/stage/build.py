@@ -68,8 +68,18 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
     """A time step above the stability limit, or in which a tip skips casing elements."""
     case, step = stage.case, stage.case.march.time_step
     with numbers_within_reach(case):
-        limit = critical_time_step(*marched_bodies(stage), stage.kept.springs)
-    if not step < limit:
+        bodies = marched_bodies(stage)
+        limit = critical_time_step(*bodies, stage.kept.springs)
+        alone = critical_time_step(*bodies, None)
+    if limit <= step < alone:
+        # The largest omega^2 is convex in the stiffness: below its chord the step is short enough.
+        share = (step**-2 - alone**-2) / (limit**-2 - alone**-2)
+        expected = (
+            f"less than {share * case.coupling.stiffness:.4g} N/m, which march.time_step ="
+            f" {step:.6g} s can follow (or a time step less than {limit:.6g} s)"
+        )
+        yield case_fault(case, "coupling.stiffness", expected)
+    elif not step < limit:
         expected = (
             f"less than the critical step {limit:.6g} s = 2/omega_max (or fewer"
             " casing.elements, bladed_disk.elements_per_blade or"

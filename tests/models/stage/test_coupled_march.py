@@ -251,3 +251,12 @@ def test_the_critical_step_is_that_of_the_coupled_bodies(modes: str) -> None:
 )
 def test_springs_that_make_no_sense(overrides: tuple[str, ...], expected: str) -> None:
     assert any(expected in line for line in faults(problem, *overrides))
+
+
+@pytest.mark.parametrize("stiffness", [1e12, 1e30])
+def test_springs_too_stiff_for_the_time_step_are_named(stiffness: float) -> None:
+    """And those a little softer than the ones it names are marched."""
+    [line] = faults(problem, f"coupling.stiffness={stiffness}")
+    assert line.startswith(f"coupling.stiffness = {stiffness:.0e}".replace("+", ""))
+    softer = float(line.partition("less than ")[2].partition(" N/m")[0])
+    assert problem(f"coupling.stiffness={0.999 * softer}").critical_time_step > 1e-6
