@@ -38,7 +38,7 @@ def frames() -> Figure:
     tangential = np.array([-np.sin(angle), np.cos(angle)])
     tip = 1.2 * radial
     axes.plot(*zip(0.2 * radial, tip, strict=True), color=BLUE, lw=5, solid_capstyle="butt")
-    axes.text(*(0.62 * radial + 0.04 * np.array([1.0, 0.0])), "blade i", color=BLUE)
+    axes.text(0.62 * radial[0] + 0.04, 0.62 * radial[1], "blade i", color=BLUE)
     _arrow(axes, tip, tip + 0.34 * radial, "$u_r$, outward", ORANGE, (0.03, 0.0))
     _arrow(axes, tip, tip + 0.36 * tangential, "$u_t$, along the rotation", ORANGE, (-0.62, -0.09))
     _arrow(axes, tip, tip - 0.3 * tangential, "friction on the tip", INK, (0.02, -0.02))

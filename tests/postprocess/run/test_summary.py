@@ -513,7 +513,7 @@ class TestWriting:
     def test_the_table_names_the_blades_that_touched(self, result: xr.Dataset) -> None:
         shares = np.zeros(22)
         shares[[0, 1, 2, 7, 20, 21]] = 0.25
-        touched = replace(summarise(result, REPORT), contact_share=tuple(shares))
+        touched = replace(summarise(result, REPORT), contact_share=shares.tolist())
         told = "6 of 22: 0–2, 7, 20–21; 25 to 25 % of the steps"
         assert summary_rows(touched)["blades that touched"] == told
 
