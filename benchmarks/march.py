@@ -176,7 +176,7 @@ def main() -> None:
             f"{bare / kernel:.2f}",
             f"{difference:.0e}",
         )  # fmt: skip
-    Console(width=150).print(table)
+    Console(width=180).print(table)
 
 
 if __name__ == "__main__":
