@@ -98,7 +98,8 @@ def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Ca
 def with_values(case: Case, values: Mapping[str, Any]) -> Case:
     """A copy of a case with other values, by dotted key: ``{"march.speed": 1.2}``.
 
-    None leaves a key out: ``{"shaft.suspension_frequency": None, "shaft.stiffness": "5 MN/m"}``.
+    None puts a key back to its default: ``{"damping.ratio": None}``. shaft.stiffness and
+    shaft.suspension_frequency replace each other, as do the loads of excitation.type.
 
     Raises:
         CaseError: all faults of the new case.

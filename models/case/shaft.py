@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, StrictBool
+from pydantic import Field, SerializerFunctionWrapHandler, StrictBool, model_serializer
 
 from bladewhirl.models.inputs.fields import DampingOrZero, Stiffness, quantity
 from bladewhirl.models.inputs.table import Inconsistency, Table
@@ -22,8 +22,10 @@ class Shaft(Table):
     suspension_frequency: Annotated[float, quantity("Hz")] | None = Field(
         default=None, examples=["300 Hz"]
     )
-    """Frequency wanted of the suspension pair, of the full bladed disk at rest [Hz]; both springs
-    get the stiffness that gives it, instead of shaft.stiffness."""
+    """Frequency wanted of the suspension pair, of the full bladed disk at rest [Hz], instead of
+    shaft.stiffness; bladewhirl show tells the stiffness that both springs get. Near the first
+    bending family of the blades no springs give it: the message tells the nearest frequencies below
+    and above that some do."""
     frame: Literal["rotating", "static"] = "rotating"
     """Where springs that differ stand: "rotating", they turn with the bladed disk as a shaft does
     that is not round, x along blade 0, and its matrices are constant; "static", they stand still as
@@ -57,14 +59,20 @@ class Shaft(Table):
         dampers = " and ".join(dict.fromkeys(handy(d, "N s/m") for d in self.dampings if d))
         return " and ".join(both) + frame + (f", dampers of {dampers}" if dampers else "")
 
+    @model_serializer(mode="wrap")
+    def _springs_in_one_way(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """The keys of the table; a stiffness that a frequency replaces is none of them."""
+        written: dict[str, Any] = handler(self)
+        if self.suspension_frequency is not None:
+            written.pop("stiffness", None)
+        return written
+
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Dampers that stand still and differ, springs given in two ways."""
         if self.suspension_frequency is not None:
-            given = [
-                name
-                for name in ("stiffness", "stiffness_y", "clamped")
-                if getattr(self, name) != type(self).model_fields[name].default
-            ]
+            given = [name for name in ("stiffness_y", "clamped") if getattr(self, name)]
+            if "stiffness" in self.model_fields_set:
+                given.insert(0, "stiffness")
             if given:
                 expected = f"to be left out beside shaft.{given[0]}"
                 yield Inconsistency("suspension_frequency", expected, tuple(given))

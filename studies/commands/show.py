@@ -119,6 +119,7 @@ def _figures(properties: StageProperties) -> Table:
 
 
 def _rows(properties: StageProperties) -> Iterator[tuple[str, str]]:
+    from bladewhirl.models.inputs.units import handy
     from bladewhirl.studies.runs.properties import MARCHES
 
     reduction = properties.reduction
@@ -126,6 +127,14 @@ def _rows(properties: StageProperties) -> Iterator[tuple[str, str]]:
     yield "casing", f"{properties.casing_mass:.5g} kg"
     yield "reference frequency", _text(properties.reference_frequency)
     yield "speed", _text(properties.speed)
+    if properties.rotation_effects != "none":
+        yield (
+            f'rotation.effects = "{properties.rotation_effects}"',
+            "frequencies below are at this speed, in rotating axes; the reference is at rest",
+        )
+    if properties.shaft_stiffness is not None:
+        springs = dict.fromkeys(handy(each, "N/m") for each in properties.shaft_stiffness)
+        yield "springs of the shaft", " and ".join(springs)
     if properties.suspension is not None:
         yield "suspension modes, reduced model", _text(properties.suspension)
     if properties.imbalance is not None:
@@ -135,11 +144,13 @@ def _rows(properties: StageProperties) -> Iterator[tuple[str, str]]:
         answer = 1e3 * properties.distortion.static_displacement
         yield "casing mode loaded", _text(properties.distortion.frequency)
         yield "its static answer", f"{answer:.4g} mm"
+    more = reduction.fixed_interface_modes - reduction.wanted
+    pair = f", {more} more than asked, which completes a pair" if more else ""
     sets = ", ".join(f"{size} {name}" for name, size in reduction.boundary.items())
     yield (
         "reduced model",
         f"{reduction.modes} modes: {sets}, {reduction.fixed_interface_modes} fixed-interface"
-        f" of {reduction.internal}",
+        f" of {reduction.internal}{pair}",
     )
     yield (
         "its errors against the full model",

@@ -50,9 +50,9 @@ def campbell(
     mode_body, mode_family and mode_nodal_diameter. `found.reset_index("coincidence")` goes into a
     file; `bladewhirl.plot.campbell` draws it.
 
-    With rotation effects there are more: over `critical`, critical_speed (normalised; times
-    60 found.attrs["reference_frequency_hz"] it is in rpm) with critical_family and
-    critical_nodal_diameter; over `engine_order` the same of the speeds at which k times that of
+    Over `critical`, critical_speed (normalised; times 60 found.attrs["reference_frequency_hz"] it
+    is in rpm): there is none without rotation effects. With them, critical_family and
+    critical_nodal_diameter, and over `engine_order` the same of the speeds at which k times that of
     rotation is a frequency; over `branch` and `line_speed` (normalised), branch_frequency in the
     rotating frame [Hz], positive backward, with branch_family, branch_nodal_diameter and
     branch_direction; over `line_speed`, tip_growth [m]. Attribute clearance_gone is the speed
@@ -78,7 +78,9 @@ def campbell(
         casing_nodal_diameter=casing.nodal_diameter,
     )
     rotor_frequency = rotor.frequency[found.rotor]
-    reference, moving = stage.reference_frequency, xr.Dataset()
+    reference = stage.reference_frequency
+    none = {"units": "1", "long_name": "critical speed: none without rotation.effects"}
+    moving = xr.Dataset({"critical_speed": ("critical", np.empty(0), none)})
     if stage.turning is not None:
         own, names = disk_waves(stage, stage.turning), names_of(stage.disk_modes)
         found, rotor_frequency = meetings(own, rotor, casing, names, speeds[1] * reference)

@@ -48,6 +48,7 @@ class ReductionFigures:
 
     boundary: dict[str, int]  #: degrees of freedom kept, by set
     fixed_interface_modes: int  #: kept; whole pairs, so perhaps one more than asked for
+    wanted: int  #: fixed-interface modes asked for
     internal: int  #: degrees of freedom of the full model beside the boundary
     modes: int  #: of the reduced model
     marched: dict[str, int]  #: modes that a march has, of each body
@@ -80,10 +81,12 @@ class StageProperties:
 
     bladed_disk_mass: float  #: [kg]
     casing_mass: float  #: struts included [kg]
-    reference_frequency: Rate  #: lowest of the full bladed disk with a free centre
+    reference_frequency: Rate  #: lowest of the full bladed disk with a free centre, at rest
     speed: Rate
+    rotation_effects: str  #: "none", or those that the frequencies below feel at this speed
     bladed_disk: tuple[Mode, ...]
     """Lowest of each nodal diameter, full model; of unlike sectors the lowest few."""
+    shaft_stiffness: tuple[float, float] | None  #: of its springs along x and y [N/m], or clamped
     suspension: Rate | None  #: of the suspension pair; None when clamped
     casing: tuple[Mode, ...]  #: lowest of each nodal diameter
     reduction: ReductionFigures
@@ -121,12 +124,15 @@ def _properties(stage: Stage) -> StageProperties:
         casing_mass=casing.mass,
         reference_frequency=_rate(stage, stage.reference_frequency),
         speed=_rate(stage, stage.speed),
+        rotation_effects=case.rotation.effects,
         bladed_disk=_lowest_of_disk(stage),
+        shaft_stiffness=None if case.shaft.clamped else case.shaft.springs,
         suspension=_rate(stage, modes.frequency[pair[0]]) if pair.size else None,
         casing=_lowest_of_casing(stage),
         reduction=ReductionFigures(
             boundary=kept,
             fixed_interface_modes=stage.reduction.kept,
+            wanted=case.reduction.fixed_interface_modes,
             internal=disk.structure.size - sum(kept.values()),
             modes=modes.count,
             marched={"bladed_disk": len(stage.kept.rotor), "casing": len(stage.kept.casing)},

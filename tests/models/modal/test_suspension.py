@@ -9,7 +9,7 @@ import pytest
 from stages import SMALL, stage
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import loads, with_values
+from bladewhirl.models.case.file import dumps_case, loads, with_values
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.modal.suspension import KEY, with_sized_shaft
@@ -68,3 +68,15 @@ def test_springs_replace_a_frequency_and_the_reverse() -> None:
 def test_springs_are_given_once() -> None:
     with pytest.raises(CaseError, match=r"left out beside shaft\.stiffness"):
         with_values(Case(), {KEY: 300.0, "shaft.stiffness": 1e7})
+
+
+def test_springs_that_are_the_default_are_springs_too() -> None:
+    both = '[shaft]\nstiffness = "34 MN/m"\nsuspension_frequency = "300 Hz"'
+    with pytest.raises(CaseError, match=r"left out beside shaft\.stiffness"):
+        loads(both)
+
+
+def test_a_case_is_written_with_the_springs_it_was_given() -> None:
+    asked = with_values(Case(), {KEY: 300.0})
+    assert "\nstiffness" not in dumps_case(asked).partition("[shaft]")[2].partition("\n[")[0]
+    assert loads(dumps_case(asked)) == asked
