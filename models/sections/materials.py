@@ -44,7 +44,7 @@ class NamedMaterial(Table):
 
 
 class Material(Table):
-    """Material of the bladed disk and the casing."""
+    """Material of the bladed disk and the casing, where their sections name no other."""
 
     young_modulus: Modulus = 2.1e11
     """Young's modulus [Pa] (the paper: "steel")."""
