@@ -20,7 +20,10 @@ import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
+from bladewhirl.postprocess.fields.array_types import ask_loaded_only
 from bladewhirl.solvers.march.storage import CutFile
+
+ask_loaded_only()
 
 Values = np.ndarray[Any, np.dtype[Any]]
 

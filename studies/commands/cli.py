@@ -7,6 +7,7 @@ load the standard library and typer only; what the command needs is imported whe
 
 from __future__ import annotations
 
+import gc
 import os
 from importlib import metadata
 from typing import Annotated
@@ -86,10 +87,16 @@ def bladewhirl(
     """Whirl of bladed disks in contact with flexible casings."""
 
 
+COLLECTED = 50_000
+"""New objects after which Python looks for cycles: modules, most of what a command loads, stay, and
+to look at them each 700 objects takes a tenth of a short run."""
+
+
 def main() -> None:
     """Entry point of the command ``bladewhirl``."""
     # Matrices of one sector are small: on a busy machine threads make their products wait for
     # each other, twenty times as long as one thread needs. NumPy, not loaded yet, heeds this.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    gc.set_threshold(COLLECTED)
     with whole_output():
         app()
