@@ -105,8 +105,13 @@ def _cards(text: str) -> Iterator[_Card]:
                 raise MeshFileError("an .inp file, beginning with a keyword such as *NODE")
             card.rows.append([part.strip() for part in line.rstrip().rstrip(",").split(",")])
             continue
-        while line.rstrip().endswith(","):
-            line = line.rstrip() + next(lines, "")
+        parts = [line.rstrip()]
+        while parts[-1].endswith(","):
+            following = next(lines, None)
+            if following is None:
+                raise MeshFileError("an .inp file that goes on after the comma at its end")
+            parts.append(following.rstrip())
+        line = "".join(parts)
         if card is not None:
             yield card
         keyword, *parameters = (part.strip() for part in line[1:].split(","))

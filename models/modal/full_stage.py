@@ -18,6 +18,7 @@ from bladewhirl.models.elements.build import (
     tip_in_sector,
 )
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
+from bladewhirl.models.elements.cost import modal_cost, tell_cost
 from bladewhirl.models.elements.cyclic import NO_COLUMN
 from bladewhirl.models.modal.describe import stage_arrays
 from bladewhirl.models.modal.frequencies import lowest_frequencies
@@ -182,12 +183,13 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
         count: how many of the lowest of each; all when None.
 
     Raises:
-        CaseError: a suspension that no springs bring about, or numbers that finite elements can't
-            be made of.
+        CaseError: a stage too large, a suspension that no springs bring about, or numbers that
+            finite elements can't be made of.
     """
     case = with_sized_shaft(case)
     with numbers_within_reach(case):
         free, clamped = case_bladed_disk(case, clamped=False), case_bladed_disk(case, clamped=True)
+        tell_cost(modal_cost(free.structure))
         casing = case_casing(case)
         tip = tip_in_sector(free)
         reference: float | None = None

@@ -21,6 +21,7 @@ from bladewhirl.models.elements.build import (
     tip_in_sector,
 )
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
+from bladewhirl.models.elements.cost import stage_cost, tell_cost
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.modal.describe import stage_arrays
 from bladewhirl.models.modal.frequencies import Frequencies, family_errors, lowest_frequencies
@@ -32,7 +33,6 @@ from bladewhirl.models.modal.suspension import with_sized_shaft
 from bladewhirl.models.rotation.at_speed import TurningDisk, tip_recess, turning_disk
 from bladewhirl.models.rotation.eigenproblems import modal_damping
 from bladewhirl.models.stage.contact_problem import ReducedCasing, ReducedRotor
-from bladewhirl.models.stage.cost import tell_cost
 from bladewhirl.models.stage.kept_modes import KeptModes, kept_modes
 from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
 from bladewhirl.models.stage.whirl import wave_errors, wave_frequencies
@@ -163,7 +163,7 @@ def build_stage(case: Case) -> Stage:
     """
     case = with_sized_shaft(case)
     with numbers_within_reach(case):
-        tell_cost(case)
+        tell_cost(stage_cost(case))
         at_rest = case_bladed_disk(case, clamped=case.shaft.clamped)
         _check_reduction(case, at_rest)
         casing = case_casing(case)

@@ -12,7 +12,7 @@ from stages import oracle, stage
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import CaseError, with_values
-from bladewhirl.models.stage import cost
+from bladewhirl.models.elements import cost
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import build_stage
 

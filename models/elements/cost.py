@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.build import case_beam_model
+from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.inputs.errors import CaseError, Fault
 
 logger = logging.getLogger(__name__)
@@ -15,7 +16,7 @@ logger = logging.getLogger(__name__)
 DOFS_PER_NODE = 3  #: two displacements and a rotation
 
 FIELDS = 3
-"""Copies of all shapes that are there at once, at the most."""
+"""Copies of all shapes of a reduced stage that are there at once, at the most."""
 
 BYTES_PER_ENTRY = 64
 """Mass, stiffness and shapes of a sector, complex, for each entry of one of its matrices."""
@@ -24,16 +25,23 @@ SECONDS_PER_ENTRY, SECONDS_PER_CUBE = 2.5e-7, 3e-9
 """Time for each entry of the shapes, and for the cube of a sector's size, by nodal diameter; on a
 processor of 2023, right to a factor of three."""
 
+MODAL_BYTES, MODAL_SECONDS = 50, 4e-9
+"""Modes of bladed disks with a free and a clamped centre: for each entry of a sector's matrices,
+and for the cube of its size, by nodal diameter."""
+
+DENSE_BYTES, DENSE_SECONDS = 70, 1e-9
+"""The same without symmetry, for the size of the whole."""
+
 LARGE_BYTES, LARGE_SECONDS = 2e9, 60.0
 """From here on a stage is told to be large."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cost:
-    """Least that the reduction of a stage takes; blades that differ take more."""
+    """Least that a stage takes; rotation effects, and blades that differ, take more."""
 
     dofs: int  #: of the full bladed disk
-    modes: int  #: of the reduced one
+    modes: int  #: that are found of it
     memory: float  #: [bytes]
     time: float  #: of the processor [s]
 
@@ -47,7 +55,7 @@ class Cost:
 
 
 def stage_cost(case: Case) -> Cost:
-    """Cost of the stage of a case as if all its blades were alike.
+    """Cost of the reduced stage of a case as if all its blades were alike.
 
     Raises:
         CaseError: parts of the bladed disk that do not fit together.
@@ -63,13 +71,26 @@ def stage_cost(case: Case) -> Cost:
     )
 
 
-def tell_cost(case: Case) -> None:
-    """Log what a large stage takes, before it is assembled.
+def modal_cost(structure: Structure) -> Cost:
+    """Cost of all modes of a full bladed disk, with a free and with a clamped centre."""
+    size, blocks, memory, time = structure.size, 1, DENSE_BYTES, DENSE_SECONDS
+    if structure.layout is not None and structure.is_cyclic:
+        blocks, memory, time = structure.layout.sectors // 2 + 1, MODAL_BYTES, MODAL_SECONDS
+        size = structure.layout.sector_dofs.shape[1]
+    return Cost(
+        dofs=structure.size,
+        modes=structure.size,
+        memory=float(memory) * blocks * size**2,
+        time=time * blocks * size**3,
+    )
+
+
+def tell_cost(cost: Cost) -> None:
+    """Log what a large stage takes, before it is made.
 
     Raises:
         CaseError: this machine has not the memory for it.
     """
-    cost = stage_cost(case)
     if cost.memory > (most := memory()):
         expected = f"a smaller stage: {cost}, and this machine has {most / 1e9:.3g} GB"
         raise CaseError([Fault(key="bladed_disk", expected=expected)])
