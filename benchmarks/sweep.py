@@ -1,20 +1,27 @@
 """What cores do for sweeps: `python benchmarks/sweep.py [--workers 2]`.
 
-Points of a sweep of the imbalance case, between 0.95
-and 1.15, are marched by the workers that `bladewhirl sweep` uses: one of them alone, then all at a
-time, in turn, in one session. Each turn gives every working process the same points, so that none
-waits for one with more contact. What is timed is all that a point costs (stage, march, analysis),
-per step of its march; starting workers and compiling is not. The best turn counts. The efficiency
-is the time that a worker takes alone over the time that it takes beside the others: 1 where they
-don't slow each other down. On a machine with other work the same ratio of processor times tells how
-far it is the workers that are in each other's way.
+Points of a sweep of the imbalance case, between 0.95 and 1.15, are marched by the workers that
+`bladewhirl sweep` uses: one of them alone, then all at a time, in turn, in one session. Each turn
+gives every working process the same points, so that none waits for one with more contact. What is
+timed is all that a point costs (stage, march, analysis), per step of its march; starting workers
+and compiling is not. The best turn counts. The efficiency is the time that a worker takes alone
+over the time that it takes beside the others: 1 where they don't slow each other down. On a machine
+with other work the same ratio of processor times tells how far it is the workers that are in each
+other's way.
+
+`--memory 50 500` tells instead how much memory the process that writes the dataset takes at most in
+sweeps of so many points of a few steps each, their figures included.
 """
 
 from __future__ import annotations
 
 import argparse
+import resource
+import subprocess
+import sys
 import time
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from dask.system import CPU_COUNT
@@ -26,6 +33,7 @@ from bladewhirl.models.case.file import dumps_case, read_case
 from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.plan import Plan, plan_sweep
 from bladewhirl.studies.sweeps.points import Failure, Group, Work, march_group
+from bladewhirl.studies.sweeps.sweep import run_sweep
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 
@@ -70,6 +78,29 @@ def cost(client: Client, plan: Plan, workers: list[str], points: int) -> Cost:
     return Cost(wall=time.perf_counter() - began, processor=sum(used) / len(used))
 
 
+FEW_STEPS = 0.002  # s
+
+
+def peak_memory(points: int) -> float:
+    """Most memory that this process takes in a sweep [MB]."""
+    plan = planned(FEW_STEPS, points)
+    with TemporaryDirectory() as scratch:
+        swept = run_sweep(plan.case, dict(plan.grid.over), Path(scratch) / "sweep", workers=1)
+    if swept.done < points:
+        raise RuntimeError(swept.failures)
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+
+
+def print_memory(sizes: list[int]) -> None:
+    """Sweep so many points, each sweep in a process of its own, and print the memory."""
+    table = Table("points", "memory [MB]", box=None)
+    for points in sizes:
+        command = [sys.executable, __file__, "--peak", str(points)]
+        answer = subprocess.run(command, stdout=subprocess.PIPE, check=True)
+        table.add_row(str(points), f"{float(answer.stdout):.0f}")
+    Console().print(table)
+
+
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -77,7 +108,15 @@ def main() -> None:
     parser.add_argument("--points", type=int, default=2, help="of each worker in a turn")
     parser.add_argument("--duration", type=float, default=0.5, help="of each march [s]")
     parser.add_argument("--turns", type=int, default=3)
+    parser.add_argument("--memory", type=int, nargs="+", metavar="POINTS", help="see above")
+    parser.add_argument("--peak", type=int, help=argparse.SUPPRESS)
     given = parser.parse_args()
+    if given.peak:
+        print(peak_memory(given.peak))
+        return
+    if given.memory:
+        print_memory(given.memory)
+        return
     plan = planned(given.duration, max(2, given.points))
     with (
         LocalCluster(

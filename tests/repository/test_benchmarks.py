@@ -22,6 +22,9 @@ BENCHMARKS = ROOT / "benchmarks"
             ["--workers", "1", "--points", "1", "--duration", "0.01", "--turns", "1"],
             ["per step of a worker", "efficiency"],
         ),
+        ("sweep.py", ["--memory", "2"], ["memory [MB]"]),
+        ("build.py", ["--repeat", "1"], ["300 blades", "error of frequencies"]),
+        ("peers/dense_march.py", ["--repeat", "1"], ["plain / kernel", "half of the blades"]),
         ("cluster.py", ["--points", "3", "--duration", "0.01"], ["one killed", "bytes of a point"]),
     ],
 )
