@@ -177,14 +177,14 @@ def main() -> None:
         "state", "contacts a step", "kernel [µs]", "kernel, dense [µs]", "plain numba [µs]",
         "plain / kernel", "differ by",
     ):  # fmt: skip
-        table.add_column(column, justify="left" if column == "state" else "right")
+        table.add_column(column, justify="left" if column == "state" else "right", no_wrap=True)
     for setting, _ in settings():
         contacts, kernel, dense, plain, apart = compared(setting, repeat)
         table.add_row(
             setting.name, f"{contacts:.2f}", f"{kernel:.2f}", f"{dense:.2f}", f"{plain:.2f}",
             f"{plain / kernel:.1f}", f"{apart:.0e}",
         )  # fmt: skip
-    Console(width=110).print(table)
+    Console(width=140).print(table)
 
 
 if __name__ == "__main__":
