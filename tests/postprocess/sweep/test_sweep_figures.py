@@ -268,6 +268,7 @@ def test_cells_reach_midway_to_their_neighbours() -> None:
     np.testing.assert_allclose(cell_edges(np.array([3.0]), logarithmic=False), [2.5, 3.5])
 
 
+@pytest.mark.usefixtures("pictures_unsaved")
 @pytest.mark.parametrize("which", ["one", "two"])
 def test_all_figures_come_with_their_data(
     which: str, tmp_path: Path, request: pytest.FixtureRequest
