@@ -132,18 +132,20 @@ def _copy_name(mesh: MeshTable) -> str:
     return MESH_NAME + Path(mesh.file).suffix.lower()
 
 
-def read_failures(directory: Path) -> list[dict[str, Any]]:
+def read_failures(directory: Path, size: float = float("inf")) -> list[dict[str, Any]]:
     """Points of a sweep that failed: "point", the values of the swept keys, "reason".
 
     Raises:
-        UserError: the file is damaged.
+        UserError: the file is damaged, or has points beyond the size of the sweep.
     """
     path = directory / FAILURES_NAME
     if not path.exists():
         return []
     try:
         rows = [dict(row) for row in json.loads(path.read_text(encoding="utf-8"))]
-        sound = all(isinstance(row["point"], int) and row["reason"] for row in rows)
+        points = [row["point"] for row in rows if row["reason"]]
+        sound = len(points) == len(rows)
+        sound &= all(isinstance(point, int) and 0 <= point < size for point in points)
     except (OSError, ValueError, TypeError, KeyError, RecursionError):
         sound = False
     if not sound:

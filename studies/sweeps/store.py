@@ -115,7 +115,9 @@ class Store(AbstractContextManager["Store"]):
 
     def __init__(self, directory: Path, grid: Grid, plan: str | None = None) -> None:
         self._directory, self._grid = directory, grid
-        path = directory / SWEEP_NAME
+        path, failed = directory / SWEEP_NAME, read_failures(directory, grid.size)
+        #: reason of each failed point
+        self.failures = {int(entry["point"]): entry["reason"] for entry in failed}
         try:
             self._h5 = h5py.File(path, "r+")
         except BlockingIOError:
@@ -143,8 +145,6 @@ class Store(AbstractContextManager["Store"]):
         self._variables = {name: self._h5[name] for name in SWEEP}
         #: state of every point as written, (points,)
         self.state = np.asarray(self._h5["state"][()], dtype=np.int8).ravel()
-        #: reason of each failed point
-        self.failures = {int(entry["point"]): entry["reason"] for entry in read_failures(directory)}
 
     def __exit__(self, *error: object) -> None:
         """Close the file, whatever happened."""

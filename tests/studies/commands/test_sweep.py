@@ -361,11 +361,15 @@ def test_a_dataset_of_another_plan_is_refused(swept: Path, tmp_path: Path) -> No
         resume_sweep(tmp_path)
 
 
-@pytest.mark.parametrize("damaged", ["[", "3", '[{"point": "x", "reason": "y"}]', "[[1, 2]]"])
+@pytest.mark.parametrize(
+    "damaged",
+    ["[", "3", "[[1, 2]]"]
+    + [f'[{{"point": {point}, "reason": "why"}}]' for point in ('"x"', "-1", "2")],
+)
 def test_damaged_failures_are_told(damaged: str, tmp_path: Path) -> None:
     (tmp_path / FAILURES_NAME).write_text(damaged)
     with pytest.raises(UserError, match="expected the failed points of a sweep"):
-        read_failures(tmp_path)
+        read_failures(tmp_path, 2)
 
 
 def test_a_sweep_of_another_format_is_not_mixed(swept: Path, tmp_path: Path) -> None:

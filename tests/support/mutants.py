@@ -1,0 +1,143 @@
+"""Score of tests against small faults: `python tests/support/mutants.py MODULE TEST... --count 30`.
+
+Each mutant is the module with one comparison, sign, operator, number or condition changed, drawn
+from all that there are by a seed. It is killed when one of the tests fails. `NUMBA_DISABLE_JIT=1`
+before the command is for modules of the kernel. What is loaded beside the program is loaded once.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import contextlib
+import copy
+import importlib.machinery
+import os
+import random
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import h5py  # noqa: F401 - loaded before the fork, as are those below
+import numba  # noqa: F401
+import pytest
+import scipy.linalg
+import scipy.sparse.linalg  # noqa: F401
+import skfem  # noqa: F401
+import xarray  # noqa: F401
+
+SWAPS: dict[type[ast.AST], type[ast.AST]] = {
+    ast.Add: ast.Sub,
+    ast.Sub: ast.Add,
+    ast.Mult: ast.Div,
+    ast.Div: ast.Mult,
+    ast.Lt: ast.GtE,
+    ast.GtE: ast.Lt,
+    ast.Gt: ast.LtE,
+    ast.LtE: ast.Gt,
+    ast.Eq: ast.NotEq,
+    ast.NotEq: ast.Eq,
+    ast.And: ast.Or,
+    ast.Or: ast.And,
+    ast.USub: ast.UAdd,
+}
+"""What an operator becomes."""
+
+ASIDE = (ast.Raise, ast.Assert, ast.JoinedStr, ast.Import, ast.ImportFrom)
+"""Words, and what is there for readers and types."""
+
+
+def places(tree: ast.AST) -> Iterator[tuple[ast.AST, str, int | None]]:
+    """Nodes that can be changed, with the field, and its position in a list."""
+    for name, value in ast.iter_fields(tree):
+        if name in {"annotation", "returns", "decorator_list"}:
+            continue
+        for at, node in enumerate(value) if isinstance(value, list) else [(None, value)]:
+            if not isinstance(node, ast.AST) or isinstance(node, ASIDE):
+                continue
+            number = isinstance(node, ast.Constant) and isinstance(node.value, bool | int | float)
+            if type(node) in SWAPS or number:
+                yield tree, name, at
+            yield from places(node)
+
+
+def mutant(source: str, number: int) -> tuple[ast.Module, str]:
+    """The module with its place of that number changed, and the change in words."""
+    tree = ast.parse(source)
+    parent, name, at = list(places(tree))[number]
+    value: Any = getattr(parent, name)
+    old = value if at is None else value[at]
+    new: ast.AST = SWAPS[type(old)]() if type(old) in SWAPS else copy.copy(old)
+    if isinstance(new, ast.Constant):
+        new.value = not new.value if isinstance(new.value, bool) else new.value + 1
+    where = parent if hasattr(parent, "lineno") else old
+    before = ast.unparse(where)
+    if at is None:
+        setattr(parent, name, new)
+    else:
+        value[at] = new
+    after = ast.unparse(where if where is parent else new)
+    return ast.fix_missing_locations(tree), f"{getattr(where, 'lineno', 0)}: {before} -> {after}"
+
+
+def outcome(module: Path, tree: ast.Module, tests: list[str], seconds: int) -> bool:
+    """Whether the tests pass, in a process of their own, with the module replaced."""
+    child = os.fork()
+    if child == 0:
+        os.setsid()
+        with open(os.devnull, "w") as nowhere:
+            os.dup2(nowhere.fileno(), 1)
+            os.dup2(nowhere.fileno(), 2)
+        loader = importlib.machinery.SourceFileLoader
+        get_code = loader.get_code
+
+        def replaced(self: Any, fullname: str) -> Any:
+            path = Path(self.get_filename(fullname))
+            return (
+                compile(tree, path, "exec") if path.samefile(module) else get_code(self, fullname)
+            )
+
+        loader.get_code = replaced  # type: ignore[method-assign]
+        code = 1
+        with contextlib.suppress(BaseException):
+            code = int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *tests]))
+        os._exit(code)
+    signal.signal(signal.SIGALRM, lambda *_: os.killpg(child, signal.SIGKILL))
+    signal.alarm(seconds)
+    status = os.waitpid(child, 0)[1]
+    signal.alarm(0)
+    return os.waitstatus_to_exitcode(status) == 0
+
+
+def score(module: Path, tests: list[str], count: int, seed: int) -> tuple[int, int]:
+    """Mutants tried and killed; those that survive are printed."""
+    source = module.read_text()
+    began = time.monotonic()
+    if not outcome(module, ast.parse(source), tests, 600):
+        raise SystemExit(f"{module}: its tests fail without any change")
+    seconds = 10 + int(5 * (time.monotonic() - began))
+    known = len(list(places(ast.parse(source))))
+    chosen = sorted(random.Random(seed).sample(range(known), min(count, known)))
+    killed = 0
+    for number in chosen:
+        tree, words = mutant(source, number)
+        survives = outcome(module, tree, tests, seconds)
+        killed += not survives
+        if survives:
+            print(f"{module}:{words}", flush=True)
+    print(f"{module}: {killed} of {len(chosen)} killed, of {known} places", flush=True)
+    return len(chosen), killed
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description="Score of tests against small faults.")
+    parser.add_argument("module", type=Path)
+    parser.add_argument("tests", nargs="+")
+    parser.add_argument("--count", type=int, default=30)
+    parser.add_argument("--seed", type=int, default=0)
+    given = parser.parse_args()
+    tried, killed = score(given.module, given.tests, given.count, given.seed)
+    sys.exit(killed < 0.85 * tried)
