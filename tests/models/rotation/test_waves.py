@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from stages import bladed_disk
 
-from bladewhirl.meshes.line_mesh import ComplexArray
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.case.rotation import Effects
+from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.models.rotation.waves import Waves
+from bladewhirl.models.rotation.waves import waves as waves_of
+from bladewhirl.models.rotation.whirl_modes import whirl_modes
 
 
 @pytest.fixture
@@ -35,6 +40,12 @@ def distance(waves: Waves, speed: float, frequency: float) -> float:
     return float(np.abs(waves.frequencies(speed) - frequency).min())
 
 
+def crossings(waves: Waves, line: FloatArray, speeds: FloatArray) -> FloatArray:
+    """Speeds near which branches cross a line of frequencies over the speed, ascending."""
+    above = np.array([waves.frequencies(speed).real for speed in speeds]) > line[:, None]
+    return np.repeat(speeds[1:], np.abs(np.diff(above, axis=0)).sum(axis=1))
+
+
 @pytest.mark.parametrize("order", [0, 1, 3])
 def test_at_a_synchronous_speed_a_wave_has_that_multiple_of_it(waves: Waves, order: int) -> None:
     speeds = waves.synchronous(order)
@@ -49,3 +60,30 @@ def test_where_waves_meet_one_keeps_pace_with_the_casing_s(waves: Waves, casing:
     assert len(speeds) > 0
     for speed in speeds:
         assert distance(waves, speed, waves.nodal_diameter * speed - casing) < 1e-9
+
+
+def test_no_speed_is_left_out(waves: Waves) -> None:
+    speeds = np.linspace(1e-3, 5.0, 4001)
+    for casing in (0.5, 2.0):
+        seen = crossings(waves, 3 * speeds - casing, speeds)
+        seen = seen[3 * seen > casing]
+        np.testing.assert_allclose(waves.meeting(casing, 5.0), seen, atol=2e-3)
+        np.testing.assert_array_equal(waves.meeting(casing, seen[0] - 2e-3), [])
+    found = waves.synchronous(3)
+    np.testing.assert_allclose(found, crossings(waves, 3 * speeds, speeds), atol=2e-3)
+
+
+def test_branches_are_ranked_from_the_lowest_both_ways(waves: Waves) -> None:
+    found = [waves.rank(0.3, w) for w in waves.frequencies(0.3).real]
+    assert found == [(rank, True) for rank in (2, 1, 0)] + [(rank, False) for rank in (0, 1, 2)]
+
+
+@pytest.mark.parametrize("effects", ["none", "centrifugal", "full"])
+def test_waves_of_a_bladed_disk_have_the_frequencies_of_its_modes(effects: Effects) -> None:
+    matrices = rotation_matrices(bladed_disk())
+    modes = whirl_modes(matrices.at_speed(300.0, effects))
+    signs = {"backward": 1.0, "forward": -1.0}
+    own = modes.take(np.flatnonzero(modes.nodal_diameter == 2))
+    signed = [signs[way] * w for way, w in zip(own.direction, own.frequency, strict=True)]
+    of_two = waves_of(matrices, 2, effects).frequencies(300.0)
+    np.testing.assert_allclose(np.sort(signed), of_two.real[::-1], rtol=1e-8)
