@@ -72,7 +72,8 @@ def mutant(source: str, number: int) -> tuple[ast.Module, str]:
     old = value if at is None else value[at]
     new: ast.AST = SWAPS[type(old)]() if type(old) in SWAPS else copy.copy(old)
     if isinstance(new, ast.Constant):
-        new.value = not new.value if isinstance(new.value, bool) else new.value + 1
+        given: Any = new.value
+        new.value = not given if isinstance(given, bool) else given + 1
     where = parent if hasattr(parent, "lineno") else old
     before = ast.unparse(where)
     if at is None:
