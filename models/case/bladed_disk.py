@@ -133,9 +133,12 @@ class BladedDisk(Table):
             expected = f"less than bladed_disk.tip_radius = {self.tip_radius!r}"
             yield Inconsistency("disk_radius", expected, ("tip_radius",))
             return
-        if self.blades * self.elements_per_blade > MOST:
+        sector = self.elements_per_blade + sum(shroud.elements for shroud in self.shrouds)
+        if self.blades * sector > MOST:
             expected = f"at most {MOST} elements on bladed_disk.blades = {self.blades} blades"
-            yield Inconsistency("elements_per_blade", expected, ("blades",))
+            if self.shrouds:
+                expected += f", those of shrouds counted: {self.blades * sector}"
+            yield Inconsistency("elements_per_blade", expected, ("blades", "shrouds"))
         if self.elements_per_blade <= len(self.cut_radii):
             expected = f"at least {len(self.cut_radii) + 1}, for shrouds and masses along the blade"
             yield Inconsistency("elements_per_blade", expected, ("shrouds", "point_masses"))

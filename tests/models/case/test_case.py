@@ -306,6 +306,20 @@ def test_initial_rows_of_a_wrong_shape(key: str, value: object, place: str) -> N
             "bladed_disk.elements_per_blade = 1000",
             "at most 100000 elements",
         ),
+        (
+            {
+                "bladed_disk": {
+                    "blades": 22000,
+                    "elements_per_blade": 3,
+                    "shrouds": [
+                        {"radius": 0.3, "width": 0.1, "thickness": 0.01, "elements": elements}
+                        for elements in (1, 3)
+                    ],
+                }
+            },
+            "bladed_disk.elements_per_blade = 3",
+            "those of shrouds counted: 154000",
+        ),
     ],
 )
 def test_what_does_not_fit_together(given: dict[str, Any], key: str, expected: str) -> None:
