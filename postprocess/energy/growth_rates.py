@@ -79,10 +79,10 @@ class Growth:
     def sentence(self) -> str:
         """Rate, rate at the end, misfit and rise, in words."""
         slowing = ", slowing" if self.slows else ""
-        risen = f", its last window {self.rise:.3g} times the largest before"
+        risen = f", amplitude at the end {self.rise:.3g} times the largest before"
         return (
             f"{self.text} 1/s ({CERTAINTY:g} standard errors) over {self.span}, at the end"
-            f" {rate_text(self.end_rate, self.end_error)} 1/s, off the line by"
+            f" {rate_text(self.end_rate, self.end_error)} 1/s, misfit of the exponential"
             f" {100 * np.expm1(self.residual):.2g} %{slowing}"
             f"{risen if np.isfinite(self.rise) else ''}"
         )

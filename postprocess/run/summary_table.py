@@ -35,7 +35,16 @@ def summary_rows(summary: Summary) -> dict[str, str]:
             way = "forward" if frequency > 0 else "backward"
             known = 2 * (summary.whirl_frequency_error or 0.0)
             return f"{way}, {abs(frequency):.4g} ± {known:.1g} Hz over the last third"
-        lines = [f"{line['share']:.0%} at {line[frame]:.3g} Hz" for line in summary.whirl_lines]
+        least = 3.0 / summary.end_time if summary.end_time else np.inf  # of a turn in that third
+        lines = [
+            f"{line['share']:.0%} "
+            + (
+                f"at {line[frame]:.3g} Hz"
+                if abs(line[frame]) >= least
+                else f"standing still, below {least:.2g} Hz"
+            )
+            for line in summary.whirl_lines
+        ]
         spectrum = f"; lines of its spectrum: {', '.join(lines)}" if lines else ""
         return f"doesn't go round the centre at one rate{spectrum}"
 
@@ -80,7 +89,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         f" ms, blade {force['blade']} at {force['time']:.4g} s; impulse of all"
         f" {summary.contact_impulse:.4g} N s",
         **{
-            f"stress, {body.replace('_', ' ')}": stress(summary, body)
+            f"stress of {body.replace('_', ' ')}, largest": stress(summary, body)
             for body in summary.stress_max
         },
         "blades that touched": f"{len(touched)} of {len(shares)}{told}",
@@ -101,7 +110,10 @@ def stress(summary: Summary, body: str) -> str:
     strong = summary.yield_strength
     beyond = strong is not None and abs(peak["stress"]) > strong
     known = f"; beyond the yield strength, {strong * 1e-6:.4g} MPa" if beyond and strong else ""
-    return f"{scale * peak['stress']:.4g} {unit}, linear ({place}){known}"
+    size, sense = abs(peak["stress"]), "compression" if peak["stress"] < 0.0 else "tension"
+    if size == 0.0:
+        return "none"
+    return f"{scale * size:.4g} {unit} {sense}, if elastic ({place}){known}"
 
 
 def summary_table(summary: Summary) -> Table:

@@ -22,7 +22,13 @@ from bladewhirl.postprocess.energy.growth_rates import (
 from bladewhirl.postprocess.energy.regimes import Regime, classify
 from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.fields.result import open_result
-from bladewhirl.postprocess.run.summary import Summary, energy_residual, summarise, write_summary
+from bladewhirl.postprocess.run.summary import (
+    LineOfWhirl,
+    Summary,
+    energy_residual,
+    summarise,
+    write_summary,
+)
 from bladewhirl.postprocess.run.summary_table import displacement_hints, summary_rows, summary_table
 
 Array = NDArray[np.float64]
@@ -507,8 +513,25 @@ class TestWriting:
     ) -> None:
         assert "yield" not in str(summary_rows(summarise(result, REPORT)))
         weak = summarise(result.assign_attrs(yield_strength=1e3), REPORT)
-        assert "linear" in summary_rows(weak)["stress, casing"]
-        assert summary_rows(weak)["stress, casing"].endswith("beyond the yield strength, 0.001 MPa")
+        assert "if elastic" in summary_rows(weak)["stress of casing, largest"]
+        assert summary_rows(weak)["stress of casing, largest"].endswith(
+            "beyond the yield strength, 0.001 MPa"
+        )
+
+    def test_a_line_without_a_turn_in_the_last_third_stands_still(self, result: xr.Dataset) -> None:
+        lines: list[LineOfWhirl] = [
+            {"share": 0.5, "rotating": f, "static": 50.0 + f} for f in (-9.9, 10.1)
+        ]
+        told = replace(
+            summarise(result, REPORT),
+            end_time=0.3,
+            whirl_frequency_rotating=None,
+            whirl_frequency_static=None,
+            whirl_lines=lines,
+        )
+        rows = summary_rows(told)
+        assert "50% standing still, below 10 Hz, 50% at 10.1 Hz" in rows["whirl, rotating frame"]
+        assert "50% at 40.1 Hz, 50% at 60.1 Hz" in rows["whirl, static frame"]
 
     def test_the_table_names_the_blades_that_touched(self, result: xr.Dataset) -> None:
         shares = np.zeros(22)
