@@ -5,9 +5,11 @@ nothing is below 6.5 points in a column of 8 cm. No display and no pyplot state 
 matplotlib picks Agg for PNG and its own writer for PDF from the file's name.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import wraps
+from itertools import product
 from pathlib import Path
 from typing import Any, BinaryIO, ParamSpec, TypeVar
 
@@ -17,6 +19,7 @@ from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import Formatter, LogFormatter
 
 from bladewhirl.meshes.files.drafts import replacing
 from bladewhirl.postprocess.fields.netcdf import write_netcdf
@@ -135,6 +138,25 @@ def _print_pdf(figure: Figure, file: Path) -> None:
         setattr(Options, name, dropped)
 
 
+class PowerFormatter(Formatter):
+    """Labels of a logarithmic axis as letters of the font, 10⁻³ and 2×10⁻³: matplotlib typesets
+    them as formulas, which takes a tenth of the time of a figure.
+    """
+
+    def __init__(self, typeset: LogFormatter) -> None:
+        self._typeset = typeset
+
+    def set_locs(self, locs: Sequence[float]) -> None:
+        """Told by the axis: places of all ticks."""
+        self._typeset.set_locs(locs)
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """Label of a tick."""
+        letters = re.sub(r"[$}]|\\mathdefault\{", "", self._typeset(x, pos))
+        number, _, power = letters.replace(r"\times", "×").replace("-", "−").partition("^{")
+        return number + power.translate(str.maketrans("−0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
 @contextmanager
 def arranged(figure: Figure, dpi: float) -> Iterator[None]:
     """Arrange a figure once, for all files that are printed of it at that resolution.
@@ -143,6 +165,14 @@ def arranged(figure: Figure, dpi: float) -> Iterator[None]:
     """
     arrangement, canvas, before = figure.get_layout_engine(), figure.canvas, figure.dpi
     figure.dpi = dpi
+    for axes, name in product(figure.axes, "xy"):
+        axis = getattr(axes, f"{name}axis")
+        for formatter, change in (
+            (axis.get_major_formatter(), axis.set_major_formatter),
+            (axis.get_minor_formatter(), axis.set_minor_formatter),
+        ):
+            if isinstance(formatter, LogFormatter):
+                change(PowerFormatter(formatter))
     if figure.axes and arrangement is not None:
         arrangement.execute(figure)
         figure.set_layout_engine("none")
