@@ -23,9 +23,7 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 
 SYMMETRY_TOLERANCE = 1e-12
 """Largest change of a matrix under a turn by one sector that still counts as symmetric: of each
-entry over the largest of the diagonal's in its row and column, so that a soft spring beside stiff
-beams is seen."""
-
+entry over the largest in its row and column, so that a soft spring beside stiff beams is seen."""
 
 NO_COLUMN = -1
 """DFT column of a mode found without cyclic symmetry."""
@@ -94,6 +92,7 @@ class SectorLayout:
 
     sector_dofs: IntArray  #: (sectors, DoF a sector), the same order in every sector, polar axes
     centre_dofs: IntArray  #: x, y, rotation of the centre node, (3,); -1 where there is none
+    rounding: float = 0.0  #: largest change under a turn that comes of the points' last digits
 
     @property
     def sectors(self) -> int:
@@ -150,12 +149,12 @@ class SectorLayout:
 
     def is_symmetry_of(self, *matrices: sp.csr_array) -> bool:
         """Whether the matrices stay the same under a turn by one sector."""
-        turn = self.turn()
+        turn, tolerance = self.turn(), max(SYMMETRY_TOLERANCE, self.rounding)
         for matrix in matrices:
             change = (turn @ matrix @ turn.T - matrix).tocoo()
-            diagonal = np.abs(matrix.diagonal())
-            scale = np.maximum(diagonal[change.row], diagonal[change.col])
-            if np.any(np.abs(change.data) > SYMMETRY_TOLERANCE * scale):
+            largest = abs(matrix).max(axis=1).toarray()
+            scale = np.maximum(largest[change.row], largest[change.col])
+            if np.any(np.abs(change.data) > tolerance * scale):
                 return False
         return True
 

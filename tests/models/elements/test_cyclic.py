@@ -157,6 +157,14 @@ def test_symmetry_is_found_not_assumed() -> None:
     assert not replace(disk.structure, springs=uneven.tocsr()).is_cyclic
 
 
+@pytest.mark.parametrize(("blades", "elements"), [(2000, 1), (3, 3000)])
+def test_rounding_of_many_points_breaks_no_symmetry(blades: int, elements: int) -> None:
+    """Lines are short beside the radius, whose last digit turns and stretches them."""
+    disk = bladed_disk(blades=blades, elements=elements)
+    assert disk.structure.is_cyclic
+    assert not slightly_mistuned(disk).is_cyclic
+
+
 @pytest.mark.parametrize("stiffness", [1e-2, 30.0])
 def test_a_soft_spring_at_one_tip_breaks_symmetry(stiffness: float) -> None:
     """Beside beams whose entries reach 1e10 N/m."""
