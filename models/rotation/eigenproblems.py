@@ -31,7 +31,9 @@ def gyroscopic_eigen(
     """
     matrix, momenta, hermitian = _linearised(mass, stiffness, gyroscopic)
     w, fields = la.eigh(matrix) if hermitian else la.eig(matrix)
-    vectors = momenta @ fields[: len(mass)]
+    first, second = np.split(fields, 2)
+    at_rest = ~first.any(axis=0)  # where the stiffness is exactly singular
+    vectors = momenta @ np.where(at_rest, second, first)
     vectors /= np.sqrt(np.einsum("im,ij,jm->m", vectors.conj(), mass, vectors).real)
     order = _descending(w)
     return w[order].astype(np.complex128), vectors[:, order]
@@ -47,6 +49,8 @@ def gyroscopic_frequencies(mass: Matrix, stiffness: Matrix, gyroscopic: Matrix) 
 def _linearised(mass: Matrix, stiffness: Matrix, gyroscopic: Matrix) -> tuple[Matrix, Matrix, bool]:
     """Matrix with the eigenvalues w, what gives fields from the first half of its eigenvectors, and
     whether it is Hermitian: while the stiffness is positive definite. Else signs alone disturb it.
+
+    An eigenvector of w holds p and root(K) p / w, both in the axes of the stiffness.
     """
     size, inverse = len(mass), _inverse_root(mass)
     turned = 1j * inverse @ gyroscopic @ inverse.conj().T

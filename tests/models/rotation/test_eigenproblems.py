@@ -49,6 +49,16 @@ def test_waves_of_matrices_that_turn(lowest: float) -> None:
         assert np.count_nonzero(w.real > 0.0) == SIZE
 
 
+@pytest.mark.parametrize("coriolis", [0.0, 0.5, -0.5])
+def test_what_nothing_holds_stands_still(coriolis: float) -> None:
+    """A stiffness that is exactly singular: w = 0, and with Coriolis forces w = g / m beside it."""
+    mass, stiffness = np.diag([2.0, 1.0]), np.diag([0.0, 9.0])
+    w, p = gyroscopic_eigen(mass, stiffness, 1j * np.diag([coriolis, 0.0]))
+    np.testing.assert_allclose(w, sorted([3.0, -coriolis / 2.0, 0.0, -3.0], reverse=True))
+    np.testing.assert_allclose(np.abs(p[0]), [0.0, np.sqrt(0.5), np.sqrt(0.5), 0.0], atol=1e-15)
+    np.testing.assert_allclose(np.abs(p[1]), [1.0, 0.0, 0.0, 1.0], atol=1e-15)
+
+
 def test_every_mode_gets_the_same_share_of_critical_damping() -> None:
     stiffness = hermitian([4.0, 9.0, 16.0, 25.0, 36.0], 3)
     damping = modal_damping(MASS, stiffness, 0.02)

@@ -5,9 +5,11 @@ import pytest
 from contact_cases import random_problem, stage_problem
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.elements.cyclic import real_dft
 from bladewhirl.solvers.packing.arrangement import (
     CACHE_LINE,
     Arrangement,
+    Harmonics,
     aligned,
     dense_arrangement,
 )
@@ -36,6 +38,39 @@ def test_what_is_packed_is_read_back(blades: int, elements: int, cyclic: bool) -
         np.testing.assert_array_equal(grid.ravel(), packed[0])
 
 
+@pytest.mark.parametrize("alone", [True, False])
+@pytest.mark.parametrize("fold", [True, False])
+@pytest.mark.parametrize("points", [3, 8, 9, 14])
+def test_columns_stand_by_parity_and_across_from_their_partners(
+    points: int, fold: bool, alone: bool
+) -> None:
+    harmonics = Harmonics(points, fold=fold, unit=4, alone=alone)
+    columns = np.arange(points)
+    diameter = (columns + 1) // 2
+    chosen = np.repeat(columns, 1 + columns % 3)  # up to three modes a column
+    arrangement = harmonics.arrangement(harmonics.place[chosen])
+    half = arrangement.half
+    assert half % 4 == 0
+    assert arrangement.parts == (2 if fold and points % 2 == 0 else 1)
+    assert arrangement.columns == 2 * half
+    assert arrangement.rows == 3
+    np.testing.assert_array_equal(arrangement.entry % (2 * half), harmonics.place[chosen])
+    parts = [set(arrangement.columns_of(part)) for part in range(arrangement.parts)]
+    assert sum(map(len, parts)) == len(set.union(*parts)) <= 2 * half
+    for part, own in enumerate(parts):
+        mine = diameter % 2 == part if arrangement.parts == 2 else np.full(points, fill_value=True)
+        assert set(harmonics.place[mine]) <= own
+    paired = (0 < diameter) & (2 * diameter < points)
+    cosines = columns[paired & (columns % 2 == 1)]
+    assert np.all(harmonics.place[cosines] < half)
+    np.testing.assert_array_equal(harmonics.place[cosines + 1], harmonics.place[cosines] + half)
+    if alone:
+        across = (harmonics.place[~paired] + half) % (2 * half)
+        assert not set(across) & set(harmonics.place)
+    np.testing.assert_allclose(harmonics.shape[:, harmonics.place], real_dft(points))
+    assert np.linalg.norm(harmonics.shape) == pytest.approx(np.sqrt(points))  # the rest is zero
+
+
 def test_without_harmonics_each_mode_has_a_column() -> None:
     arrangement = dense_arrangement(20)
     assert arrangement.rows == 1
@@ -45,9 +80,9 @@ def test_without_harmonics_each_mode_has_a_column() -> None:
 
 @pytest.mark.parametrize("shape", [7, (3, 5), (0, 8)])
 def test_arrays_start_on_a_cache_line(shape: int | tuple[int, ...]) -> None:
-    found: FloatArray = aligned(shape)
-    assert found.ctypes.data % CACHE_LINE == 0 or found.size == 0
-    assert not found.any()
+    found: list[FloatArray] = [aligned(shape) for _ in range(20)]
+    assert all(each.ctypes.data % CACHE_LINE == 0 or each.size == 0 for each in found)
+    assert not np.any(found)
 
 
 @pytest.mark.parametrize("cyclic", [True, False])

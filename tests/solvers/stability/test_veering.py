@@ -11,7 +11,7 @@ import xarray as xr
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
-from bladewhirl.solvers.stability.veering import shaft_veering
+from bladewhirl.solvers.stability.veering import shaft_veering, whirl_veering
 from bladewhirl.studies.modal.veering import clamping_shifts, suspension_frequency, veering
 
 
@@ -42,6 +42,29 @@ def test_a_mass_on_a_spring_in_front_of_an_oscillator() -> None:
         energy = kappa + k * (ratio - 1.0) ** 2
         assert share == pytest.approx(kappa / energy, rel=1e-6)
     assert found.clamped == pytest.approx([np.sqrt(k / m2)])
+
+
+def test_the_same_two_masses_with_coriolis_forces_and_spin_softening() -> None:
+    """All roots of a polynomial of fourth degree; energy of strain without the softening."""
+    m, g, k, softening = np.array([2.0, 0.5]), np.array([3.0, -2.0]), 300.0, 7.0
+    elastic = np.array([[k, -k], [-k, k]], dtype=np.complex128)
+    matrices = np.diag(m) + 0j, elastic - softening * np.diag(m), 1j * np.diag(g)
+    springs = np.array([40.0, 100.0, 1e4])
+    centre = np.array([1.0 + 0j, 0.0])
+    found = whirl_veering(matrices, elastic, centre, springs=springs, branches=1)
+    assert found.direction == ("backward", "forward")
+    for kappa, frequency, share in zip(springs, found.frequency, found.spring_share, strict=True):
+        first, second = (
+            np.polynomial.Polynomial([held - softening * mass, -turned, -mass])
+            for held, turned, mass in zip((kappa + k, k), g, m, strict=True)
+        )
+        roots = np.sort((first * second - k**2).roots().real)
+        w = roots[[2, 1]]  # the lowest backward, positive, and the lowest forward
+        np.testing.assert_allclose(frequency * [1.0, -1.0], w, rtol=1e-9)
+        ratio = k / second(w)  # of the second mass's motion to the first's
+        np.testing.assert_allclose(share, kappa / (kappa + k * (ratio - 1.0) ** 2), rtol=1e-9)
+    alone = np.polynomial.Polynomial([k - softening * m[1], -g[1], -m[1]]).roots()
+    np.testing.assert_allclose(found.clamped * [1.0, -1.0], np.sort(alone)[::-1])
 
 
 def test_branches_are_the_frequencies_of_stages_built_with_that_stiffness() -> None:
