@@ -12,6 +12,7 @@ import ast
 import contextlib
 import copy
 import importlib.machinery
+import operator
 import os
 import random
 import signal
@@ -22,7 +23,8 @@ from pathlib import Path
 from typing import Any
 
 import h5py  # noqa: F401 - loaded before the fork, as are those below
-import numba  # noqa: F401
+import numba
+import numpy as np
 import pytest
 import scipy.linalg
 import scipy.sparse.linalg  # noqa: F401
@@ -84,6 +86,35 @@ def mutant(source: str, number: int) -> tuple[ast.Module, str]:
     return ast.fix_missing_locations(tree), f"{getattr(where, 'lineno', 0)}: {before} -> {after}"
 
 
+def without_compilation() -> None:
+    """Stand-ins in NumPy for what the kernel's compiled code alone can do."""
+    vectors = importlib.import_module("bladewhirl.solvers.kernel.vectors")
+    lanes, half = vectors.LANES, vectors.HALF
+
+    def store(array: Any, i: int, value: Any) -> None:
+        array[i : i + len(value)] = value
+
+    vars(vectors).update(
+        bare=lambda bundle: bundle,
+        plain=lambda value: value,
+        load=lambda array, i: array[i : i + lanes].copy(),
+        load_row=lambda array, row, i: array[row, i : i + lanes].copy(),
+        load_half=lambda array, i: array[i : i + half].copy(),
+        load_half_row=lambda array, row, i: array[row, i : i + half].copy(),
+        store=store,
+        store_row=lambda array, row, i, value: store(array[row], i, value),
+        splat=lambda value: np.full(lanes, value),
+        splat_half=lambda value: np.full(half, value),
+        fma=lambda a, b, c: a * b + c,
+        add=operator.add,
+        sub=operator.sub,
+        mul=operator.mul,
+        total=np.sum,
+        reverse=lambda a: a[::-1].copy(),
+        totals=lambda *registers: np.array([each.sum() for each in registers]),
+    )
+
+
 def outcome(module: Path, tree: ast.Module, tests: list[str], seconds: int) -> bool:
     """Whether the tests pass, in a process of their own, with the module replaced."""
     child = os.fork()
@@ -103,6 +134,8 @@ def outcome(module: Path, tree: ast.Module, tests: list[str], seconds: int) -> b
 
         loader.get_code = replaced  # type: ignore[method-assign]
         code = 1
+        if numba.config.DISABLE_JIT:
+            without_compilation()
         with contextlib.suppress(BaseException):
             code = int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *tests]))
         os._exit(code)
