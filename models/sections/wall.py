@@ -14,7 +14,7 @@ All sections are centred on the same circle: a one-sided rib bends the wall less
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.inputs.fields import Angle, Density, Length, Modulus
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.around_ring import RingProfile
-from bladewhirl.models.sections.rectangular import Section
+from bladewhirl.models.sections.rectangular import Section, SectionArrays
 
 TURN = 2.0 * np.pi
 
@@ -118,13 +118,11 @@ def _quantities(
         value = None if arc is None else getattr(arc, name)
         return np.broadcast_to(otherwise if value is None else value, thickness.shape)
 
-    height, width = given("thickness", thickness), given("width", section.width)
-    modulus = given("young_modulus", section.young_modulus)
-    return {
-        "axial_stiffness": modulus * width * height,
-        "bending_stiffness": modulus * width * height**3 / 12.0,
-        "line_mass": given("density", section.density) * width * height,
-        "thickness": height,
-        "width": width,
-        "young_modulus": modulus,
-    }
+    values = SectionArrays(
+        thickness=given("thickness", thickness),
+        **{
+            name: given(name, getattr(section, name))
+            for name in ("width", "young_modulus", "density")
+        },
+    )
+    return {item.name: getattr(values, item.name) for item in fields(WallProperties)}
