@@ -2,7 +2,8 @@
 
 Each mutant is the module with one comparison, sign, operator, number or condition changed, drawn
 from all that there are by a seed. It is killed when one of the tests fails. `NUMBA_DISABLE_JIT=1`
-before the command is for modules of the kernel. What is loaded beside the program is loaded once.
+before the command is for what is compiled: registers of the kernel are NumPy arrays then, and short
+tests have to be named. What is loaded beside the program is loaded once.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 import h5py  # noqa: F401 - loaded before the fork, as are those below
+import hypothesis
 import numba
 import numpy as np
 import pytest
@@ -115,6 +117,16 @@ def without_compilation() -> None:
     )
 
 
+class FirstFault:
+    """For pytest: hypothesis stops at the first example that fails, and seeks no smaller one."""
+
+    def pytest_configure(self) -> None:
+        """After the profile of the tests is loaded."""
+        kinds = [hypothesis.Phase.explicit, hypothesis.Phase.generate]
+        hypothesis.settings.register_profile("mutants", phases=kinds)
+        hypothesis.settings.load_profile("mutants")
+
+
 def outcome(module: Path, tree: ast.Module, tests: list[str], seconds: int) -> bool:
     """Whether the tests pass, in a process of their own, with the module replaced."""
     child = os.fork()
@@ -137,7 +149,8 @@ def outcome(module: Path, tree: ast.Module, tests: list[str], seconds: int) -> b
         if numba.config.DISABLE_JIT:
             without_compilation()
         with contextlib.suppress(BaseException):
-            code = int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *tests]))
+            options = ["-x", "-q", "-p", "no:cacheprovider"]
+            code = int(pytest.main([*options, *tests], plugins=[FirstFault()]))
         os._exit(code)
     signal.signal(signal.SIGALRM, lambda *_: os.killpg(child, signal.SIGKILL))
     signal.alarm(seconds)
