@@ -8,14 +8,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.coupling.invariant_frame import frame_matrices, invariant_matrices
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.coupling.invariant_frame import (
+    frame_matrices,
+    invariant_matrices,
+    state_matrix,
+)
 from bladewhirl.models.coupling.springs import (
     CouplingModes,
     coupling_stiffness,
     paper_modes,
     periodic_stiffness,
 )
+from bladewhirl.models.coupling.turning_rotor import TurningRotor, matrices_of_entries
 
 BACKWARDS = [4, 5, 2, 3, 0, 1]
 """Positions in (v, u, u_o) of the paper's q1..q6, which Eq. (16) numbers from the suspension."""
@@ -134,21 +139,82 @@ def test_frame_is_the_printed_equation_16() -> None:
     assert p_dot[:, BACKWARDS] == pytest.approx(expected_dot, abs=1e-15)
 
 
+def over_coordinates(modes: CouplingModes, factor: ComplexArray) -> FloatArray:
+    """Real matrix that multiplies u_c + i u_s by complex numbers, single modes by real ones."""
+    matrix = np.zeros((modes.size, modes.size))
+    for (i, j), value in np.ndenumerate(factor):
+        first, second = modes.cosine[i], modes.cosine[j]
+        own = np.array([[value.real, -value.imag], [value.imag, value.real]])
+        height, width = 1 + modes.paired[i], 1 + modes.paired[j]
+        matrix[first : first + height, second : second + width] = own[:height, :width]
+    return matrix
+
+
+def random_turning(modes: CouplingModes, *, mirrored: bool) -> TurningRotor:
+    """A rotor that turns: G skew-Hermitian, S Hermitian, real between single modes."""
+    k, rotor, rng = modes.nodal_diameter, ~modes.on_casing, np.random.default_rng(3)
+    held = (k[:, None] == k) & np.logical_and.outer(rotor, rotor)
+    both = np.logical_and.outer(modes.paired, modes.paired)
+    real, imaginary = rng.normal(size=(2, modes.entries, modes.entries))
+    drawn = held * (real + 1j * both * imaginary)
+    coriolis, softening = drawn - drawn.conj().T, drawn + drawn.conj().T
+    if mirrored:
+        coriolis, softening = 1j * coriolis.imag, softening.real + 0j
+    return TurningRotor(coriolis=coriolis, softening=softening)
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_frame_makes_any_set_of_modes_autonomous(seed: int) -> None:
-    modes = random_modes(seed)
-    speed, kappa = 1.37, 0.9
-    gyroscopic, stiffness = invariant_matrices(modes, speed=speed, kappa=kappa)
-    damping = np.diag(modes.damping_rate[modes.entry])
-    turning = np.diag((modes.frame_rate * speed)[modes.entry])
-    for time in (0.0, 0.9, 4.2):
-        p, p_dot = frame_matrices(modes, speed=speed, time=time)
-        k_t = periodic_stiffness(modes, kappa=kappa, angle=speed * time)
-        assert p.T @ p == pytest.approx(np.eye(modes.size), abs=1e-14)
-        acceleration = -p @ turning**2
-        assert 2.0 * p.T @ p_dot + p.T @ damping @ p == pytest.approx(gyroscopic, abs=1e-12)
-        projected = p.T @ (acceleration + damping @ p_dot + k_t @ p)
-        assert projected == pytest.approx(stiffness, abs=1e-12 * np.abs(stiffness).max())
+    still = random_modes(seed)
+    for turning in (None, random_turning(still, mirrored=False)):
+        modes = replace(still, turning=turning)
+        speed, kappa = 1.37, 0.9
+        gyroscopic, stiffness = invariant_matrices(modes, speed=speed, kappa=kappa)
+        damping = np.diag(modes.damping_rate[modes.entry])
+        softening = np.zeros_like(damping)
+        if turning is not None:
+            damping = damping + 2.0 * speed * over_coordinates(modes, turning.coriolis)
+            softening = speed**2 * over_coordinates(modes, turning.softening)
+        turned = np.diag((modes.frame_rate * speed)[modes.entry])
+        for time in (0.0, 0.9, 4.2):
+            p, p_dot = frame_matrices(modes, speed=speed, time=time)
+            k_t = periodic_stiffness(modes, kappa=kappa, angle=speed * time) + softening
+            assert p.T @ p == pytest.approx(np.eye(modes.size), abs=1e-14)
+            acceleration = -p @ turned**2
+            assert 2.0 * p.T @ p_dot + p.T @ damping @ p == pytest.approx(gyroscopic, abs=1e-12)
+            projected = p.T @ (acceleration + damping @ p_dot + k_t @ p)
+            assert projected == pytest.approx(stiffness, abs=1e-12 * np.abs(stiffness).max())
+        q, rate = np.random.default_rng(seed).normal(size=(2, modes.size))
+        state = state_matrix(modes, speed=speed, kappa=kappa)
+        assert state.shape == (2 * modes.size, 2 * modes.size)
+        expected = np.concatenate([rate, -gyroscopic @ rate - stiffness @ q])
+        np.testing.assert_allclose(state @ np.concatenate([q, rate]), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("mirrored", [True, False])
+def test_matrices_of_a_rotor_that_turns_are_found_in_those_of_its_coordinates(
+    mirrored: bool,
+) -> None:
+    modes = random_modes(0)
+    turning = random_turning(modes, mirrored=mirrored)
+    on_rotor = np.flatnonzero(~modes.on_casing[modes.entry])
+    noise = 1e-12 * np.random.default_rng(1).normal(size=(len(on_rotor),) * 2)
+    found = matrices_of_entries(
+        *(
+            over_coordinates(modes, each)[np.ix_(on_rotor, on_rotor)] + noise
+            for each in (turning.coriolis, turning.softening)
+        ),
+        on_rotor,
+        paired=modes.paired,
+        nodal_diameter=modes.nodal_diameter,
+        cosine=modes.cosine,
+    )
+    np.testing.assert_allclose(found.coriolis, turning.coriolis, atol=1e-11)
+    np.testing.assert_allclose(found.softening, turning.softening, atol=1e-11)
+    assert found.mirrored is mirrored
+    part = found.take(np.array([3, 4]))
+    np.testing.assert_array_equal(part.coriolis, found.coriolis[3:5, 3:5])
+    np.testing.assert_array_equal(part.softening, found.softening[3:5, 3:5])
 
 
 def test_frame_derivative_is_that_of_the_frame() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from stages import bladed_disk, casing, disk_modes, tip_reference
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.cyclic import (
     SectorLayout,
+    evenly_spaced,
     is_pair,
     nodal_diameter_of,
     nodal_diameters,
@@ -23,16 +25,19 @@ from bladewhirl.models.elements.cyclic import (
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.modal.modes import structure_modes
 
-STRUCTURES = pytest.mark.parametrize(
-    "structure",
-    [
-        bladed_disk(blades=22, elements=2).structure,
-        bladed_disk(blades=5, elements=3).structure,
-        bladed_disk(blades=4, elements=2, clamped=True).structure,
-        *(casing(elements, 1e5).structure for elements in (3, 4, 21)),
-    ],
-    ids=["22", "5", "4, clamped", "casing of 3", "casing of 4", "casing of 21"],
-)
+
+@cache
+def structures() -> dict[str, Structure]:
+    """Cyclic structures, by name."""
+    found = {
+        "22": bladed_disk(blades=22, elements=2).structure,
+        "5": bladed_disk(blades=5, elements=3).structure,
+        "4, clamped": bladed_disk(blades=4, elements=2, clamped=True).structure,
+    }
+    return found | {f"casing of {n}": casing(n, 1e5).structure for n in (3, 4, 21)}
+
+
+STRUCTURES = pytest.mark.parametrize("structure", structures().values(), ids=structures())
 
 
 def layout_of(structure: Structure) -> SectorLayout:
@@ -100,18 +105,36 @@ def test_parts_of_waves_are_their_factors(count: int, first: float) -> None:
     np.testing.assert_allclose(each[:, 1], np.diag(b), atol=1e-12)
 
 
-@STRUCTURES
-def test_bases_of_the_nodal_diameters_are_orthonormal_and_complete(structure: Structure) -> None:
-    layout = layout_of(structure)
-    bases = [layout.basis(k) for k in nodal_diameters(layout.sectors)]
-    bases += [
-        layout.basis(k).conj()
-        for k in nodal_diameters(layout.sectors)
-        if is_pair(k, layout.sectors)
-    ]
-    whole = np.hstack([basis.toarray() for basis in bases])
+def of_all_parts() -> SectorLayout:
+    """Five sectors of two, and a centre that may rotate, before them."""
+    return SectorLayout(sector_dofs=np.arange(3, 13).reshape(5, 2), centre_dofs=np.arange(3))
+
+
+@pytest.mark.parametrize(
+    "layout",
+    [*(layout_of(each) for each in structures().values()), of_all_parts()],
+    ids=[*structures(), "all parts"],
+)
+def test_bases_of_the_nodal_diameters_are_complete_and_turn_into_themselves(
+    layout: SectorLayout,
+) -> None:
+    bases = {k: layout.basis(k).toarray() for k in nodal_diameters(layout.sectors)}
+    pairs = [basis.conj() for k, basis in bases.items() if is_pair(k, layout.sectors)]
+    whole = np.hstack([*bases.values(), *pairs])
     assert whole.shape == (layout.size, layout.size)
     np.testing.assert_allclose(whole.conj().T @ whole, np.eye(layout.size), atol=1e-12)
+    turn, alpha = layout.turn(), 2.0 * np.pi / layout.sectors
+    for k, basis in bases.items():
+        np.testing.assert_allclose(turn @ basis, np.exp(-1j * k * alpha) * basis, atol=1e-12)
+
+
+@pytest.mark.parametrize("count", [1, 5, 22])
+def test_angles_are_even_from_any_start_in_order(count: int) -> None:
+    angles = np.mod(2.0 * np.pi * np.arange(count) / count + 6.1, 2.0 * np.pi)
+    assert evenly_spaced(angles)
+    if count > 1:
+        assert not evenly_spaced(angles[::-1])
+        assert not evenly_spaced(angles + np.array([1e-6, *np.zeros(count - 1)]))
 
 
 @STRUCTURES
