@@ -11,7 +11,7 @@ from stages import bladed_disk, disk_modes, tip_reference
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
-from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton
+from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton, craig_bampton_basis
 
 
 def tips_and_centre(disk: BladedDiskModel) -> IntArray:
@@ -88,6 +88,31 @@ def test_reduced_modes_are_normal_in_the_full_matrices() -> None:
     more = reduce(disk, 176).modes.frequency[:92]
     assert (modes.frequency[:92] >= full * (1.0 - 1e-10)).all()
     assert (more <= modes.frequency[:92] * (1.0 + 1e-10)).all()
+
+
+@pytest.mark.parametrize("dense", [False, True])
+@pytest.mark.parametrize(("blades", "kept"), [(5, 8), (4, 9), (6, 0)])
+def test_static_shapes_and_fixed_interface_modes_span_the_reduced_structure(
+    blades: int, kept: int, dense: bool
+) -> None:
+    disk = bladed_disk(blades=blades, elements=3)
+    structure = replace(disk.structure, layout=None) if dense else disk.structure
+    boundary = tips_and_centre(disk)
+    inside = np.setdiff1d(np.arange(structure.size), boundary)
+    reduction = reduce(disk, kept, dense=dense)
+    basis = craig_bampton_basis(structure, boundary, reduction.kept)
+    mass, stiffness = structure.mass, structure.stiffness
+    static, fixed = basis[:, : len(boundary)], basis[:, len(boundary) :]
+    np.testing.assert_array_equal(static[boundary], np.eye(len(boundary)))
+    force = (stiffness @ static)[inside]
+    np.testing.assert_allclose(force, 0.0, atol=1e-9 * stiffness.max())
+    assert not fixed[boundary].any()
+    np.testing.assert_allclose(fixed.T @ (mass @ fixed), np.eye(reduction.kept), atol=1e-10)
+    squares = fixed_interface_frequencies(disk)[: reduction.kept] ** 2
+    held = fixed.T @ (stiffness @ fixed)
+    np.testing.assert_allclose(held, np.diag(squares), atol=1e-9 * squares.max(initial=1.0))
+    found = la.eigvalsh(basis.T @ (stiffness @ basis), basis.T @ (mass @ basis))
+    np.testing.assert_allclose(np.sqrt(found), reduction.modes.frequency, rtol=1e-8)
 
 
 def test_more_modes_than_there_are() -> None:
