@@ -24,7 +24,6 @@ from pathlib import Path
 from typing import Any
 
 import h5py  # noqa: F401 - loaded before the fork, as are those below
-import hypothesis
 import numba
 import numpy as np
 import pytest
@@ -122,6 +121,8 @@ class FirstFault:
 
     def pytest_configure(self) -> None:
         """After the profile of the tests is loaded."""
+        import hypothesis  # pytest has to load it first
+
         kinds = [hypothesis.Phase.explicit, hypothesis.Phase.generate]
         hypothesis.settings.register_profile("mutants", phases=kinds)
         hypothesis.settings.load_profile("mutants")
