@@ -11,11 +11,17 @@ import scipy.linalg as la
 from stages import bladed_disk, observed_order, oracle, steel, translation
 
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
+from bladewhirl.models.elements.cyclic import SectorLayout
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.rotation.eigenproblems import lowest_gyroscopic_eigen
 from bladewhirl.models.rotation.matrices import rotation_matrices
-from bladewhirl.models.rotation.whirl_modes import WhirlModes, whirl_modes
+from bladewhirl.models.rotation.whirl_modes import (
+    WhirlModes,
+    directions,
+    travelling,
+    whirl_modes,
+)
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.studies.verification.rotation import cantilevers
 
@@ -156,6 +162,51 @@ def plain(structure: Structure, count: int) -> WhirlModes:
     bare = replace(structure)
     object.__setattr__(bare, "is_cyclic", False)
     return whirl_modes(bare, count)
+
+
+def test_waves_are_seen_from_the_static_frame() -> None:
+    """Tips looked at whenever the disk has turned by one sector, from places that stand still."""
+    sectors, omega = 5, -400.0
+    disk = assembled(fan(sectors))
+    modes = whirl_modes(rotation_matrices(disk).at_speed(omega, "full"), 25)
+    pitch, places = 2.0 * np.pi / sectors, np.arange(sectors)
+    time = pitch / abs(omega)
+    found = modes.static_frequency(omega), modes.static_direction(omega)
+    fields = modes.fields(np.arange(modes.count))[disk.tip_radial]
+    for mode, (w, static, way) in enumerate(zip(modes.frequency, *found, strict=True)):
+        k = modes.nodal_diameter[mode]
+        if modes.direction[mode] == "standing":
+            assert (k, static, way) == (0, w, "standing")
+            continue
+        seen = [
+            np.roll((fields[:, mode] * np.exp(1j * w * n * time)).real, n * int(np.sign(omega)))
+            for n in (0, 1)
+        ]
+        waves = np.array(seen) @ np.exp(-1j * k * places * pitch)
+        assert waves[1] / waves[0] == pytest.approx(np.exp(1j * static * time))
+        assert way == ("backward" if static > 0.0 else "forward")
+    assert directions(np.array([1.0, -1.0, 1e-4, -1e-4]), omega) == (
+        *("backward", "forward", "standing", "standing"),
+    )
+
+
+def test_waves_are_told_apart_in_fields_that_mix_them() -> None:
+    """Shares by mass of waves both ways, the centre's motion among those of one nodal diameter."""
+    layout = SectorLayout(sector_dofs=np.arange(3, 13).reshape(5, 2), centre_dofs=np.arange(3))
+    weights = np.array([9.0, 9.0, 1.0, *np.tile([1.0, 4.0], 5)])
+    one, two = (layout.basis(k).toarray() for k in (1, 2))
+    centre, light, heavy = one[:, 2], two[:, 0], two[:, 1]
+    none = layout.basis(0).toarray()[:, 0]
+    fields = [
+        centre + 4.0 * light.conj(),  # masses 9 and 16
+        2.0 * centre + centre.conj() + one[:, 0],
+        1.2 * heavy + heavy.conj() + none,
+        centre.conj(),
+    ]
+    diameter, purity, ways = travelling(np.stack(fields, axis=1), weights, layout)
+    np.testing.assert_array_equal(diameter, [2, 1, 2, 1])
+    np.testing.assert_allclose(purity, [16 / 25, 1.0, 4 * 2.44 / (4 * 2.44 + 1), 1.0])
+    assert ways == ["forward", "backward", "standing", "forward"]
 
 
 def test_large_structures_have_their_lowest_modes_found() -> None:
