@@ -45,26 +45,28 @@ def test_a_mass_on_a_spring_in_front_of_an_oscillator() -> None:
 
 
 def test_the_same_two_masses_with_coriolis_forces_and_spin_softening() -> None:
-    """All roots of a polynomial of fourth degree; energy of strain without the softening."""
-    m, g, k, softening = np.array([2.0, 0.5]), np.array([3.0, -2.0]), 300.0, 7.0
-    elastic = np.array([[k, -k], [-k, k]], dtype=np.complex128)
+    """All roots of a polynomial of fourth degree, and a third mass that nothing joins to them."""
+    m, g, k = np.array([2.0, 0.5, 1.0]), np.array([3.0, -2.0, 0.0]), 300.0
+    softening, own = 7.0, 20.0
+    elastic = np.array([[k, -k, 0.0], [-k, k, 0.0], [0.0, 0.0, own**2 + softening]]) + 0j
     matrices = np.diag(m) + 0j, elastic - softening * np.diag(m), 1j * np.diag(g)
-    springs = np.array([40.0, 100.0, 1e4])
-    centre = np.array([1.0 + 0j, 0.0])
-    found = whirl_veering(matrices, elastic, centre, springs=springs, branches=1)
-    assert found.direction == ("backward", "forward")
+    springs, centre = np.array([40.0, 100.0, 1e4]), np.array([1.0 + 0j, 0.0, 0.0])
+    found = whirl_veering(matrices, elastic, centre, springs=springs, branches=2)
+    assert found.direction == ("backward", "backward", "forward", "forward")
     for kappa, frequency, share in zip(springs, found.frequency, found.spring_share, strict=True):
         first, second = (
             np.polynomial.Polynomial([held - softening * mass, -turned, -mass])
-            for held, turned, mass in zip((kappa + k, k), g, m, strict=True)
+            for held, turned, mass in zip((kappa + k, k), g[:2], m[:2], strict=True)
         )
-        roots = np.sort((first * second - k**2).roots().real)
-        w = roots[[2, 1]]  # the lowest backward, positive, and the lowest forward
-        np.testing.assert_allclose(frequency * [1.0, -1.0], w, rtol=1e-9)
+        roots = np.sort([*(first * second - k**2).roots().real, own, -own])
+        w = roots[[3, 4, 2, 1]]  # the lowest backward, positive, and the lowest forward
+        np.testing.assert_allclose(frequency * [1.0, 1.0, -1.0, -1.0], w, rtol=1e-9)
         ratio = k / second(w)  # of the second mass's motion to the first's
-        np.testing.assert_allclose(share, kappa / (kappa + k * (ratio - 1.0) ** 2), rtol=1e-9)
+        energy = np.where(np.isclose(abs(w), own), np.inf, kappa + k * (ratio - 1.0) ** 2)
+        np.testing.assert_allclose(share, kappa / energy, rtol=1e-9, atol=1e-15)
     alone = np.polynomial.Polynomial([k - softening * m[1], -g[1], -m[1]]).roots()
-    np.testing.assert_allclose(found.clamped * [1.0, -1.0], np.sort(alone)[::-1])
+    clamped = np.sort([*alone, own, -own])[[2, 3, 1, 0]]
+    np.testing.assert_allclose(found.clamped * [1.0, 1.0, -1.0, -1.0], clamped)
 
 
 def test_branches_are_the_frequencies_of_stages_built_with_that_stiffness() -> None:
