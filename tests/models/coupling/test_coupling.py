@@ -212,6 +212,7 @@ def test_matrices_of_a_rotor_that_turns_are_found_in_those_of_its_coordinates(
     np.testing.assert_allclose(found.coriolis, turning.coriolis, atol=1e-11)
     np.testing.assert_allclose(found.softening, turning.softening, atol=1e-11)
     assert found.mirrored is mirrored
+    assert replace(found, coriolis=1j * found.coriolis.imag).mirrored is mirrored
     part = found.take(np.array([3, 4]))
     np.testing.assert_array_equal(part.coriolis, found.coriolis[3:5, 3:5])
     np.testing.assert_array_equal(part.softening, found.softening[3:5, 3:5])
