@@ -59,9 +59,9 @@ def matrices_of_entries(
         nodal_diameter: of each entry.
         cosine: place of each entry's cosine among all real coordinates.
     """
-    size = int(cosine[-1] + 1 + paired[-1])
     same = nodal_diameter[:, None] == nodal_diameter[None, :]
     sines = np.where(paired, cosine + 1, cosine)
+    size = sines[-1] + 1
 
     def over_entries(part: FloatArray) -> ComplexArray:
         whole = np.zeros((size, size))

@@ -195,22 +195,20 @@ def test_frame_makes_any_set_of_modes_autonomous(seed: int) -> None:
 def test_matrices_of_a_rotor_that_turns_are_found_in_those_of_its_coordinates(
     mirrored: bool,
 ) -> None:
-    modes = random_modes(0)
+    modes, scale = random_modes(0), 1e-10
     turning = random_turning(modes, mirrored=mirrored)
+    wanted = (scale * turning.coriolis, scale * turning.softening)
     on_rotor = np.flatnonzero(~modes.on_casing[modes.entry])
-    noise = 1e-12 * np.random.default_rng(1).normal(size=(len(on_rotor),) * 2)
+    noise = 1e-12 * scale * np.random.default_rng(1).normal(size=(len(on_rotor),) * 2)
     found = matrices_of_entries(
-        *(
-            over_coordinates(modes, each)[np.ix_(on_rotor, on_rotor)] + noise
-            for each in (turning.coriolis, turning.softening)
-        ),
+        *(over_coordinates(modes, each)[np.ix_(on_rotor, on_rotor)] + noise for each in wanted),
         on_rotor,
         paired=modes.paired,
         nodal_diameter=modes.nodal_diameter,
         cosine=modes.cosine,
     )
-    np.testing.assert_allclose(found.coriolis, turning.coriolis, atol=1e-11)
-    np.testing.assert_allclose(found.softening, turning.softening, atol=1e-11)
+    for ours, expected in zip((found.coriolis, found.softening), wanted, strict=True):
+        np.testing.assert_allclose(ours, expected, atol=1e-11 * scale)
     assert found.mirrored is mirrored
     assert replace(found, coriolis=1j * found.coriolis.imag).mirrored is mirrored
     part = found.take(np.array([3, 4]))
