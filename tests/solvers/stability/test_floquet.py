@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.linalg as la
 from coupled_system import UNIT, six_modes
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.coupling.springs import CouplingModes, periodic_stiffness
-from bladewhirl.solvers.stability.floquet import Floquet, floquet
+from bladewhirl.models.coupling.turning_rotor import TurningRotor
+from bladewhirl.solvers.stability.floquet import Floquet, coupled_floquet, exponentials, floquet
 from bladewhirl.solvers.stability.growth import eigenvalues, growth_rate
 
 
@@ -71,6 +74,56 @@ def test_agrees_for_many_nodal_diameters_and_a_single_mode() -> None:
     for speed in (0.7, 1.0, 1.25):
         growth = growth_rate(modes, speed=speed, kappa=0.5)
         assert monodromy(modes, speed, 0.5).growth == pytest.approx(growth, abs=1e-9)
+
+
+@pytest.mark.parametrize("speed", [0.8, -1.3])
+def test_a_rotor_that_turns_agrees_with_its_autonomous_form(speed: float) -> None:
+    """Both ways round, with Coriolis forces and spin softening that couple its two pairs."""
+    drawn = np.zeros((3, 3), dtype=np.complex128)
+    drawn[1:, 1:] = [[0.1j, 0.2 - 0.3j], [0.1 + 0.1j, -0.2j]]
+    modes = CouplingModes(
+        name=("casing", "one", "other"),
+        on_casing=np.array([True, False, False]),
+        nodal_diameter=np.full(3, 2),
+        frequency=np.array([0.5, 1.1, 1.9]),
+        amplitude=np.array([0.7, 0.5, -0.4]),
+        damping_ratio=np.array([0.01, 0.0, 0.02]),
+        paired=np.ones(3, dtype=np.bool_),
+        turning=TurningRotor(coriolis=drawn - drawn.conj().T, softening=drawn + drawn.conj().T),
+    )
+    result = coupled_floquet(modes, speed=speed, kappa=0.3)[2]
+    assert result.period == pytest.approx(2.0 * np.pi / abs(speed))
+    expected = np.exp(eigenvalues(modes, speed=speed, kappa=0.3) * result.period)
+    distance = np.abs(expected[:, None] - result.multipliers)
+    assert distance.min(axis=0) == pytest.approx(0.0, abs=1e-9)
+    assert distance.min(axis=1) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("size", [1e-3, 0.3, 3.0, 40.0])
+def test_exponentials_are_those_of_scipy(size: float) -> None:
+    matrices = size * np.random.default_rng(2).normal(size=(3, 4, 4)) / 4.0
+    expected = la.expm(matrices)
+    error = np.abs(exponentials(matrices) - expected).max(axis=(1, 2))
+    assert np.all(error < 1e-12 * np.abs(expected).max(axis=(1, 2)) * max(size, 1.0))
+
+
+def test_a_step_errs_with_the_seventh_power_of_its_length(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So that halved steps err by a 64th over a turn; an odd number of them, too."""
+
+    def after(steps: int) -> FloatArray:
+        monkeypatch.setattr("bladewhirl.solvers.stability.floquet.FEWEST_STEPS", steps)
+        found = floquet(
+            lambda times: np.array([[4.0, 1.0], [1.0, 2.0]]) * np.cos(times)[:, None, None] ** 2,
+            period=np.pi,
+            damping=np.array([[0.1, 0.3], [-0.2, 0.2]]),
+            tolerance=np.inf,
+        )
+        assert found.steps == 2 * steps
+        return found.monodromy
+
+    exact = after(200)
+    errors = [np.abs(after(steps) - exact).max() for steps in (7, 14)]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(6.0, abs=0.3)
 
 
 def test_too_tight_a_tolerance_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
