@@ -11,11 +11,13 @@ from coupled_system import CASING, FIRST, SUSPENSION, UNIT, six_modes
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.coupling.invariant_frame import invariant_matrices, state_matrix
 from bladewhirl.models.coupling.springs import CouplingModes
+from bladewhirl.models.coupling.turning_rotor import TurningRotor
 from bladewhirl.solvers.stability.growth import (
     coincidence_speeds,
     eigenvalues,
     growth_rate,
     is_unstable,
+    rotor_waves,
 )
 from bladewhirl.solvers.stability.tracking import track
 from bladewhirl.solvers.stability.zones import unstable_zones
@@ -47,6 +49,67 @@ def test_half_size_spectrum_is_that_of_equation_21(damping_ratio: float) -> None
         distance = np.abs(full[:, None] - ours)
         assert distance.min(axis=0) == pytest.approx(0.0, abs=1e-9 * UNIT)
         assert distance.min(axis=1) == pytest.approx(0.0, abs=1e-9 * UNIT)
+
+
+def turning_pairs(damping_ratio: float, *, mirrored: bool) -> CouplingModes:
+    """Two casing pairs of k = 2 and one of k = 3, three rotor pairs of k = 2 that turn."""
+    drawn = np.random.default_rng(7).normal(scale=0.05, size=(2, 6, 6))
+    whole = drawn[0] * (not mirrored) + 1j * drawn[1]
+    whole[:3] = whole[:, :3] = 0.0
+    coriolis, softening = whole - whole.conj().T, 1j * whole - 1j * whole.conj().T
+    return CouplingModes(
+        name=("casing",) * 3 + ("rotor",) * 3,
+        on_casing=np.arange(6) < 3,
+        nodal_diameter=np.array([2, 2, 3, 2, 2, 2]),
+        frequency=np.array([0.4, 1.7, 0.9, 2.2, 1.0, 3.1]),
+        amplitude=np.array([0.5, 0.4, 0.6, 0.3, 0.8, -0.5]),
+        damping_ratio=np.full(6, damping_ratio),
+        paired=np.ones(6, dtype=bool),
+        turning=TurningRotor(coriolis=coriolis, softening=softening),
+    )
+
+
+@pytest.mark.parametrize("mirrored", [True, False])
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.02])
+def test_rotors_that_turn_have_the_same_spectrum_at_half_the_size(
+    damping_ratio: float, mirrored: bool
+) -> None:
+    modes = turning_pairs(damping_ratio, mirrored=mirrored)
+    assert modes.turning is not None
+    assert modes.turning.mirrored is mirrored
+    for speed in (0.7, -1.9):
+        full = np.linalg.eigvals(state_matrix(modes, speed=speed, kappa=0.3))
+        distance = np.abs(full[:, None] - eigenvalues(modes, speed=speed, kappa=0.3))
+        assert distance.min(axis=0) == pytest.approx(0.0, abs=1e-9)
+        assert distance.min(axis=1) == pytest.approx(0.0, abs=1e-9)
+        alone, turning = modes.take([3, 4, 5]), modes.turning.take(np.arange(3, 6))
+        waves = rotor_waves(turning, alone.frequency, speed, alone.damping_rate)
+        assert len(np.unique(np.round(waves, 6))) == 6
+        for nu in waves:
+            drag = 2.0 * speed * turning.coriolis + np.diag(alone.damping_rate)
+            held = np.diag(alone.frequency**2 - nu**2) + speed**2 * turning.softening
+            assert np.linalg.svd(held + 1j * nu * drag)[1].min() < 1e-9
+
+
+@pytest.mark.parametrize("mirrored", [True, False])
+def test_waves_of_a_rotor_that_turns_meet_the_casing_s_where_a_scan_says(mirrored: bool) -> None:
+    modes = turning_pairs(0.0, mirrored=mirrored)
+    assert modes.turning is not None
+    found = coincidence_speeds(modes)
+    rotor, speeds = np.arange(3, 6), np.linspace(1e-3, 8.0, 2001)
+    waves = [
+        np.sort(rotor_waves(modes.turning.take(rotor), modes.frequency[rotor], speed).real)
+        for speed in speeds
+    ]
+    expected = {}
+    for casing in (0, 1):
+        ahead = np.array(waves) - (modes.frequency[casing] - 2.0 * speeds)[:, None]
+        for behind, mode in enumerate(rotor[np.argsort(modes.frequency[rotor])]):
+            met = np.flatnonzero(np.diff(np.sign(ahead[:, 2 - behind])))
+            if met.size:
+                expected[casing, int(mode)] = speeds[met[0]]
+    assert len(expected) == 6
+    assert found == pytest.approx(expected, abs=8e-3)
 
 
 def test_no_springs_no_growth() -> None:
