@@ -109,7 +109,7 @@ class Scheme(Protocol[StateT]):
         """
 
 
-CHUNK_STEPS = 20_000
+CHUNK_STEPS = 50_000
 """Steps between two yields: short enough for a smooth progress bar, long enough to cost nothing."""
 
 

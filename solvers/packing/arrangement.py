@@ -54,7 +54,7 @@ class Arrangement:
 
     def unpack(self, packed: FloatArray) -> FloatArray:
         """Read the values of modes back, (..., modes)."""
-        return np.ascontiguousarray(packed[..., self.entry])
+        return packed.take(self.entry, axis=-1)
 
 
 def padded(size: int, unit: int = LANES) -> int:

@@ -19,6 +19,7 @@ from bladewhirl.models.case.file import dumps_case, read_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.schema import HISTORY, RESULT_NAME
 from bladewhirl.solvers.march.scheme import KERNEL
+from bladewhirl.solvers.march.schema import RESULT_NAME
 from bladewhirl.studies.runs.place import locked
 from bladewhirl.studies.runs.recorded_march import Activity
 from bladewhirl.studies.runs.run import resume
@@ -127,11 +128,12 @@ def test_two_runs_do_not_share_a_folder(tmp_path: Path) -> None:
     assert not [*tmp_path.iterdir()]
 
 
-def test_a_refused_write_is_one_line_and_what_was_recorded_stays(
-    whole: Path, tmp_path: Path
-) -> None:
-    (tmp_path / "case.toml").write_text(dumps_case(long()))
-    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (1_600_000, 1_600_000)); "
+def test_a_refused_write_is_one_line_and_what_was_recorded_stays(tmp_path: Path) -> None:
+    case = long(**{"march.record_step": 1e-5})
+    whole = bw.run(case, tmp_path / "whole", frames=0).directory
+    (tmp_path / "case.toml").write_text(dumps_case(case))
+    size = (whole / RESULT_NAME).stat().st_size * 3 // 4
+    limit = f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size})); "
     arguments = ["run", str(tmp_path / "case.toml"), "-o", str(tmp_path / "run"), "--frames", "0"]
     ended = subprocess.run(
         [sys.executable, "-c", limit + COMMAND, *arguments], capture_output=True, text=True
