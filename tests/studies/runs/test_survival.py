@@ -129,7 +129,7 @@ def test_two_runs_do_not_share_a_folder(tmp_path: Path) -> None:
 
 
 def test_a_refused_write_is_one_line_and_what_was_recorded_stays(tmp_path: Path) -> None:
-    case = long(**{"march.record_step": 1e-5})
+    case = long(**{"march.duration": 0.2})
     whole = bw.run(case, tmp_path / "whole", frames=0).directory
     (tmp_path / "case.toml").write_text(dumps_case(case))
     size = (whole / RESULT_NAME).stat().st_size * 3 // 4
