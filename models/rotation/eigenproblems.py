@@ -36,7 +36,7 @@ def gyroscopic_eigen(
     vectors = momenta @ np.where(at_rest, second, first)
     vectors /= np.sqrt(np.einsum("im,ij,jm->m", vectors.conj(), mass, vectors).real)
     order = _descending(w)
-    return w[order].astype(np.complex128), vectors[:, order]
+    return w[order].astype(np.complex128), vectors[:, order].astype(np.complex128, copy=False)
 
 
 def gyroscopic_frequencies(mass: Matrix, stiffness: Matrix, gyroscopic: Matrix) -> ComplexArray:

@@ -201,7 +201,8 @@ def test_matrices_of_a_rotor_that_turns_are_found_in_those_of_its_coordinates(
     on_rotor = np.flatnonzero(~modes.on_casing[modes.entry])
     noise = 1e-12 * scale * np.random.default_rng(1).normal(size=(len(on_rotor),) * 2)
     found = matrices_of_entries(
-        *(over_coordinates(modes, each)[np.ix_(on_rotor, on_rotor)] + noise for each in wanted),
+        over_coordinates(modes, wanted[0])[np.ix_(on_rotor, on_rotor)] + noise,
+        over_coordinates(modes, wanted[1])[np.ix_(on_rotor, on_rotor)] + noise,
         on_rotor,
         paired=modes.paired,
         nodal_diameter=modes.nodal_diameter,
@@ -210,7 +211,7 @@ def test_matrices_of_a_rotor_that_turns_are_found_in_those_of_its_coordinates(
     for ours, expected in zip((found.coriolis, found.softening), wanted, strict=True):
         np.testing.assert_allclose(ours, expected, atol=1e-11 * scale)
     assert found.mirrored is mirrored
-    assert replace(found, coriolis=1j * found.coriolis.imag).mirrored is mirrored
+    assert replace(found, coriolis=np.asarray(1j * found.coriolis.imag)).mirrored is mirrored
     part = found.take(np.array([3, 4]))
     np.testing.assert_array_equal(part.coriolis, found.coriolis[3:5, 3:5])
     np.testing.assert_array_equal(part.softening, found.softening[3:5, 3:5])
