@@ -68,10 +68,11 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
             axes.set_ylim(low - least, high + least)
         else:
             axes.set_yscale("log")
+            axes.margins(y=0.1)
         frequency_axis(axes, reference)
-        axes.set_xlim(-0.5, float(data["nodal_diameter"].values.max()) + 1.2)
+        axes.set_xlim(-0.5, float(data["nodal_diameter"].values.max()) + 1.6)
         places = Names(axes)
-        for name in shown:
+        for name in shown[::-1]:  # the lowest first
             _name_family(places, data, name)
     if broken:
         for axes in panels:
@@ -186,8 +187,11 @@ def _name_family(names: Names, data: xr.Dataset, family: str) -> None:
     k = data["nodal_diameter"].values[_is(data, family)]
     frequency = data["normalised_frequency"].values[_is(data, family)]
     last = np.lexsort((-frequency, k))[-1]
-    colour = COLOURS["suspension" if family == "suspension" else "total"]
-    names.beside(float(k[last]), float(frequency[last]), family, colour)
+    end = float(k[last]), float(frequency[last])
+    if family == "suspension":
+        names.beside(*end, family, COLOURS[family])
+    else:
+        names.behind(*end, family, COLOURS["total"])
 
 
 def _ways(data: xr.Dataset) -> list[str]:

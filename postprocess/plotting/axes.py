@@ -120,6 +120,15 @@ class Names:
                 return True
         return False
 
+    def behind(self, x: float, y: float, text: str, colour: str) -> None:
+        """Name the end of a line on its right, above the names that stand there."""
+        (place,) = self._shares(np.array([x]), np.array([y]))
+        size = self._size(text) * np.array([1.0, 0.75])  # capitals
+        corner = place + np.array([1.5 * POINT / self._points[0], -0.5 * size[1]])
+        while not self._take(corner, size):
+            corner = corner + np.array([0.0, 0.1 * size[1]])
+        self._write(corner + size / 2.0, text, colour, ground=False)
+
     def _corners(self, place: FloatArray, size: FloatArray) -> Iterator[FloatArray]:
         """Lower left corners of a name about a point: above, below, to its sides."""
         away = POINT / self._points
