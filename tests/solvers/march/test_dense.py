@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from contact_cases import ledger_residual, problem, small_rotor, thrown, wall
 from places import EXAMPLES
+from scipy.interpolate import CubicHermiteSpline
 
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import CaseError
@@ -100,6 +101,28 @@ def test_a_penalty_creeps_where_a_tip_should_stick() -> None:
     assert chunk.rotor_velocity[-1, 1] == pytest.approx(0.5 * 0.01, rel=1e-6)
 
 
+@pytest.mark.parametrize("speed", [37.0, -37.0])
+def test_a_penalty_pushes_where_the_tip_is_at_half_the_step(speed: float) -> None:
+    """On an uneven rigid wall, the same curve by SciPy over one turn."""
+    random, dt, penalty = np.random.default_rng(4), 1e-4, 1e4
+    clearance = np.column_stack([random.uniform(1e-3, 2e-3, 3), random.normal(scale=1e-3, size=3)])
+    arc = np.linspace(0.0, 2.0 * np.pi, 4)  # radius 1: arc length is angle
+    around = np.vstack([clearance, clearance[:1]])
+    curve = CubicHermiteSpline(arc, around[:, 0], around[:, 1])
+    rotor = small_rotor(np.array([40.0]), tip_radial=np.ones((1, 1)), tip_angle=np.array([2.1]))
+    casing = replace(wall(0.0, 3), clearance=clearance)
+    load = Load(rotor=np.array([4.0]), casing=np.zeros(len(casing.frequency)))
+    given = problem(rotor, casing, loads=(load,), speed=speed)
+    given = replace(given, penalty_stiffness=penalty)
+    chunk = marched(given, dt, 4000, scheme="penalty")
+    middle = (chunk.rotor_displacement + 0.5 * dt * chunk.rotor_velocity)[:-1, 0]
+    at = np.mod(2.1 + speed * (chunk.time[:-1] + 0.5 * dt), 2.0 * np.pi)
+    pushed = dt * penalty * np.maximum(middle - curve(at), 0.0)
+    assert np.count_nonzero(pushed) > 500
+    np.testing.assert_allclose(chunk.contact_impulse[1:, 0], pushed, atol=1e-9 * pushed.max())
+    np.testing.assert_array_equal(chunk.contacts[1:], pushed > 0.0)
+
+
 def test_steps_in_pieces_are_the_same_bits() -> None:
     given = thrown(stage("imbalance"), 40.0, spread=0.5)
     scheme = make_scheme(given, 1e-6, 7, "moreau-jean")
@@ -115,14 +138,20 @@ def test_steps_in_pieces_are_the_same_bits() -> None:
         np.testing.assert_array_equal(getattr(chunk, name), joined)
 
 
-def test_displacements_beyond_the_limit_end_it() -> None:
-    rotor = small_rotor(np.zeros(1), tip_radial=np.ones((1, 1)))
+@pytest.mark.parametrize(
+    ("way", "law", "last"),
+    [("tip_radial", "penalty", 100), ("tip_tangential", "moreau-jean", 199)],
+)
+def test_displacements_beyond_the_limit_end_it(way: str, law: SchemeName, last: int) -> None:
+    """Looked at every hundred steps where they are not radial."""
+    moved: dict[str, Any] = {way: np.ones((1, 1))}
+    rotor = small_rotor(np.zeros(1), **moved)
     start = {"rotor_velocity": np.array([1.0])}
     given = problem(rotor, wall(9.0), start=start, displacement_limit=0.01005)
-    scheme = make_scheme(replace(given, penalty_stiffness=1.0), 1e-4, 10, "penalty")
+    scheme = make_scheme(replace(given, penalty_stiffness=1.0), 1e-4, 10, law)
     state, chunk, end = scheme.advance(scheme.init(), 1000)
     assert end is EndReason.DIVERGENT
-    assert state.step == chunk.step[-1] == 100
+    assert state.step == chunk.step[-1] == last
     assert np.isfinite(chunk.gap).all()
 
 
