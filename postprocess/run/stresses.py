@@ -281,15 +281,17 @@ def _draw_time(axes: Axes, history: xr.Dataset, size: Array, blades: int) -> Non
 
 
 def _draw_blades(axes: Axes, history: xr.Dataset, scale: float) -> None:
-    """Bars from the smallest to the largest surface stress, the axial part inside."""
+    """Bars from the smallest to the largest surface stress, dashes at those of the axial part."""
     blade = np.arange(history.sizes["member"])
-    for high, low, colour, width, label in (
-        ("largest_stress", "smallest_stress", COLOURS["rest"], 0.8, "at a surface"),
-        ("axial_stress", "axial_stress", COLOURS["k = 0"], 0.4, "axial alone"),
-    ):
-        top = np.maximum(scale * history[high].max("time").values, 0.0)
-        bottom = np.minimum(scale * history[low].min("time").values, 0.0)
-        axes.bar(blade, top - bottom, width, bottom, color=colour, label=label)
+    ends = [
+        (scale * history[low].min("time").values, scale * history[high].max("time").values)
+        for low, high in (("smallest_stress", "largest_stress"), ("axial_stress", "axial_stress"))
+    ]
+    bottom, top = np.minimum(ends[0][0], 0.0), np.maximum(ends[0][1], 0.0)
+    axes.bar(blade, top - bottom, 0.8, bottom, color=COLOURS["rest"], label="at a surface")
+    axial = {"marker": "_", "markersize": 4.0, "color": COLOURS["k = 0"], "linestyle": "none"}
+    axes.plot(blade, ends[1][0], **axial, label="axial alone")
+    axes.plot(blade, ends[1][1], **axial)
     reach = 1.1 * scale * float(abs(history["peak_stress"]).max()) or 1.0
     axes.set_ylim(-reach, reach)
     axes.axhline(0.0, color="black", linewidth=0.6)

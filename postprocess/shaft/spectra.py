@@ -10,7 +10,7 @@ is drawn.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -49,8 +49,8 @@ PADDING, SLICE_PADDING = 4, 2
 """Transforms of a record, and of slices of it, are padded with zeros to that many times their
 length, for smooth lines."""
 
-DECADES, SLICE_DECADES = 4.0, 3.0
-"""Decades below the largest amplitude that are drawn, of a spectrum and of a spectrogram."""
+DECADES = 4.0
+"""Decades below the largest amplitude that are drawn."""
 
 MARGIN = 1.12
 """How far the drawn frequencies go beyond the outermost line of a mode."""
@@ -266,15 +266,15 @@ def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
     picture = axes.pcolormesh(
         spectrogram["time"],
         _hertz(spectrogram["frequency"].values),
-        np.maximum(amplitude, top * 10**-SLICE_DECADES),
-        norm=LogNorm(top * 10**-SLICE_DECADES, top),
+        np.maximum(amplitude, top * 10**-DECADES),
+        norm=LogNorm(top * 10**-DECADES, top),
         cmap=SEQUENTIAL,
         shading="nearest",
         rasterized=True,
     )
     axes.grid(False)
     time_axis(axes)
-    _draw_lines(axes, spectrogram["modal_line"], axes.axhline)
+    _draw_lines(axes, spectrogram["modal_line"], _at_both_edges(axes))
     axes.set_ylabel("frequency [Hz]\n← backward  forward →")
     resolution = f"resolution {_hertz(spectrogram.attrs['resolution']):.3g} Hz"
     frame, slice_length = spectrogram.attrs["frame"], 1e3 * spectrogram.attrs["slice"]
@@ -309,6 +309,16 @@ def _draw_lines(axes: Axes, lines: xr.DataArray, draw: Any) -> None:
             label=f"_{mode}" if mode in named else mode,
         )
         named.add(str(mode))
+
+
+def _at_both_edges(axes: Axes) -> Callable[..., object]:
+    """Draws level lines at the edges of axes alone, so that they hide nothing between."""
+
+    def draw(value: float, *, label: str, **look: Any) -> None:
+        axes.axhline(value, 0.0, 0.12, label=label, **look)
+        axes.axhline(value, 0.88, 1.0, **look)
+
+    return draw
 
 
 def _hertz(frequency: Array | float) -> Array:
