@@ -289,9 +289,8 @@ def _draw_blades(axes: Axes, history: xr.Dataset, scale: float) -> None:
     ]
     bottom, top = np.minimum(ends[0][0], 0.0), np.maximum(ends[0][1], 0.0)
     axes.bar(blade, top - bottom, 0.8, bottom, color=COLOURS["rest"], label="at a surface")
-    axial = {"marker": "_", "markersize": 4.0, "color": COLOURS["k = 0"], "linestyle": "none"}
-    axes.plot(blade, ends[1][0], **axial, label="axial alone")
-    axes.plot(blade, ends[1][1], **axial)
+    for axial, label in zip(ends[1], ("axial alone", None), strict=True):
+        axes.plot(blade, axial, "_", markersize=4.0, color=COLOURS["k = 0"], label=label)
     reach = 1.1 * scale * float(abs(history["peak_stress"]).max()) or 1.0
     axes.set_ylim(-reach, reach)
     axes.axhline(0.0, color="black", linewidth=0.6)
