@@ -171,6 +171,10 @@ def test_waves_are_seen_from_the_static_frame() -> None:
     modes = whirl_modes(rotation_matrices(disk).at_speed(omega, "full"), 25)
     pitch, places = 2.0 * np.pi / sectors, np.arange(sectors)
     time = pitch / abs(omega)
+    branches = np.rec.fromarrays([modes.nodal_diameter, modes.direction])
+    for branch in np.unique(branches):  # ascending frequencies, so from the lowest
+        own = modes.rank[branches == branch]
+        np.testing.assert_array_equal(own, np.arange(len(own)))
     found = modes.static_frequency(omega), modes.static_direction(omega)
     fields = modes.fields(np.arange(modes.count))[disk.tip_radial]
     for mode, (w, static, way) in enumerate(zip(modes.frequency, *found, strict=True)):
