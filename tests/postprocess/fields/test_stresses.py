@@ -76,7 +76,9 @@ def test_the_figure_shows_blades_and_the_rest(result: xr.Dataset) -> None:
     over_time, over_blades = figure.axes
     labels = {str(line.get_label()) for line in over_time.lines}
     assert labels >= {"blades", "casing", "spokes", "rim"}
-    assert len(over_blades.patches) == 44
+    assert len(over_blades.patches) == 22
+    axial = [line for line in over_blades.lines if line.get_marker() == "_"]
+    assert [len(line.get_xdata()) for line in axial] == [22, 22]
     assert "Pa]" in over_time.get_ylabel()
 
 

@@ -28,6 +28,7 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.solvers.march.march import CHUNK_STEPS
 from bladewhirl.studies.commands.cli import app
 
 RUNNER = CliRunner()
@@ -353,7 +354,7 @@ def test_a_disk_without_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         bw.run(long, tmp_path / "out")
     with xr.open_dataset(tmp_path / "out" / "result.nc") as result:
         assert result.attrs["end_reason"] == "unfinished"
-        assert result.sizes["time"] == 2 * 400
+        assert result.sizes["time"] == 2 * CHUNK_STEPS // 50
 
 
 def flushed_records(result: Path) -> int:
