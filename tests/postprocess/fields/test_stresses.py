@@ -78,7 +78,7 @@ def test_the_figure_shows_blades_and_the_rest(result: xr.Dataset) -> None:
     assert labels >= {"blades", "casing", "spokes", "rim"}
     assert len(over_blades.patches) == 22
     axial = [line for line in over_blades.lines if line.get_marker() == "_"]
-    assert [len(line.get_xdata()) for line in axial] == [22, 22]
+    assert [np.size(line.get_xdata()) for line in axial] == [22, 22]
     assert "Pa]" in over_time.get_ylabel()
 
 
