@@ -128,9 +128,12 @@ def _rows(properties: StageProperties) -> Iterator[tuple[str, str]]:
     yield "reference frequency", _text(properties.reference_frequency)
     yield "speed", _text(properties.speed)
     if properties.rotation_effects != "none":
+        turning = properties.rotation_effects == "full"
+        coriolis = ", without Coriolis forces (modes and campbell have them)" if turning else ""
         yield (
             f'rotation.effects = "{properties.rotation_effects}"',
-            "frequencies below are at this speed, in rotating axes; the reference is at rest",
+            "frequencies below are at this speed, in rotating axes"
+            f"{coriolis}; the reference is at rest",
         )
     if properties.shaft_stiffness is not None:
         springs = dict.fromkeys(handy(each, "N/m") for each in properties.shaft_stiffness)
