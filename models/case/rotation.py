@@ -20,7 +20,7 @@ class Rotation(Table):
     march.speed."""
     clearance: Literal["hot", "cold"] = "hot"
     """State that casing.clearance is measured in: "hot", at march.speed; "cold", at rest, so that
-    the growth of the tips at march.speed is taken off it."""
+    the growth of the tips at march.speed is taken off it, which takes effects other than "none"."""
 
     @property
     def summary(self) -> str:

@@ -21,8 +21,9 @@ def summary_rows(summary: Summary) -> dict[str, str]:
     touching = np.split(blades, np.flatnonzero(np.diff(blades) > 1) + 1) if len(blades) else []
     ends = ("–".join(dict.fromkeys([str(run[0]), str(run[-1])])) for run in touching)
     touched = [share for share in shares if share > 0]
+    extremes = [f"{100 * bound(touched):.3g}" for bound in (min, max)] if touched else []
     told = (
-        f": {', '.join(ends)}; {100 * min(touched):.3g} to {100 * max(touched):.3g} % of the steps"
+        f": {', '.join(ends)}; {' to '.join(dict.fromkeys(extremes))} % of the steps"
         if touched
         else ""
     )
@@ -34,7 +35,8 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         if frequency is not None:
             way = "forward" if frequency > 0 else "backward"
             known = 2 * (summary.whirl_frequency_error or 0.0)
-            return f"{way}, {abs(frequency):.4g} ± {known:.1g} Hz over the last third"
+            error = f" ± {known:.1g}" if known > 1e-6 * abs(frequency) else ""
+            return f"{way}, {abs(frequency):.4g}{error} Hz over the last third"
         least = 3.0 / summary.end_time if summary.end_time else np.inf  # of a turn in that third
         lines = [
             f"{line['share']:.0%} "
@@ -50,6 +52,8 @@ def summary_rows(summary: Summary) -> dict[str, str]:
 
     def wall(way: str) -> str:
         peak = summary.casing_displacement_max[way]
+        if not peak["displacement"]:
+            return "none"
         size = f"{1e3 * peak['displacement']:.4g} mm"
         return f"{size} at {peak['angle']:.4g}°, {peak['time']:.4g} s"
 
@@ -85,9 +89,13 @@ def summary_rows(summary: Summary) -> dict[str, str]:
             if summary.drive_power is not None
             else "–"
         ),
-        "contact force, largest": f"{force['force']:.4g} N over {1e3 * force['averaged_over']:.3g}"
-        f" ms, blade {force['blade']} at {force['time']:.4g} s; impulse of all"
-        f" {summary.contact_impulse:.4g} N s",
+        "contact force, largest": (
+            f"{force['force']:.4g} N over {1e3 * force['averaged_over']:.3g} ms, blade"
+            f" {force['blade']} at {force['time']:.4g} s; impulse of all"
+            f" {summary.contact_impulse:.4g} N s"
+            if force["force"]
+            else "none"
+        ),
         **{
             f"stress of {body.replace('_', ' ')}, largest": stress(summary, body)
             for body in summary.stress_max

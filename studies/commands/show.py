@@ -139,7 +139,11 @@ def _rows(properties: StageProperties) -> Iterator[tuple[str, str]]:
         springs = dict.fromkeys(handy(each, "N/m") for each in properties.shaft_stiffness)
         yield "springs of the shaft", " and ".join(springs)
     if properties.suspension is not None:
-        yield "suspension modes, reduced model", _text(properties.suspension)
+        share = f"{100.0 * (properties.suspension_spring_share or 0.0):.3g} %"
+        yield (
+            "suspension modes, reduced model",
+            f"{_text(properties.suspension)}, {share} of their strain energy in the springs",
+        )
     if properties.imbalance is not None:
         load = properties.imbalance
         yield "imbalance", f"{load.unbalance:.4g} kg m, {load.force:.5g} N at this speed"
@@ -184,9 +188,13 @@ def _frequencies(properties: StageProperties) -> Table:
     """Lowest frequencies by nodal diameter, side by side."""
     from rich.table import Table
 
-    table = Table(
-        box=None, pad_edge=False, title="lowest frequencies, full model", title_justify="left"
-    )
+    title = "lowest frequencies, full model"
+    if _mixed(properties):
+        title = (
+            f"lowest {len(properties.bladed_disk)} frequencies, full model; k and purity of the"
+            " reduced one (bladewhirl modes: all, of the full one)"
+        )
+    table = Table(box=None, pad_edge=False, title=title, title_justify="left")
     table.add_column("k", justify="right", style="cyan")
     for body in ("bladed disk", "casing"):
         table.add_column(f"{body} [Hz]", justify="right")

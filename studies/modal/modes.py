@@ -233,15 +233,24 @@ def print_modes(found: xr.Dataset, count: int) -> None:
 
 
 MIXED = " k is the nodal diameter that holds most of a mode, purity its share."
+WIDE_NAMES = ("frequency [Hz]", "/ ω₁ [–]", "purity", "in springs")
 PURE = 0.999  # nothing to say about mixed modes above this purity
 
 
 def _table(lowest: xr.Dataset, title: str) -> Table:
-    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", title_style="bold")
     waves = "wave" in lowest["pattern"].values
+    table = Table(
+        title=title,
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+        title_style="bold",
+        collapse_padding=waves,
+        pad_edge=not waves,
+    )
     table.add_column("mode", style="dim", justify="right", no_wrap=True)
     table.add_column("family", no_wrap=True)
-    for name in ("k", "[Hz]" if waves else "frequency [Hz]", "/ ω₁ [–]", "purity", "in springs"):
+    names = ("[Hz]", "/ ω₁", "purity", "springs") if waves else WIDE_NAMES
+    for name in ("k", *names):
         table.add_column(name, justify="right", no_wrap=True)
     for name in ("rotating", "static") if waves else ():
         table.add_column(name, no_wrap=True)

@@ -10,7 +10,6 @@ from bladewhirl.meshes.ring_mesh import W
 from bladewhirl.models.case.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.elements.cyclic import NO_COLUMN
-from bladewhirl.models.modal.modes import suspension_pair
 from bladewhirl.models.stage.build import marched_bodies
 from bladewhirl.models.stage.contact_problem import critical_time_step
 from bladewhirl.models.stage.loads import imbalance_force, radial_mode, unbalance
@@ -87,7 +86,10 @@ class StageProperties:
     bladed_disk: tuple[Mode, ...]
     """Lowest of each nodal diameter, full model; of unlike sectors the lowest few."""
     shaft_stiffness: tuple[float, float] | None  #: of its springs along x and y [N/m], or clamped
-    suspension: Rate | None  #: of the suspension pair; None when clamped
+    suspension: Rate | None
+    """Lower frequency of the suspension pair, which at speed keeps its name at rest; None when
+    clamped."""
+    suspension_spring_share: float | None  #: share of its strain energy in the shaft springs
     casing: tuple[Mode, ...]  #: lowest of each nodal diameter
     reduction: ReductionFigures
     symmetry: dict[str, str]  #: found, of each body
@@ -114,7 +116,7 @@ def stage_properties(stage: Stage) -> StageProperties:
 def _properties(stage: Stage) -> StageProperties:
     case, disk, modes = stage.case, stage.disk, stage.reduction.modes
     casing, boundary = stage.casing, stage.boundary_sets
-    pair = suspension_pair(modes)
+    pair = [mode for mode, name in enumerate(stage.disk_family) if name == "suspension"]
     rotor, wall = marched_bodies(stage)
     critical = critical_time_step(rotor, wall, stage.kept.springs)
     records = case.march.timing.records
@@ -127,7 +129,8 @@ def _properties(stage: Stage) -> StageProperties:
         rotation_effects=case.rotation.effects,
         bladed_disk=_lowest_of_disk(stage),
         shaft_stiffness=None if case.shaft.clamped else case.shaft.springs,
-        suspension=_rate(stage, modes.frequency[pair[0]]) if pair.size else None,
+        suspension=_rate(stage, modes.frequency[pair[0]]) if pair else None,
+        suspension_spring_share=float(modes.spring_share[pair[0]]) if pair else None,
         casing=_lowest_of_casing(stage),
         reduction=ReductionFigures(
             boundary=kept,

@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import tracemalloc
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 import synthetic_result as synthetic
 import xarray as xr
 from numpy.typing import NDArray
+from places import ROOT
 from rich.console import Console
 
 from bladewhirl.postprocess.energy.growth_rates import (
@@ -537,7 +539,7 @@ class TestWriting:
         shares = np.zeros(22)
         shares[[0, 1, 2, 7, 20, 21]] = 0.25
         touched = replace(summarise(result, REPORT), contact_share=shares.tolist())
-        told = "6 of 22: 0–2, 7, 20–21; 25 to 25 % of the steps"
+        told = "6 of 22: 0–2, 7, 20–21; 25 % of the steps"
         assert summary_rows(touched)["blades that touched"] == told
 
     def test_the_rest_is_split_where_it_leads(self, result: xr.Dataset) -> None:
@@ -553,3 +555,13 @@ class TestWriting:
         text = io.StringIO()
         Console(file=text, width=100).print(summary_table(summarise(still, REPORT)))
         assert "0 J" in text.getvalue()
+
+    def test_the_page_of_the_summary_has_every_key_and_every_row(self, result: xr.Dataset) -> None:
+        page = (ROOT / "docs" / "reference" / "summary.md").read_text(encoding="utf-8")
+        rows = [line.split("|")[1:3] for line in page.splitlines() if line.startswith("|")]
+        labels = "; ".join(label.strip() for label, _ in rows)
+        assert set(re.findall(r"`(\w+)", "".join(keys for _, keys in rows[2:]))) == KEYS
+        printed = summary_rows(summarise(result, REPORT))
+        assert [
+            name for name in printed if name.strip().removesuffix(", largest") not in labels
+        ] == []

@@ -12,6 +12,7 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
+import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_from, with_values
 from bladewhirl.models.stage.build import contact_problem
@@ -108,6 +109,21 @@ def test_what_is_said_of_the_path_is_what_the_march_does() -> None:
     stage = build_stage(with_values(Case(), {"bladed_disk.blades": 5}))
     scheme = CentralDifference(contact_problem(stage), 1e-6, 100)
     assert tuple(stage_properties(stage).cyclic.values()) == scheme.cyclic == (True, True)
+
+
+def test_the_suspension_at_speed_is_the_branch_that_modes_and_campbell_name_so() -> None:
+    # Spin softening: the springs hold more of 1F's strain energy than of the suspension's.
+    soft = {"shaft.stiffness": 6e6, "rotation.effects": "centrifugal", "march.speed": "2300 rpm"}
+    small = {"bladed_disk.blades": 8, "bladed_disk.elements_per_blade": 4}
+    case = with_values(Case(), {**small, **soft, "reduction.fixed_interface_modes": 40})
+    found = bw.modes(case).sel(body="bladed-disk", centre="free", nodal_diameter=1)
+    of_it = found.sel(family="suspension").isel(number=0)
+    told = stage_properties(build_stage(case))
+    assert told.suspension is not None
+    assert told.suspension_spring_share is not None
+    assert told.suspension.hz == pytest.approx(float(of_it["frequency"]), rel=1e-3)
+    assert told.suspension_spring_share == pytest.approx(float(of_it["spring_share"]), abs=1e-2)
+    assert float(found.sel(family="1F")["spring_share"].max()) > told.suspension_spring_share
 
 
 def test_the_case_shown_is_the_case(path: Path) -> None:
