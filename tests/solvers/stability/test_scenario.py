@@ -102,6 +102,25 @@ def test_a_shaft_at_rest_has_no_direction() -> None:
         motion_scenario(shaft=np.zeros((5, 2)), clearance_angle=np.zeros(5))
 
 
+@pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
+@pytest.mark.parametrize(("lead", "kind"), [(0.45, "standard"), (-0.55, "inverted")])
+def test_size_and_unit_do_not_matter(size: float, lead: float, kind: str) -> None:
+    turn = np.exp(1j * np.pi * lead)
+    of_mode = mode_scenario(shaft=1e-6 * size * turn, rotor=3.0 * size, casing=2.0 * size)
+    of_motion = motion_scenario(
+        shaft=whirl(40.0, size),
+        clearance_angle=40.0 * TIME - np.pi * lead,
+        weight=np.full(len(TIME), 1e-3 / len(TIME)),
+    )
+    for found in (of_mode, of_motion):
+        assert (found.kind, found.steadiness) == (kind, pytest.approx(1.0))
+        assert found.lead == pytest.approx(np.pi * lead)
+    with pytest.raises(ValueError, match="shaft does not move"):
+        mode_scenario(shaft=1e-10 * size, rotor=size, casing=0.0)
+    with pytest.raises(ValueError, match="move alike"):
+        mode_scenario(shaft=size, rotor=size, casing=(1.0 + 1e-10) * size)
+
+
 def test_modes_without_a_scenario_are_refused() -> None:
     with pytest.raises(ValueError, match="shaft does not move"):
         mode_scenario(shaft=0.0, rotor=1.0, casing=0.0)

@@ -182,12 +182,15 @@ def test_borders_part_growth_from_stability(damping_ratio: float) -> None:
             assert is_unstable(growth, speed).tolist() == [unstable] * 4
 
 
-def test_zones_are_cut_at_the_ends_of_the_range() -> None:
-    zones = unstable_zones(
-        six_modes(), kappas=np.array([0.0, 500.0]), low=1.17 * UNIT, high=2.7 * UNIT
-    )
-    assert zones.kappa.tolist() == [500.0, 500.0]
-    assert [zones.lower[0], zones.upper[1]] == pytest.approx([1.17 * UNIT, 2.7 * UNIT])
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.002])
+def test_zones_are_cut_at_the_ends_of_the_range(damping_ratio: float) -> None:
+    low, high = 1.17 * UNIT, 2.7 * UNIT
+    kappas = np.array([0.0, 490.0, 500.0])
+    zones = unstable_zones(six_modes(damping_ratio), kappas=kappas, low=low, high=high)
+    assert zones.kappa.tolist() == [490.0, 490.0, 500.0, 500.0]
+    assert zones.lower[[0, 2]].tolist() == [low, low]
+    assert zones.upper[[1, 3]].tolist() == [high, high]
+    assert np.all(zones.upper[[0, 2]] < zones.lower[[1, 3]])
 
 
 def test_zones_where_a_single_mode_meets_a_pair() -> None:
@@ -255,6 +258,14 @@ def test_branches_that_cross_keep_their_direction() -> None:
     shuffled = np.array([rng.permutation(row) for row in exact])
     shuffled[0] = exact[0]
     assert track(x, shuffled) == pytest.approx(exact, abs=1e-14)
+
+
+def test_straight_branches_are_followed_across_uneven_steps() -> None:
+    x = np.array([0.0, 0.01, 1.0, 1.02, 3.0, 3.01, 3.03, 10.0])
+    exact = 1j * (np.outer(x, [-2.0, -1.0, 0.5, 3.0]) + np.array([0.3, 1.0, -1.0, 0.2]))
+    rng = np.random.default_rng(5)
+    shuffled = np.array([exact[0], *(rng.permutation(row) for row in exact[1:])])
+    assert track(x, shuffled) == pytest.approx(exact, abs=1e-12)
 
 
 def test_tracked_spectrum_is_continuous_and_complete() -> None:
