@@ -59,6 +59,22 @@ def test_free_motion_is_that_of_central_differences(law: SchemeName, name: str) 
     assert np.max(differences) < 2e-2
 
 
+@pytest.mark.parametrize("law", LAWS)
+def test_a_free_mass_goes_where_its_loads_push_it(law: SchemeName) -> None:
+    """A ramp, a cosine with its phase, an end: x(T) is the integral of (T - t) f(t)."""
+    load = Load(
+        rotor=np.ones(1), casing=np.zeros(1), end=8e-3, ramp=3e-3, frequency=700.0, phase=0.9
+    )
+    given = problem(small_rotor(np.zeros(1), tip_radial=np.ones((1, 1))), wall(9.0))
+    given = replace(given, loads=(load,), penalty_stiffness=1.0)
+    chunk = marched(given, 1e-5, 1000, every=500, scheme=law)
+    t = np.linspace(0.0, load.end, 20_001)
+    rise = np.where(t < load.ramp, 0.5 - 0.5 * np.cos(np.pi * t / load.ramp), 1.0)
+    force = rise * np.cos(load.frequency * t + load.phase)
+    expected = np.trapezoid((1e-2 - t) * force, t)
+    assert chunk.rotor_displacement[-1, 0] == pytest.approx(expected, rel=1e-2)
+
+
 @pytest.mark.parametrize("changes", [{}, {"tip_rotation": True, "speed": -300.0}])
 def test_impulses_where_friction_slips_are_those_of_central_differences(
     changes: dict[str, Any],
@@ -72,6 +88,8 @@ def test_impulses_where_friction_slips_are_those_of_central_differences(
     assert slow.friction_work[-1] == pytest.approx(fast.friction_work[-1], rel=0.05)
     assert ledger_residual(slow) < 1e-11
     assert slow.gap.min() > -2e-5  # half a step of an impact
+    np.testing.assert_array_equal(slow.contact_steps > 0, slow.contact_impulse > 0.0)
+    assert slow.contact_steps.max() <= 100
 
 
 def test_a_tip_under_a_load_sticks_up_to_the_limit_of_friction() -> None:

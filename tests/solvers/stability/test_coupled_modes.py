@@ -142,6 +142,10 @@ def test_waves_of_more_nodal_diameters_move_no_shaft() -> None:
     assert motion.rotor_wave_speed == pytest.approx(-0.5 * UNIT, rel=0.02)
     assert motion.rotor_wave_speed + 0.5 * SPEED == pytest.approx(motion.casing_wave_speed)
     assert CLEARANCE == pytest.approx(np.abs(motion.stretch[-1]))
+    angle = motion.smallest_clearance_angle
+    closing = -(motion.stretch * np.exp(-2j * angle)).real  # at that angle, and half a turn on
+    assert closing == pytest.approx(np.abs(motion.stretch))
+    assert np.polyfit(motion.time, angle, 1)[0] == pytest.approx(motion.casing_wave_speed, rel=0.02)
 
 
 def test_mode_that_leaves_the_clearance_alone_is_refused() -> None:
