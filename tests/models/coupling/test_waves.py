@@ -132,6 +132,10 @@ def test_bearings_that_stand_still_excite_whirl_at_the_suspension_frequency() ->
         centre=np.eye(2) / np.sqrt(mass),
         anisotropy=swing,
     )
+    stiffness = mass * system.stiffness(np.array([0.0, 0.5 * np.pi]), kappa=0.0)
+    mean = mass * natural**2
+    for at, swung in zip(stiffness, (swing, -swing), strict=True):  # stiffer along static x
+        assert at == pytest.approx(np.diag([mean + swung, mean - swung]))
     roots = np.roots([1.0, 0.0, -4.0 * natural**2, 0.0, -((swing / mass) ** 2)])
     growth = wave_exponents(system, speed=natural, kappa=0.0).real.max()
     assert growth == pytest.approx(np.abs(roots.imag).max(), rel=1e-6)

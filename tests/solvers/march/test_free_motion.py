@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from contact_cases import run, stage_problem, thrown
 from numpy.testing import assert_array_equal
 
 import bladewhirl as bw
@@ -64,6 +65,41 @@ def test_no_state_with_so_little_energy_closes_the_gap() -> None:
     rotor, casing = (max(np.linalg.norm(way) for way in body) for body in ways)
     closed = np.sqrt(2.0 * stop.enough) * np.hypot(rotor, casing)
     assert 0.95 < closed / (0.8 * problem.casing.clearance[:, 0].min()) <= 1.0
+
+
+def test_a_long_blade_a_large_step_and_slow_rotation_count() -> None:
+    problem = prepare(pulse(3e4)).problem
+    stop = FreeMotion.of(problem, STEP)
+    assert stop.free_time == pytest.approx(10 * 2 * np.pi / problem.speed)
+    assert stop.since == 3e-3
+    half = -0.5 * float(problem.casing.clearance[:, 0].min())
+    recess = np.where(np.arange(22) == 7, half, 0.0)
+    long = replace(problem, rotor=replace(problem.rotor, tip_recess=recess))
+    assert FreeMotion.of(long, STEP).enough == pytest.approx(0.25 * stop.enough)
+    assert np.isinf(FreeMotion.of(replace(problem, speed=0.0), STEP).free_time)
+    whole, halved = (FreeMotion.of(problem, f * problem.critical_time_step) for f in (1e-6, 0.5))
+    assert halved.enough == pytest.approx(0.75 * whole.enough)
+
+
+def test_what_is_waited_for() -> None:
+    """Ten turns and half of the time without contact, and little energy at the end of both."""
+    _, chunk, _ = run(thrown(stage_problem(), 0.0), 1e-6, 1)
+    blank = replace(chunk, contact_steps=np.zeros_like(chunk.contact_steps))
+
+    def over(stop: FreeMotion, end: float, *, energy: float = 0.5, touched: bool = False) -> bool:
+        times, energies = np.array([end - 0.04, end]), np.array([2.0 - energy, energy])
+        contact = blank.contact_steps.copy()
+        contact[0, 3] = touched
+        return stop.is_over(replace(blank, time=times, energy=energies, contact_steps=contact))
+
+    stop = FreeMotion(enough=1.0, free_time=0.3, since=0.1)
+    assert not over(stop, 0.39)
+    assert over(stop, 0.41)
+    assert not over(stop, 0.41, energy=1.5)
+    assert not over(stop, 0.44, touched=True)  # at 0.4
+    assert stop.since == pytest.approx(0.4)
+    assert not over(stop, 0.79)
+    assert over(stop, 0.81)
 
 
 @pytest.mark.parametrize(
