@@ -23,6 +23,8 @@ from bladewhirl.models.inputs.units import Speed
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES, FigureKind
 from bladewhirl.solvers.march.schema import RESULT, SWEEP, schema_table
 from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.runs.outputs import Run
+from bladewhirl.studies.sweeps.sweep import Sweep
 
 
 def case_keys() -> str:
@@ -242,6 +244,10 @@ def api() -> str:
             if getattr(thing, "__module__", "").split(".")[1:2] == [room]:
                 parts.append(_documented(f"bladewhirl.{name}", thing))
         parts.append("```\n\n")
+    parts.append("## What runs and sweeps return\n\n```{eval-rst}\n")
+    for kind in (Run, Sweep):
+        parts.append(f".. autoclass:: {kind.__module__}.{kind.__name__}()\n   :members:\n\n")
+    parts.append("```\n\n")
     parts.append("## Figures\n\n```{eval-rst}\n.. automodule:: bladewhirl.plot\n\n")
     for name in sorted(bw.plot.__all__):
         parts.append(f".. autofunction:: bladewhirl.plot.{name}\n\n")

@@ -84,7 +84,7 @@ class Case(Table):
         modes, damping = self.reduction.modes, self.damping.ratio
         lines = {
             "bladed disk": disk.summary,
-            "material": f"{self.material.summary}, of disk and casing",
+            "material": f"{self.material.summary}, where sections name no other",
             "shaft": self.shaft.summary,
             "rotation": self.rotation.summary,
             "casing": self.casing.summary,

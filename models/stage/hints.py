@@ -28,6 +28,10 @@ def stage_hints(stage: Stage) -> tuple[str, ...]:
     )
 
 
+MET = 1e-6
+"""Growth without damping above this share of the speed is no rounding."""
+
+
 def _too_soft(stage: Stage) -> Iterator[str]:
     hertz = stage.reference_frequency / (2.0 * np.pi)
     if hertz < LOWEST_FREQUENCY:
@@ -43,9 +47,19 @@ def _fed_whirl(stage: Stage) -> Iterator[str]:
     if not rotor.frequency.min() < 0.0:
         return
     stiffness = np.diag(rotor.stiffness) + rotor.circulation_stiffness
-    rates, _ = damped_eigenvalues(np.eye(len(stiffness)), rotor.damping, stiffness)
-    growth = float(rates.real.max())
-    if growth > 0.0:
+    forces = rotor.damping
+    coriolis = 0.5 * (forces - forces.T)
+    growth, undamped = (
+        float(damped_eigenvalues(np.eye(len(forces)), by_velocity, held)[0].real.max())
+        for by_velocity, held in ((forces, stiffness), (coriolis, np.diag(rotor.stiffness)))
+    )
+    if undamped > MET * abs(stage.speed):
+        yield (
+            "two waves of the bladed disk have met at this speed, and it is unstable by itself,"
+            f" growing by {undamped:.3g} 1/s without damping or contact; bladewhirl campbell says"
+            " from which speed on"
+        )
+    elif growth > 0.0:
         yield (
             f"past a critical speed damping that turns with the bladed disk lets it whirl by"
             f" itself, growing by {growth:.3g} 1/s;"

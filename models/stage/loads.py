@@ -75,8 +75,17 @@ def unbalance(stage: Stage) -> float:
     if load.unbalance is not None:
         return load.unbalance
     assert load.clearance_speed is not None  # the case has one of the two
+    return closing_unbalance(stage, load.clearance_speed.rad_per_s(stage.reference_frequency))
+
+
+def closing_unbalance(stage: Stage, speed: float) -> float:
+    """Unbalance whose static answer just brings a tip to the casing [kg m]; infinite if none does.
+
+    Args:
+        stage: see `unbalance`.
+        speed: [rad/s].
+    """
     rotor = stage.rotor
-    speed = load.clearance_speed.rad_per_s(stage.reference_frequency)
     if stage.turning is None:
         outward = rotor.tip_radial @ (rotor.centre[X] / rotor.frequency**2)
     else:
@@ -84,6 +93,8 @@ def unbalance(stage: Stage) -> float:
     recess = tip_recess(stage.case, stage.disk, stage.turning, speed)
     room = stage.reduced_casing.clearance[:, 0].min() + recess
     reaching = outward > 0.0
+    if not reaching.any() or speed == 0.0:
+        return float("inf")
     return float((room[reaching] / outward[reaching]).min() / speed**2)
 
 

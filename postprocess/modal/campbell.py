@@ -151,8 +151,9 @@ def _draw_branches(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> 
     """Waves on a bladed disk that feels that it turns, over the speed."""
     speed = data["line_speed"].values
     signed = data["branch_frequency"].values / data.attrs["reference_frequency_hz"]
-    for row, k, family, way in zip(
+    for row, growth, k, family, way in zip(
         signed,
+        data["branch_growth"].values,
         data["branch_nodal_diameter"].values,
         data["branch_family"].values,
         data["branch_direction"].values,
@@ -173,6 +174,17 @@ def _draw_branches(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> 
             linewidth=1.2 if first else 0.6,
             zorder=3 if first else 2,
         )
+        if growth.any():  # met, and unstable
+            axes.plot(
+                speed,
+                np.where(growth > 0.0, y, np.nan),
+                color=COLOURS["contact"],
+                linewidth=4.0,
+                alpha=0.5,
+                zorder=1,
+            )
+            if not forward:
+                names.along(speed, np.where(growth > 0.0, y, np.nan), "met: unstable", "black")
         if first:
             name = "suspension" if family == "suspension" else f"{family}, k = 1"
             names.along(speed, y, f"{name}, {way}", colour)

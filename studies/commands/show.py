@@ -146,7 +146,11 @@ def _rows(properties: StageProperties) -> Iterator[tuple[str, str]]:
         )
     if properties.imbalance is not None:
         load = properties.imbalance
-        yield "imbalance", f"{load.unbalance:.4g} kg m, {load.force:.5g} N at this speed"
+        yield (
+            "imbalance",
+            f"{load.unbalance:.4g} kg m, {load.force:.5g} N at this speed, whose static answer"
+            f" closes {100.0 * load.closing:.3g} % of the clearance",
+        )
     if properties.distortion is not None:
         answer = 1e3 * properties.distortion.static_displacement
         yield "casing mode loaded", _text(properties.distortion.frequency)

@@ -152,7 +152,7 @@ def coincidence_list(found: xr.Dataset) -> dict[str, Any]:
 
 def _speeds_at_speed(found: xr.Dataset) -> dict[str, Any]:
     """What else JSON tells of a bladed disk that feels that it turns."""
-    rpm = 60.0 * found.attrs["reference_frequency_hz"]
+    rpm, met = 60.0 * found.attrs["reference_frequency_hz"], float(found.attrs["waves_meet"])
 
     def listed(kind: str) -> list[dict[str, Any]]:
         columns = (found[f"{kind}_{part}"].values for part in ("speed", "nodal_diameter", "family"))
@@ -165,6 +165,7 @@ def _speeds_at_speed(found: xr.Dataset) -> dict[str, Any]:
         "rotation_effects": found.attrs["rotation_effects"],
         "critical_speeds": listed("critical"),
         "engine_orders": listed("engine_order"),
+        "waves_meet": None if np.isnan(met) else {"ratio": met, "rpm": rpm * met},
         "clearance_gone": {
             "ratio": found.attrs["clearance_gone"],
             "rpm": rpm * found.attrs["clearance_gone"],
@@ -214,12 +215,21 @@ def _lines_at_speed(found: xr.Dataset) -> Iterator[str]:
     for each in told["critical_speeds"]:
         yield (
             f"Critical speed {each['ratio']:.5f} ω₁ = {each['rpm']:.1f} rpm: {each['family']},"
-            f" k = {each['k']}."
+            f" k = {each['k']}, named as at rest."
         )
     if not told["critical_speeds"]:
         yield f"No critical speed up to {found.attrs['speeds'][1]:g} ω₁."
+    met = told["waves_meet"]
+    if met is not None:
+        yield (
+            f"From {met['ratio']:.4f} ω₁ = {met['rpm']:.1f} rpm on two waves of the bladed disk"
+            " have one frequency: there it is unstable by itself, without contact."
+        )
     gone = told["clearance_gone"]
-    yield (f"Growth takes the cold clearance at {gone['ratio']:.4f} ω₁ = {gone['rpm']:.1f} rpm.")
+    yield (
+        "The growth of the tips takes a clearance measured cold at"
+        f" {gone['ratio']:.4f} ω₁ = {gone['rpm']:.1f} rpm."
+    )
 
 
 def draw_campbell(found: xr.Dataset, folder: Path, *, overwrite: bool = False) -> None:

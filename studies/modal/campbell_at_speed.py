@@ -19,7 +19,7 @@ from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.rotation.at_speed import TurningDisk
 from bladewhirl.models.rotation.growth import speed_of_growth
-from bladewhirl.models.rotation.waves import Waves, waves
+from bladewhirl.models.rotation.waves import REAL, Waves, waves
 from bladewhirl.solvers.stability.coincidence import Coincidences
 
 LINE_SPEEDS = 61
@@ -110,14 +110,15 @@ def at_speed(
     """
     reference = stage.reference_frequency
     line = np.linspace(*speeds, LINE_SPEEDS)
-    frequency, branches = [], []
+    frequency, rates, branches = [], [], []
     for k, own in found.items():
-        all_of_k = np.array([own.frequencies(omega).real for omega in line * reference])
+        all_of_k = np.array([own.frequencies(omega) for omega in line * reference])
         size = len(own.mass)
         for rank, name in enumerate(names[k]):
             if name in chosen:
                 for way, place in (("backward", size - 1 - rank), ("forward", size + rank)):
-                    frequency.append(all_of_k[:, place])
+                    frequency.append(all_of_k[:, place].real)
+                    rates.append(np.abs(all_of_k[:, place].imag))
                     branches.append((k, name, way))
     growth = [turning.growth_at(omega).max() if omega else 0.0 for omega in line * reference]
     room = stage.case.casing.clearance_profile.smallest + turning.disk.model.tip_recess
@@ -127,6 +128,11 @@ def at_speed(
                 ("branch", "line_speed"),
                 np.array(frequency) / (2.0 * np.pi),
                 HERTZ | {"long_name": "frequency in the rotating frame, positive backward"},
+            ),
+            "branch_growth": (
+                ("branch", "line_speed"),
+                np.where(np.array(rates) > REAL * line * reference, rates, 0.0),
+                {"units": "1/s", "long_name": "growth without damping, of waves that have met"},
             ),
             "tip_growth": ("line_speed", growth, {"units": "m", "long_name": "growth of the tips"}),
             **_speeds("critical", found, names, chosen, speeds[1] * reference, reference),
@@ -139,10 +145,32 @@ def at_speed(
             "branch_direction": ("branch", np.array([way for *_, way in branches], dtype=object)),
         },
         attrs={
+            "waves_meet": _first_meeting(found, line * reference) / reference,
             "clearance_gone": speed_of_growth(turning.disk, turning.matrices, room) / reference,
             "rotation_effects": stage.case.rotation.effects,
         },
     )
+
+
+def _first_meeting(found: Mapping[int, Waves], line: FloatArray) -> float:
+    """Lowest speed from which on two waves of the bladed disk are one, and grow [rad/s].
+
+    Looked for along a line of speeds; nan where there is none.
+    """
+
+    def met(omega: float) -> bool:
+        return any(
+            np.abs(own.frequencies(omega).imag).max() > REAL * omega for own in found.values()
+        )
+
+    after = next((place for place, omega in enumerate(line) if met(float(omega))), None)
+    if not after:
+        return float("nan") if after is None else float(line[0])
+    low, high = line[after - 1 : after + 1].tolist()
+    while high - low > 1e-6 * high:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if met(middle) else (middle, high)
+    return float(high)
 
 
 def _speeds(

@@ -25,7 +25,7 @@ from bladewhirl.models.rotation.at_speed import lowest_critical_speed
 from bladewhirl.models.rotation.internal_damping import internal_growth
 from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
 from bladewhirl.solvers.stability.floquet import wave_exponents
-from bladewhirl.solvers.stability.growth import Progress, eigenvalues, growth_rate
+from bladewhirl.solvers.stability.growth import Progress, eigenvalues, growth_rate, is_unstable
 
 FASTEST = 1000.0
 """Speed that is looked at, at most, in multiples of the highest coupled frequency."""
@@ -134,17 +134,21 @@ class EvenSystem(System):
         Returns:
             critical_speed (normalised) from which on K_Omega is indefinite, rotor_growth_rate
             [1/s] and its nodal diameter and, where that is positive, holding_damping [N s/m] of
-            each of two bearings that stand still (None where bearings cannot hold it).
+            each of two bearings that stand still (None where bearings cannot hold it); waves_met,
+            whether it grows without damping too.
         """
         if self.rotation is None:
             return {}
         case = self.stage.modal.case
-        found = internal_growth(
-            self.stage.modal.disk,
-            self.rotation,
-            omega,
-            case.rotation.effects,
-            damping_ratio=case.damping.ratio if self.damped else 0.0,
+        found, undamped = (
+            internal_growth(
+                self.stage.modal.disk,
+                self.rotation,
+                omega,
+                case.rotation.effects,
+                damping_ratio=ratio,
+            )
+            for ratio in (case.damping.ratio if self.damped else 0.0, 0.0)
         )
         critical = lowest_critical_speed(self.rotation) / self.reference
         return {
@@ -152,6 +156,7 @@ class EvenSystem(System):
             "rotor_growth_rate": found.rate,
             "rotor_nodal_diameter": found.nodal_diameter,
             "holding_damping": found.holding,
+            "waves_met": bool(is_unstable(undamped.rate, omega)),
         }
 
     def of_diameter(self, k: int) -> EvenSystem:

@@ -239,13 +239,15 @@ def rotor_sentences(found: Mapping[str, Any], speed: float) -> list[str]:
             f"{place} spin softening without Coriolis forces makes it diverge, which no rotor does;"
             ' rotation.effects = "full" holds it'
         ]
+    k, grown = found["rotor_nodal_diameter"], f"growth {found['rotor_growth_rate']:.4g} 1/s"
+    if found["waves_met"] and found["rotor_growth_rate"] > 0.0:
+        return [f"{place} two of its waves with k = {k} have met and grow without damping, {grown}"]
     if not found["damped"]:
         return [f"{place} Coriolis forces alone hold it; --damped tells whether damping feeds it"]
     if found["rotor_growth_rate"] <= 0.0:
         return [f"{place} it decays"]
-    k, damping = found["rotor_nodal_diameter"], found["holding_damping"]
-    grows = f"{place} internal damping feeds its forward wave with k = {k}, growth"
-    grows += f" {found['rotor_growth_rate']:.4g} 1/s"
+    damping = found["holding_damping"]
+    grows = f"{place} internal damping feeds its forward wave with k = {k}, {grown}"
     if damping is None:
         return [f"{grows}; bearings cannot hold it"]
     return [f"{grows}; {damping:.4g} N s/m in each of two bearings that stand still hold it"]

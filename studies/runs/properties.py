@@ -12,7 +12,7 @@ from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.elements.cyclic import NO_COLUMN
 from bladewhirl.models.stage.build import marched_bodies
 from bladewhirl.models.stage.contact_problem import critical_time_step
-from bladewhirl.models.stage.loads import imbalance_force, radial_mode, unbalance
+from bladewhirl.models.stage.loads import closing_unbalance, imbalance_force, radial_mode, unbalance
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.solvers.march.recorder import description_bytes, result_bytes
 
@@ -60,6 +60,7 @@ class ImbalanceFigures:
 
     unbalance: float  #: m e [kg m]
     force: float  #: m e Omega^2 [N]
+    closing: float  #: share of the clearance that its static answer closes, at the nearest tip
 
 
 MARCHES = {True: "harmonic by harmonic", False: "by dense products"}
@@ -200,7 +201,12 @@ def _lowest_of_casing(stage: Stage) -> tuple[Mode, ...]:
 def _imbalance(stage: Stage) -> ImbalanceFigures | None:
     if not isinstance(stage.case.excitation, Imbalance):
         return None
-    return ImbalanceFigures(unbalance=unbalance(stage), force=imbalance_force(stage))
+    size = unbalance(stage)
+    return ImbalanceFigures(
+        unbalance=size,
+        force=imbalance_force(stage),
+        closing=size / closing_unbalance(stage, stage.speed),
+    )
 
 
 def _distortion(stage: Stage) -> DistortionFigures | None:

@@ -13,7 +13,7 @@ EXAMPLES = Path(__file__).parents[3] / "examples"
 FAN = """\
 Case "Fan stage"
   bladed disk  22 blades, 50 mm to 500 mm, 100 mm x 10 mm, 10 elements each, disk of spokes and rim
-  material     210 GPa, 7800 kg/m3, of disk and casing
+  material     210 GPa, 7800 kg/m3, where sections name no other
   shaft        34 MN/m
   casing       clearance 1 mm, wall 100 mm x 10 mm, 40 elements, support 1.508 kN/m2, rotation fixed
   contact      friction 0.1, permanent sliding

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,10 +19,14 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_from, dumps_case, with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import modal_stage
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.hints import stage_hints
+from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.modal.campbell import plot_campbell
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.modal.campbell import campbell, coincidence_list
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
+from bladewhirl.studies.verification.bodies import marched, thrown
 
 KNOWN = oracle("rotation")["stages"]["0.01"]
 
@@ -125,13 +130,37 @@ def test_the_command_says_it_in_words_and_as_json(tmp_path: Path) -> None:
         return done.stdout
 
     found: dict[str, Any] = json.loads(run("--json"))
+    assert found["waves_meet"] is None
     assert [row["family"] for row in found["critical_speeds"]] == ["1F"]
     told = run("-o", str(tmp_path / "out"))
-    assert "Critical speed 2.10802 ω₁ = 4832.4 rpm: 1F, k = 1." in told
-    assert "Growth takes the cold clearance at 3.4042 ω₁" in told
+    assert "Critical speed 2.10802 ω₁ = 4832.4 rpm: 1F, k = 1, named" in told
+    assert "The growth of the tips takes a clearance measured cold at 3.4042 ω₁" in told
     assert "No critical speed up to 2 ω₁." in run("-o", str(tmp_path / "low"), "--speeds", "0:2")
     with xr.open_dataset(tmp_path / "out" / "campbell-rotating.nc") as data:
         assert set(data["branch_family"].values) == {"1F", "suspension"}
+
+
+def test_waves_that_have_met_grow_as_a_march_does() -> None:
+    """Ground resonance: undamped, without contact; eigenvalues of the full model, and a march."""
+    soft = {"bladed_disk.blades": 8, "bladed_disk.elements_per_blade": 4, "shaft.stiffness": 6e6}
+    turning = {"rotation.effects": "full", "march.speed": 3.6, "damping.ratio": 0.0}
+    case = with_values(Case(), {**soft, **turning, "reduction.fixed_interface_modes": 40})
+    found = campbell(case, families=1, speeds=(0.0, 3.6))
+    met, growth = found.attrs["waves_meet"], found["branch_growth"]
+    one = growth.isel(branch=int(growth[:, -1].values.argmax()))
+    assert (one.sel(line_speed=slice(0.0, met)) == 0.0).all()
+    assert (one.where(one["line_speed"] > met, drop=True) > 0.0).all()
+    assert found["critical_speed"].max() < met < 3.6
+    stage = build_stage(case)
+    rate = float(one[-1])
+    (hint,) = [line for line in stage_hints(stage) if "have met" in line]
+    assert float(hint.partition("growing by ")[2].split()[0]) == pytest.approx(rate, rel=0.01)
+    given = replace(contact_problem(stage), displacement_limit=1e9)
+    given = replace(given, casing=replace(given.casing, clearance=1e9 + given.casing.clearance))
+    chunk = marched(thrown(given, 1e-3, spread=0.5), 1e-6, 160_000, every=100)
+    late = slice(chunk.records // 2, None)
+    size = np.log(np.linalg.norm(chunk.rotor_displacement[late], axis=1))
+    assert np.polyfit(chunk.time[late], size, 1)[0] == pytest.approx(rate, rel=0.03)
 
 
 def test_unlike_sectors_are_refused() -> None:

@@ -168,6 +168,10 @@ def test_what_feeds_the_bladed_disk_alone_is_told() -> None:
         undamped.rotor_alone(past * undamped.reference) | undamped.options(), past
     )
     assert "Coriolis forces alone hold it" in held
+    told = undamped.rotor_alone(past * undamped.reference) | undamped.options()
+    (met,) = rotor_sentences(told | {"waves_met": True, "rotor_growth_rate": 3.0}, past)
+    assert "two of its waves with k =" in met
+    assert "growth 3 1/s" in met
     below = damped.rotor_alone(damped.reference) | damped.options()
     assert rotor_sentences(below, 1.0) == []
     static = coupled("fan_stage", effects="centrifugal")
