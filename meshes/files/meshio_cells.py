@@ -38,7 +38,8 @@ def readable(path: Path) -> Iterator[None]:
     except OSError as error:
         raise MeshFileError(f"a readable file ({error.strerror or error})") from None
     except Exception as error:
-        reason = " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
+        kind = "" if isinstance(error, Warning) else f"{type(error).__name__}: "
+        reason = " ".join(f"{kind}{error}".split()).removesuffix(":")
         raise MeshFileError(f"a {path.suffix} file that meshio can read ({reason})") from None
     if notes.getvalue():
         reason = " ".join(notes.getvalue().split())

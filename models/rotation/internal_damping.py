@@ -58,7 +58,7 @@ def internal_growth(
     assert layout is not None  # its sectors are equal
     rates, first = {}, None
     for k in nodal_diameters(layout.sectors):
-        block = _DampedWaves(
+        block = DampedWaves(
             own=waves(matrices, k, effects), damping_ratio=damping_ratio, omega=omega
         )
         rates[k] = block.growth(None, 0.0)
@@ -76,7 +76,7 @@ def internal_growth(
 
 
 @dataclass(frozen=True, kw_only=True)
-class _DampedWaves:
+class DampedWaves:
     """Waves of one nodal diameter with the damping of their modes at rest."""
 
     own: Waves
@@ -101,7 +101,7 @@ class _DampedWaves:
         return float(damped_eigenvalues(own.mass, damping, stiffness)[0].real.max())
 
 
-def _holding(first: _DampedWaves, centre: ComplexArray) -> float | None:
+def _holding(first: DampedWaves, centre: ComplexArray) -> float | None:
     """Least bearing damping without growth [N s/m]; None if none of those tried holds it."""
     mass = float(np.trace(centre.conj().T @ first.own.mass @ centre).real)
     from scipy.optimize import brentq  # long to load

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from bladewhirl.postprocess.energy.strain import PLOT_DECADES
 from bladewhirl.postprocess.fields.labelled import labelled
@@ -22,11 +23,15 @@ from bladewhirl.postprocess.fields.windows import (
     span_starts,
     window_label,
 )
+from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import SEQUENTIAL, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 
 SPANS = 300
 """Spans of time that a figure has at most."""
+
+NONE = "0.92"
+"""Grey where there is no energy at all, or no such mode."""
 
 
 def family_energies(
@@ -112,7 +117,7 @@ def plot_family_energies(energies: xr.Dataset) -> Figure:
     lower.set_yticks(rows, labels=list(families))
     for axes in (upper, lower):
         axes.grid(False)
-        axes.set_facecolor("0.92")  # where there is none
+        axes.set_facecolor(NONE)
     figure.colorbar(
         drawn,
         ax=[upper, lower],
@@ -122,6 +127,10 @@ def plot_family_energies(energies: xr.Dataset) -> Figure:
         extend="min",
     )
     head(figure, energies)
+    if min(float(by_diameter.min()), float(by_both.min())) <= 0.0:
+        legends_below(
+            figure, Group([(Patch(facecolor=NONE, edgecolor="0.6"), "none, or no such mode")])
+        )
     return figure
 
 

@@ -53,7 +53,13 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
     dataset, file = open_file(path, RESULT_NAME, "a result")
     try:
         check_result(dataset, str(file))
-        complete = with_coordinates(vouched(dataset))
+        whole = vouched(dataset)
+        if not whole.sizes[TIME]:
+            raise ResultError(
+                f"{file}: expected records from 0 s to those of its attribute steps = "
+                f"{dataset.attrs['steps']}, found times from {dataset[TIME].values[0]:.3g} s"
+            )
+        complete = with_coordinates(whole)
     except ResultError:
         dataset.close()
         raise

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -43,6 +44,15 @@ CROSS: dict[str, Any] = {
     "markeredgewidth": 0.4,
 }
 """Mark of a critical speed."""
+
+RAYS: Mapping[Frame, str] = {
+    "rotating": "Casing waves are drawn that travel forward in the static frame.",
+    "static": "Rays are waves that travel backward on the bladed disk, forward here.",
+}
+"""What of the waves that move in a frame is drawn."""
+
+FINE = 2001
+"""Speeds of a line that is curved on its axes."""
 
 HEADROOM = 1.18
 """Highest frequency shown over the highest coincidence or mode of interest."""
@@ -126,7 +136,8 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     speed_axis(axes, reference)
     frequency_axis(axes, reference, f"frequency / ω₁, {frame} frame [–]")
     set_title(figure, data.attrs["case"], f"Campbell diagram, {frame} frame")
-    legends_below(figure, Group(_legend(data, frame), _left_out(whole, data)))
+    entries = [entry for entry in _legend(data, frame) if _is_drawn(axes, entry[0])]
+    legends_below(figure, Group(entries, f"{_left_out(whole, data)} {RAYS[frame]}"))
     return figure
 
 
@@ -149,9 +160,10 @@ def frequency_limits(data: xr.Dataset, frame: Frame) -> tuple[float, float]:
 
 def _draw_branches(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> None:
     """Waves on a bladed disk that feels that it turns, over the speed."""
-    speed = data["line_speed"].values
+    found = data["line_speed"].values
+    speed = np.linspace(found[0], found[-1], FINE)
     signed = data["branch_frequency"].values / data.attrs["reference_frequency_hz"]
-    for row, growth, k, family, way in zip(
+    for values, growth, k, family, way in zip(
         signed,
         data["branch_growth"].values,
         data["branch_nodal_diameter"].values,
@@ -159,6 +171,7 @@ def _draw_branches(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> 
         data["branch_direction"].values,
         strict=True,
     ):
+        row, grows = (np.interp(speed, found, each) for each in (values, growth > 0.0))
         first, forward = int(k) == 1, way == "forward"
         if forward and not first and frame == "static":
             continue
@@ -177,14 +190,14 @@ def _draw_branches(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> 
         if growth.any():  # met, and unstable
             axes.plot(
                 speed,
-                np.where(growth > 0.0, y, np.nan),
+                np.where(grows == 1.0, y, np.nan),
                 color=COLOURS["contact"],
                 linewidth=4.0,
                 alpha=0.5,
                 zorder=1,
             )
             if not forward:
-                names.along(speed, np.where(growth > 0.0, y, np.nan), "met: unstable", "black")
+                names.along(speed, np.where(grows == 1.0, y, np.nan), "met: unstable", "black")
         if first:
             name = "suspension" if family == "suspension" else f"{family}, k = 1"
             names.along(speed, y, f"{name}, {way}", colour)
@@ -196,7 +209,7 @@ def _draw_modes(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> Non
     body, k = data["mode_body"].values, data["mode_nodal_diameter"].values
     modes, family = data["normalised_mode_frequency"].values, data["mode_family"].values
     first_speed, last_speed = data.attrs["speeds"]
-    speed = np.linspace(first_speed, last_speed, 2001)
+    speed = np.linspace(first_speed, last_speed, FINE)
     # Rays first, and of each body those with one nodal diameter last, so that they lie on top.
     order = np.lexsort((k == 1, body == level))
     for mode in order[np.argsort(k[order] != 1, kind="stable")]:
@@ -276,6 +289,21 @@ def _left_out(whole: xr.Dataset, drawn: xr.Dataset) -> str:
     return (
         f"{kept} of {every} coincidences at these speeds are shown, each with its k. Left out:"
         " families that meet outside the operating range only, and higher casing modes."
+    )
+
+
+def _is_drawn(axes: Axes, handle: Line2D | Patch) -> bool:
+    """Whether something like an entry of the legend is seen in a diagram; an area always is."""
+    if isinstance(handle, Patch):
+        return True
+    low, high = axes.get_ylim()
+    look = handle.get_marker(), handle.get_linestyle()
+    any_colour = handle.get_color() == COLOURS["total"]
+    return any(
+        (line.get_marker(), line.get_linestyle()) == look
+        and (any_colour or line.get_color() == handle.get_color())
+        and bool(np.any((low <= (y := np.asarray(line.get_ydata()))) & (y <= high)))
+        for line in axes.get_lines()
     )
 
 

@@ -23,7 +23,7 @@ from bladewhirl.postprocess.plotting.style import (
     new_figure,
     styled,
 )
-from bladewhirl.postprocess.plotting.titles import set_title, speed_label
+from bladewhirl.postprocess.plotting.titles import set_title, short_number, speed_label
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
 MILLI, MICRO = 1e3, 1e6
@@ -32,7 +32,7 @@ ARROWS = 8
 """Arrows along an orbit."""
 
 ARROW: Mapping[str, Any] = {
-    "arrowstyle": "-|>,head_width=0.2,head_length=0.4",
+    "arrowstyle": "-|>,head_width=0.11,head_length=0.22",
     "color": COLOURS["k = 1"],
     "shrinkA": 0.0,
     "shrinkB": 0.0,
@@ -59,7 +59,7 @@ def plot_orbits(orbit: xr.Dataset) -> Figure:
         axes.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge), xlabel="x [µm]")
         axes.set_title(f"{frame} frame\n{whirl(orbit, frame).text}")
     panels[0].set_ylabel("y [µm]")
-    _title(figure, "Growing orbit of the shaft", orbit)
+    _title(figure, "Growing orbit of the shaft, until the clearance closes", orbit)
     return figure
 
 
@@ -133,7 +133,7 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
         axes.set_axis_off()
         axes.set_title(f"{MILLI * picture.time:.4g} ms")
     figure.colorbar(shown, ax=panels, label="displacement [mm]", shrink=0.7)
-    _title(figure, "Growing coupled mode", dataset)
+    _title(figure, "Growing coupled mode, exaggerated; static frame, rotation ↺", dataset)
     marks = {
         "axis of rotation": ("+", COLOURS["rest"], COLOURS["rest"]),
         "shaft": ("o", COLOURS["k = 1"], COLOURS["k = 1"]),
@@ -149,7 +149,7 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
 
 def _title(figure: Figure, shown: str, data: xr.Dataset) -> None:
     """Title a figure with the case, what is shown, the speed and the coupling stiffness."""
-    kappa = f", κ = {data.attrs['kappa']:.4g} N/m" if "kappa" in data.attrs else ""
+    kappa = f", κ = {short_number(data.attrs['kappa'])} N/m" if "kappa" in data.attrs else ""
     set_title(figure, data.attrs.get("case", ""), f"{shown}\n{speed_label(data)}{kappa}")
 
 

@@ -221,7 +221,11 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
     )
     names = {"bladed-disk": "the bladed disk, rotating frame", "casing": "the casing"}
     set_title(figure, data.attrs["case"], f"Modes of {names[body]}; {TURNS}")
-    legends_below(figure, Group([(shape.rest, "centre at rest"), (shape.centre, "displaced")]))
+    marks = [(shape.rest, "centre at rest"), (shape.centre, "displaced")]
+    told = "Drawn exaggerated. centre: its displacement over the largest of the mode"
+    if (data[f"{prefix}_purity"].values < PURE).any():
+        told += "; k = … holds: its share of the kinetic energy"
+    legends_below(figure, Group(marks, f"{told}."))
     return figure
 
 
@@ -239,7 +243,8 @@ def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
     panels = figure.subplots(1, INSTANTS)
     outline = Outline(data, body)
     k = int(data[f"{prefix}_nodal_diameter"].values[0])
-    crests = Line2D([], [], linestyle="none", marker="v", color=COLOURS["contact"])
+    crests = Line2D([], [], linestyle="none", marker="D", color=COLOURS["contact"])
+    furthest = "tips furthest ahead, ↺" if body == "bladed-disk" else "wall furthest out"
     for number, axes in enumerate(panels):
         record = len(coordinates) * number // (4 * (INSTANTS - 1))
         shape = DrawnShape(axes, outline, coordinates, linewidth=0.8)
@@ -252,9 +257,14 @@ def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
     )
     frame = "rotating frame" if body == "bladed-disk" else "static frame"
     hertz = _frequency(data, float(data[f"{prefix}_frequency"].values[0]))
-    title = f"{data.attrs['title']}, {hertz}, {frame}; {TURNS}"
+    name = str(data.attrs["title"])
+    title = f"{name[:1].upper()}{name[1:]}, {hertz}, {frame}; {TURNS}"
     set_title(figure, data.attrs["case"], title)
-    marks = [(shape.rest, "centre at rest"), (shape.centre, "displaced"), (crests, "crest")]
+    marks = [
+        (shape.rest, "centre at rest"),
+        (shape.centre, "displaced"),
+        (crests, f"crest: {furthest}"),
+    ]
     legends_below(figure, Group(marks))
     return figure
 
@@ -267,8 +277,8 @@ def _mark_crests(axes: Axes, angle: float, k: int) -> None:
         place = radius * np.array([np.cos(turned), np.sin(turned)])
         axes.plot(
             *place,
-            marker=(3, 0, np.degrees(turned) + 90.0),
-            markersize=5.0,
+            marker="D",
+            markersize=4.0,
             color=COLOURS["contact"],
             markerfacecolor="none" if number else COLOURS["contact"],
         )

@@ -19,6 +19,8 @@ from bladewhirl.postprocess.plotting.titles import set_title
 DRAWN_CLEARANCE = 0.16
 """The clearance in a picture, as a share of the tip radius."""
 
+SCHEMATIC = "Schematic: clearance and displacements exaggerated alike. Right: the mode's own wave."
+
 ZONE = np.radians(40.0)
 """Half the angle over which blades are drawn in contact."""
 
@@ -42,9 +44,10 @@ def plot_scenario(data: xr.Dataset) -> Figure:
         ("shaft", "shaft_phase", "-", 1.2),
         ("smallest clearance", "smallest_clearance_phase", "--", 1.8),
     ):
-        colour = COLOURS["rotor" if name == "shaft" else "contact"]
+        colour = COLOURS["k = 0" if name == "shaft" else "contact"]
         phase = _broken(np.degrees(data[key].values))
-        right.plot(turns, phase, style, color=colour, linewidth=width, label=name)
+        known = "_" if name == "shaft" else name  # the arrow on the left has its name
+        right.plot(turns, phase, style, color=colour, linewidth=width, label=known)
     right.set(
         xlim=(0.0, 1.0),
         ylim=(-190.0, 190.0),
@@ -56,10 +59,11 @@ def plot_scenario(data: xr.Dataset) -> Figure:
     driven = "backward" if kind == "standard" else "forward"
     ratio, rpm = data.attrs["speed"] / reference, 30.0 * data.attrs["speed"] / np.pi
     title = f"{kind.capitalize()} contact scenario of {data.attrs['mode']}, k = 1"
-    words = f"friction drives {driven} whirl; Ω/ω₁ = {ratio:.4g} ({rpm:.0f} rpm)"
+    words = f"friction on the blades drives {driven} whirl; Ω/ω₁ = {ratio:.4g} ({rpm:.0f} rpm)"
     set_title(figure, data.attrs["case"], f"{title}: {words}")
     groups = (
-        Group([*zip(*axes.get_legend_handles_labels(), strict=True)]) for axes in (left, right)
+        Group([*zip(*axes.get_legend_handles_labels(), strict=True)], told)
+        for axes, told in ((left, SCHEMATIC), (right, ""))
     )
     legends_below(figure, *groups)
     return figure
@@ -96,18 +100,19 @@ def _draw_rings(axes: Axes, data: xr.Dataset) -> None:
     outward = side * np.stack([np.cos(zone), np.sin(zone)], axis=-1)
     for normal in outward:
         tip = normal + np.array([centre, 0.0])
-        axes.plot(*np.stack([[shaft, 0.0], tip]).T, color=COLOURS["rest"], linewidth=0.5)
+        axes.plot(*np.stack([[shaft, 0.0], tip]).T, color=COLOURS["total"], linewidth=0.5)
         drag = np.array([normal[1], -normal[0]])  # towards -theta
         start = tip - 0.12 * normal - 0.1 * drag
         _arrow(axes, start, start + 0.28 * drag, COLOURS["suspension"])
+    axes.plot([], [], color=COLOURS["total"], linewidth=0.5, label="blades in contact")
     axes.plot([], [], color=COLOURS["suspension"], label="friction")
     _arrow(axes, (0.0, 0.0), (shaft, 0.0), COLOURS["k = 0"], width=1.4)
     axes.plot([], [], color=COLOURS["k = 0"], linewidth=1.4, label="shaft")
-    axes.plot(0.0, 0.0, "x", color=COLOURS["total"], markersize=3.0)
+    axes.plot(0.0, 0.0, "x", color=COLOURS["total"], markersize=3.0, label="centre at rest")
     reach = 1.03 * max(1.0 + DRAWN_CLEARANCE + abs(wall), 1.0 + abs(centre))
     axes.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
     axes.set_axis_off()
-    axes.text(0.0, -0.25, "rotation ↺", ha="center", va="center")
+    axes.text(reach, -reach, "rotation ↺", ha="right", va="bottom")
 
 
 def _arc(middle: float, radius: float, half_angle: float) -> FloatArray:

@@ -26,7 +26,7 @@ from bladewhirl.postprocess.plotting.axes import (
 )
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
-from bladewhirl.postprocess.plotting.titles import set_title
+from bladewhirl.postprocess.plotting.titles import set_title, short_number
 from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, is_unstable
 
 KAPPA_AXIS = "coupling stiffness κ [N/m]"
@@ -138,7 +138,7 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
     upper.set_xlabel("")
     lower.set_xlabel(SPEED)
     frequency_axis(lower, reference / (2.0 * np.pi), "frequency / ω₁, half-speed frame [–]")
-    shown = _words(f"Eigenvalues along κ = {data.attrs['kappa']:.4g} N/m", data)
+    shown = _words(f"Eigenvalues along κ = {short_number(data.attrs['kappa'])} N/m", data)
     set_title(figure, data.attrs["case"], shown)
     legends_below(figure, Group(entries))
     return figure

@@ -35,6 +35,12 @@ FEW = 3
 ROOM = 0.12
 """Share of a stretch of a broken axis above and below what it shows."""
 
+LOWEST = 0.05
+"""Normalised frequency from which on branches are drawn: at a critical speed one goes to zero."""
+
+ASIDE = {"backward": -0.2, "forward": 0.2}
+"""How far marks of waves stand aside of their nodal diameter."""
+
 WAYS = {"both": "o", "standing": "o", "backward": "<", "forward": ">"}
 """Marks of waves, by the way that they travel in the rotating frame."""
 
@@ -70,7 +76,7 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
             axes.set_yscale("log")
             axes.margins(y=0.1)
         frequency_axis(axes, reference)
-        axes.set_xlim(-0.5, float(data["nodal_diameter"].values.max()) + 1.6)
+        axes.set_xlim(-0.5, float(data["nodal_diameter"].values.max()) + 2.0)
         places = Names(axes)
         for name in shown[::-1]:  # the lowest first
             _name_family(places, data, name)
@@ -109,7 +115,7 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
         xscale="log",
         xlim=(stiffness[0], stiffness[-1]),
         yscale="log",
-        ylim=(0.7 * frequency[frequency > 0.0].min(), 1.4 * frequency.max()),
+        ylim=(max(0.7 * frequency[frequency > 0.0].min(), LOWEST), 1.4 * frequency.max()),
         xlabel="stiffness of each shaft spring [N/m]",
     )
     frequency_axis(axes, float(data.attrs["reference_frequency_hz"]))
@@ -132,10 +138,12 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
     set_title(figure, data.attrs["case"], f"Modes with k = 1{_at_speed(data)}")
     handles = [
         (Line2D([], [], color=COLOURS["k = 1"], linewidth=0.8), "the case"),
-        (Line2D([], [], color=COLOURS["rest"], linestyle="--"), "clamped centre"),
+        (Line2D([], [], color=COLOURS["rest"], linestyle="--"), "clamped centre, grey names"),
     ]
     if "forward" in ways:
-        handles.append((Line2D([], [], color=COLOURS["total"], linewidth=0.7), "forward waves"))
+        for name, width in (("backward", 1.4), ("forward", 0.7)):
+            look = Line2D([], [], color=COLOURS["total"], linewidth=width)
+            handles.append((look, f"{name} waves"))
     legends_below(figure, Group(handles))
     return figure
 
@@ -157,7 +165,7 @@ def _character(share: FloatArray, ways: NDArray[np.str_], branch: int) -> str:
 
 def _at_speed(data: xr.Dataset) -> str:
     """The speed in words where the modes depend on it."""
-    return f"\nat {speed_label(data)}" if data.attrs["speed"] else ""
+    return f"\nat {speed_label(data)}, rotating frame" if data.attrs["speed"] else ""
 
 
 def _is(data: xr.Dataset, family: str) -> BoolArray:
@@ -169,17 +177,27 @@ def _draw_family(axes: Axes, data: xr.Dataset, family: str) -> None:
     suspension = family == "suspension"
     for way in _ways(data):
         k, frequency = _chosen(data, "free", family, way)
-        axes.plot(k, frequency, "-", color=COLOURS["rest"], linewidth=0.6, zorder=1)
+        if way != "standing":  # k = 0 and half the blades, with all others between them
+            axes.plot(
+                k + ASIDE.get(way, 0.0),
+                frequency,
+                "-",
+                color=COLOURS["rest"],
+                linewidth=0.6,
+                zorder=1,
+            )
         dot = COLOURS["suspension" if suspension else "total"]
-        mark: dict[str, Any] = {"linestyle": "none", "marker": "s" if suspension else WAYS[way]}
-        axes.plot(k, frequency, color=dot, markersize=3.0, **mark)
+        shape = "s" if suspension and way == "both" else WAYS[way]
+        mark: dict[str, Any] = {"linestyle": "none", "marker": shape}
+        axes.plot(k + ASIDE.get(way, 0.0), frequency, color=dot, markersize=3.0, **mark)
         if not suspension:
             ring: dict[str, Any] = {
                 "color": COLOURS["k = 1"],
                 "markerfacecolor": "none",
                 "markersize": 5.5,
             }
-            axes.plot(*_chosen(data, "clamped", family, way), **mark, **ring)
+            k, frequency = _chosen(data, "clamped", family, way)
+            axes.plot(k + ASIDE.get(way, 0.0), frequency, **mark, **ring)
 
 
 def _name_family(names: Names, data: xr.Dataset, family: str) -> None:
@@ -189,6 +207,7 @@ def _name_family(names: Names, data: xr.Dataset, family: str) -> None:
     last = np.lexsort((-frequency, k))[-1]
     end = float(k[last]), float(frequency[last])
     if family == "suspension":
+        names.keep_free(k.astype(np.float64), frequency)
         names.beside(*end, family, COLOURS[family])
     else:
         names.behind(*end, family, COLOURS["total"])
@@ -200,18 +219,21 @@ def _ways(data: xr.Dataset) -> list[str]:
     return ["backward", "forward", "standing"] if whirls else ["both"]
 
 
-def _marks(data: xr.Dataset, names: list[str]) -> list[tuple[Line2D, str]]:
+def _marks(data: xr.Dataset, names: list[str]) -> list[tuple[Line2D | tuple[Line2D, ...], str]]:
     def mark(colour: str, shape: str, **more: Any) -> Line2D:
         return Line2D([], [], linestyle="none", color=COLOURS[colour], marker=shape, **more)
 
     ring: dict[str, Any] = {"markersize": 5.5, "markerfacecolor": "none"}
-    found = [
+    ways = _ways(data)
+    found: list[tuple[Line2D | tuple[Line2D, ...], str]] = [
         (mark("total", WAYS[way], markersize=3.0), f"free{'' if way == 'both' else f', {way}'}")
-        for way in _ways(data)
+        for way in ways
     ]
-    found.append((mark("k = 1", WAYS[_ways(data)[0]], **ring), "clamped centre"))
+    found.append((tuple(mark("k = 1", WAYS[way], **ring) for way in ways), "clamped centre"))
     if "suspension" in names:
-        found.append((mark("suspension", "s", markersize=3.0), "suspension"))
+        shapes = ["s"] if ways == ["both"] else [WAYS["backward"], WAYS["forward"]]
+        own = tuple(mark("suspension", shape, markersize=3.0) for shape in shapes)
+        found.append((own, "suspension"))
     return found
 
 

@@ -91,16 +91,18 @@ def stage_view(
     note: str = "",
     *,
     trail: IntArray | None = None,
+    letters: float = 1.0,
 ) -> Iterator[Callable[[int | None], Pixels]]:
     """An off-screen stage: a function that gives the pixels of the index-th record, or, for None,
-    of the one before with the times of all records written instead of its own.
+    of the one before with the times of all records written instead of its own. What is written on
+    the stage itself is `letters` times as large as usual.
     """
     with off_screen_plotter(size) as plotter:
         from bladewhirl.postprocess.pictures.panel import Panel
         from bladewhirl.postprocess.pictures.scene import StageScene
 
         scene = StageScene(plotter, drawing)
-        panel = Panel(scene, dataset, note=note, trail=trail)
+        panel = Panel(scene, dataset, note=note, trail=trail, letters=letters)
         scene.aim()
 
         def picture(index: int | None) -> Pixels:

@@ -42,7 +42,8 @@ KEY_LETTERS, LINE_LETTERS = 27, 32
 
 class Panel:
     """The picture in words, and the colour scale, right of the stage. With `trail`,
-    consecutive records, an inset shows the shaft's orbit through them.
+    consecutive records, an inset shows the shaft's orbit through them. What is written on the
+    stage itself is `letters` times as large as usual.
     """
 
     def __init__(
@@ -52,6 +53,7 @@ class Panel:
         *,
         note: str = "",
         trail: IntArray | None = None,
+        letters: float = 1.0,
     ) -> None:
         self._plotter, drawing = scene.plotter, scene.drawing
         shown = [f"{drawing.frame} frame", enlargement(drawing.exaggeration)]
@@ -61,8 +63,8 @@ class Panel:
         write(scene.plotter, "\n".join([*shown, note] if note else shown), 0.7, 13, color=FAINT)
         self._contact = write(scene.plotter, "", 0.565, 14, color=FORCE_COLOUR)
         self._orbit = None if trail is None else Orbit(scene, dataset, trail)
-        self._numbers = BladeNumbers(scene, dataset.sizes["blade"])
-        write_scale_bar(scene, "motion, clearance")
+        self._numbers = BladeNumbers(scene, dataset.sizes["blade"], letters)
+        write_scale_bar(scene, "motion, clearance", letters)
         limit = drawing.linear_limit()
         if limit is not None:
             unit, scale = length_unit(limit)
@@ -136,13 +138,14 @@ class Orbit:
 class BladeNumbers:
     """Numbers beside the blades, of as many as can be read."""
 
-    def __init__(self, scene: StageScene, blades: int) -> None:
-        each = next(step for step in (1, 2, 5, 10, 20, 50, 100, 200, 500) if blades <= 25 * step)
+    def __init__(self, scene: StageScene, blades: int, letters: float = 1.0) -> None:
+        steps = (1, 2, 5, 10, 20, 50, 100, 200, 500)
+        each = next(step for step in steps if letters * blades <= 25 * step)
         self._blades = np.arange(0, blades, each)
         self._corner, far = scene.place(0.0, 0.0), scene.place(1.0, 1.0)
         self._pixels = np.array(scene.plotter.window_size) / (far - self._corner)
         self._actors = [
-            write(scene.plotter, str(blade), 0.0, 10, color=FAINT, indent=float(blade))
+            write(scene.plotter, str(blade), 0.0, 10 * letters, color=FAINT, indent=float(blade))
             for blade in self._blades
         ]
         for actor in self._actors:
@@ -158,7 +161,7 @@ class BladeNumbers:
             actor.SetPosition(*place)
 
 
-def write_scale_bar(scene: StageScene, enlarged: str) -> None:
+def write_scale_bar(scene: StageScene, enlarged: str, letters: float = 1.0) -> None:
     """Put a bar of a round length into the lower left corner, with what it is of the stage and,
     where that is drawn larger, of what is `enlarged`.
     """
@@ -174,7 +177,7 @@ def write_scale_bar(scene: StageScene, enlarged: str) -> None:
     if factor != 1:
         unit, scale = length_unit(length / factor)
         words += f"\nof {enlarged}: {scale * length / factor:.3g} {unit}"
-    write(scene.plotter, words, 0.085, 11, indent=-SQUARE)
+    write(scene.plotter, words, 0.05 + 0.035 * letters, 11 * letters, indent=-SQUARE)
 
 
 def _on_plane(points: Array) -> Array:

@@ -18,6 +18,7 @@ from bladewhirl.postprocess.pictures.offscreen import Pixels, stage_view
 from bladewhirl.postprocess.plotting.files import checked_target
 
 CELL = 480  #: width and height of a picture [pixels]
+LETTERS = 1.7  #: of what is written on a picture's stage, as against a picture alone
 PANEL_HEIGHT = 960  #: least height of a sheet, so that its panel can be read
 
 
@@ -43,7 +44,7 @@ def render_sheet(
     rows = -(-len(records) // wide)
     size = (round(cell / SQUARE), cell)
     sheet = np.full((rows * cell, wide * cell, 3), 255, dtype=np.uint8)
-    with stage_view(dataset, drawing, size) as picture:
+    with stage_view(dataset, drawing, size, letters=LETTERS) as picture:
         for index in range(len(records)):
             row, column = divmod(index, wide)
             place = (slice(row * cell, (row + 1) * cell), slice(column * cell, (column + 1) * cell))

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import FloatArray
@@ -22,8 +23,9 @@ POINT = 4.0
 NUMBER = 3
 """Letters up to which a name beside a point hides nothing behind it."""
 
-SHARE = 0.8
-"""Share of a figure that axes have, at about."""
+SHARE, LABELS = 0.8, 1.1
+"""Share of a figure's height that axes have, and what their labels take of its width [inch], at
+about."""
 
 
 def speed_axis(axes: Axes, reference_hz: float) -> None:
@@ -64,6 +66,10 @@ def _multiples(unit: float) -> tuple[Scaling, Scaling]:
     return lambda x: np.asarray(x) * unit, lambda x: np.asarray(x) / unit
 
 
+INSET = 0.012
+"""Least distance of a name on a line from the frame, as a share of the axes."""
+
+
 class Names:
     """Names beside lines and points of axes, where no other name stands."""
 
@@ -74,12 +80,14 @@ class Names:
         spec = axes.get_subplotspec()
         rows, columns = (1, 1) if spec is None else spec.get_gridspec().get_geometry()
         self._axes = axes
-        self._points = 72.0 * SHARE * np.array([width / columns, height / rows])
+        self._points = 72.0 * np.array([width / columns - LABELS, SHARE * height / rows])
         self._taken: list[tuple[FloatArray, FloatArray]] = []
+        self._kept: list[FloatArray] = []
 
     def keep_free(self, x: FloatArray, y: FloatArray) -> None:
         """Let no name cover these points."""
         room = np.full(2, 2.0 * POINT) / self._points
+        self._kept += [*self._shares(x, y)]
         self._taken += [(place - room / 2.0, room) for place in self._shares(x, y)]
 
     def along(
@@ -99,7 +107,7 @@ class Names:
         size = self._size(text)
         for place in places[:: max(1, len(places) // 60)]:
             middle = place + np.array([0.5 * aside * size[0], 0.0])
-            corner = np.clip(middle - size / 2.0, 0.004, 0.996 - size)
+            corner = np.clip(middle - size / 2.0, INSET, 1.0 - INSET - size)
             near = np.abs(places - corner - size / 2.0) < size * np.array([0.5 + abs(aside), 0.5])
             if np.all(near, axis=1).any() and self._take(corner, size):
                 self._write(corner + size / 2.0, text, colour, ground=True)
@@ -107,12 +115,16 @@ class Names:
         return False
 
     def beside(self, x: float, y: float, text: str, colour: str) -> bool:
-        """Name a point above, below, or to a side of it; False where there is no room."""
+        """Name a point above, below, or to a side of it; False where there is no room.
+
+        Places that are nearer to another point that `keep_free` knows come last.
+        """
         (place,) = self._shares(np.array([x]), np.array([y]))
         size = self._size(text)
         corners = [*self._corners(place, size)]
         if len(text) > NUMBER:  # above a point a word reads better than before it
             corners[:2] = corners[1::-1]
+        corners.sort(key=lambda corner: self._nearer_to_another(corner + size / 2.0, place))
         for corner in corners:
             inside = np.all((corner >= 0.0) & (corner + size <= 1.0))
             if inside and self._take(corner, size):
@@ -121,13 +133,26 @@ class Names:
         return False
 
     def behind(self, x: float, y: float, text: str, colour: str) -> None:
-        """Name the end of a line on its right, above the names that stand there."""
+        """Name the end of a line on its right, above the names that stand there.
+
+        A thin line leads to a name that had to give way.
+        """
         (place,) = self._shares(np.array([x]), np.array([y]))
         size = self._size(text) * np.array([1.0, 0.75])  # capitals
-        corner = place + np.array([1.5 * POINT / self._points[0], -0.5 * size[1]])
+        away = np.array([POINT / self._points[0], 0.0])
+        start = corner = place + 2.0 * away - np.array([0.0, 0.5 * size[1]])
         while not self._take(corner, size):
             corner = corner + np.array([0.0, 0.1 * size[1]])
+        if corner[1] > start[1] + 0.2 * size[1]:
+            ends = np.stack([place + 0.7 * away, corner + np.array([0.0, 0.5 * size[1]])])
+            self._axes.plot(*ends.T, color=colour, linewidth=0.4, transform=self._axes.transAxes)
         self._write(corner + size / 2.0, text, colour, ground=False)
+
+    def _nearer_to_another(self, middle: FloatArray, place: FloatArray) -> bool:
+        """Whether a name would be taken for that of another point."""
+        own = np.hypot(*((middle - place) * self._points))
+        others = np.array(self._kept).reshape(-1, 2)
+        return bool((np.hypot(*((middle - others) * self._points).T) < 0.95 * own).any())
 
     def _corners(self, place: FloatArray, size: FloatArray) -> Iterator[FloatArray]:
         """Lower left corners of a name about a point: above, below, to its sides."""
@@ -166,7 +191,7 @@ class Names:
         return free
 
     def _write(self, middle: FloatArray, text: str, colour: str, *, ground: bool) -> None:
-        box = {"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.85}
+        outline = [withStroke(linewidth=2.6, foreground="white", alpha=0.9)]
         self._axes.text(
             float(middle[0]),
             float(middle[1]),
@@ -177,5 +202,5 @@ class Names:
             color=colour,
             fontsize=6.5,
             zorder=7,
-            bbox=box if ground else None,
+            path_effects=outline if ground else None,
         )

@@ -24,6 +24,9 @@ from bladewhirl.solvers.stability.scenario import (
     smallest_clearance_angle,
 )
 
+ALIKE = 1e-6
+"""Share of the widest spread of gaps below which gaps are alike: none of them is the smallest."""
+
 POINTS = 1200
 """Points of a line of phases at most."""
 
@@ -44,7 +47,7 @@ def contact_phase(
 
     Where tips touch on one side, the smallest clearance is the mean direction of their contact
     impulses: several gaps are zero then. Elsewhere it is that of the tip with the smallest gap, so
-    it moves in steps of a blade pitch.
+    it moves in steps of a blade pitch; nan where gaps are alike.
 
     Args:
         result: of a run.
@@ -55,7 +58,7 @@ def contact_phase(
 
     Returns:
         over time [rad]: `shaft_phase` and `smallest_clearance_phase` in (-pi, pi], static frame;
-        `shaft_lead`, their difference, the same in any frame; nan where the shaft rests; `impulse`
+        `shaft_lead`, their difference, the same in any frame; nan where one rests; `impulse`
         of all contacts since the record before [N s]. Attributes `scenario` ("standard",
         "inverted", "unsteady" or "at rest"), `lead` [rad] and `steadiness`: means over the time
         `window`, in words, weighted by the impulse if anything touched, see `solvers.scenario`.
@@ -67,7 +70,10 @@ def contact_phase(
     total = impulse.sum(axis=1)
     push = impulse @ np.exp(1j * tip)
     on_one_side = (total > 0) & (np.abs(push) >= STEADY * total)
-    nearest = smallest_clearance_angle(dataset["gap"].values, tip)
+    gap = dataset["gap"].values
+    spread = np.ptp(gap, axis=1)
+    told_apart = spread > ALIKE * spread.max(initial=0.0)
+    nearest = np.where(told_apart, smallest_clearance_angle(gap, tip), np.nan)
     clearance = np.where(on_one_side, np.angle(push), nearest)
     shaft = orbit["rotating"].values
     lead = shaft_lead(shaft, clearance)
@@ -162,7 +168,7 @@ def _words(phases: xr.Dataset) -> list[str]:
         return ["the shaft rests"]
     if kind == "unsteady":
         return [phases.attrs["window"], "no steady contact scenario"]
-    lead = f"{np.degrees(phases.attrs['lead']):.0f}°"
+    lead = f"{np.degrees(phases.attrs['lead']):.0f}°".replace("-", "−")
     if not phases["impulse"].any():
         return [phases.attrs["window"], f"no contact, shaft leads the smallest gap by {lead}"]
     return [phases.attrs["window"], f"{kind} contact, shaft leads by {lead}"]

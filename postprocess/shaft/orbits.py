@@ -20,8 +20,12 @@ from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 LONG_LINE = 5000
 """Points above which a line is a picture inside a PDF: such files would grow unwieldy."""
 
-SEEN = 0.1
-"""Share of the axes that a turn must span for arrows on it to be read."""
+SEEN = 0.3
+"""Share of half the axes that a turn must span for arrows on it to be read; a smaller one is drawn
+again in a corner."""
+
+CORNER = (0.03, 0.03, 0.27, 0.27)
+"""Place of that drawing, in shares of the axes."""
 
 TINY = 0.05
 """Radius of an orbit, over the clearance, below which the clearance is not drawn around it."""
@@ -117,7 +121,8 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
         if not tiny:
             axes.add_patch(Circle((0, 0), scale * clearance, fill=False, **CLEARANCE_LINE))
         _draw_path(axes, scale * orbit[frame].values)
-        _draw_turn(axes, scale * late[frame].values, edge)
+        if not _draw_turn(axes, scale * late[frame].values, edge):
+            _draw_again(axes, late[frame].values)
         axes.set_title(f"{frame} frame\n{whirl(late_part(orbit), frame).text}")
     panels[FRAMES[0]].set_ylabel(f"y [{unit}]")
     panels[FRAMES[1]].tick_params(labelleft=False)
@@ -125,7 +130,7 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
     if not tiny:
         panels[FRAMES[0]].plot([], [], label="clearance", **CLEARANCE_LINE)
     entries = panels[FRAMES[0]].get_legend_handles_labels()
-    figure.legend(*entries, loc="outside lower center", ncols=4)
+    figure.legend(*entries, loc="outside lower center", ncols=3)
     outside = [f"the clearance, {MILLI * clearance:.3g} mm, is far outside"] if tiny else []
     windows = f"late motion: {window_label(late)}", f"whirl: {window_label(late_part(orbit))}"
     head(figure, orbit, *windows, *outside)
@@ -157,19 +162,36 @@ def _draw_radius(axes: Axes, late: xr.Dataset) -> None:
 
 def _draw_path(axes: Axes, place: Array) -> None:
     """A whole path (record, 2), its start and its end."""
-    axes.plot(*place.T, color=PALE, linewidth=0.4, rasterized=len(place) > LONG_LINE)
+    long = len(place) > LONG_LINE
+    axes.plot(*place.T, color=PALE, linewidth=0.4, label="whole motion", rasterized=long)
     ends: dict[str, Any] = {"color": COLOURS["rotor"], "linestyle": "none", "markersize": 4}
     axes.plot(*place[:1].T, marker="o", markerfacecolor="white", label="start", **ends)
     axes.plot(*place[-1:].T, marker="s", label="end", **ends)
 
 
-def _draw_turn(axes: Axes, path: Array, edge: float) -> None:
-    """The end of a path, with arrows where it is seen as a line; axes reach to `edge`."""
+def _draw_turn(axes: Axes, path: Array, edge: float) -> bool:
+    """The end of a path, with arrows where it is seen as a line, and whether it is; axes reach to
+    `edge`.
+    """
     long = len(path) > LONG_LINE
     axes.plot(*path.T, color=COLOURS["rotor"], label="late motion", rasterized=long)
-    if np.ptp(path, axis=0).max() > SEEN * edge:
-        for share in (0.2, 0.5, 0.8):
-            _draw_arrow(axes, path, share)
+    seen = bool(np.ptp(path, axis=0).max() > SEEN * edge)
+    for share in (0.2, 0.5, 0.8) if seen else ():
+        _draw_arrow(axes, path, share)
+    return seen
+
+
+def _draw_again(axes: Axes, path: Array) -> None:
+    """A small path [m] enlarged in a corner, with its size; nothing where it rests."""
+    size = float(np.ptp(path, axis=0).max())
+    if size == 0.0:
+        return
+    unit, scale = length_unit(size)
+    corner = axes.inset_axes(CORNER)
+    corner.plot(*path.T, color=COLOURS["rotor"], linewidth=0.8, rasterized=len(path) > LONG_LINE)
+    corner.set(xticks=[], yticks=[])
+    corner.set_aspect("equal", adjustable="datalim")
+    corner.set_title(f"{scale * size:.2g} {unit}", fontsize=6.5, pad=1.5)
 
 
 def _draw_arrow(axes: Axes, path: Array, share: float) -> None:

@@ -135,6 +135,7 @@ def plot_state_space(states: xr.Dataset) -> Figure:
         row[0].set_ylabel(f"velocity along {way} [{rate}]")
     for axes, title in zip(panels[0], ("motion", "once a revolution"), strict=True):
         axes.set_title(title)
+        axes.tick_params(labelbottom=True)
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     head(figure, states, f"{states.attrs['frame']} frame")
     return figure

@@ -312,11 +312,14 @@ def _draw_lines(axes: Axes, lines: xr.DataArray, draw: Any) -> None:
 
 
 def _at_both_edges(axes: Axes) -> Callable[..., object]:
-    """Draws level lines at the edges of axes alone, so that they hide nothing between."""
+    """Draws level lines at the edges of axes alone, so that they hide nothing between; the speed's
+    beside those of modes, which may lie on it.
+    """
 
     def draw(value: float, *, label: str, **look: Any) -> None:
-        axes.axhline(value, 0.0, 0.12, label=label, **look)
-        axes.axhline(value, 0.88, 1.0, **look)
+        first, last = (0.13, 0.19) if label.endswith(ORDER) else (0.0, 0.12)
+        axes.axhline(value, first, last, label=label, **look)
+        axes.axhline(value, 1.0 - last, 1.0 - first, **look)
 
     return draw
 

@@ -25,6 +25,9 @@ PARTS = {
     "radius_peak": "local maxima of radius",
 }
 
+FEW = 10
+"""Revolutions below which marks show how a motion settles rather than how it repeats."""
+
 DOT = 2.2
 """Size of the marks of the last line [points]."""
 
@@ -74,7 +77,9 @@ def plot_bifurcation(found: xr.Dataset) -> Figure:
         axes.set_ylabel(f"{label} [{unit}]")
     key_axis(panels[-1], found)
     own = lines_group(found, lines, "radius_peak", dashed=False)
-    label_figure(figure, found, own)
+    turns = int(np.isfinite(found["section_x"].values).sum(axis=-1).max(initial=0))
+    few = f"\nrevolutions in it, at most: {turns}, too few to tell motions apart"
+    label_figure(figure, found, own, note=few if turns < FEW else "")
     return figure
 
 

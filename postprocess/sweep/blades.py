@@ -14,6 +14,7 @@ from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, CLASS_HATCHE
 from bladewhirl.postprocess.sweep.axes import key_edges
 from bladewhirl.postprocess.sweep.drawing import two_columns
 from bladewhirl.postprocess.sweep.quantities import along
+from bladewhirl.postprocess.sweep.regimes import HATCH
 
 
 def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
@@ -45,13 +46,13 @@ def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 @styled
 def plot_blade_contacts(found: xr.Dataset) -> Figure:
-    """Draw each blade's share of the time in contact, grey where it is none, and the
+    """Draw each blade's share of the time in contact, white where it is none, and the
     numbers of blades of each class.
 
     Args:
         found: from `blade_contacts`.
     """
-    return two_columns(found, _draw_line, coloured=0, label="time in contact [%]")
+    return two_columns(found, _draw_line, coloured=0, label="time in contact [%], white: none")
 
 
 def _draw_line(left: Axes, right: Axes, one: xr.Dataset) -> QuadMesh:
@@ -64,11 +65,11 @@ def _draw_shares(axes: Axes, one: xr.Dataset) -> QuadMesh:
     blades = np.arange(one.sizes["blade"] + 1) - 0.5
     share = 100 * one["late_contact_share"].values.T
     axes.grid(False)
-    axes.set(ylabel="blade")
+    axes.set(ylabel="blade, by its number")
     axes.locator_params(axis="y", integer=True)
     free = np.ma.masked_not_equal(share, 0.0)
-    grey = ListedColormap([CLASS_COLOURS["free"]])
-    axes.pcolormesh(edges, blades, free, cmap=grey, rasterized=True)
+    axes.pcolormesh(edges, blades, free, cmap=ListedColormap(["white"]), rasterized=True)
+    axes.patch.set(hatch=HATCH, edgecolor=CLASS_COLOURS["free"])  # where there is no result
     return axes.pcolormesh(
         edges,
         blades,
@@ -99,6 +100,6 @@ def _draw_counts(axes: Axes, one: xr.Dataset) -> None:
             label=name,
         )
         below = below + count
-    axes.set(ylabel="blades", ylim=(0, one.sizes["blade"]))
+    axes.set(ylabel="number of blades", ylim=(0, one.sizes["blade"]))
     axes.locator_params(axis="y", integer=True)
     axes.grid(False)

@@ -62,7 +62,7 @@ DASHES: Sequence[Any] = (
 MARKS = ("o", "s", "D", "^", "v", "P", "X", "h")
 """Of the points of lines in turn, where marks don't tell something else."""
 
-WIDTHS, SIZES = (2.6, 0.9), (7.0, 2.8)
+WIDTHS, SIZES = (2.6, 0.9), (7.0, 3.5)
 """Width of the first and the last line, and size of their marks [points]: earlier ones are larger,
 so that they are seen below later ones that coincide with them."""
 
@@ -86,7 +86,7 @@ def lines_of(data: xr.Dataset) -> Iterator[Line]:
     """
     shown = chosen(data.sizes[LINE], MOST_LINES)
     count, labels = len(shown), line_values(data)
-    shades = matplotlib.colormaps[SEQUENTIAL](np.linspace(0.0, 0.85, count))
+    shades = matplotlib.colormaps[SEQUENTIAL](np.linspace(0.0, 0.8, count))
     widths, sizes = (np.linspace(*ends, count) for ends in (WIDTHS, SIZES))
     for place, number in enumerate(shown):
         yield Line(
@@ -114,7 +114,8 @@ def lines_group(
         data: that the lines are of.
         lines: from `lines_of`.
         name: of the variable that is drawn; a line that has no value of it says so.
-        dashed: the lines are drawn as such, not by their points only.
+        dashed: the lines are drawn as such, not by their points only, which then are open but of
+            the smallest.
         marked: points have the marks of their lines.
     """
     if len(lines) == 1:
@@ -129,6 +130,7 @@ def lines_group(
             linewidth=line.width,
             marker=line.mark if marked else "none",
             markersize=line.size,
+            markerfacecolor=line.colour if dashed or line.size <= SIZES[1] else "none",
         )
         some = bool(np.isfinite(line.data[name].values).any())
         entries.append((drawn, line.label if some else f"{line.label}: no point"))

@@ -67,10 +67,10 @@ MODE_DASHES: Mapping[str, Any] = {
 }
 """Of the lines of modes, as in spectra: told apart from the dots of engine orders."""
 
-OUTLINE = [withStroke(linewidth=1.6, foreground="black")]
+OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
 """Around white lines and letters, which stand on every colour of a map."""
 
-INSIDE = 0.9
+INSIDE = 0.75
 """Share of the axes within which the names of engine orders stay."""
 
 
@@ -115,10 +115,11 @@ def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
     )
     for name in ("mode_line", "engine_order"):
         maps[name].attrs = {"units": units}
+    resolution = float(np.diff(frequency[:2]).sum())
     return maps.assign_coords(
         frequency=("frequency", frequency[inside] / unit, {"units": units})
     ).assign_attrs(
-        title="spectra of the shaft, rotating frame",
+        title=f"spectra of the shaft, rotating frame, resolution {resolution:.3g} Hz",
         lines=len(with_points),
         window=dataset.attrs["window"],
         points_per_column=int(np.bincount(column).max()),
@@ -199,7 +200,7 @@ def plot_frequency_map(maps: xr.Dataset) -> Figure:
     label_outer(panels)
     rpm_on_top(maps, *panels[: 2 if count >= 4 else 1])
     figure.colorbar(picture, ax=list(panels), label="amplitude of the shaft [mm]", pad=0.01)
-    unit = "/ ω₁" if maps["frequency"].attrs["units"] == "1" else "[Hz]"
+    unit = "/ ω₁ [–]" if maps["frequency"].attrs["units"] == "1" else "[Hz]"
     label = f"frequency {unit}, forward positive"
     if count == 1:
         panels[0].set_ylabel(label)
@@ -241,7 +242,14 @@ def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
         backward, forward = one["mode_line"].sel(mode=name).transpose("direction", key).values
         for level in (backward, forward):
             if np.nanmin(np.abs(level), initial=np.inf) <= limit:
-                axes.plot(place, level, linestyle=MODE_DASHES[name], color=colour, label=name)
+                axes.plot(
+                    place,
+                    level,
+                    linestyle=MODE_DASHES[name],
+                    color=colour,
+                    label=name,
+                    path_effects=OUTLINE,
+                )
     for order in ORDERS:
         _draw_order(axes, place, one["engine_order"].sel(order=order).values, order, limit)
     axes.plot([], [], color="grey", linestyle=":", linewidth=0.8, label=ENGINE_ORDERS)
@@ -259,10 +267,10 @@ def _draw_order(axes: Axes, place: Array, level: Array, order: int, limit: float
     axes.annotate(
         f"{order:+d}Ω".replace("+1Ω", "+Ω").replace("-1Ω", "-Ω").replace("-", "−"),
         (at, level[seen[-1]]),
-        xytext=(2 if share < 1 - INSIDE else -2, 1),
+        xytext=(2 if share < 1 - INSIDE else -2, 1 if order > 0 else -1),
         textcoords="offset points",
         color="white",
         ha="left" if share < 1 - INSIDE else "right",
-        va="bottom",
+        va="bottom" if order > 0 else "top",
         path_effects=OUTLINE,
     )

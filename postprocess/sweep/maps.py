@@ -76,10 +76,11 @@ def sweep_maps(dataset: xr.Dataset, key: str) -> xr.Dataset:
         raise ViewError("maps need two swept keys, this sweep is over one")
     across, *lines = others
     found = in_order(dataset, ["regime", "shaft_radius_max", "growth_rate", "growth_error"])
+    growth = ", growth" if np.isfinite(found["growth_rate"].values).any() else ""
     return (
         as_lines(found, lines)
         .transpose(LINE, across, key)
-        .assign_attrs(title="regime, displacement of the shaft, growth", along=key, across=across)
+        .assign_attrs(title="regime, displacement of the shaft" + growth, along=key, across=across)
     )
 
 

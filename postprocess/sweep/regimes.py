@@ -57,34 +57,32 @@ def plot_regimes(found: xr.Dataset) -> Figure:
     found = in_handy_units(found)
     key, lines = str(found.attrs["along"]), list(lines_of(found))
     strips = 0.005 * len(lines) + 0.005
-    figure = new_figure(width=FULL_WIDTH, height=0.08 + strips)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(strips, 0.05))
+    groups, note = [Group(regime_entries(found["regime"].values))], f"; {NOT_JUDGED}"
+    if np.isfinite(found["growth_rate"].values).any():
+        figure = new_figure(width=FULL_WIDTH, height=0.08 + strips)
+        upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(strips, 0.05))
+        for line in lines:
+            _draw_growth(lower, line, key)
+        _scale_growth(lower, found)
+        lower.axhline(0.0, color=COLOURS["total"], linewidth=0.6, zorder=1)
+        lower.set_ylabel("growth rate [1/s]")
+        groups.append(lines_group(found, lines, "growth_rate", marked=False))
+        note = f", ± {CERTAINTY:g} standard errors"
+    else:
+        figure = new_figure(width=FULL_WIDTH, height=0.035 + strips)
+        upper = lower = figure.subplots()
     _draw_strips(upper, lines, key)
     if len(lines) > 1:
         upper.set_title(f"rows: {line_keys(found)}", loc="left")
-    for line in lines:
-        _draw_growth(lower, line, key)
-    _scale_growth(lower, found)
-    lower.axhline(0.0, color=COLOURS["total"], linewidth=0.6, zorder=1)
-    lower.set_ylabel("growth rate [1/s]")
     key_axis(lower, found, cells=True)
-    label_figure(
-        figure,
-        found,
-        Group(regime_entries(found["regime"].values)),
-        lines_group(found, lines, "growth_rate", marked=False),
-        note=f", ± {CERTAINTY:g} standard errors",
-    )
+    label_figure(figure, found, *groups, note=note)
     return figure
 
 
 def _scale_growth(axes: Axes, found: xr.Dataset) -> None:
     """Make the axis of growth rates linear about zero only where a few are far larger."""
     rate, error = found["growth_rate"].values, found["growth_error"].values
-    if not np.isfinite(rate).any():
-        axes.text(0.5, 0.6, NOT_JUDGED, ha="center", transform=axes.transAxes)
-        axes.set_yticks([0.0])
-    elif threshold := linear_threshold(rate, error):
+    if threshold := linear_threshold(rate, error):
         reach = float(np.nanmax(np.abs(rate) + CERTAINTY * np.nan_to_num(error)))
         axes.set_yscale("symlog", linthresh=threshold)
         axes.set_yticks(threshold_ticks(threshold, reach))

@@ -26,6 +26,9 @@ from bladewhirl.postprocess.sweep.drawing import (
 WIDE = 1e3
 """Ratio of the largest to the median displacement from which its axis is logarithmic."""
 
+LEAST_WHIRL = 0.1
+"""Frequency that the axis of whirl reaches at least on both sides [Hz]: less is noise."""
+
 PARTS = {"shaft_radius_max": "largest", "shaft_radius_final": "at the end"}
 
 SCENARIO_MARKS: Mapping[str, tuple[str, bool]] = {
@@ -91,6 +94,8 @@ def plot_whirls(found: xr.Dataset) -> Figure:
             _draw_whirl(axes, line._replace(data=line.data.sel(frame=frame)))
         axes.set_ylabel(f"{frame} frame [Hz]\n← backward  forward →")
         axes.margins(y=0.1)
+        low, high = axes.get_ylim()
+        axes.set_ylim(min(low, -LEAST_WHIRL), max(high, LEAST_WHIRL))
     key_axis(panels[1], found)
     marks = [
         mark_entry("o", "clear direction (filled)"),
@@ -171,15 +176,21 @@ def _draw_side(upper: Axes, lower: Axes, line: Line) -> None:
 def _draw_whirl(axes: Axes, line: Line) -> None:
     one = line.data
     place, frequency = one[str(one.attrs["along"])].values, one["frequency"].values
-    drawn, _, _ = axes.errorbar(
+    clear = np.isin(one["direction"].values, ["forward", "backward"])
+    axes.plot(
+        place,
+        np.where(clear, frequency, np.nan),
+        color=line.colour,
+        linestyle=line.dash,
+        linewidth=line.width,
+    )
+    axes.errorbar(
         place,
         frequency,
         one["scatter"].fillna(0.0).values,
         color=line.colour,
-        linewidth=line.width,
+        linestyle="none",
         elinewidth=0.6 * line.width,
         capsize=1.5,
     )
-    drawn.set_linestyle(line.dash)
-    clear = np.isin(one["direction"].values, ["forward", "backward"])
     draw_marks(axes, line, place, frequency, filled=clear)

@@ -14,7 +14,13 @@ from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bla
 from bladewhirl.models.elements.cyclic import SectorLayout
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.sketch import Sketch
-from bladewhirl.models.rotation.eigenproblems import lowest_gyroscopic_eigen
+from bladewhirl.models.rotation.eigenproblems import (
+    damped_eigenvalues,
+    lowest_gyroscopic_eigen,
+    modal_damping,
+)
+from bladewhirl.models.rotation.growth import speed_of_growth, static_displacement
+from bladewhirl.models.rotation.internal_damping import internal_growth
 from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.models.rotation.whirl_modes import (
     WhirlModes,
@@ -243,3 +249,43 @@ def test_a_turn_by_one_pitch_changes_nothing() -> None:
     assert structure.layout.is_symmetry_of(structure.stiffness, structure.mass)
     turn, skew = structure.layout.turn(), structure.gyroscopic
     assert abs(turn @ skew @ turn.T - skew).max() < 1e-12 * abs(skew).max()
+
+
+@pytest.mark.parametrize("omega", [200.0, 300.0, 800.0, -800.0])
+def test_internal_damping_feeds_whirl_until_bearings_hold_it(omega: float) -> None:
+    """Waves by nodal diameter against real matrices of all sectors."""
+    disk = assembled(fan(), stiffness=3e6)
+    matrices = rotation_matrices(disk)
+    rest = matrices.structure
+    mass, stiffness = rest.mass.toarray(), rest.stiffness.toarray()
+
+    def rate(bearing: float) -> float:
+        damping = modal_damping(mass, stiffness, 0.01) + 2.0 * omega * matrices.coriolis.toarray()
+        turning, (x, y) = matrices.stiffness(omega).toarray(), disk.centre
+        damping[[x, y], [x, y]] += bearing
+        turning[x, y] -= bearing * omega  # it stands still, so it pulls at what turns
+        turning[y, x] += bearing * omega
+        return float(damped_eigenvalues(mass, damping, turning)[0].real.max())
+
+    found = internal_growth(disk, matrices, omega, "full", damping_ratio=0.01)
+    assert found.nodal_diameter == 1
+    assert found.rate == pytest.approx(rate(0.0), abs=1e-7)
+    assert (found.rate > 0.0) == (abs(omega) > 255.0)  # its lowest frequency
+    assert found.holding is not None
+    if found.rate > 0.0:
+        assert rate(found.holding) == pytest.approx(0.0, abs=1e-6)
+    else:
+        assert found.holding == 0.0
+
+
+def test_growth_goes_with_the_square_of_the_speed_unless_the_load_follows_it() -> None:
+    disk = assembled(fan())
+    matrices = rotation_matrices(disk)
+    one, three = (static_displacement(matrices, omega, follows=False) for omega in (1.0, -3.0))
+    np.testing.assert_allclose(three, 9.0 * one, rtol=1e-14)
+    tips = one[disk.tip_radial]
+    assert np.all(tips > 0.0)
+    room = 9.0 * tips * np.array([1.0, 2.0, 3.0, 4.0])
+    assert speed_of_growth(disk, matrices, room) == pytest.approx(3.0, rel=1e-6)
+    inward = replace(matrices, growth=-matrices.growth)
+    assert speed_of_growth(disk, inward, room) == np.inf

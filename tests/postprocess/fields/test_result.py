@@ -88,6 +88,12 @@ class TestOpenResult:
         with pytest.raises(ResultError, match="expected at least one record"):
             open_result(file)
 
+    def test_steps_that_vouch_for_no_record_are_told(self, tmp_path: Path) -> None:
+        result = synthetic_result().assign_attrs(steps=-1)
+        result.to_netcdf(tmp_path / "result.nc")
+        with pytest.raises(ResultError, match=r"attribute steps = -1, found times from 0 s"):
+            open_result(tmp_path)
+
     def test_the_fault_is_the_users_and_one_line(self, tmp_path: Path) -> None:
         with pytest.raises(UserError) as fault:
             open_result(tmp_path / "absent.nc")

@@ -15,14 +15,15 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image, ImageSequence
+from places import EXAMPLES
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import with_values
+from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.kinematics import casing_field, rotor_field
-from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
+from bladewhirl.postprocess.modal.campbell import drawn_part, met_frequencies, plot_campbell
 from bladewhirl.postprocess.modal.mode_shapes import (
     Outline,
     animate_mode,
@@ -126,7 +127,7 @@ def test_a_travelling_wave_is_followed_by_its_filled_crest() -> None:
         x, y = next(
             np.asarray(line.get_xydata())[0].tolist()
             for line in axes.lines
-            if isinstance(line.get_marker(), tuple) and line.get_markerfacecolor() != "none"
+            if line.get_marker() == "D" and line.get_markerfacecolor() != "none"
         )
         angles.append(np.degrees(np.arctan2(y, x)))
     np.testing.assert_allclose(np.diff(angles), 15.0, atol=1e-6)  # 90 degrees of phase, k = 2
@@ -244,6 +245,28 @@ def test_coincidences_are_marked_where_a_level_meets_a_ray(
             if abs(np.interp(speed, x, y) - frequency) < 1e-3:
                 through.append(line.get_linestyle())
         assert {"-", "--"} <= set(through)  # one body's level and the other's ray
+
+
+@pytest.mark.parametrize("frame", ["rotating", "static"])
+def test_a_campbell_diagram_names_each_ring_beside_it_and_lists_what_is_drawn(
+    frame: Literal["rotating", "static"],
+) -> None:
+    data = campbell(modal_stage(read_case(EXAMPLES / "imbalance.toml")), speeds=(0.0, 3.0))
+    figure = plot_campbell(data, frame)
+    (axes,) = figure.axes
+    shown = drawn_part(data).sel(coincidence=drawn_part(data)["normalised_speed"] <= 3.0)
+    rings = np.vstack([line.get_xydata() for line in axes.lines if line.get_marker() == "o"])
+    rings = axes.transData.transform(rings)
+    met = met_frequencies(shown, frame)
+    own = axes.transData.transform(np.column_stack([shown["normalised_speed"], met]))
+    number = {text.get_text(): text for text in axes.texts if text.get_text().isdigit()}
+    for k, ring in zip(shown["nodal_diameter"].values, own, strict=True):
+        text = number[str(k)]
+        away = np.hypot(*(axes.transAxes.transform(text.get_position()) - rings).T)
+        assert np.hypot(*(rings[away.argmin()] - ring)) < 1.0
+    entries = {text.get_text() for legend in figure.legends for text in legend.get_texts()}
+    assert ("suspension" in entries) == (frame == "rotating")
+    assert ("casing, k = 1" in entries) == (frame == "static")
 
 
 @cache

@@ -163,6 +163,16 @@ class TestPhase:
         assert np.isnan(phases.shaft_phase).all()
         assert "rests" in plot_contact_phase(phases).get_suptitle()
 
+    def test_gaps_that_are_alike_have_no_smallest(self) -> None:
+        result = self.pressed(0.4)
+        for name in ("contact_impulse", "gap"):
+            result[name][:5] = result[name][:5] * 0.0
+        result["gap"][:5] += 1e-3 + 1e-11 * np.arange(result.sizes["blade"])
+        phases = contact_phase(result)
+        for name in ("smallest_clearance_phase", "shaft_lead"):
+            assert np.isnan(phases[name][:5]).all()
+            assert phases[name][5:].notnull().all()
+
     @pytest.mark.parametrize(("records", "turns"), [(4001, 6.4), (16001, 12.0)])
     def test_both_axes_show_the_last_turns_that_can_be_followed(
         self, records: int, turns: float

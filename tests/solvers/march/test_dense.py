@@ -180,3 +180,14 @@ def test_a_penalty_that_the_step_does_not_resolve_is_refused() -> None:
     )
     with pytest.raises(CaseError, match=r"contact\.penalty_stiffness = 1e13: expected less"):
         prepare(case)
+
+
+@pytest.mark.parametrize("tips", [1, 3])
+def test_a_penalty_moves_a_tip_by_half_a_radian_a_step_at_most(tips: int) -> None:
+    """Unit masses against a rigid wall: their frequency is the root of the penalty."""
+    given = problem(small_rotor(np.zeros(tips), tips, tip_radial=np.eye(tips)), wall(1e-3))
+    dt = 1e-4
+    stiffest = (0.5 / dt) ** 2
+    make_scheme(replace(given, penalty_stiffness=0.999 * stiffest), dt, 1, "penalty")
+    with pytest.raises(ValueError, match=r"is above 2\.5e\+07 N/m"):
+        make_scheme(replace(given, penalty_stiffness=1.001 * stiffest), dt, 1, "penalty")

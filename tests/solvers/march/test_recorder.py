@@ -102,6 +102,8 @@ def test_what_a_stage_has_none_of_is_left_out(tmp_path: Path) -> None:
 def test_a_result_grows_and_reads_back_to_the_last_bit(tmp_path: Path) -> None:
     stage = small_stage(supported=True)
     with Recorder(tmp_path / "result.nc", stage, ATTRIBUTES) as recorder:
+        with h5py.File(tmp_path / "result.nc") as begun:  # what a kill before any record leaves
+            assert begun.attrs["steps"] == len(begun["time"]) == 0
         for first, count in ((0, 7), (7, 0), (7, 200), (207, 1)):
             recorder.write(made_up(stage, first, count))
         assert (recorder.records, recorder.steps) == (208, 20_700)

@@ -16,7 +16,7 @@ from bladewhirl.models.coupling.springs import periodic_stiffness
 from bladewhirl.models.elements.cyclic import nodal_diameters
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import modal_stage
-from bladewhirl.models.rotation.internal_damping import _DampedWaves, internal_growth
+from bladewhirl.models.rotation.internal_damping import DampedWaves, internal_growth
 from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.models.rotation.waves import waves
 from bladewhirl.solvers.stability.floquet import coupled_floquet, floquet
@@ -153,7 +153,7 @@ def test_internal_damping_grows_as_known_and_bearings_hold_it() -> None:
         assert layout is not None
         assert 1 in nodal_diameters(layout.sectors)
         centre = np.asarray(layout.basis(1).conj().T[:, disk.centre].toarray())
-        block = _DampedWaves(own=waves(matrices, 1, "full"), damping_ratio=0.005, omega=omega)
+        block = DampedWaves(own=waves(matrices, 1, "full"), damping_ratio=0.005, omega=omega)
         assert block.growth(centre, found.holding) == pytest.approx(0.0, abs=1e-7)
         assert block.growth(centre, 1.1 * found.holding) < 0.0 < block.growth(centre, 0.0)
 
