@@ -27,6 +27,9 @@ ask_loaded_only()
 
 Values = np.ndarray[Any, np.dtype[Any]]
 
+Lengths = Callable[[Mapping[str, Any]], Mapping[str, int]]
+"""Given the attributes of a file, gives what is whole of its dimensions, by name."""
+
 Reading = Callable[[str, Callable[[], Values]], Values]
 """Given a variable's name and what reads a part of it, gives that part."""
 
@@ -77,12 +80,15 @@ class Stored(BackendArray):
         return self._look(self._name, lambda: np.asarray(self._variable[within], dtype=self.dtype))
 
 
-def open_netcdf(path: str | PathLike[str], look: Reading, *, cache: bool = True) -> xr.Dataset:
+def open_netcdf(
+    path: str | PathLike[str], look: Reading, whole: Lengths = lambda _: {}, *, cache: bool = True
+) -> xr.Dataset:
     """Open a netCDF-4 file, also one that was cut off; arrays are read when used.
 
     Args:
         path: of the file.
         look: reads a part of a variable.
+        whole: how much of each dimension may be read; all of those that it doesn't name.
         cache: keep what is read as a whole.
 
     Raises:
@@ -90,12 +96,13 @@ def open_netcdf(path: str | PathLike[str], look: Reading, *, cache: bool = True)
     """
     with ExitStack() as stack:
         raw = stack.enter_context(CutFile(path))
-        dataset = _dataset(stack.enter_context(h5py.File(raw, "r")), look, cache=cache)
+        dataset = _dataset(stack.enter_context(h5py.File(raw, "r")), look, whole, cache=cache)
         dataset.set_close(stack.pop_all().close)
     return dataset
 
 
-def _dataset(h5: h5py.File, look: Reading, *, cache: bool) -> xr.Dataset:
+def _dataset(h5: h5py.File, look: Reading, whole: Lengths, *, cache: bool) -> xr.Dataset:
+    of_file = _attributes(h5.attrs)
     stored = {name: item for name, item in h5.items() if isinstance(item, h5py.Dataset)}
     scales = {
         int(item.attrs["_Netcdf4Dimid"]): name
@@ -103,7 +110,7 @@ def _dataset(h5: h5py.File, look: Reading, *, cache: bool) -> xr.Dataset:
         if item.attrs.get("CLASS") == SCALE and "_Netcdf4Dimid" in item.attrs
     }
     over = {name: _dimensions(scales, h5, item) for name, item in stored.items()}
-    lengths: dict[str, int] = {}
+    lengths = dict(whole(of_file))
     for name, item in stored.items():
         for dimension, length in zip(over[name], item.shape, strict=True):
             lengths[dimension] = min(length, lengths.get(dimension, length))
@@ -119,14 +126,13 @@ def _dataset(h5: h5py.File, look: Reading, *, cache: bool) -> xr.Dataset:
         if cache:
             lazy = indexing.MemoryCachedArray(lazy)  # type: ignore[no-untyped-call]
         variables[name] = xr.Variable(over[name], lazy, attributes)
-    attributes = _attributes(h5.attrs)
-    described += str(attributes.pop("coordinates", "")).split()
+    described += str(of_file.pop("coordinates", "")).split()
     chosen = {name for name in described if name in variables}
     chosen |= {name for name, variable in variables.items() if variable.dims == (name,)}
     return xr.Dataset(
         {name: variable for name, variable in variables.items() if name not in chosen},
         {name: variables[name] for name in variables if name in chosen},
-        attributes,
+        of_file,
     )
 
 

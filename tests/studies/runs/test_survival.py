@@ -187,6 +187,24 @@ def test_a_header_longer_than_what_was_vouched_for_is_read_up_to_there(
             np.testing.assert_array_equal(left[name].values, right[name].values[:401])
 
 
+def test_pieces_of_a_write_that_a_kill_cut_off_are_never_asked_for(
+    whole: Path, tmp_path: Path
+) -> None:
+    """A kill within a flush: lengths are on disk and where their pieces lie, the pieces aren't."""
+    shutil.copy(whole / RESULT_NAME, tmp_path)
+    with h5py.File(tmp_path / RESULT_NAME, "r+") as file:
+        file.attrs.modify("steps", np.int64(20_000))
+        piece = file["time"].chunks[0]
+        for name in HISTORY:
+            file[name].resize(2 * piece, axis=0)
+        file["time"][piece:] = 1.0
+        at = file["time"].id.get_chunk_info_by_coord((piece,)).byte_offset
+    (tmp_path / "cut").write_bytes((tmp_path / RESULT_NAME).read_bytes()[:at])
+    (tmp_path / "cut").rename(tmp_path / RESULT_NAME)
+    with bw.open_result(tmp_path) as left, bw.open_result(whole) as right:
+        np.testing.assert_array_equal(left["time"].values, right["time"].values[:401])
+
+
 def test_what_is_left_of_an_earlier_run_is_told(tmp_path: Path) -> None:
     short = long(**{"march.duration": 1e-3})
     out, old = tmp_path / "run", tmp_path / "run.old"
