@@ -137,9 +137,9 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
     speed_axis(upper, reference / (2.0 * np.pi))
     upper.set_xlabel("")
     lower.set_xlabel(SPEED)
-    frequency_axis(lower, reference / (2.0 * np.pi), "frequency / ω₁, half-speed frame [–]")
+    frequency_axis(lower, reference / (2.0 * np.pi))
     shown = _words(f"Eigenvalues along κ = {short_number(data.attrs['kappa'])} N/m", data)
-    set_title(figure, data.attrs["case"], shown)
+    set_title(figure, data.attrs["case"], f"{shown}\nin the frame that turns at Ω/2")
     legends_below(figure, Group(entries))
     return figure
 
@@ -179,7 +179,7 @@ def plot_truncation(data: xr.Dataset) -> Figure:
 def _words(shown: str, data: xr.Dataset) -> str:
     """What is shown, with how many modes and with what damping."""
     count = len(np.atleast_1d(data.attrs["modes"])) if "modes" in data.attrs else 0
-    modes = f", {count} coupled modes" if count else ""
+    modes = f", {count} coupled pairs of modes" if count else ""
     return f"{shown}{modes}{', damped' if data.attrs.get('damped') else ''}"
 
 
@@ -229,7 +229,7 @@ def _name_branches(axes: Axes, data: xr.Dataset, frequency: FloatArray, growing:
         until = int(np.argmax(changed)) if changed.any() else len(changed)
         x, y = data["speed"].values[:until], frequency[:until, branch]
         name = str(data["branch_name"].values[branch])
-        names.along(x[::-1], y[::-1], name, COLOURS["total"])
+        names.over(x[::-1], y[::-1], name, COLOURS["total"])
 
 
 def _name_growing(axes: Axes, data: xr.Dataset, frequency: FloatArray, growing: BoolArray) -> None:

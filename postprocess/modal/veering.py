@@ -120,18 +120,21 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
     )
     frequency_axis(axes, float(data.attrs["reference_frequency_hz"]))
     axes.axvline(data.attrs["case_stiffness"], color=COLOURS["k = 1"], linewidth=0.8, zorder=1)
-    names = Names(axes)
+    names, texts = Names(axes), list[str]()
     for branch, way in enumerate(ways):
         lines = _coloured_line(axes, stiffness, frequency[:, branch], share[:, branch])
         lines.set_linewidth(0.7 if way == "forward" else 1.4)
         text = _character(share[0], ways, branch) + ("" if way == "both" else f", {way}")
-        names.along(stiffness[::-1], frequency[::-1, branch], text, COLOURS["total"])
-    for branch, level in enumerate(data["normalised_clamped_frequency"].values):
+        texts.append(text)
+    for level in data["normalised_clamped_frequency"].values:
         axes.axhline(level, color=COLOURS["rest"], linestyle="--", linewidth=0.6, zorder=1)
+    for branch, text in enumerate(texts):
+        names.over(stiffness[::-1], frequency[::-1, branch], text, COLOURS["total"])
+    for branch, level in enumerate(data["normalised_clamped_frequency"].values):
         if ways[branch] == "forward":  # beside the backward one
             continue
         rank = int(np.count_nonzero(ways[:branch] == ways[branch])) + 1
-        names.along(stiffness, np.full_like(stiffness, level), f"{rank}F", "#555555")
+        names.over(stiffness, np.full_like(stiffness, level), f"{rank}F", "#555555")
     figure.colorbar(
         lines, ax=axes, label="share of energy in the springs [–]", location="top", aspect=30
     )

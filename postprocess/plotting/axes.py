@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
@@ -70,6 +72,10 @@ INSET = 0.012
 """Least distance of a name on a line from the frame, as a share of the axes."""
 
 
+CLOSE = 0.005
+"""Between points of a line that no name may cover, as a share of the axes."""
+
+
 class Names:
     """Names beside lines and points of axes, where no other name stands."""
 
@@ -108,11 +114,62 @@ class Names:
         for place in places[:: max(1, len(places) // 60)]:
             middle = place + np.array([0.5 * aside * size[0], 0.0])
             corner = np.clip(middle - size / 2.0, INSET, 1.0 - INSET - size)
+            if aside and abs(corner[0] + size[0] / 2.0 - middle[0]) > 0.1 * size[0]:
+                continue  # the frame would push it over the line
             near = np.abs(places - corner - size / 2.0) < size * np.array([0.5 + abs(aside), 0.5])
             if np.all(near, axis=1).any() and self._take(corner, size):
                 self._write(corner + size / 2.0, text, colour, ground=True)
                 return True
         return False
+
+    def over(self, x: FloatArray, y: FloatArray, text: str, colour: str) -> bool:
+        """Name a line over or under it, where no line is covered; else as `along`, on it.
+
+        All lines of the axes must have been drawn.
+
+        Args:
+            x: of its points, with `y`.
+            y: of its points.
+            text: the name.
+            colour: of the name.
+        """
+        places = self._shares(x, y)
+        places = places[np.all((places > 0.0) & (places < 1.0), axis=1)][::-1]
+        drawn, size = self._drawn(), self._size(text)
+        away = 0.4 * POINT / self._points[1]
+        for place in places[:: max(1, len(places) // 60)]:
+            left = np.clip(place[0] - size[0] / 2.0, INSET, 1.0 - INSET - size[0])
+            near = places[np.abs(places[:, 0] - left - size[0] / 2.0) < size[0] / 2.0 + INSET, 1]
+            for bottom in (near.max() + away, near.min() - away - size[1]):
+                corner = np.array([left, bottom])
+                covered = np.all((drawn > corner) & (drawn < corner + size), axis=1).any()
+                inside = 0.0 <= bottom <= 1.0 - size[1]
+                if inside and not covered and self._take(corner, size):
+                    self._write(corner + size / 2.0, text, colour, ground=False)
+                    return True
+        return self.along(x, y, text, colour)
+
+    def _drawn(self) -> FloatArray:
+        """Points along all lines of the axes, closely, as shares of these."""
+        to_shares = self._axes.transAxes.inverted().transform
+        found = []
+        for each in self._axes.get_children():
+            if isinstance(each, Line2D):
+                paths = [np.asarray(each.get_xydata())]
+            elif isinstance(each, LineCollection):
+                paths = each.get_segments()
+            else:
+                continue
+            ends = [path[:-1] for path in paths], [path[1:] for path in paths]
+            first, last = (
+                np.clip(to_shares(each.get_transform().transform(np.concatenate(end))), -1.0, 2.0)
+                for end in ends
+            )
+            between = np.linspace(
+                0.0, 1.0, 2 + int(np.nan_to_num(np.abs(last - first)).max() / CLOSE)
+            )
+            found.append((first + between[:, None, None] * (last - first)).reshape(-1, 2))
+        return np.concatenate(found)
 
     def beside(self, x: float, y: float, text: str, colour: str) -> bool:
         """Name a point above, below, or to a side of it; False where there is no room.

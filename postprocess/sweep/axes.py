@@ -118,11 +118,12 @@ def is_wide(values: Array) -> bool:
 
 
 def key_label(values: xr.DataArray) -> str:
-    """Name of a swept key with its unit."""
+    """Name of a swept key in words, with its unit."""
     name, units = str(values.attrs["long_name"]), str(values.attrs["units"])
     if name == "march.speed" and units == "1":
         return SPEED
-    return name if units == "1" else f"{name} [{units}]"
+    words = name.replace(".", " ").replace("_", " ")
+    return words if units == "1" else f"{words} [{units}]"
 
 
 def linear_threshold(rate: Array, error: Array) -> float | None:

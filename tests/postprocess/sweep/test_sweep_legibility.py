@@ -106,7 +106,7 @@ def test_lengths_of_a_key_are_in_units_that_read_well(four: Path) -> None:
         found = whirls(sweep, "casing_clearance_amplitude")
         figure = plot_whirls(found)
     axes = figure.axes[1]
-    assert axes.get_xlabel() == "casing.clearance_amplitude [µm]"
+    assert axes.get_xlabel() == "casing clearance amplitude [µm]"
     np.testing.assert_allclose(axes.get_xticks(), [20.0, 50.0])
     np.testing.assert_allclose(found["casing_clearance_amplitude"], [2e-5, 5e-5])  # the data: SI
 
