@@ -63,7 +63,7 @@ def _page(example: Path, numbers: dict[str, Any], drawings: Path) -> str:
         f"![{_title(name)}: the stage](../built/gallery/{name}.png)\n\n"
         f"```console\nbladewhirl run examples/{name}.toml\n```\n\n"
         f"{_table(_numbers(numbers))}\n\n{_campbell(name)}{_marched(name, drawings)}"
-        f"## The case\n\n"
+        f"## The case\n\n{{download}}`{name}.toml <../../examples/{name}.toml>`\n\n"
         f"```{{literalinclude}} ../../examples/{name}.toml\n:language: toml\n```\n"
     )
 

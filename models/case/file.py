@@ -98,7 +98,9 @@ def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Ca
 def with_values(case: Case, values: Mapping[str, Any]) -> Case:
     """A copy of a case with other values, by dotted key: ``{"march.speed": 1.2}``.
 
-    None puts a key back to its default: ``{"damping.ratio": None}``. shaft.stiffness and
+    None puts a key back to its default: ``{"damping.ratio": None}``. A key of several rows takes a
+    list of them, whole, in place of those that it had:
+    ``{"bladed_disk.point_masses": [{"radius": "10 cm", "mass": "2 kg"}]}``. shaft.stiffness and
     shaft.suspension_frequency replace each other, as do the loads of excitation.type.
 
     Raises:

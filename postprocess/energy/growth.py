@@ -83,6 +83,8 @@ def amplitude_growth(
         rate=rate,
         error=error,
         end_rate=regime.growth.end_rate,
+        end_error=regime.growth.end_error,
+        slows=int(regime.growth.slows),
         ripple_rate=np.nan if regime.ripple is None else regime.ripple.rate,
         ripple_error=np.nan if regime.ripple is None else regime.ripple.error,
         residual=regime.growth.residual,
@@ -153,6 +155,9 @@ def plot_growth(growth: xr.Dataset) -> Figure:
         for what, rate, error in rates
         if np.isfinite(growth.attrs[rate])
     ]
+    if growth.attrs["slows"]:
+        end = rate_text(growth.attrs["end_rate"], growth.attrs["end_error"])
+        words.append(f"slowing, at the end by {end} 1/s")
     head(figure, growth, growth.attrs["regime"], *words)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure

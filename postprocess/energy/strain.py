@@ -74,7 +74,7 @@ def plot_energy(energies: xr.Dataset) -> Figure:
 
     All nodal diameters but 0 and 1 are added together, as in the paper's Figs 17(b) and 22. A
     long run is drawn as means over a period of the reference frequency, which the title says.
-    Terms that stay zero are left out.
+    The axis ends a decade below the least of the terms' medians; what stays below is left out.
     """
     family = energies["first_family"]
     terms = {"total": energies["total"].values, "suspension": energies["suspension"].values}
@@ -87,8 +87,11 @@ def plot_energy(energies: xr.Dataset) -> Figure:
     first = _drawn_starts(time, 2 * np.pi / energies.attrs["reference_frequency"])
     figure = new_figure(height=0.062)
     axes = figure.add_subplot()
+    top = float(terms["total"].max())
+    usual = [float(np.median(energy)) for energy in terms.values()]
+    floor = max([top * 10**-PLOT_DECADES, 0.1 * min([top, *filter(None, usual)])])
     for name, energy in terms.items():
-        if energy.any():
+        if energy.max() > floor:
             axes.plot(
                 span_means(time, first),
                 span_means(energy, first),
@@ -96,10 +99,9 @@ def plot_energy(energies: xr.Dataset) -> Figure:
                 linewidth=2.0 if name == "total" else 1.0,
                 label=f"1F, {name}" if "k" in name.split() else name,
             )
-    top = terms["total"].max()
     if top > 0:
         axes.set_yscale("log")
-        axes.set_ylim(top * 10**-PLOT_DECADES, top * 3)
+        axes.set_ylim(floor, top * 3)
         figure.legend(loc="outside lower center", ncols=3)
     axes.set_ylabel("strain energy [J]")
     time_axis(axes)

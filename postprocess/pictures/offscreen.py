@@ -91,23 +91,23 @@ def stage_view(
     note: str = "",
     *,
     trail: IntArray | None = None,
-    letters: float = 1.0,
+    sheet: bool = False,
 ) -> Iterator[Callable[[int | None], Pixels]]:
     """An off-screen stage: a function that gives the pixels of the index-th record, or, for None,
-    of the one before with the times of all records written instead of its own. What is written on
-    the stage itself is `letters` times as large as usual.
+    of the one before with what holds for all records written instead of its own. See `Panel` for
+    the stage of a `sheet`.
     """
     with off_screen_plotter(size) as plotter:
         from bladewhirl.postprocess.pictures.panel import Panel
         from bladewhirl.postprocess.pictures.scene import StageScene
 
         scene = StageScene(plotter, drawing)
-        panel = Panel(scene, dataset, note=note, trail=trail, letters=letters)
+        panel = Panel(scene, dataset, note=note, trail=trail, sheet=sheet)
         scene.aim()
 
         def picture(index: int | None) -> Pixels:
             if index is None:
-                panel.show_span(float(drawing.times[0]), float(drawing.times[-1]))
+                panel.show_all()
             else:
                 seen = drawing.picture(index)
                 scene.show(seen)

@@ -20,6 +20,7 @@ from bladewhirl.postprocess.pictures.appearance import (
     NO_VALUE,
     SQUARE,
     contact_words,
+    engineering,
     enlargement,
     shaft_trail,
     speed_words,
@@ -36,14 +37,15 @@ SCALE_TOP, SCALE_FOOT = 0.455, 0.05  #: of colour scale or key, as shares of the
 ORBIT_TOP, ORBIT_SIZE = 0.475, 0.17  #: of the inset; the scale then begins below it
 BAR_SHARE = 0.11  #: longest scale bar, as a share of the window's width
 NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045  #: of a blade's number, in lengths from shaft to tip
+LETTERS = 2.4  #: size of numbers on a picture of a sheet, as against a picture alone
 KEY_STEP = 0.034
 KEY_LETTERS, LINE_LETTERS = 27, 32
 
 
 class Panel:
     """The picture in words, and the colour scale, right of the stage. With `trail`,
-    consecutive records, an inset shows the shaft's orbit through them. What is written on the
-    stage itself is `letters` times as large as usual.
+    consecutive records, an inset shows the shaft's orbit through them. On the stage of a `sheet`,
+    of which there are many, numbers are larger and the scale bar is named in the panel.
     """
 
     def __init__(
@@ -53,18 +55,23 @@ class Panel:
         *,
         note: str = "",
         trail: IntArray | None = None,
-        letters: float = 1.0,
+        sheet: bool = False,
     ) -> None:
         self._plotter, drawing = scene.plotter, scene.drawing
+        self._drawing = drawing
         shown = [f"{drawing.frame} frame", enlargement(drawing.exaggeration)]
+        bar = draw_scale_bar(scene, "motion, clearance")
+        if sheet:
+            shown.append(f"bar in each picture:\n{bar}")
+        else:
+            write(scene.plotter, bar, 0.085, 11, indent=-SQUARE)
         write_title(scene.plotter, dataset)
         self._time = write(scene.plotter, "", 0.885, 22)
         write(scene.plotter, f"speed\n{speed_words(dataset)}", 0.82, 13)
         write(scene.plotter, "\n".join([*shown, note] if note else shown), 0.7, 13, color=FAINT)
         self._contact = write(scene.plotter, "", 0.565, 14, color=FORCE_COLOUR)
         self._orbit = None if trail is None else Orbit(scene, dataset, trail)
-        self._numbers = BladeNumbers(scene, dataset.sizes["blade"], letters)
-        write_scale_bar(scene, "motion, clearance", letters)
+        self._numbers = BladeNumbers(scene, dataset.sizes["blade"], LETTERS if sheet else 1.0)
         limit = drawing.linear_limit()
         if limit is not None:
             unit, scale = length_unit(limit)
@@ -85,10 +92,13 @@ class Panel:
         if self._orbit is not None:
             self._orbit.show(picture.time)
 
-    def show_span(self, first: float, last: float) -> None:
-        """Say which times [s] are shown, where they are many."""
-        self._time.input = f"{1e3 * first:.4g} to {1e3 * last:.4g} ms"
-        self._contact.input = ""
+    def show_all(self) -> None:
+        """Say which times are shown, where they are many, and how large the largest arrow is."""
+        first, last = 1e3 * self._drawing.times[[0, -1]]
+        largest = self._drawing.largest_force
+        self._time.input = f"{first:.4g} to {last:.4g} ms"
+        arrows = f"arrows: contact forces,\nlargest {engineering(largest, 'N')}"
+        self._contact.input = arrows if largest else "no contact"
 
 
 class Orbit:
@@ -145,12 +155,14 @@ class BladeNumbers:
         self._corner, far = scene.place(0.0, 0.0), scene.place(1.0, 1.0)
         self._pixels = np.array(scene.plotter.window_size) / (far - self._corner)
         self._actors = [
-            write(scene.plotter, str(blade), 0.0, 10 * letters, color=FAINT, indent=float(blade))
+            write(scene.plotter, str(blade), 0.0, 10 * letters, indent=float(blade))
             for blade in self._blades
         ]
         for actor in self._actors:
             actor.prop.SetJustificationToCentered()
             actor.prop.SetVerticalJustificationToCentered()
+            actor.prop.SetBackgroundColor(1.0, 1.0, 1.0)
+            actor.prop.SetBackgroundOpacity(0.8)
 
     def show(self, picture: Picture) -> None:
         """Bring them to their blades."""
@@ -161,9 +173,9 @@ class BladeNumbers:
             actor.SetPosition(*place)
 
 
-def write_scale_bar(scene: StageScene, enlarged: str, letters: float = 1.0) -> None:
-    """Put a bar of a round length into the lower left corner, with what it is of the stage and,
-    where that is drawn larger, of what is `enlarged`.
+def draw_scale_bar(scene: StageScene, enlarged: str) -> str:
+    """Draw a bar of a round length into the lower left corner; what it is of the stage and, where
+    that is drawn larger, of what is `enlarged`.
     """
     (left, foot), (right, _) = scene.place(0.02, 0.03), scene.place(0.02 + BAR_SHARE, 0.03)
     decade = 10.0 ** np.floor(np.log10(right - left))
@@ -177,7 +189,7 @@ def write_scale_bar(scene: StageScene, enlarged: str, letters: float = 1.0) -> N
     if factor != 1:
         unit, scale = length_unit(length / factor)
         words += f"\nof {enlarged}: {scale * length / factor:.3g} {unit}"
-    write(scene.plotter, words, 0.05 + 0.035 * letters, 11 * letters, indent=-SQUARE)
+    return words
 
 
 def _on_plane(points: Array) -> Array:

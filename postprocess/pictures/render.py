@@ -74,6 +74,21 @@ def animation_records(
     return window[first : first + span : stride]
 
 
+def sheet_records(
+    dataset: xr.Dataset, frames: int, *, start: float | None = None, end: float | None = None
+) -> IntArray:
+    """Records of a sheet, evenly spread over its window.
+
+    Without a window that is the revolution in which contact was strongest, the last one if there
+    was none; all of the run where nothing turns. ViewError as for `frame_records`.
+    """
+    speed, step = abs(float(dataset.attrs["speed"])), float(dataset.attrs["record_step"])
+    span = 1 + round(2 * np.pi / speed / step) if speed else dataset.sizes["time"]
+    if start is not None or end is not None or not frames <= span < dataset.sizes["time"]:
+        return frame_records(dataset, frames, start, end)
+    return _busiest(dataset, span) + np.linspace(0, span - 1, frames).round().astype(np.int64)
+
+
 def strongest_contact(dataset: xr.Dataset) -> int:
     """Record with the largest contact impulse on one blade, the last one if none was touched."""
     largest = _contact_impulse(dataset).max(axis=1)

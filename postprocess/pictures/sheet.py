@@ -18,7 +18,6 @@ from bladewhirl.postprocess.pictures.offscreen import Pixels, stage_view
 from bladewhirl.postprocess.plotting.files import checked_target
 
 CELL = 480  #: width and height of a picture [pixels]
-LETTERS = 1.7  #: of what is written on a picture's stage, as against a picture alone
 PANEL_HEIGHT = 960  #: least height of a sheet, so that its panel can be read
 
 
@@ -44,13 +43,13 @@ def render_sheet(
     rows = -(-len(records) // wide)
     size = (round(cell / SQUARE), cell)
     sheet = np.full((rows * cell, wide * cell, 3), 255, dtype=np.uint8)
-    with stage_view(dataset, drawing, size, letters=LETTERS) as picture:
+    with stage_view(dataset, drawing, size, sheet=True) as picture:
         for index in range(len(records)):
             row, column = divmod(index, wide)
             place = (slice(row * cell, (row + 1) * cell), slice(column * cell, (column + 1) * cell))
             sheet[place] = _labelled(picture(index)[:, :cell], float(drawing.times[index]))
     height = max(len(sheet), PANEL_HEIGHT)
-    with stage_view(dataset, drawing, (round(height / SQUARE), height)) as picture:
+    with stage_view(dataset, drawing, (round(height / SQUARE), height), sheet=True) as picture:
         picture(0)
         beside = picture(None)[:, height:]
     image = np.full((height, sheet.shape[1] + beside.shape[1], 3), 255, dtype=np.uint8)

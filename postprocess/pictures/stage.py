@@ -19,7 +19,7 @@ from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.moving_stage import moving_stage
 from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.fields.units import length_unit
-from bladewhirl.postprocess.pictures.appearance import FAINT, engineering
+from bladewhirl.postprocess.pictures.appearance import FAINT, SQUARE, engineering
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import off_screen_plotter, pixels_of
 from bladewhirl.postprocess.pictures.render import WINDOW
@@ -101,16 +101,16 @@ def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, In
         KEY_LETTERS,
         KEY_STEP,
         LINE_LETTERS,
+        draw_scale_bar,
         write,
         write_key,
-        write_scale_bar,
         write_symbols,
         write_title,
     )
 
     plotter, drawing = scene.plotter, scene.drawing
     write_title(plotter, dataset)
-    write_scale_bar(scene, "clearance")
+    write(scene.plotter, draw_scale_bar(scene, "clearance"), 0.085, 11, indent=-SQUARE)
     write(plotter, "\n".join(size_words(dataset)), 0.885, 13)
     parts = drawing.colouring.parts or {}
     top = 0.76

@@ -189,7 +189,11 @@ def plot_gaps(maps: xr.Dataset) -> Figure:
     time_axis(axes)
     lengths = xr.DataArray(np.diff(maps["edge"].values), dims="time")
     mean = 100.0 * float(maps["share"].weighted(lengths).mean())
-    head(figure, maps, f"blades touch for {mean:.3g} % of the time" if mean else "no contact")
+    head(
+        figure,
+        maps,
+        f"each blade touches for {mean:.3g} % of the time, on average" if mean else "no contact",
+    )
     return figure
 
 
@@ -204,6 +208,9 @@ def plot_forces(maps: xr.Dataset) -> Figure:
     force = maps["force"].values
     top = float(force.max()) or 1.0
     unit, scale = ("kN", 1e-3) if top >= 1e3 else ("N", 1.0)
+    span = float(np.diff(maps["edge"]).max())
+    small, larger = handy_unit(span, "s")
+    length = f"{larger * span:.2g} {small}"
     picture = axes.pcolormesh(
         maps["edge"],
         _blade_edges(maps),
@@ -212,7 +219,9 @@ def plot_forces(maps: xr.Dataset) -> Figure:
         norm=LogNorm(scale * top / FORCE_RANGE, scale * top),
         rasterized=True,
     )
-    figure.colorbar(picture, ax=axes, label=f"mean normal force [{unit}]", extend="min")
+    figure.colorbar(
+        picture, ax=axes, label=f"normal force, means over {length} [{unit}]", extend="min"
+    )
     limits, words = contact_span(
         maps["edge"].values, np.any(force > 0.0, axis=1, keepdims=True)[:, 0]
     )

@@ -90,9 +90,10 @@ def with_last_turns(contact: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
         contact: from `casing_contact`.
         result: of the same run.
     """
-    begin, end = contact["time_edge"].values[[0, -1]]
+    end = float(contact["time_edge"][-1])
     speed = abs(float(contact.attrs["speed"]))
-    if (end - begin) * speed <= 2 * 2 * np.pi * LAST_TURNS:
+    begin, last_drawn = _limits(contact)[0]
+    if (last_drawn - begin) * speed <= 2 * 2 * np.pi * LAST_TURNS:
         return contact
     last = casing_contact(result, start=end - LAST_TURNS * 2 * np.pi / speed, end=end)
     names = [*last.dims, *last.variables]
@@ -117,14 +118,17 @@ def plot_casing_contact(contact: xr.Dataset) -> Figure:
     turning = float(contact.attrs["speed"]) != 0
     words = "passes in contact [%]" if turning else "time in contact [%]"
     figure.colorbar(picture, ax=[*panels], label=words)
-    limits, when = contact_span(
-        contact["time_edge"].values, (contact["share"] > 0).any("sector").values
-    )
+    limits, when = _limits(contact)
     panels[0].set_xlim(*((_turns_each(contact) or 1.0) * limit for limit in limits))
     if not turning:
         time_axis(panels[0])
     head(figure, contact, *filter(None, [when]))
     return figure
+
+
+def _limits(contact: xr.Dataset) -> tuple[tuple[float, float], str]:
+    """Of the time [s] that the upper panel shows, see `contact_span`."""
+    return contact_span(contact["time_edge"].values, (contact["share"] > 0).any("sector").values)
 
 
 def _draw(axes: Axes, contact: xr.Dataset, which: str) -> QuadMesh:

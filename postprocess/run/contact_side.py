@@ -128,7 +128,14 @@ def plot_contact_phase(phases: xr.Dataset) -> Figure:
             axes.plot(shown["time"], phase, ".", color=COLOURS[key], markersize=size, label=name)
         axes.set_ylabel(f"{frame} phase [°]")
     lead = np.degrees(shown["shaft_lead"])
-    lower.plot(shown["time"], lead, ".", color=COLOURS["k = 1"], markersize=1.4)
+    touching = shown["impulse"].values > 0.0
+    for here, colour, name in (
+        (~touching, "rest", "nothing touches"),
+        (touching, "k = 1", "contact"),
+    ):
+        if here.any():
+            look = {"color": COLOURS[colour], "markersize": 1.4}
+            lower.plot(shown["time"][here], lead[here], ".", label=name, **look)
     lower.axhspan(
         -90, 90, color=COLOURS["rest"], alpha=0.25, linewidth=0, zorder=0, label="standard"
     )
@@ -171,7 +178,11 @@ def _words(phases: xr.Dataset) -> list[str]:
     lead = f"{np.degrees(phases.attrs['lead']):.0f}°".replace("-", "−")
     if not phases["impulse"].any():
         return [phases.attrs["window"], f"no contact, shaft leads the smallest gap by {lead}"]
-    return [phases.attrs["window"], f"{kind} contact, shaft leads by {lead}"]
+    told = f"{kind} contact, shaft leads by {lead}"
+    steady = (
+        f"mean by impulse, {phases.attrs['window']}; steadiness {phases.attrs['steadiness']:.2f}"
+    )
+    return [told, steady]
 
 
 def _wrapped(angle: Array) -> Array:

@@ -28,6 +28,13 @@ from bladewhirl.postprocess.shaft.spectra import (
 from bladewhirl.postprocess.shaft.whirl import Frame
 from bladewhirl.postprocess.shaft.whirl_history import PERIODS, whirl_history
 
+AT_REST = {"gaps"}
+"""Figures that a stage in which nothing moves has, too."""
+
+
+FORCE_COLUMNS = 200
+"""Spans of time in which forces are drawn: a contact is as wide as a line."""
+
 
 class RunFigures:
     """Draws the figures of a run, or of a window of its time.
@@ -75,11 +82,13 @@ class RunFigures:
         """One of `RUN_FIGURES`, with its data.
 
         Raises:
-            ViewError: there is no such figure, or it can't be had, such as a Poincaré map of a
-                rotor at rest.
+            ViewError: there is no such figure, or it can't be had, such as an orbit of a stage
+                at rest.
         """
         if name not in RUN_FIGURES:
             raise ViewError(f"figure {name!r}: expected one of {', '.join(RUN_FIGURES)}")
+        if name not in AT_REST and not self.result["energy"].any():
+            raise ViewError(f"nothing moves from {window_label(self.result)}")
         return RUN_FIGURES[name].draw(self)
 
 
@@ -131,8 +140,8 @@ def contact(run: RunFigures) -> xr.Dataset:
 
 
 def forces(run: RunFigures) -> xr.Dataset:
-    """The same, where there are any."""
-    return _touching(run).contact
+    """The same in spans so long that they are seen, where there are any."""
+    return contact_maps(_touching(run).result, FORCE_COLUMNS)
 
 
 def contact_on_casing(run: RunFigures) -> xr.Dataset:

@@ -24,7 +24,7 @@ SEEN = 0.3
 """Share of half the axes that a turn must span for arrows on it to be read; a smaller one is drawn
 again in a corner."""
 
-CORNER = (0.03, 0.03, 0.27, 0.27)
+CORNER = (0.02, 0.02, 0.2, 0.2)
 """Place of that drawing, in shares of the axes."""
 
 TINY = 0.05
@@ -110,8 +110,10 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
     tiny = 0.0 < radius < TINY * clearance
     reach = radius if tiny else max(radius, clearance)
     unit, scale = length_unit(reach)
-    edge = 1.1 * scale * reach or 1.0  # all at rest: 1 mm
+    small = [frame for frame in FRAMES if _extent(late[frame].values) <= SEEN * 1.1 * reach]
+    edge = (1.35 if small else 1.1) * scale * reach or 1.0  # all at rest: 1 mm
     figure = new_figure(height=0.1)
+    boxes: list[str] = []
     panels = figure.subplot_mosaic([[*FRAMES], ["radius"] * 2], height_ratios=(2.4, 1.0))
     for frame in FRAMES:
         axes = panels[frame]
@@ -121,8 +123,10 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
         if not tiny:
             axes.add_patch(Circle((0, 0), scale * clearance, fill=False, **CLEARANCE_LINE))
         _draw_path(axes, scale * orbit[frame].values)
-        if not _draw_turn(axes, scale * late[frame].values, edge):
-            _draw_again(axes, late[frame].values)
+        _draw_turn(axes, scale * late[frame].values, arrows=frame not in small)
+        if frame in small and late[frame].any():
+            wide = _draw_again(axes, late[frame].values)
+            boxes.append(f"box in the {frame} frame: late motion, {wide} wide")
         axes.set_title(f"{frame} frame\n{whirl(late_part(orbit), frame).text}")
     panels[FRAMES[0]].set_ylabel(f"y [{unit}]")
     panels[FRAMES[1]].tick_params(labelleft=False)
@@ -133,7 +137,7 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
     figure.legend(*entries, loc="outside lower center", ncols=3)
     outside = [f"the clearance, {MILLI * clearance:.3g} mm, is far outside"] if tiny else []
     windows = f"late motion: {window_label(late)}", f"whirl: {window_label(late_part(orbit))}"
-    head(figure, orbit, *windows, *outside)
+    head(figure, orbit, *windows, *outside, *boxes)
     return figure
 
 
@@ -169,29 +173,30 @@ def _draw_path(axes: Axes, place: Array) -> None:
     axes.plot(*place[-1:].T, marker="s", label="end", **ends)
 
 
-def _draw_turn(axes: Axes, path: Array, edge: float) -> bool:
-    """The end of a path, with arrows where it is seen as a line, and whether it is; axes reach to
-    `edge`.
-    """
+def _extent(path: Array) -> float:
+    """Width or height of a path (record, 2), whichever is larger."""
+    return float(np.ptp(path, axis=0).max())
+
+
+def _draw_turn(axes: Axes, path: Array, *, arrows: bool) -> None:
+    """The end of a path, with arrows where it is seen as a line."""
     long = len(path) > LONG_LINE
     axes.plot(*path.T, color=COLOURS["rotor"], label="late motion", rasterized=long)
-    seen = bool(np.ptp(path, axis=0).max() > SEEN * edge)
-    for share in (0.2, 0.5, 0.8) if seen else ():
+    for share in (0.2, 0.5, 0.8) if arrows else ():
         _draw_arrow(axes, path, share)
-    return seen
 
 
-def _draw_again(axes: Axes, path: Array) -> None:
-    """A small path [m] enlarged in a corner, with its size; nothing where it rests."""
-    size = float(np.ptp(path, axis=0).max())
-    if size == 0.0:
-        return
-    unit, scale = length_unit(size)
+def _draw_again(axes: Axes, path: Array) -> str:
+    """A small path [m] enlarged in a corner; the width of its box."""
     corner = axes.inset_axes(CORNER)
     corner.plot(*path.T, color=COLOURS["rotor"], linewidth=0.8, rasterized=len(path) > LONG_LINE)
-    corner.set(xticks=[], yticks=[])
-    corner.set_aspect("equal", adjustable="datalim")
-    corner.set_title(f"{scale * size:.2g} {unit}", fontsize=6.5, pad=1.5)
+    size = 1.1 * _extent(path) or 1.0
+    middle = 0.5 * (path.max(axis=0) + path.min(axis=0))
+    corner.set(xticks=[], yticks=[], aspect="equal")
+    corner.set_xlim(middle[0] - size / 2, middle[0] + size / 2)
+    corner.set_ylim(middle[1] - size / 2, middle[1] + size / 2)
+    unit, scale = length_unit(size)
+    return f"{scale * size:.2g} {unit}"
 
 
 def _draw_arrow(axes: Axes, path: Array, share: float) -> None:

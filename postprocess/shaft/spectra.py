@@ -18,6 +18,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 from numpy.lib.stride_tricks import sliding_window_view
 
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION
@@ -54,6 +55,9 @@ DECADES = 4.0
 
 MARGIN = 1.12
 """How far the drawn frequencies go beyond the outermost line of a mode."""
+
+WITH_K = {"1F": "1F, k = 1", "casing": "casing, k = 1"}
+"""Names of modes in the legend that say which of their family."""
 
 ORDER = "Ω"
 """Label of the line of the speed."""
@@ -301,12 +305,13 @@ def _draw_lines(axes: Axes, lines: xr.DataArray, draw: Any) -> None:
     """Lines of modes, one name for the two of a mode."""
     named: set[str] = set()
     for value, mode in zip(lines.values, lines["mode"].values, strict=True):
+        name = f"−{mode}" if mode == ORDER and value < 0.0 else WITH_K.get(str(mode), str(mode))
         draw(
             _hertz(value),
             color=LINE_COLOURS[mode],
             linestyle=LINE_DASHES[mode],
             linewidth=1.6 if mode == ORDER else 0.9,
-            label=f"_{mode}" if mode in named else mode,
+            label=f"_{name}" if mode in named else name,
         )
         named.add(str(mode))
 
@@ -317,7 +322,10 @@ def _at_both_edges(axes: Axes) -> Callable[..., object]:
     """
 
     def draw(value: float, *, label: str, **look: Any) -> None:
-        first, last = (0.13, 0.19) if label.endswith(ORDER) else (0.0, 0.12)
+        is_order = label.endswith(ORDER)
+        first, last = (0.13, 0.19) if is_order else (0.0, 0.12)
+        if is_order:  # it may lie on the brightest line
+            look["path_effects"] = [withStroke(linewidth=3.2, foreground="black")]
         axes.axhline(value, first, last, label=label, **look)
         axes.axhline(value, 1.0 - last, 1.0 - first, **look)
 

@@ -103,7 +103,7 @@ def plot_whirl_history(whirls: xr.Dataset) -> Figure:
     unit, scale = length_unit(float(whirls["radius"].max()))
     lower.plot(time, scale * whirls["radius"], color=COLOURS["rotor"])
     lower.set_ylabel(f"radius [{unit}]")
-    lower.set_ylim(bottom=0.0)
+    lower.set_ylim(bottom=0.0, top=1.12 * scale * float(whirls["radius"].max()) or 1.0)
     time_axis(upper, lower)
     upper.plot(
         [],
@@ -133,6 +133,6 @@ def _draw_frame(axes: Axes, whirls: xr.Dataset, frame: Frame) -> None:
         markersize=2.5,
         markerfacecolor="white",
         markeredgewidth=0.6,
-        label=f"{frame} frame",
     )
     axes.plot(time[clear], rate[clear], marker, color=colour, markersize=2.5)
+    axes.plot([], [], line, marker=marker, color=colour, markersize=2.5, label=f"{frame} frame")

@@ -42,7 +42,7 @@ def modes(
     overwrite: Replace = False,
     overrides: Changes = None,
 ) -> None:
-    """List natural frequencies of the full bladed disk, centre free and clamped, and casing.
+    """List natural frequencies of the full bladed disk, its centre as in the case, and casing.
 
     Normalised frequencies are multiples of the lowest one with a free centre, ω₁. Purity is the
     share of a mode that its nodal diameter holds: 1 where blades are alike. With -o: mode shapes,

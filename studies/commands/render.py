@@ -103,9 +103,12 @@ def render(
     pictures, close enough for a smooth turn, where contact was strongest, unless told otherwise.
     """
     from bladewhirl.meshes.files.manifest import check_file
-    from bladewhirl.postprocess.fields.kinematics import frame_records
     from bladewhirl.postprocess.fields.result import open_result
-    from bladewhirl.postprocess.pictures.render import animation_records, check_inside
+    from bladewhirl.postprocess.pictures.render import (
+        animation_records,
+        check_inside,
+        sheet_records,
+    )
     from bladewhirl.studies.runs.render import SHEET_PICTURES
     from bladewhirl.studies.runs.render import render as draw
 
@@ -141,9 +144,9 @@ def render(
                 typer.echo(f"Wrote {target}: {len(times)} pictures.")
             elif kind == "sheet":
                 count = frames or SHEET_PICTURES
-                records = frame_records(result, count, first, last)
+                records = sheet_records(result, count, start=first, end=last)
                 paint(target, frames=count, start=first, end=last)
-                typer.echo(f"Wrote {target}: {len(records)} pictures.")
+                _tell_span(result, target, records)
             else:
                 paint_film = partial(paint, target, frames=frames, start=first, end=last)
                 with progress_bar(target.name) as update:
@@ -160,11 +163,16 @@ def _tell_film(result: xr.Dataset, target: Path, records: IntArray) -> None:
     """Say what an animation shows, and whether it turns smoothly."""
     from bladewhirl.postprocess.fields.kinematics import sampling_hint
 
-    first, last = result["time"].values[records[[0, -1]]]
-    typer.echo(f"Wrote {target}: {len(records)} pictures from {first:.6g} s to {last:.6g} s.")
+    _tell_span(result, target, records)
     hint = sampling_hint(result, records)
     if hint:
         typer.echo(f"Hint: {hint}.", err=True)
+
+
+def _tell_span(result: xr.Dataset, target: Path, records: IntArray) -> None:
+    """Say how many pictures there are, and of which time."""
+    first, last = result["time"].values[records[[0, -1]]]
+    typer.echo(f"Wrote {target}: {len(records)} pictures from {first:.6g} s to {last:.6g} s.")
 
 
 def _targets(directory: Path, output: Path | None, kinds: list[str]) -> dict[str, Path]:

@@ -51,24 +51,27 @@ def campbell(
     file; `bladewhirl.plot.campbell` draws it.
 
     Over `critical`, critical_speed (normalised; times 60 found.attrs["reference_frequency_hz"] it
-    is in rpm): there is none without rotation effects. With them, critical_family and
-    critical_nodal_diameter, and over `engine_order` the same of the speeds at which k times that of
-    rotation is a frequency; over `branch` and `line_speed` (normalised), branch_frequency in the
+    is in rpm): there is none without rotation effects, and beyond `speeds` none is looked for. With
+    them, critical_family and critical_nodal_diameter, and over `engine_order` the same of the
+    speeds at which a wave's frequency in the rotating frame is k times that of rotation: it stands
+    still in the static frame, as what forces it there does; over `branch` and `line_speed` (normalised), branch_frequency in the
     rotating frame [Hz], positive backward, with branch_family, branch_nodal_diameter and
-    branch_direction; over `line_speed`, tip_growth [m]. Attribute clearance_gone is the speed
-    (normalised) at which the tips have grown by the clearance.
+    branch_direction; over `line_speed`, tip_growth [m]. Attributes are speeds, normalised, nan
+    where there is none: clearance_gone, at which the tips have grown by the clearance, and
+    waves_meet, from which two waves of the bladed disk have met and one grows.
 
     Args:
         case_or_stage: a case, or a stage of it; the centre is held as the case says.
         families: how many of the bladed disk, the suspension pair apart.
-        speeds: of the diagrams, normalised.
+        speeds: of the diagrams and of what is looked for, normalised.
         operating: operating range, normalised.
 
     Raises:
         CaseError: numbers that finite elements can't be made of.
     """
     stage = full_stage(case_or_stage)
-    chosen = {"suspension", *(f"{rank}F" for rank in range(1, families + 1))}
+    ranks = range(1, min(families, stage.disk_modes.count) + 1)
+    chosen = {"suspension", *(f"{rank}F" for rank in ranks)}
     rotor = _of_families(stage.disk_modes, chosen)
     casing = _of_families(stage.casing_modes, set(CASING_FAMILIES))
     found = coincidences(

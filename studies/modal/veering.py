@@ -67,6 +67,7 @@ def veering(
             stand apart.
     """
     stage = full_stage(case_or_stage)
+    families = min(families, stage.disk_modes.count)
     springs = spring_stiffnesses(stage.case, None) if stiffnesses is None else stiffnesses
     branches = _over_shaft(stage, springs)
     reference = stage.reference_frequency
@@ -107,9 +108,8 @@ def report_lines(found: xr.Dataset) -> Iterator[str]:
         f"Clamping the centre changes families with k = 1 by up to {100 * shifts[1]:.3g} %,"
         f" with other k by up to {100 * others:.1g} %."
     )
-    suspension = suspension_frequency(found)
-    if suspension is not None:
-        yield f"Suspension pair at {suspension:.4g} ω₁."
+    if (found["family"] == "suspension").any():
+        yield _suspension_words(found)
 
 
 def veering_document(found: xr.Dataset) -> dict[str, Any]:
@@ -140,20 +140,25 @@ def clamping_shifts(found: xr.Dataset) -> dict[int, float]:
     Args:
         found: from `veering`.
     """
-    frequency = found["frequency"].unstack("mode")
-    changes = abs(frequency.sel(centre="clamped") / frequency.sel(centre="free") - 1.0)
-    largest = changes.max(dim=[name for name in changes.dims if name != "nodal_diameter"])
-    return {int(k): float(largest.sel(nodal_diameter=k)) for k in largest["nodal_diameter"].values}
+    frequency = found["frequency"].to_series()
+    # Past a critical speed both waves of a pair may go backward: these are told by their order.
+    twin = frequency.groupby(level=frequency.index.names).cumcount()
+    each = frequency.to_frame().set_index(twin.rename("twin"), append=True)["frequency"]
+    centres = each.unstack("centre")
+    changes = (centres["clamped"] / centres["free"] - 1.0).abs()
+    largest = changes.groupby(level="nodal_diameter").max()
+    return {int(k): float(shift) for k, shift in largest.items()}
 
 
-def suspension_frequency(found: xr.Dataset) -> float | None:
-    """Normalised frequency of the suspension pair, or its lower wave; None where there is none.
-
-    Args:
-        found: from `veering`.
-    """
-    here = found["family"].values == "suspension"
-    return float(found["normalised_frequency"].values[here][0]) if here.any() else None
+def _suspension_words(found: xr.Dataset) -> str:
+    """Normalised frequencies of the suspension: of the pair, or of its waves in rotating axes."""
+    own = found.isel(mode=found["family"].values == "suspension")
+    frequencies = own["normalised_frequency"].values
+    if "direction" not in found.indexes["mode"].names:
+        return f"Suspension pair at {frequencies[0]:.4g} ω₁."
+    waves = zip(own["direction"].values, frequencies, strict=True)
+    told = ", ".join(f"{way} at {frequency:.4g} ω₁" for way, frequency in waves)
+    return f"Waves of the suspension, rotating frame: {told}."
 
 
 def spring_stiffnesses(case: Case, interval: tuple[float, float] | None) -> FloatArray:

@@ -46,7 +46,8 @@ def render(
         path: of the file; an older one is replaced.
         time: instant of a still, or instants of a sheet [s]; that of the largest force when None.
         frames: pictures of a film (120 when None) or of a sheet (9).
-        start: of a film or a sheet [s]; a film is of the strongest contact when None.
+        start: of a film or a sheet [s]; these are of the strongest contact when None, a sheet of
+            one revolution.
         end: of a film or a sheet [s].
         exaggeration: factor on displacements and clearance, 1 is true; chosen when None.
         frame: whose axes are held, "static" or "rotating".
@@ -63,7 +64,7 @@ def render(
         OffScreenError: the system can't draw.
         UserError: the file can't be written.
     """
-    from bladewhirl.postprocess.fields.kinematics import ViewError, frame_records, nearest_records
+    from bladewhirl.postprocess.fields.kinematics import ViewError, nearest_records
     from bladewhirl.postprocess.fields.result import opened
     from bladewhirl.postprocess.pictures import render as pictures
     from bladewhirl.postprocess.pictures.sheet import render_sheet
@@ -84,7 +85,8 @@ def render(
                     pictures.check_inside(dataset, instant)
                 records = nearest_records(dataset, np.array(time))
             else:
-                records = frame_records(dataset, frames or SHEET_PICTURES, start, end)
+                wanted = frames or SHEET_PICTURES
+                records = pictures.sheet_records(dataset, wanted, start=start, end=end)
             return render_sheet(dataset, target, records, **look)
         records = pictures.animation_records(dataset, frames=frames, start=start, end=end)
         if kind == ".html":

@@ -128,7 +128,7 @@ class TestFigures:
         ):
             (legend,) = figure.legends
             texts = [text.get_text() for text in legend.get_texts()]
-            assert texts == ["Ω", "1F", "suspension", "casing"]
+            assert texts == ["−Ω", "1F, k = 1", "suspension", "casing, k = 1"]
         axes = plot_spectrum(with_lines(shaft_spectrum(orbit), lines)).axes[0]
         low, high = axes.get_xlim()
         assert low < -190 / (2 * np.pi)

@@ -12,7 +12,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.solvers.stability.veering import shaft_veering, whirl_veering
-from bladewhirl.studies.modal.veering import clamping_shifts, suspension_frequency, veering
+from bladewhirl.studies.modal.veering import clamping_shifts, report_lines, veering
 
 
 @cache
@@ -103,5 +103,16 @@ def test_clamping_changes_one_nodal_diameter_and_the_suspension_is_between_the_f
     assert shifts.pop(1) > 0.02
     assert set(shifts) == {0, *range(2, 12)}
     assert max(shifts.values()) < 1e-9
-    assert suspension_frequency(found) == pytest.approx(2.5267, abs=5e-5)
+    assert [*report_lines(found)][1] == "Suspension pair at 2.527 ω₁."
     assert found.sizes["mode"] == 2 * 12 * 12 + 1
+
+
+def test_past_a_critical_speed_where_both_waves_of_the_suspension_go_backward() -> None:
+    """More families than there are modes are all of them."""
+    past = {"rotation.effects": "full", "march.speed": 2.0, "shaft.stiffness": 5e6}
+    springs = np.array([1e7, 3.4e7])
+    found = veering(with_values(Case(), past), families=10**11, stiffnesses=springs)
+    told = [*report_lines(found)]
+    assert told[1].count("backward at") == 2
+    shifts = clamping_shifts(found)
+    assert shifts.pop(1) > 1e-3 > max(shifts.values())
