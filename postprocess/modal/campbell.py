@@ -46,8 +46,10 @@ CROSS: dict[str, Any] = {
 """Mark of a critical speed."""
 
 RAYS: Mapping[Frame, str] = {
-    "rotating": "Casing waves are drawn that travel forward in the static frame.",
-    "static": "Rays are waves that travel backward on the bladed disk, forward here.",
+    "rotating": "Of casing waves those are drawn that travel forward in the static frame and"
+    " backward in this one.",
+    "static": "Rays are waves that travel backward on the bladed disk and forward here; its other"
+    " waves are left out, but for branches with k = 1 where it feels that it turns.",
 }
 """What of the waves that move in a frame is drawn."""
 

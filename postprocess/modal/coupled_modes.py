@@ -127,15 +127,16 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
             "marker": "o",
         }
         axes.plot(*near, **dot, markerfacecolor="none")
-        axes.plot(0.0, 0.0, "+", color=COLOURS["rest"], markersize=5)
         axes.plot(*picture.shaft, "o", color=COLOURS["k = 1"], markersize=3)
+        axes.plot(0.0, 0.0, "+", color="white", markersize=6, markeredgewidth=1.8)
+        axes.plot(0.0, 0.0, "+", color=COLOURS["total"], markersize=5, markeredgewidth=0.7)
         axes.set(aspect="equal", xlim=(-size, size), ylim=(-size, size))
         axes.set_axis_off()
         axes.set_title(f"{MILLI * picture.time:.4g} ms")
     figure.colorbar(shown, ax=panels, label="displacement [mm]", shrink=0.7)
     _title(figure, "Growing coupled mode, exaggerated; static frame, rotation ↺", dataset)
     marks = {
-        "axis of rotation": ("+", COLOURS["rest"], COLOURS["rest"]),
+        "axis of rotation": ("+", COLOURS["total"], COLOURS["total"]),
         "shaft": ("o", COLOURS["k = 1"], COLOURS["k = 1"]),
         "smallest clearance": ("o", COLOURS["contact"], "none"),
     }

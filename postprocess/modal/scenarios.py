@@ -59,7 +59,9 @@ def plot_scenario(data: xr.Dataset) -> Figure:
     driven = "backward" if kind == "standard" else "forward"
     ratio, rpm = data.attrs["speed"] / reference, 30.0 * data.attrs["speed"] / np.pi
     title = f"{kind.capitalize()} contact scenario of {data.attrs['mode']}, k = 1"
-    words = f"friction on the blades drives {driven} whirl; Ω/ω₁ = {ratio:.4g} ({rpm:.0f} rpm)"
+    opposed = "" if kind == "standard" else ", against the mode's own backward wave"
+    words = f"friction on the blades drives {driven} whirl{opposed}"
+    words += f"; Ω/ω₁ = {ratio:.4g} ({rpm:.0f} rpm)"
     set_title(figure, data.attrs["case"], f"{title}: {words}")
     groups = (
         Group([*zip(*axes.get_legend_handles_labels(), strict=True)], told)

@@ -46,6 +46,9 @@ MARK: Mapping[str, Any] = {
 MANY = 24
 """Branches of a spectrum beyond which lines are thin, and named where they grow only."""
 
+NAMED = 0.3
+"""Room left of a spectrum for the names of its branches, as a share of its width."""
+
 FEW = 4
 """Zones up to which their names tell both waves that meet."""
 
@@ -133,7 +136,7 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
     if many:
         _name_growing(lower, data, frequency, growing)
     else:
-        _name_branches(lower, data, frequency, growing)
+        _name_branches(lower, data, frequency)
     speed_axis(upper, reference / (2.0 * np.pi))
     upper.set_xlabel("")
     lower.set_xlabel(SPEED)
@@ -221,15 +224,15 @@ def _name_loops(axes: Axes, data: xr.Dataset) -> None:
         names.beside(middle[i], data["zone_growth"].values[i], text, COLOURS["k = 1"])
 
 
-def _name_branches(axes: Axes, data: xr.Dataset, frequency: FloatArray, growing: BoolArray) -> None:
-    """Name branches by the waves that they begin from, before they grow or pass zero."""
+def _name_branches(axes: Axes, data: xr.Dataset, frequency: FloatArray) -> None:
+    """Name branches by the waves that they begin from, left of their beginning."""
+    first, last = data["speed"].values[[0, -1]]
+    axes.set_xlim(first - NAMED * (last - first), last)
     names = Names(axes)
-    for branch in range(frequency.shape[1]):
-        changed = growing[:, branch] | (frequency[:, branch] <= 0.0)
-        until = int(np.argmax(changed)) if changed.any() else len(changed)
-        x, y = data["speed"].values[:until], frequency[:until, branch]
-        name = str(data["branch_name"].values[branch])
-        names.over(x[::-1], y[::-1], name, COLOURS["total"])
+    for branch in np.argsort(frequency[0]):
+        if frequency[0, branch] > 0.0:
+            name = str(data["branch_name"].values[branch])
+            names.behind(first, frequency[0, branch], name, COLOURS["total"], left=True)
 
 
 def _name_growing(axes: Axes, data: xr.Dataset, frequency: FloatArray, growing: BoolArray) -> None:

@@ -38,6 +38,15 @@ ROOM = 0.12
 LOWEST = 0.05
 """Normalised frequency from which on branches are drawn: at a critical speed one goes to zero."""
 
+NAMED = 0.3
+"""Room left of branches for their names, as a share of their width."""
+
+FREE, CLAMPED = (
+    {way: large if way == "both" else small for way in ("both", "standing", "backward", "forward")}
+    for large, small in ((3.0, 2.2), (5.5, 4.0))
+)
+"""Sizes of marks with a free and with a clamped centre [points]: of waves there are more."""
+
 ASIDE = {"backward": -0.2, "forward": 0.2}
 """How far marks of waves stand aside of their nodal diameter."""
 
@@ -104,16 +113,17 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
         data: from `veering`.
     """
     ways = data["branch_direction"].values
-    wide = FULL_WIDTH if "forward" in ways else COLUMN_WIDTH
-    figure = new_figure(width=wide, height=0.095)
+    turns = "forward" in ways  # waves of both ways have lines of their own
+    figure = new_figure(width=FULL_WIDTH if turns else COLUMN_WIDTH, height=0.095)
     axes = figure.subplots()
     stiffness = data["stiffness"].values
     frequency, share = (
         data[name].values for name in ("normalised_branch_frequency", "branch_spring_share")
     )
+    first = stiffness[0] * (stiffness[0] / stiffness[-1]) ** (NAMED if turns else 0.0)
     axes.set(
         xscale="log",
-        xlim=(stiffness[0], stiffness[-1]),
+        xlim=(first, stiffness[-1]),
         yscale="log",
         ylim=(max(0.7 * frequency[frequency > 0.0].min(), LOWEST), 1.4 * frequency.max()),
         xlabel="stiffness of each shaft spring [N/m]",
@@ -128,8 +138,13 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
         texts.append(text)
     for level in data["normalised_clamped_frequency"].values:
         axes.axhline(level, color=COLOURS["rest"], linestyle="--", linewidth=0.6, zorder=1)
-    for branch, text in enumerate(texts):
-        names.over(stiffness[::-1], frequency[::-1, branch], text, COLOURS["total"])
+    for branch in np.argsort(frequency[0]):
+        if turns:
+            begin = stiffness[0], frequency[0, branch]
+            names.behind(*begin, texts[branch], COLOURS["total"], left=True)
+        else:
+            line = stiffness[::-1], frequency[::-1, branch]
+            names.over(*line, texts[branch], COLOURS["total"])
     for branch, level in enumerate(data["normalised_clamped_frequency"].values):
         if ways[branch] == "forward":  # beside the backward one
             continue
@@ -143,7 +158,7 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
         (Line2D([], [], color=COLOURS["k = 1"], linewidth=0.8), "the case"),
         (Line2D([], [], color=COLOURS["rest"], linestyle="--"), "clamped centre, grey names"),
     ]
-    if "forward" in ways:
+    if turns:
         for name, width in (("backward", 1.4), ("forward", 0.7)):
             look = Line2D([], [], color=COLOURS["total"], linewidth=width)
             handles.append((look, f"{name} waves"))
@@ -192,12 +207,12 @@ def _draw_family(axes: Axes, data: xr.Dataset, family: str) -> None:
         dot = COLOURS["suspension" if suspension else "total"]
         shape = "s" if suspension and way == "both" else WAYS[way]
         mark: dict[str, Any] = {"linestyle": "none", "marker": shape}
-        axes.plot(k + ASIDE.get(way, 0.0), frequency, color=dot, markersize=3.0, **mark)
+        axes.plot(k + ASIDE.get(way, 0.0), frequency, color=dot, markersize=FREE[way], **mark)
         if not suspension:
             ring: dict[str, Any] = {
                 "color": COLOURS["k = 1"],
                 "markerfacecolor": "none",
-                "markersize": 5.5,
+                "markersize": CLAMPED[way],
             }
             k, frequency = _chosen(data, "clamped", family, way)
             axes.plot(k + ASIDE.get(way, 0.0), frequency, **mark, **ring)
@@ -226,10 +241,13 @@ def _marks(data: xr.Dataset, names: list[str]) -> list[tuple[Line2D | tuple[Line
     def mark(colour: str, shape: str, **more: Any) -> Line2D:
         return Line2D([], [], linestyle="none", color=COLOURS[colour], marker=shape, **more)
 
-    ring: dict[str, Any] = {"markersize": 5.5, "markerfacecolor": "none"}
     ways = _ways(data)
+    ring: dict[str, Any] = {"markersize": CLAMPED[ways[0]], "markerfacecolor": "none"}
     found: list[tuple[Line2D | tuple[Line2D, ...], str]] = [
-        (mark("total", WAYS[way], markersize=3.0), f"free{'' if way == 'both' else f', {way}'}")
+        (
+            mark("total", WAYS[way], markersize=FREE[way]),
+            f"free{'' if way == 'both' else f', {way}'}",
+        )
         for way in ways
     ]
     found.append((tuple(mark("k = 1", WAYS[way], **ring) for way in ways), "clamped centre"))

@@ -62,7 +62,7 @@ class Panel:
         shown = [f"{drawing.frame} frame", enlargement(drawing.exaggeration)]
         bar = draw_scale_bar(scene, "motion, clearance")
         if sheet:
-            shown.append(f"bar in each picture:\n{bar}")
+            shown.append(f"bars: {bar}")
         else:
             write(scene.plotter, bar, 0.085, 11, indent=-SQUARE)
         write_title(scene.plotter, dataset)

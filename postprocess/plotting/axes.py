@@ -189,19 +189,20 @@ class Names:
                 return True
         return False
 
-    def behind(self, x: float, y: float, text: str, colour: str) -> None:
-        """Name the end of a line on its right, above the names that stand there.
+    def behind(self, x: float, y: float, text: str, colour: str, *, left: bool = False) -> None:
+        """Name the end of a line on its right or left, above the names that stand there.
 
         A thin line leads to a name that had to give way.
         """
         (place,) = self._shares(np.array([x]), np.array([y]))
-        size = self._size(text) * np.array([1.0, 0.75])  # capitals
-        away = np.array([POINT / self._points[0], 0.0])
-        start = corner = place + 2.0 * away - np.array([0.0, 0.5 * size[1]])
+        size = self._size(text) * np.array([1.0, 0.75 if text.isupper() else 0.9])
+        away = np.array([POINT / self._points[0], 0.0]) * (-1.0 if left else 1.0)
+        inner = np.array([size[0] if left else 0.0, 0.5 * size[1]])  # of the name, beside the line
+        start = corner = place + 2.0 * away - inner
         while not self._take(corner, size):
             corner = corner + np.array([0.0, 0.1 * size[1]])
         if corner[1] > start[1] + 0.2 * size[1]:
-            ends = np.stack([place + 0.7 * away, corner + np.array([0.0, 0.5 * size[1]])])
+            ends = np.stack([place + 0.7 * away, corner + inner])
             self._axes.plot(*ends.T, color=colour, linewidth=0.4, transform=self._axes.transAxes)
         self._write(corner + size / 2.0, text, colour, ground=False)
 

@@ -252,7 +252,7 @@ def plot_spectrum(spectrum: xr.Dataset) -> Figure:
     resolution = f"resolution {_hertz(spectrum.attrs['resolution']):.3g} Hz"
     frame, window = spectrum.attrs["frame"], spectrum.attrs["window"]
     head(figure, spectrum, f"{frame} frame, {window}", resolution)
-    figure.legend(loc="outside lower center", ncols=4, handlelength=2.6)
+    figure.legend(loc="outside lower center", ncols=2, handlelength=2.6)
     return figure
 
 
@@ -284,7 +284,7 @@ def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
     frame, slice_length = spectrogram.attrs["frame"], 1e3 * spectrogram.attrs["slice"]
     head(figure, spectrogram, f"{frame} frame, slices of {slice_length:.3g} ms", resolution)
     figure.colorbar(picture, ax=axes, label="amplitude [mm]")
-    figure.legend(loc="outside lower center", ncols=4, handlelength=2.6)
+    figure.legend(loc="outside lower center", ncols=2, handlelength=2.6)
     return figure
 
 

@@ -117,12 +117,17 @@ def is_wide(values: Array) -> bool:
     return bool(np.min(values) > 0 and np.max(values) >= WIDE_RANGE * np.min(values))
 
 
+def key_words(name: str) -> str:
+    """A key of a case as words."""
+    return name.replace(".", " ").replace("_", " ")
+
+
 def key_label(values: xr.DataArray) -> str:
     """Name of a swept key in words, with its unit."""
     name, units = str(values.attrs["long_name"]), str(values.attrs["units"])
     if name == "march.speed" and units == "1":
         return SPEED
-    words = name.replace(".", " ").replace("_", " ")
+    words = key_words(name)
     return words if units == "1" else f"{words} [{units}]"
 
 

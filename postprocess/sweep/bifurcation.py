@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import Transform
 
 from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
@@ -13,6 +14,7 @@ from bladewhirl.postprocess.shaft.orbits import LONG_LINE
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
 from bladewhirl.postprocess.sweep.drawing import (
     Line,
+    dodged,
     label_figure,
     lines_group,
     lines_of,
@@ -72,8 +74,8 @@ def plot_bifurcation(found: xr.Dataset) -> Figure:
     figure = new_figure(width=FULL_WIDTH, height=0.17)
     panels = figure.subplots(len(PARTS), 1, sharex=True)
     for axes, (name, label) in zip(panels, PARTS.items(), strict=True):
-        for line in lines:
-            _draw_marks(axes, line, scale, name)
+        for number, line in enumerate(lines):
+            _draw_marks(axes, line, scale, name, dodged(axes, number, len(lines)))
         axes.set_ylabel(f"{label} [{unit}]")
     key_axis(panels[-1], found)
     own = lines_group(found, lines, "radius_peak", dashed=False)
@@ -83,9 +85,9 @@ def plot_bifurcation(found: xr.Dataset) -> Figure:
     return figure
 
 
-def _draw_marks(axes: Axes, line: Line, scale: float, name: str) -> None:
+def _draw_marks(axes: Axes, line: Line, scale: float, name: str, place_of: Transform) -> None:
     values = scale * line.data[name].values
-    axes.plot(
+    (marks,) = axes.plot(
         np.repeat(line.data[str(line.data.attrs["along"])].values, values.shape[1]),
         values.ravel(),
         line.mark,
@@ -95,3 +97,4 @@ def _draw_marks(axes: Axes, line: Line, scale: float, name: str) -> None:
         markeredgewidth=0.0 if line.size <= SMALLEST else 0.5,
         rasterized=values.size > LONG_LINE,
     )
+    marks.set_transform(place_of)

@@ -12,12 +12,13 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.transforms import ScaledTranslation, Transform
 
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, SEQUENTIAL, new_figure
 from bladewhirl.postprocess.plotting.titles import set_title
-from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, rpm_on_top
+from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_words, rpm_on_top
 from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
 
 MOST_LINES = 8
@@ -65,6 +66,10 @@ MARKS = ("o", "s", "D", "^", "v", "P", "X", "h")
 WIDTHS, SIZES = (2.6, 0.9), (7.0, 3.5)
 """Width of the first and the last line, and size of their marks [points]: earlier ones are larger,
 so that they are seen below later ones that coincide with them."""
+
+
+DODGE = 4.0
+"""Between points of lines that are drawn side by side [points]."""
 
 
 class Line(NamedTuple):
@@ -135,6 +140,18 @@ def lines_group(
         some = bool(np.isfinite(line.data[name].values).any())
         entries.append((drawn, line.label if some else f"{line.label}: no point"))
     return Group(entries, line_keys(data))
+
+
+def dodged(axes: Axes, number: int, count: int) -> Transform:
+    """That of data, moved aside: points of several lines at one value stand side by side.
+
+    Args:
+        axes: to draw on.
+        number: of the line.
+        count: of lines.
+    """
+    aside = DODGE * (number - 0.5 * (count - 1)) / 72.0
+    return axes.transData + ScaledTranslation(aside, 0.0, axes.figure.dpi_scale_trans)
 
 
 def draw_marks(axes: Axes, line: Line, place: Array, values: Array, *, filled: Any) -> None:
@@ -227,7 +244,7 @@ def left_out_note(count: int, most: int) -> str:
 def line_label(one: xr.Dataset) -> str:
     """Values of the other keys of a line, in words."""
     return ", ".join(
-        f"{values.attrs.get('long_name', name)} = {_amount(float(values), values)}"
+        f"{key_words(values.attrs.get('long_name', name))} = {_amount(float(values), values)}"
         for name, values in one.coords.items()
         if values.ndim == 0 and "long_name" in values.attrs
     )
@@ -236,7 +253,7 @@ def line_label(one: xr.Dataset) -> str:
 def line_keys(data: xr.Dataset) -> str:
     """The other keys, whose values `line_values` gives; empty where there are none."""
     return ", ".join(
-        ".".join(str(values.attrs["long_name"]).split(".")[-KEY_PARTS:])
+        key_words(".".join(str(values.attrs["long_name"]).split(".")[-KEY_PARTS:]))
         for values in other_keys(data)
     )
 

@@ -71,7 +71,10 @@ OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
 """Around white lines and letters, which stand on every colour of a map."""
 
 INSIDE = 0.75
-"""Share of the axes within which the names of engine orders stay."""
+"""Share of the axes' height within which the names of engine orders stay."""
+
+LATE = 0.9
+"""Where on a line that doesn't leave the map its name is, as a share of its points."""
 
 
 def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
@@ -257,20 +260,21 @@ def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
 
 
 def _draw_order(axes: Axes, place: Array, level: Array, order: int, limit: float) -> None:
-    """Line of an engine order, named near where it leaves the map, well inside its frame."""
+    """Line of an engine order, named on it near where it leaves the map, well inside its frame."""
     seen = np.flatnonzero(np.isfinite(level) & (np.abs(level) <= INSIDE * limit))
     if not seen.size:
         return
     axes.plot(place, level, color="white", linestyle=":", linewidth=0.8, path_effects=OUTLINE)
-    at = place[seen[-1]]
-    share = axes.transAxes.inverted().transform(axes.transData.transform((at, 0.0)))[0]
+    height = np.abs(level)
+    leaves = seen[-1] + 1 < len(place)
+    ends = slice(seen[-1], seen[-1] + 2)
+    late = seen[int(LATE * (len(seen) - 1))]
+    at = np.interp(INSIDE * limit, height[ends], place[ends]) if leaves else place[late]
     axes.annotate(
         f"{order:+d}Ω".replace("+1Ω", "+Ω").replace("-1Ω", "-Ω").replace("-", "−"),
-        (at, level[seen[-1]]),
-        xytext=(2 if share < 1 - INSIDE else -2, 1 if order > 0 else -1),
-        textcoords="offset points",
+        (at, np.sign(order) * INSIDE * limit if leaves else level[late]),
         color="white",
-        ha="left" if share < 1 - INSIDE else "right",
-        va="bottom" if order > 0 else "top",
+        ha="center",
+        va="center",
         path_effects=OUTLINE,
     )

@@ -34,7 +34,11 @@ from bladewhirl.postprocess.sweep.drawing import (
     mark_entry,
 )
 
-NOT_JUDGED = "no growth rate: the marches are too short to judge it, or at rest"
+NOT_JUDGED = "No growth rates: the marches are too short to judge them."
+
+DIVERGES = (
+    "Divergent: significant growth that doesn't slow and ends at the largest amplitude so far."
+)
 
 MOST_MARKED = 24
 """Columns, and rows, of cells up to which each has the mark of its regime."""
@@ -57,8 +61,10 @@ def plot_regimes(found: xr.Dataset) -> Figure:
     found = in_handy_units(found)
     key, lines = str(found.attrs["along"]), list(lines_of(found))
     strips = 0.005 * len(lines) + 0.005
-    groups, note = [Group(regime_entries(found["regime"].values))], f"; {NOT_JUDGED}"
-    if np.isfinite(found["growth_rate"].values).any():
+    judged = bool(np.isfinite(found["growth_rate"].values).any())
+    entries = regime_entries(found["regime"].values)
+    groups, note = [Group(entries, DIVERGES if judged else NOT_JUDGED)], ""
+    if judged:
         figure = new_figure(width=FULL_WIDTH, height=0.08 + strips)
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(strips, 0.05))
         for line in lines:
@@ -71,6 +77,7 @@ def plot_regimes(found: xr.Dataset) -> Figure:
     else:
         figure = new_figure(width=FULL_WIDTH, height=0.035 + strips)
         upper = lower = figure.subplots()
+        found = found.assign_attrs(title="regime")
     _draw_strips(upper, lines, key)
     if len(lines) > 1:
         upper.set_title(f"rows: {line_keys(found)}", loc="left")

@@ -9,19 +9,23 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.transforms import Transform
 
 from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
 from bladewhirl.postprocess.sweep.drawing import (
+    SIZES,
     Line,
+    dodged,
     draw_marks,
     label_figure,
     lines_group,
     lines_of,
     mark_entry,
 )
+from bladewhirl.solvers.stability.scenario import STEADY
 
 WIDE = 1e3
 """Ratio of the largest to the median displacement from which its axis is logarithmic."""
@@ -37,6 +41,12 @@ SCENARIO_MARKS: Mapping[str, tuple[str, bool]] = {
     "unsteady": ("o", False),
 }
 """Mark of each scenario, and whether it is filled."""
+
+BELOW = {"unsteady": f", steadiness below {STEADY:g}"}
+"""What a name of a scenario needs said."""
+
+SCATTER = "scatter within the march"
+"""What bars of a whirl are, in words."""
 
 UNDRAWN: Mapping[str, str] = {"no-contact": "nothing touches", "at-rest": "the shaft rests"}
 """Of points without a side of the contact, in words."""
@@ -100,6 +110,7 @@ def plot_whirls(found: xr.Dataset) -> Figure:
     marks = [
         mark_entry("o", "clear direction (filled)"),
         mark_entry("o", "no clear direction (open)", filled=False),
+        mark_entry("|", SCATTER),
     ]
     own = lines_group(found, lines, "frequency")
     label_figure(figure, found, Group(marks), own)
@@ -120,15 +131,23 @@ def plot_contact_sides(found: xr.Dataset) -> Figure:
     figure = new_figure(width=FULL_WIDTH, height=0.11)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, 1.0))
     lines = list(lines_of(found))
-    for line in lines:
-        _draw_side(upper, lower, line)
+    for number, line in enumerate(lines):
+        own = dodged(upper, number, len(lines))
+        _draw_side(upper, lower, line, own, several=len(lines) > 1)
     band = upper.axhspan(-90, 90, color=COLOURS["rest"], alpha=0.25, linewidth=0, zorder=0)
-    upper.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), ylabel="shaft leads [°]")
-    lower.set(ylim=(0.0, 1.05), ylabel="steadiness")
+    upper.set(
+        ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), ylabel="shaft ahead of\ncontact [°]"
+    )
+    lower.set(ylim=(0.0, 1.05), ylabel="steadiness [–]")
+    lower.axhline(STEADY, color=COLOURS["total"], linestyle=":", linewidth=0.6)
     key_axis(lower, found)
     counts = {name: int((found["scenario"] == name).sum()) for name in (*SCENARIO_MARKS, *UNDRAWN)}
     marks = [
-        mark_entry(mark, f"{name}: {counts[name]}", filled=filled)
+        mark_entry(
+            "o" if len(lines) > 1 else mark,
+            f"{name}: {counts[name]}{BELOW.get(name, '')}",
+            filled=filled,
+        )
         for name, (mark, filled) in SCENARIO_MARKS.items()
         if counts[name]
     ]
@@ -142,7 +161,7 @@ def plot_contact_sides(found: xr.Dataset) -> Figure:
         figure,
         found,
         Group([within, *marks, *unmarked]),
-        lines_group(found, lines, "shaft_lead", marked=False),
+        lines_group(found, lines, "shaft_lead"),
     )
     return figure
 
@@ -155,13 +174,16 @@ def _draw_line(axes: Axes, line: Line, name: str, scale: float) -> None:
     draw_marks(axes, line, place, size, filled=~divergent)
 
 
-def _draw_side(upper: Axes, lower: Axes, line: Line) -> None:
+def _draw_side(upper: Axes, lower: Axes, line: Line, place_of: Transform, *, several: bool) -> None:
     one = line.data
     place, lead = one[str(one.attrs["along"])].values, np.degrees(one["shaft_lead"].values)
     for name, (mark, filled) in SCENARIO_MARKS.items():
         own = one["scenario"].values == name
         face = line.colour if filled else "white"
-        upper.plot(place[own], lead[own], mark, color=line.colour, mfc=face, markersize=line.size)
+        shape = line.mark if several else mark
+        (marks,) = upper.plot(place[own], lead[own], shape, color=line.colour)
+        marks.set_transform(place_of)
+        marks.set(markerfacecolor=face, markersize=SIZES[-1] if several else line.size)
     lower.plot(
         place,
         one["lead_steadiness"].values,

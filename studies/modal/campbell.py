@@ -54,9 +54,10 @@ def campbell(
     is in rpm): there is none without rotation effects, and beyond `speeds` none is looked for. With
     them, critical_family and critical_nodal_diameter, and over `engine_order` the same of the
     speeds at which a wave's frequency in the rotating frame is k times that of rotation: it stands
-    still in the static frame, as what forces it there does; over `branch` and `line_speed` (normalised), branch_frequency in the
-    rotating frame [Hz], positive backward, with branch_family, branch_nodal_diameter and
-    branch_direction; over `line_speed`, tip_growth [m]. Attributes are speeds, normalised, nan
+    still in the static frame, as what forces it there does; over `branch` and `line_speed`
+    (normalised), branch_frequency in the rotating frame [Hz], positive backward, with
+    branch_family, branch_nodal_diameter and branch_direction; over `line_speed`, tip_growth [m].
+    Attributes are speeds, normalised, nan
     where there is none: clearance_gone, at which the tips have grown by the clearance, and
     waves_meet, from which two waves of the bladed disk have met and one grows.
 
