@@ -35,7 +35,10 @@ from bladewhirl.solvers.march.schema import (
 PORTION = 4096
 """Records read at a time: 5 MB for 156 modes."""
 
-ATTRIBUTES = ("title", "speed", "reference_frequency", "casing_radius", "time_step", "record_step")
+ATTRIBUTES = (
+    *("title", "speed", "reference_frequency", "casing_radius", "tip_radius"),
+    *("time_step", "record_step"),
+)
 """What every analysis needs, as attributes of the result."""
 
 

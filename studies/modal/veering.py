@@ -150,13 +150,22 @@ def clamping_shifts(found: xr.Dataset) -> dict[int, float]:
     return {int(k): float(shift) for k, shift in largest.items()}
 
 
+def suspension_frequency(found: xr.Dataset) -> float | None:
+    """Normalised frequency of the suspension pair, or its lower wave; None where there is none.
+
+    Args:
+        found: from `veering`.
+    """
+    here = found["family"].values == "suspension"
+    return float(found["normalised_frequency"].values[here][0]) if here.any() else None
+
+
 def _suspension_words(found: xr.Dataset) -> str:
     """Normalised frequencies of the suspension: of the pair, or of its waves in rotating axes."""
-    own = found.isel(mode=found["family"].values == "suspension")
-    frequencies = own["normalised_frequency"].values
     if "direction" not in found.indexes["mode"].names:
-        return f"Suspension pair at {frequencies[0]:.4g} ω₁."
-    waves = zip(own["direction"].values, frequencies, strict=True)
+        return f"Suspension pair at {suspension_frequency(found):.4g} ω₁."
+    own = found.isel(mode=found["family"].values == "suspension")
+    waves = zip(own["direction"].values, own["normalised_frequency"].values, strict=True)
     told = ", ".join(f"{way} at {frequency:.4g} ω₁" for way, frequency in waves)
     return f"Waves of the suspension, rotating frame: {told}."
 
