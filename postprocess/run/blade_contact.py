@@ -192,7 +192,7 @@ def plot_gaps(maps: xr.Dataset) -> Figure:
     head(
         figure,
         maps,
-        f"each blade touches for {mean:.3g} % of the time, on average" if mean else "no contact",
+        f"in contact {mean:.3g} % of the time, mean of blades" if mean else "no contact",
     )
     return figure
 

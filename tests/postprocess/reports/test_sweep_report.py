@@ -101,8 +101,8 @@ def test_two_keys_and_missing_points(tmp_path: Path) -> None:
     regimes, _, maps = page.plots
     assert regimes["data"][0]["text"][0][1].startswith("<b>missing</b>")
     assert [entry["label"] for entry in maps["layout"]["updatemenus"][0]["buttons"]] == [
-        "contact.friction = 0",
-        "contact.friction = 0.2",
+        "contact friction = 0",
+        "contact friction = 0.2",
     ]
 
 
