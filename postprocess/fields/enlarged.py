@@ -117,6 +117,11 @@ class EnlargedStage:
         """Nodes (rotor_node, 2) [m] at the index-th record."""
         return magnify(self.nodes, self._node[index], self.centre[index], self.factor)
 
+    def outward_reach(self) -> float:
+        """How far the casing is drawn to move outward at most [m]."""
+        outward = (self.ring_displacement * _directions(self.angle)).sum(axis=-1)
+        return self.factor * max(0.0, float(outward.max()))
+
     def wall(self, index: int) -> Array:
         """Inner and outer surface of the casing (station, side, 2) [m]."""
         ring = self.ring_displacement[index]

@@ -107,5 +107,5 @@ def shaft_trail(dataset: xr.Dataset, records: IntArray, frame: Frame) -> ShaftTr
     reach = float(np.linalg.norm(way, axis=1).max())
     unit, scale = length_unit(reach)
     end = scale_end(1.1 * scale * reach)  # the orbit stays clear of the circle
-    title = f"shaft\N{RIGHT SINGLE QUOTATION MARK}s orbit, radius of circle {end:g} {unit}"
+    title = f"shaft\N{RIGHT SINGLE QUOTATION MARK}s orbit, circle r = {end:g} {unit}"
     return ShaftTrail(scale / end * way, title)

@@ -90,7 +90,7 @@ class Drawing:
         self._tips = dataset["tip_node"].values
         from_mark = stage.line.reshape(-1, 2) - MARK * stage.nodes[self._tips[0]]
         self._mark = int(np.argmin(np.sum(from_mark**2, axis=1)))
-        self._symbols = StageSymbols(dataset, stage.angle)
+        self._symbols = StageSymbols(dataset, stage.angle, stage.outward_reach())
         self.colouring = colouring(
             dataset, colour, records, Stations(BEAM_STATIONS, per_element), frame == "rotating"
         )

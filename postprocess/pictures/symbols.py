@@ -58,11 +58,14 @@ class _Holders(NamedTuple):
 
 
 class StageSymbols:
-    """All symbols of a stage; the casing's stations at `angles` (station,) carry its supports."""
+    """All symbols of a stage; the casing's stations at `angles` (station,) carry its supports.
 
-    def __init__(self, dataset: xr.Dataset, angles: Array) -> None:
+    Springs of the casing are longer by `room` [m], what it is drawn to move outward.
+    """
+
+    def __init__(self, dataset: xr.Dataset, angles: Array, room: float = 0.0) -> None:
         radius = float(dataset.attrs["tip_radius"])
-        self._on_casing = CasingSymbols(dataset, radius)
+        self._on_casing = CasingSymbols(dataset, radius, room)
         self._on_shaft = ShaftSymbols(dataset, radius)
         self._on_rotor = RotorSymbols(dataset, radius)
         away = np.angle(np.exp(1j * (self._on_casing.angles[:, None] - angles)))
@@ -105,8 +108,8 @@ class CasingSymbols:
     `angles` (foot,).
     """
 
-    def __init__(self, dataset: xr.Dataset, radius: float) -> None:
-        holders = _holders(dataset, radius)
+    def __init__(self, dataset: xr.Dataset, radius: float, room: float = 0.0) -> None:
+        holders = _holders(dataset, radius, room)
         count = [len(each.angles) for each in holders]
         self._kind = np.repeat([each.kind for each in holders], count)
         self._scale = radius * np.repeat([each.scale for each in holders], count)
@@ -129,13 +132,13 @@ class CasingSymbols:
         )
 
 
-def _holders(dataset: xr.Dataset, radius: float) -> list[_Holders]:
+def _holders(dataset: xr.Dataset, radius: float, room: float) -> list[_Holders]:
     """Springs, dampers and struts between casing and ground: those of an angle side by side."""
     founded = float(dataset.get("casing_foundation", 0.0)) > 0
     around = 2 * np.pi * (np.arange(FOUNDATION if founded else 0) + 0.5) / FOUNDATION
     length = radius * SPRING
     uniform = _Holders(
-        "spring", around, SMALL * length * _outward(around), 0.0 * around, scale=SMALL
+        "spring", around, (SMALL * length + room) * _outward(around), 0.0 * around, scale=SMALL
     )
     if "support_kind" not in dataset:
         return [uniform]
@@ -149,7 +152,8 @@ def _holders(dataset: xr.Dataset, radius: float) -> list[_Holders]:
         for way in ("radial", "tangential")
     )
     radial = ~strut & (sprung_out | damped_out)
-    outward, along = length * _outward(angle), length * rotate(_outward(angle), np.pi / 2)
+    outward = (length + room) * _outward(angle)
+    along = length * rotate(_outward(angle), np.pi / 2)
     level = np.full(len(angle), radius * BRACKET)
     aside = angle + BESIDE * radial  # clear of what leads outward from the same foot
 
