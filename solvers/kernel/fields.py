@@ -178,6 +178,8 @@ def place_tips(
     for j in range(len(f.element)):
         at = f.at[j] + turned
         at -= nodes * np.floor(at * turn)
+        if at < 0.0:  # a turn is whole by rounding of the product, not by the place: node 0
+            at = 0.0
         start = np.floor(at)
         xi = at - start
         rest = 1.0 - xi
