@@ -57,14 +57,14 @@ class CasingDistortion(Table):
 
 
 class Imbalance(Table):
-    """A force along blade 0 at the centre, constant in the rotating frame (scenario B).
+    """A force along +x at the centre, constant in the rotating frame (scenario B).
 
     The unbalance m e is given, or follows from ``clearance_speed``; either is None.
     """
 
     type: Literal["imbalance"] = "imbalance"
-    """Force m e Omega^2 along blade 0 at the centre, constant in the rotating frame. Give
-    clearance_speed or unbalance, not both."""
+    """Force m e Omega^2 at the centre along +x of the rotating frame, constant there: along blade 0
+    unless a mesh or a sketch has that elsewhere. Give clearance_speed or unbalance, not both."""
     clearance_speed: PositiveSpeed | None = None
     """Speed at which the static answer just closes the clearance: a number counts multiples of the
     reference frequency (see march.speed), text as "2500 rpm" is absolute. Without unbalance it is

@@ -49,6 +49,10 @@ class Sketch:
     Lengths are numbers in metres or text with a unit, and so with all that has one. Sectors are
     numbered from 0 counter-clockwise; ``sectors`` of a part are those that have it, None for all.
 
+    Args:
+        sectors: of the bladed disk.
+        tip_radius: from which the clearance counts; the largest of the tips' own when None.
+
     Raises:
         CaseError: a value that is none, as each part is drawn; parts that do not fit together show
             when the sketch is put into a case or built.

@@ -140,9 +140,11 @@ def _rows(properties: StageProperties) -> Iterator[tuple[str, str]]:
         yield "springs of the shaft", " and ".join(springs)
     if properties.suspension is not None:
         share = f"{100.0 * (properties.suspension_spring_share or 0.0):.3g} %"
+        frequency = _text(properties.suspension)
+        soft = " (negative: its square is, softened by rotation)" if frequency[0] in "-−" else ""
         yield (
             "suspension modes, reduced model",
-            f"{_text(properties.suspension)}, {share} of their strain energy in the springs",
+            f"{frequency}{soft}, {share} of their strain energy in the springs",
         )
     if properties.imbalance is not None:
         load = properties.imbalance
