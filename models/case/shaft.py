@@ -28,11 +28,11 @@ class Shaft(Table):
     and above that some do."""
     frame: Literal["rotating", "static"] = "rotating"
     """Where springs that differ stand: "rotating", they turn with the bladed disk as a shaft does
-    that is not round, along rotating axes, and its matrices are constant; "static", they stand still as
-    unequal bearings do, and its stiffness swings twice a turn about the mean of both. Modes are
-    then those on the mean. With rotation.effects = "full" a round rotor answers them as on bearings
-    that stand still; without Coriolis and centrifugal terms a speed near the suspension frequency
-    excites it by the swing, which it would not."""
+    that is not round, along rotating axes, and its matrices are constant; "static", they stand
+    still as unequal bearings do, and its stiffness swings twice a turn about the mean of both.
+    Modes are then those on the mean. With rotation.effects = "full" a round rotor answers them as
+    on bearings that stand still; without Coriolis and centrifugal terms a speed near the suspension
+    frequency excites it by the swing, which it would not."""
     damping: DampingOrZero = 0.0
     """Of a damper beside each of the springs, or beside that along x [N s/m]. With dampers, contact
     is of the first order in march.time_step; with rotation.effects = "full" they feel it within the
