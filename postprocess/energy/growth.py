@@ -124,15 +124,6 @@ def plot_growth(growth: xr.Dataset) -> Figure:
         linewidth=0.6,
         label=f"means over {1e3 * growth.attrs['window']:.3g} ms",
     )
-    axes.fill_between(
-        time,
-        growth["low"],
-        growth["high"],
-        color=COLOURS["k = 1"],
-        alpha=0.3,
-        linewidth=0,
-        label=f"± {CERTAINTY:g} standard errors",
-    )
     axes.plot(time, growth["fit"], color=COLOURS["k = 1"], label=f"fit, {growth.attrs['span']}")
     shown = [growth["energy"].values, growth["ripple"].values]
     if np.isfinite(shown[1]).any():
@@ -143,11 +134,22 @@ def plot_growth(growth: xr.Dataset) -> Figure:
     else:
         axes.set_ylim(0.0, 1.15 * largest)
     axes.set_ylabel("strain energy [J]")
-    misfit = 100 * (np.sqrt(growth["energy"] / growth["fit"]) - 1)
+    misfit, low, high = (
+        100 * (np.sqrt(growth[name] / growth["fit"]) - 1) for name in ("energy", "low", "high")
+    )
+    misfits.fill_between(
+        time,
+        low,
+        high,
+        color=COLOURS["k = 1"],
+        alpha=0.3,
+        linewidth=0,
+        label=f"± {CERTAINTY:g} standard errors of the rate",
+    )
     misfits.plot(time, misfit, "o-", color=COLOURS["k = 1"], markersize=2.5, linewidth=0.6)
     misfits.axhline(0.0, color=COLOURS["rotor"], linewidth=0.6)
-    reach = 1.2 * float(abs(misfit).max()) or 1.0
-    misfits.set(ylabel="misfit [%]", ylim=(-reach, reach))
+    reach = 1.2 * max(float(abs(each).max()) for each in (misfit, low, high)) or 1.0
+    misfits.set(ylabel="misfit of\namplitude [%]", ylim=(-reach, reach))
     time_axis(axes, misfits)
     rates = [("amplitude", "rate", "error"), ("ripple", "ripple_rate", "ripple_error")]
     words = [
@@ -159,5 +161,8 @@ def plot_growth(growth: xr.Dataset) -> Figure:
         end = rate_text(growth.attrs["end_rate"], growth.attrs["end_error"])
         words.append(f"slowing, at the end by {end} 1/s")
     head(figure, growth, growth.attrs["regime"], *words)
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    entries = zip(
+        axes.get_legend_handles_labels(), misfits.get_legend_handles_labels(), strict=True
+    )
+    figure.legend(*(own + below for own, below in entries), loc="outside lower center", ncols=2)
     return figure

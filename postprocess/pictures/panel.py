@@ -37,7 +37,7 @@ SCALE_TOP, SCALE_FOOT = 0.455, 0.05  #: of colour scale or key, as shares of the
 ORBIT_TOP, ORBIT_SIZE = 0.475, 0.17  #: of the inset; the scale then begins below it
 BAR_SHARE = 0.11  #: longest scale bar, as a share of the window's width
 NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045  #: of a blade's number, in lengths from shaft to tip
-LETTERS = 2.4  #: size of numbers on a picture of a sheet, as against a picture alone
+LETTERS = 3.6  #: size of numbers on a picture of a sheet, as against a picture alone
 KEY_STEP = 0.034
 KEY_LETTERS, LINE_LETTERS = 27, 32
 
