@@ -139,7 +139,10 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     frequency_axis(axes, reference, f"frequency / ω₁, {frame} frame [–]")
     set_title(figure, data.attrs["case"], f"Campbell diagram, {frame} frame")
     entries = [entry for entry in _legend(data, frame) if _is_drawn(axes, entry[0])]
-    legends_below(figure, Group(entries, f"{_left_out(whole, data)} {RAYS[frame]}"))
+    note = f"{_left_out(whole, data)} {RAYS[frame]}"
+    if "branch" in data.dims:
+        note += " Branches are named by the way that they have at rest."
+    legends_below(figure, Group(entries, note))
     return figure
 
 
@@ -257,9 +260,8 @@ def _mark_critical(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> 
         return
     axes.plot(speeds, height, clip_on=False, zorder=6, **CROSS)
     names.keep_free(speeds, height)
-    rpm = 60.0 * float(data.attrs["reference_frequency_hz"])
     for x, y in zip(speeds.tolist(), height.tolist(), strict=True):
-        names.beside(x, y, f"critical {x:.3f}: {rpm * x:.0f} rpm", "#9B4F7A")
+        names.beside(x, y, f"critical {x:.3f}", "#9B4F7A")
 
 
 def _mark_coincidences(

@@ -127,9 +127,8 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
             "marker": "o",
         }
         axes.plot(*near, **dot, markerfacecolor="none")
-        axes.plot(*picture.shaft, "o", color=COLOURS["k = 1"], markersize=3)
-        axes.plot(0.0, 0.0, "+", color="white", markersize=6, markeredgewidth=1.8)
-        axes.plot(0.0, 0.0, "+", color=COLOURS["total"], markersize=5, markeredgewidth=0.7)
+        axes.plot(*picture.shaft, "o", color=COLOURS["k = 1"], markersize=5.5)
+        axes.plot(0.0, 0.0, "+", color=COLOURS["total"], markersize=4, markeredgewidth=0.7)
         axes.set(aspect="equal", xlim=(-size, size), ylim=(-size, size))
         axes.set_axis_off()
         axes.set_title(f"{MILLI * picture.time:.4g} ms")

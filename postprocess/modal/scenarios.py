@@ -83,11 +83,11 @@ def _draw_rings(axes: Axes, data: xr.Dataset) -> None:
     side = np.sign(centre - wall)
     rings: tuple[tuple[float, float, Mapping[str, Any]], ...] = (
         (0.0, 1.0, {"color": COLOURS["rest"], "linestyle": "--", "label": "tips at rest"}),
-        (centre, 1.0, {"color": COLOURS["rotor"], "linewidth": 1.2, "label": "tips"}),
+        (centre, 1.0, {"color": COLOURS["rotor"], "linewidth": 1.2, "label": "tips, displaced"}),
         (
             wall,
             1.0 + DRAWN_CLEARANCE,
-            {"color": COLOURS["casing"], "linewidth": 2.0, "label": "casing"},
+            {"color": COLOURS["casing"], "linewidth": 2.0, "label": "casing, displaced"},
         ),
     )
     for middle, radius, look in rings:

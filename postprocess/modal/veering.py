@@ -12,7 +12,6 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.postprocess.plotting.axes import FREQUENCY, Names, frequency_axis
@@ -40,6 +39,9 @@ LOWEST = 0.05
 
 NAMED = 0.3
 """Room left of branches for their names, as a share of their width."""
+
+ALIKE = 1.05
+"""Ratio of frequencies up to which branches of one family have one name."""
 
 FREE, CLAMPED = (
     {way: large if way == "both" else small for way in ("both", "standing", "backward", "forward")}
@@ -130,18 +132,19 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
     )
     frequency_axis(axes, float(data.attrs["reference_frequency_hz"]))
     axes.axvline(data.attrs["case_stiffness"], color=COLOURS["k = 1"], linewidth=0.8, zorder=1)
-    names, texts = Names(axes), list[str]()
+    names, texts = Names(axes), _characters(share[0], frequency[0], 1 + turns)
     for branch, way in enumerate(ways):
         lines = _coloured_line(axes, stiffness, frequency[:, branch], share[:, branch])
         lines.set_linewidth(0.7 if way == "forward" else 1.4)
-        text = _character(share[0], ways, branch) + ("" if way == "both" else f", {way}")
-        texts.append(text)
     for level in data["normalised_clamped_frequency"].values:
         axes.axhline(level, color=COLOURS["rest"], linestyle="--", linewidth=0.6, zorder=1)
+    last = "", 0.0
     for branch in np.argsort(frequency[0]):
         if turns:
-            begin = stiffness[0], frequency[0, branch]
-            names.behind(*begin, texts[branch], COLOURS["total"], left=True)
+            named = texts[branch], float(frequency[0, branch])
+            if named[0] != last[0] or named[1] > ALIKE * last[1]:
+                names.behind(stiffness[0], named[1], named[0], COLOURS["total"], left=True)
+                last = named
         else:
             line = stiffness[::-1], frequency[::-1, branch]
             names.over(*line, texts[branch], COLOURS["total"])
@@ -161,24 +164,24 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
     if turns:
         for name, width in (("backward", 1.4), ("forward", 0.7)):
             look = Line2D([], [], color=COLOURS["total"], linewidth=width)
-            handles.append((look, f"{name} waves"))
+            handles.append((look, f"{name} waves on stiff springs"))
     legends_below(figure, Group(handles))
     return figure
 
 
-def _character(share: FloatArray, ways: NDArray[np.str_], branch: int) -> str:
-    """Family of a branch on the softest springs, of whose energy the suspension has the most.
+def _characters(share: FloatArray, frequency: FloatArray, pairs: int) -> list[str]:
+    """Families of the branches on the softest springs, of whose energy the suspension has the most.
 
     Args:
         share: of the springs in the energy there, (branches,).
-        ways: of each branch.
-        branch: its number.
+        frequency: there, (branches,).
+        pairs: branches of a family: 2 where waves of both ways have one of their own.
     """
-    alike = np.flatnonzero(ways == ways[branch])
-    suspension = alike[share[alike].argmax()]
-    if branch == suspension:
-        return "suspension"
-    return f"{1 + np.count_nonzero((alike < branch) & (alike != suspension))}F"
+    names = ["suspension"] * len(share)
+    others = np.argsort(share, kind="stable")[:-pairs]
+    for place, branch in enumerate(others[np.argsort(frequency[others], kind="stable")]):
+        names[branch] = f"{1 + place // pairs}F"
+    return names
 
 
 def _at_speed(data: xr.Dataset) -> str:

@@ -13,6 +13,7 @@ from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.shaft.orbits import LONG_LINE
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
 from bladewhirl.postprocess.sweep.drawing import (
+    SIDE_BY_SIDE,
     Line,
     dodged,
     label_figure,
@@ -81,7 +82,8 @@ def plot_bifurcation(found: xr.Dataset) -> Figure:
     own = lines_group(found, lines, "radius_peak", dashed=False)
     turns = int(np.isfinite(found["section_x"].values).sum(axis=-1).max(initial=0))
     few = f"\nrevolutions in it, at most: {turns}, too few to tell motions apart"
-    label_figure(figure, found, own, note=few if turns < FEW else "")
+    note = (SIDE_BY_SIDE if len(lines) > 1 else "") + (few if turns < FEW else "")
+    label_figure(figure, found, own, note=note)
     return figure
 
 

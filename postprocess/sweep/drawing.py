@@ -71,6 +71,9 @@ so that they are seen below later ones that coincide with them."""
 DODGE = 4.0
 """Between points of lines that are drawn side by side [points]."""
 
+SIDE_BY_SIDE = "; marks at one value stand side by side"
+"""What a title says of them."""
+
 
 class Line(NamedTuple):
     """One line of points, and how it is drawn."""

@@ -16,6 +16,7 @@ from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
 from bladewhirl.postprocess.sweep.drawing import (
+    SIDE_BY_SIDE,
     SIZES,
     Line,
     dodged,
@@ -45,7 +46,7 @@ SCENARIO_MARKS: Mapping[str, tuple[str, bool]] = {
 BELOW = {"unsteady": f", steadiness below {STEADY:g}"}
 """What a name of a scenario needs said."""
 
-SCATTER = "scatter within the march"
+SCATTER = "scatter within the march, where larger than the mark"
 """What bars of a whirl are, in words."""
 
 UNDRAWN: Mapping[str, str] = {"no-contact": "nothing touches", "at-rest": "the shaft rests"}
@@ -109,7 +110,7 @@ def plot_whirls(found: xr.Dataset) -> Figure:
     key_axis(panels[1], found)
     marks = [
         mark_entry("o", "clear direction (filled)"),
-        mark_entry("o", "no clear direction (open)", filled=False),
+        mark_entry("o", "no clear direction (open): swings as far as it goes round", filled=False),
         mark_entry("|", SCATTER),
     ]
     own = lines_group(found, lines, "frequency")
@@ -162,6 +163,7 @@ def plot_contact_sides(found: xr.Dataset) -> Figure:
         found,
         Group([within, *marks, *unmarked]),
         lines_group(found, lines, "shaft_lead"),
+        note=SIDE_BY_SIDE if len(lines) > 1 else "",
     )
     return figure
 

@@ -11,6 +11,7 @@ import xarray as xr
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.postprocess.modal.veering import plot_shaft_veering
 from bladewhirl.solvers.stability.veering import shaft_veering, whirl_veering
 from bladewhirl.studies.modal.veering import clamping_shifts, report_lines, veering
 
@@ -116,3 +117,5 @@ def test_past_a_critical_speed_where_both_waves_of_the_suspension_go_backward() 
     assert told[1].count("backward at") == 2
     shifts = clamping_shifts(found)
     assert shifts.pop(1) > 1e-3 > max(shifts.values())
+    names = [text.get_text() for text in plot_shaft_veering(found).axes[0].texts]
+    assert names.count("suspension") == 2  # each where the springs have the energy
