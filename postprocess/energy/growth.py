@@ -107,7 +107,7 @@ def _ripple(dataset: xr.Dataset, energy: Array, middle: Array) -> Array:
 @styled
 def plot_growth(growth: xr.Dataset) -> Figure:
     """Draw the mean strain energy over time with the growth fitted to its last windows, and below
-    how far the amplitude is off that fit.
+    how far the amplitude is off that fit, with the band of the errors of its rate.
 
     Args:
         growth: from `amplitude_growth`.

@@ -55,7 +55,12 @@ def render(
     mp4: Annotated[bool, typer.Option("--mp4", help="A film.")] = False,
     png: Annotated[bool, typer.Option("--png", help="Stills, one for each --time.")] = False,
     sheet: Annotated[
-        bool, typer.Option("--sheet", help="Many stills in one PNG: each --time, or --frames.")
+        bool,
+        typer.Option(
+            "--sheet",
+            help="Many stills in one PNG: each --time, or --frames, by default of the revolution"
+            " with the strongest contact.",
+        ),
     ] = False,
     page: Annotated[
         bool,
