@@ -111,6 +111,10 @@ class Speed:
         """Angular speed [rad/s]; a number is a multiple of the ``reference`` frequency [rad/s]."""
         return self.value if self.kind == RAD_PER_S else self.value * reference
 
+    def multiple(self, reference: float) -> float:
+        """Normalised speed, that is over the ``reference`` frequency [rad/s]."""
+        return self.value / reference if self.kind == RAD_PER_S else self.value
+
 
 LARGEST = 1e30
 """Numbers of a case are smaller: no quantity in SI units comes near, and products stay floats."""

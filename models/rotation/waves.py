@@ -31,6 +31,7 @@ class Waves:
     stiffness: ComplexArray  #: K at rest
     coriolis: ComplexArray  #: G, zero without Coriolis forces
     softening: ComplexArray  #: K_G1 - M_t
+    springs: ComplexArray  #: the shaft springs' part of K
 
     def frequencies(self, omega: float) -> ComplexArray:
         """All w at a speed [rad/s], descending: n backward at rest, then n forward, (2 n,)."""
@@ -48,16 +49,24 @@ class Waves:
         size = len(self.mass)
         return (size - 1 - nearest, True) if nearest < size else (nearest - size, False)
 
-    def synchronous(self, order: int) -> FloatArray:
-        """Speeds at which w = order Omega, ascending [rad/s], (waves,).
+    def synchronous(self, order: int) -> tuple[FloatArray, FloatArray]:
+        """Speeds at which w = order Omega, and what of the waves there is in the shaft springs.
 
         K p = Omega^2 (m^2 M + M_t - 2 i m G - K_G1) p, a Hermitian eigenproblem. Order 0 gives
         the critical speeds of a load that turns with the disk, as an imbalance does: there the
         branches that travel forward at rest end, in their order. Order k gives the backward waves
         that stand still on the casing.
+
+        Returns:
+            speeds ascending [rad/s] (waves,), share of the strain energy in the springs (waves,).
         """
         pulled = order**2 * self.mass - 2j * order * self.coriolis - self.softening
-        return positive_speeds(self.stiffness, pulled)[0]
+        speeds, fields = positive_speeds(self.stiffness, pulled)
+        held, strain = (
+            np.einsum("im,ij,jm->m", fields.conj(), each, fields).real
+            for each in (self.springs, self.stiffness)
+        )
+        return speeds, held / strain
 
     def meeting(self, casing_frequency: float, highest: float) -> FloatArray:
         """Speeds at which a backward wave has w = k Omega - omega_c, ascending [rad/s], (waves,).
@@ -114,4 +123,5 @@ def waves(matrices: RotationMatrices, nodal_diameter: int, effects: Effects) -> 
         stiffness=block(structure.stiffness),
         coriolis=coriolis if full else np.zeros_like(coriolis),
         softening=softening if turning else np.zeros_like(softening),
+        springs=block(structure.springs),
     )

@@ -56,6 +56,9 @@ RAYS: Mapping[Frame, str] = {
 FINE = 2001
 """Speeds of a line that is curved on its axes."""
 
+ENDS = 0.9
+"""Share of the axes from which engine orders are named, where they have room."""
+
 HEADROOM = 1.18
 """Highest frequency shown over the highest coincidence or mode of interest."""
 
@@ -129,7 +132,7 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     names = Names(axes)
     names.keep_free(data["normalised_speed"].values[shown], meets[shown])
     if "branch" in data.dims:
-        _mark_critical(axes, names, data, frame)
+        _mark_critical(axes, data, frame)
     _mark_coincidences(axes, names, data, meets, shown)
     if "branch" in data.dims:
         _draw_branches(axes, names, data, frame)
@@ -245,23 +248,24 @@ def _draw_engine_orders(axes: Axes, names: Names, data: xr.Dataset, frame: Frame
     """Multiples of the speed, in the static frame the speed itself."""
     first, last = data.attrs["speeds"]
     speed = np.linspace(first, last, 201)
-    k = data["mode_nodal_diameter"].values
-    orders = np.unique(k[k > 0]) if frame == "rotating" else np.ones(1, dtype=np.int64)
-    for order in orders.tolist():
+    for order in _engine_orders(data, frame):
         axes.plot(speed, order * speed, ":", color="#777777", linewidth=0.6, zorder=1)
-        names.along(speed, order * speed, f"{order}Ω" if order > 1 else "Ω", "#555555")
+        y = order * speed
+        end = y > ENDS * axes.get_ylim()[1] if frame == "rotating" else speed > ENDS * last
+        names.along(speed[end], y[end], f"{order}Ω" if order > 1 else "Ω", "#555555")
 
 
-def _mark_critical(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> None:
-    """Critical speeds, where a wave stands still in the rotating frame."""
+def _engine_orders(data: xr.Dataset, frame: Frame) -> list[int]:
+    k = data["mode_nodal_diameter"].values
+    return [int(each) for each in np.unique(k[k > 0])] if frame == "rotating" else [1]
+
+
+def _mark_critical(axes: Axes, data: xr.Dataset, frame: Frame) -> None:
+    """Critical speeds, where a wave stands still in the rotating frame; the legend has them."""
     speeds, k = data["critical_speed"].values, data["critical_nodal_diameter"].values
     height = speeds * k if frame == "static" else np.zeros(len(speeds))
-    if not len(speeds):
-        return
-    axes.plot(speeds, height, clip_on=False, zorder=6, **CROSS)
-    names.keep_free(speeds, height)
-    for x, y in zip(speeds.tolist(), height.tolist(), strict=True):
-        names.beside(x, y, f"critical {x:.3f}", "#9B4F7A")
+    if len(speeds):
+        axes.plot(speeds, height, clip_on=False, zorder=6, **CROSS)
 
 
 def _mark_coincidences(
@@ -272,8 +276,10 @@ def _mark_coincidences(
         if here.any():  # an empty line that is not clipped would stretch the layout
             ring: dict[str, Any] = {"color": COLOURS[colour], "clip_on": False, "zorder": 5}
             axes.plot(speeds[here], meets[here], **ring, **RING)
-    for i in np.flatnonzero(shown):
-        names.beside(speeds[i], meets[i], str(k[i]), COLOURS["total"])
+    for own in names.one_place(speeds[shown], meets[shown]):
+        here = np.flatnonzero(shown)[own]
+        every = ", ".join(str(number) for number in sorted(k[here]))
+        names.beside(speeds[here].mean(), meets[here].mean(), every, COLOURS["total"])
 
 
 def wave_colour(body: str, family: str, k: int) -> str:
@@ -313,6 +319,8 @@ def _is_drawn(axes: Axes, handle: Line2D | Patch) -> bool:
 
 def _legend(data: xr.Dataset, frame: Frame) -> list[tuple[Line2D | Patch, str]]:
     turning = "branch" in data.dims
+    multiples = _engine_orders(data, frame)
+    orders = f"orders, Ω to {multiples[-1]}Ω" if len(multiples) > 1 else "order 1, Ω"
 
     def line(name: str, style: Any, width: float, colour: str = "") -> Line2D:
         return Line2D([], [], color=colour or COLOURS[name], linestyle=style, linewidth=width)
@@ -324,12 +332,14 @@ def _legend(data: xr.Dataset, frame: Frame) -> list[tuple[Line2D | Patch, str]]:
         (line("casing", "--", 0.7), "casing, other k"),
         (Line2D([], [], color=COLOURS["total"], **RING), "coincidence of waves with k"),
         (Patch(color=SHADE), "operating range"),
-        (line("rest", ":", 0.7, "#777777"), "engine orders, multiples of Ω"),
+        (line("rest", ":", 0.7, "#777777"), f"engine {orders}"),
     ]
     if "suspension" in data["mode_family"].values:
         entries.insert(2, (line("suspension", "-", 1.2), "suspension"))
     if turning:
         which = "forward wave" if frame == "rotating" else "forward wave, k = 1"
         dashed = line("total", (0, (5, 2)), 0.8)
-        entries += [(dashed, which), (Line2D([], [], **CROSS), "critical speed")]
+        entries.append((dashed, which))
+        if critical := ", ".join(f"{speed:.4g}" for speed in data["critical_speed"].values):
+            entries.append((Line2D([], [], **CROSS), f"critical speed, {critical} ω₁"))
     return entries

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
 SPEED = "speed Ω / ω₁ [–]"
 FREQUENCY = "frequency / ω₁ [–]"
@@ -188,6 +188,15 @@ class Names:
                 self._write(corner + size / 2.0, text, colour, ground=len(text) > NUMBER)
                 return True
         return False
+
+    def one_place(self, x: FloatArray, y: FloatArray) -> Iterator[IntArray]:
+        """Points whose marks cover each other, by number: they are named at once."""
+        places = self._shares(x, y) * self._points
+        left = np.arange(len(places))
+        while len(left):
+            near = np.hypot(*(places[left] - places[left[0]]).T) < 0.7 * POINT
+            yield left[near]
+            left = left[~near]
 
     def behind(self, x: float, y: float, text: str, colour: str, *, left: bool = False) -> None:
         """Name the end of a line on its right or left, above the names that stand there.

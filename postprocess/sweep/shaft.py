@@ -18,6 +18,7 @@ from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
 from bladewhirl.postprocess.sweep.drawing import (
     SIDE_BY_SIDE,
     SIZES,
+    WIDTHS,
     Line,
     dodged,
     draw_marks,
@@ -97,12 +98,16 @@ def plot_whirls(found: xr.Dataset) -> Figure:
     """
     found = in_handy_units(found)
     lines = list(lines_of(found))
+    several = len(lines) > 1
+    if several:  # side by side, where none has to be seen below another
+        lines = [line._replace(width=WIDTHS[-1], size=SIZES[-1]) for line in lines]
     figure = new_figure(width=FULL_WIDTH, height=0.12)
     panels = figure.subplots(2, 1, sharex=True)
     for axes, frame in zip(panels, found["frame"].values, strict=True):
         axes.axhline(0.0, color=COLOURS["total"], linewidth=0.6)
-        for line in lines:
-            _draw_whirl(axes, line._replace(data=line.data.sel(frame=frame)))
+        for number, line in enumerate(lines):
+            place_of = dodged(axes, number, len(lines))
+            _draw_whirl(axes, line._replace(data=line.data.sel(frame=frame)), place_of)
         axes.set_ylabel(f"{frame} frame [Hz]\n← backward  forward →")
         axes.margins(y=0.1)
         low, high = axes.get_ylim()
@@ -114,7 +119,7 @@ def plot_whirls(found: xr.Dataset) -> Figure:
         mark_entry("|", SCATTER),
     ]
     own = lines_group(found, lines, "frequency")
-    label_figure(figure, found, Group(marks), own)
+    label_figure(figure, found, Group(marks), own, note=SIDE_BY_SIDE if several else "")
     return figure
 
 
@@ -197,8 +202,8 @@ def _draw_side(upper: Axes, lower: Axes, line: Line, place_of: Transform, *, sev
     )
 
 
-def _draw_whirl(axes: Axes, line: Line) -> None:
-    one = line.data
+def _draw_whirl(axes: Axes, line: Line, place_of: Transform) -> None:
+    one, before = line.data, set(axes.get_children())
     place, frequency = one[str(one.attrs["along"])].values, one["frequency"].values
     clear = np.isin(one["direction"].values, ["forward", "backward"])
     axes.plot(
@@ -218,3 +223,5 @@ def _draw_whirl(axes: Axes, line: Line) -> None:
         capsize=1.5,
     )
     draw_marks(axes, line, place, frequency, filled=clear)
+    for artist in set(axes.get_children()) - before:  # the axes know the data by now
+        artist.set_transform(place_of)

@@ -188,10 +188,7 @@ def _speeds(
         _in_order(option, text, start.value, stop.value)
 
     def multiples(reference: float) -> tuple[float, float]:
-        first, last = (
-            each.value if each.kind == "normalised" else each.value / reference
-            for each in (start, stop)
-        )
+        first, last = (each.multiple(reference) for each in (start, stop))
         return _in_order(option, text, first, last)
 
     return multiples

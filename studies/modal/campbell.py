@@ -14,7 +14,8 @@ from rich.table import Table
 
 from bladewhirl.meshes.files.manifest import claim_file
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.inputs.errors import writing
+from bladewhirl.models.inputs.errors import UserError, writing
+from bladewhirl.models.inputs.units import Speed
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.stage.stage import Stage
@@ -24,7 +25,8 @@ from bladewhirl.studies.modal.campbell_at_speed import at_speed, disk_waves, mee
 from bladewhirl.studies.modal.modes import full_stage, rows_of
 from bladewhirl.studies.runs.figures_folder import save_figures
 
-Interval = tuple[float, float]
+Interval = tuple[float | str, float | str]
+"""First and last speed: each a multiple of the reference frequency, or text such as "2500 rpm"."""
 
 CASING_FAMILIES = ("rigid", "1F", "2F")
 """Families of the casing: as a whole, in bending, in extension."""
@@ -50,27 +52,32 @@ def campbell(
     mode_body, mode_family and mode_nodal_diameter. `found.reset_index("coincidence")` goes into a
     file; `bladewhirl.plot.campbell` draws it.
 
-    Over `critical`, critical_speed (normalised; times 60 found.attrs["reference_frequency_hz"] it
-    is in rpm): there is none without rotation effects, and beyond `speeds` none is looked for. With
-    them, critical_family and critical_nodal_diameter, and over `engine_order` the same of the
-    speeds at which a wave's frequency in the rotating frame is k times that of rotation: it stands
-    still in the static frame, as what forces it there does; over `branch` and `line_speed`
-    (normalised), branch_frequency in the rotating frame [Hz], positive backward, with
-    branch_family, branch_nodal_diameter and branch_direction; over `line_speed`, tip_growth [m].
-    Attributes are speeds, normalised, nan
+    Over `critical`, critical_speed (normalised): there is none without rotation effects, and beyond
+    `speeds` none is looked for. With them, critical_rpm, critical_family (of the branch at rest),
+    critical_nodal_diameter and critical_spring_share, the share of the strain energy in the shaft
+    springs, and over `engine_order` the same of the speeds at which a wave's frequency in the
+    rotating frame is k times that of rotation: it stands still in the static frame, as what forces
+    it there does; over `branch` and `line_speed` (normalised), branch_frequency in the rotating
+    frame [Hz], positive backward, with branch_family, branch_nodal_diameter and branch_direction;
+    over `line_speed`, tip_growth [m]. Attributes are speeds, normalised, nan
     where there is none: clearance_gone, at which the tips have grown by the clearance, and
     waves_meet, from which two waves of the bladed disk have met and one grows.
 
     Args:
         case_or_stage: a case, or a stage of it; the centre is held as the case says.
         families: how many of the bladed disk, the suspension pair apart.
-        speeds: of the diagrams and of what is looked for, normalised.
-        operating: operating range, normalised.
+        speeds: of the diagrams and of what is looked for, each a multiple of the reference
+            frequency or text such as "2500 rpm".
+        operating: operating range, alike.
 
     Raises:
         CaseError: numbers that finite elements can't be made of.
+        UserError: speeds that are none, or not in order.
     """
     stage = full_stage(case_or_stage)
+    reference = stage.reference_frequency
+    shown = _multiples("speeds", speeds, reference)
+    operated = _multiples("operating", operating, reference)
     ranks = range(1, min(families, stage.disk_modes.count) + 1)
     chosen = {"suspension", *(f"{rank}F" for rank in ranks)}
     rotor = _of_families(stage.disk_modes, chosen)
@@ -82,13 +89,12 @@ def campbell(
         casing_nodal_diameter=casing.nodal_diameter,
     )
     rotor_frequency = rotor.frequency[found.rotor]
-    reference = stage.reference_frequency
     none = {"units": "1", "long_name": "critical speed: none without rotation.effects"}
     moving = xr.Dataset({"critical_speed": ("critical", np.empty(0), none)})
     if stage.turning is not None:
         own, names = disk_waves(stage, stage.turning), names_of(stage.disk_modes)
-        found, rotor_frequency = meetings(own, rotor, casing, names, speeds[1] * reference)
-        moving = at_speed(stage, stage.turning, own, names, chosen, speeds)
+        found, rotor_frequency = meetings(own, rotor, casing, names, shown[1] * reference)
+        moving = at_speed(stage, stage.turning, own, names, chosen, shown)
     normalised = found.speed / reference
     frequency = np.concatenate([rotor.frequency, casing.frequency])
     body = np.repeat(np.array(["bladed-disk", "casing"], dtype=object), [rotor.count, casing.count])
@@ -103,7 +109,7 @@ def campbell(
             "casing_frequency": (met, casing.frequency[found.casing] / (2.0 * np.pi), hertz),
             "in_operating_range": (
                 met,
-                (operating[0] <= normalised) & (normalised <= operating[1]),
+                (operated[0] <= normalised) & (normalised <= operated[1]),
             ),
             "mode_frequency": ("mode", frequency / (2.0 * np.pi), hertz),
             "normalised_mode_frequency": ("mode", frequency / reference, one),
@@ -123,11 +129,27 @@ def campbell(
             "title": "Campbell diagram",
             "case": stage.case.title,
             "reference_frequency_hz": reference / (2.0 * np.pi),
-            "speeds": speeds,
-            "operating_range": operating,
+            "speeds": shown,
+            "operating_range": operated,
         },
     ).set_index(coincidence=["family", "casing_family", "nodal_diameter"])
     return diagram.merge(moving).assign_attrs(moving.attrs)
+
+
+def _multiples(name: str, ends: Interval, reference: float) -> tuple[float, float]:
+    """Both speeds as multiples of the reference frequency."""
+    try:
+        first, last = (Speed(each).multiple(reference) for each in ends)
+    except ValueError as error:
+        raise UserError(
+            f"campbell: {name} {ends!r}: expected two speeds, each a multiple of the reference"
+            f' frequency or text such as "2500 rpm" ({error})'
+        ) from None
+    if not 0.0 <= first < last:
+        raise UserError(
+            f"campbell: {name} {ends!r}: expected zero or more, and the second above the first"
+        )
+    return first, last
 
 
 def coincidence_list(found: xr.Dataset) -> dict[str, Any]:
@@ -157,13 +179,16 @@ def coincidence_list(found: xr.Dataset) -> dict[str, Any]:
 def _speeds_at_speed(found: xr.Dataset) -> dict[str, Any]:
     """What else JSON tells of a bladed disk that feels that it turns."""
     rpm, met = 60.0 * found.attrs["reference_frequency_hz"], float(found.attrs["waves_meet"])
+    parts = {
+        "ratio": "speed",
+        "rpm": "rpm",
+        "k": "nodal_diameter",
+        "family": "family",
+        "spring_share": "spring_share",
+    }
 
     def listed(kind: str) -> list[dict[str, Any]]:
-        columns = (found[f"{kind}_{part}"].values for part in ("speed", "nodal_diameter", "family"))
-        return [
-            {"ratio": float(ratio), "rpm": rpm * float(ratio), "k": int(k), "family": str(family)}
-            for ratio, k, family in zip(*columns, strict=True)
-        ]
+        return rows_of(found, {key: f"{kind}_{part}" for key, part in parts.items()})
 
     return {
         "rotation_effects": found.attrs["rotation_effects"],
@@ -219,7 +244,8 @@ def _lines_at_speed(found: xr.Dataset) -> Iterator[str]:
     for each in told["critical_speeds"]:
         yield (
             f"Critical speed {each['ratio']:.5f} ω₁ = {each['rpm']:.1f} rpm: {each['family']},"
-            f" k = {each['k']}, named as at rest."
+            f" k = {each['k']} (branches are named as at rest), with"
+            f" {100.0 * each['spring_share']:.3g} % of its strain energy in the shaft springs."
         )
     if not told["critical_speeds"]:
         yield f"No critical speed up to {found.attrs['speeds'][1]:g} ω₁."

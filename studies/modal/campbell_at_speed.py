@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.models.elements.cyclic import nodal_diameters
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
@@ -110,18 +110,23 @@ def at_speed(
     """
     reference = stage.reference_frequency
     line = np.linspace(*speeds, LINE_SPEEDS)
+    all_of = {
+        k: np.array([own.frequencies(omega) for omega in line * reference])
+        for k, own in found.items()
+    }
     frequency, rates, branches = [], [], []
     for k, own in found.items():
-        all_of_k = np.array([own.frequencies(omega) for omega in line * reference])
         size = len(own.mass)
         for rank, name in enumerate(names[k]):
             if name in chosen:
                 for way, place in (("backward", size - 1 - rank), ("forward", size + rank)):
-                    frequency.append(all_of_k[:, place].real)
-                    rates.append(np.abs(all_of_k[:, place].imag))
+                    frequency.append(all_of[k][:, place].real)
+                    rates.append(np.abs(all_of[k][:, place].imag))
                     branches.append((k, name, way))
     growth = [turning.growth_at(omega).max() if omega else 0.0 for omega in line * reference]
     room = stage.case.casing.clearance_profile.smallest + turning.disk.model.tip_recess
+    growing = [np.abs(each.imag).max(axis=1) > REAL * line * reference for each in all_of.values()]
+    first = _first_meeting(found, line * reference, np.any(growing, axis=0))
     return xr.Dataset(
         {
             "branch_frequency": (
@@ -145,17 +150,23 @@ def at_speed(
             "branch_direction": ("branch", np.array([way for *_, way in branches], dtype=object)),
         },
         attrs={
-            "waves_meet": _first_meeting(found, line * reference) / reference,
+            "waves_meet": first / reference,
             "clearance_gone": speed_of_growth(turning.disk, turning.matrices, room) / reference,
             "rotation_effects": stage.case.rotation.effects,
         },
     )
 
 
-def _first_meeting(found: Mapping[int, Waves], line: FloatArray) -> float:
+def _first_meeting(found: Mapping[int, Waves], line: FloatArray, growing: BoolArray) -> float:
     """Lowest speed from which on two waves of the bladed disk are one, and grow [rad/s].
 
-    Looked for along a line of speeds; nan where there is none.
+    Args:
+        found: waves by nodal diameter.
+        line: speeds [rad/s].
+        growing: at which of them one grows.
+
+    Returns:
+        to 1e-6 of itself; nan where none grows.
     """
 
     def met(omega: float) -> bool:
@@ -163,9 +174,11 @@ def _first_meeting(found: Mapping[int, Waves], line: FloatArray) -> float:
             np.abs(own.frequencies(omega).imag).max() > REAL * omega for own in found.values()
         )
 
-    after = next((place for place, omega in enumerate(line) if met(float(omega))), None)
-    if not after:
-        return float("nan") if after is None else float(line[0])
+    if not growing.any():
+        return float("nan")
+    after = int(growing.argmax())
+    if after == 0:
+        return float(line[0])
     low, high = line[after - 1 : after + 1].tolist()
     while high - low > 1e-6 * high:
         middle = 0.5 * (low + high)
@@ -181,17 +194,21 @@ def _speeds(
     highest: float,
     reference: float,
 ) -> dict[str, tuple[Any, ...]]:
-    """Critical speeds, or those of engine orders, ascending: speed, nodal diameter, family."""
+    """Critical speeds, or those of engine orders, ascending, with whose they are."""
     words = {"critical": "critical speed", "engine_order": "speed met by the engine order k"}
     rows = sorted(_rows(kind, found, names, chosen, highest))
+    speed = np.array([row[0] for row in rows])
+    share = {"units": "1", "long_name": "share of the strain energy in the shaft springs"}
     return {
         f"{kind}_speed": (
             kind,
-            np.array([speed for speed, *_ in rows]) / reference,
+            speed / reference,
             {"units": "1", "long_name": f"normalised {words[kind]}"},
         ),
-        f"{kind}_nodal_diameter": (kind, [k for _, k, _ in rows]),
-        f"{kind}_family": (kind, np.array([name for *_, name in rows], dtype=object)),
+        f"{kind}_rpm": (kind, speed * 30.0 / np.pi, {"units": "rpm", "long_name": words[kind]}),
+        f"{kind}_nodal_diameter": (kind, [row[1] for row in rows]),
+        f"{kind}_family": (kind, np.array([row[2] for row in rows], dtype=object)),
+        f"{kind}_spring_share": (kind, np.array([row[3] for row in rows]), share),
     }
 
 
@@ -201,14 +218,14 @@ def _rows(
     names: Mapping[int, list[str]],
     chosen: set[str],
     highest: float,
-) -> Iterator[tuple[float, int, str]]:
+) -> Iterator[tuple[float, int, str, float]]:
     for k, own in found.items():
         if kind == "engine_order" and k == 0:
             continue
         order = 0 if kind == "critical" else k
-        for speed in own.synchronous(order):
+        for speed, share in zip(*map(np.ndarray.tolist, own.synchronous(order)), strict=True):
             if speed > highest:
                 break
-            rank, _ = own.rank(float(speed), order * float(speed))
+            rank, _ = own.rank(speed, order * speed)
             if names[k][rank] in chosen:
-                yield float(speed), k, names[k][rank]
+                yield speed, k, names[k][rank], share

@@ -127,10 +127,10 @@ def critical_speeds(stage: str) -> Pair:
     """At rest, with centrifugal effects, and with Coriolis forces."""
     row, matrices = known(stage), turning(stage)
     wanted = [row["critical_speed"]]
-    found = [waves(matrices, 1, "full").synchronous(0)[0]]
+    found = [waves(matrices, 1, "full").synchronous(0)[0][0]]
     for order in row["engine_orders"]:
         for effects, key in KEYS.items():
-            found.append(waves(matrices, order["k"], effects).synchronous(order["k"])[0])
+            found.append(waves(matrices, order["k"], effects).synchronous(order["k"])[0][0])
             wanted.append(order[key])
     return wanted, np.array(found) / (2 * np.pi * row["reference_hz"])
 

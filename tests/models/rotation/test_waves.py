@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from stages import bladed_disk
@@ -33,6 +35,7 @@ def waves() -> Waves:
         stiffness=np.diag([4.0, 9.0, 16.0]) + hermitian(0.1),
         coriolis=np.asarray(0.1 * (coriolis - coriolis.conj().T)),
         softening=hermitian(0.05),
+        springs=np.diag([1.0, 0.0, 0.0]).astype(np.complex128),
     )
 
 
@@ -48,10 +51,19 @@ def crossings(waves: Waves, line: FloatArray, speeds: FloatArray) -> FloatArray:
 
 @pytest.mark.parametrize("order", [0, 1, 3])
 def test_at_a_synchronous_speed_a_wave_has_that_multiple_of_it(waves: Waves, order: int) -> None:
-    speeds = waves.synchronous(order)
+    speeds, _ = waves.synchronous(order)
     assert len(speeds) > 0 or order == 0
     for speed in speeds:
         assert distance(waves, speed, order * speed) < 1e-9
+
+
+def test_a_speed_follows_the_springs_by_their_share_of_the_energy(waves: Waves) -> None:
+    """Its square, in proportion: the derivative of a Rayleigh quotient."""
+    speeds, shares = waves.synchronous(3)
+    stiffer = replace(waves, stiffness=waves.stiffness + 1e-6 * waves.springs)
+    gained = (stiffer.synchronous(3)[0] / speeds) ** 2 - 1.0
+    np.testing.assert_allclose(gained, 1e-6 * shares, rtol=1e-4)
+    assert shares.max() < 1.0
 
 
 @pytest.mark.parametrize("casing", [0.5, 2.0])
@@ -69,7 +81,7 @@ def test_no_speed_is_left_out(waves: Waves) -> None:
         seen = seen[3 * seen > casing]
         np.testing.assert_allclose(waves.meeting(casing, 5.0), seen, atol=2e-3)
         np.testing.assert_array_equal(waves.meeting(casing, seen[0] - 2e-3), [])
-    found = waves.synchronous(3)
+    found, _ = waves.synchronous(3)
     np.testing.assert_allclose(found, crossings(waves, 3 * speeds, speeds), atol=2e-3)
 
 

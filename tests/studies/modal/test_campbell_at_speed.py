@@ -52,10 +52,28 @@ def test_critical_speeds_and_engine_orders_are_listed() -> None:
     assert critical["ratio"] == pytest.approx(KNOWN["critical_speed"], rel=1e-7)
     assert critical["rpm"] == pytest.approx(critical["ratio"] * 60.0 * KNOWN["reference_hz"])
     assert (critical["k"], critical["family"]) == (1, "1F")
+    stiffness = stage_case().shaft.stiffness
+    stiffer = campbell(
+        with_values(stage_case(), {"shaft.stiffness": 1.001 * stiffness}), speeds=(0.0, 2.5)
+    )
+    gained = (stiffer.critical_rpm.item() / critical["rpm"]) ** 2 - 1.0
+    assert gained == pytest.approx(0.001 * critical["spring_share"], rel=1e-2)
     orders = {(row["k"], row["family"]): row["ratio"] for row in found["engine_orders"]}
     for row in KNOWN["engine_orders"]:
         assert orders[row["k"], "1F"] == pytest.approx(row["full"], rel=1e-7)
     assert found["clearance_gone"]["ratio"] == pytest.approx(KNOWN["growth_of_1mm"], rel=1e-7)
+
+
+def test_speeds_are_given_in_any_unit() -> None:
+    hertz = diagram().attrs["reference_frequency_hz"]
+    limits = ("0 rpm", f"{2.5 * 60.0 * hertz!r} rpm")
+    found = campbell(stage_case(), families=2, speeds=limits, operating=(0.5, "50 Hz"))
+    assert found.attrs["speeds"] == pytest.approx((0.0, 2.5))
+    assert found.attrs["operating_range"] == pytest.approx((0.5, 50.0 / hertz))
+    np.testing.assert_allclose(found.critical_speed, diagram().critical_speed)
+    for wrong in (("0 mm", 1), (2.0, 1.0), (-1.0, 1.0), (float("nan"), 1.0)):
+        with pytest.raises(UserError, match=r"campbell: speeds \("):
+            campbell(stage_case(), speeds=wrong)
 
 
 def test_without_coriolis_forces_waves_do_not_part() -> None:
@@ -110,13 +128,14 @@ def texts(figure: Figure) -> list[str]:
 
 def test_the_figures_tell_branches_and_critical_speeds() -> None:
     rotating, static = (plot_campbell(diagram(), frame) for frame in ("rotating", "static"))
-    assert {"forward wave", "critical speed"} <= set(texts(rotating))
+    critical = f"critical speed, {KNOWN['critical_speed']:.4g} ω₁"
+    assert {"forward wave", critical} <= set(texts(rotating))
     assert "forward wave, k = 1" in texts(static)
     (cross,) = [line for line in rotating.axes[0].lines if line.get_marker() == "X"]
     np.testing.assert_allclose(np.asarray(cross.get_xdata()), KNOWN["critical_speed"], rtol=1e-7)
     np.testing.assert_array_equal(np.asarray(cross.get_ydata()), 0.0)
     at_rest = texts(plot_campbell(campbell(stage_case("none"), families=2), "rotating"))
-    assert not {"forward wave", "critical speed"} & set(at_rest)
+    assert not {"forward wave", critical} & set(at_rest)
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
@@ -133,7 +152,7 @@ def test_the_command_says_it_in_words_and_as_json(tmp_path: Path) -> None:
     assert found["waves_meet"] is None
     assert [row["family"] for row in found["critical_speeds"]] == ["1F"]
     told = run("-o", str(tmp_path / "out"))
-    assert "Critical speed 2.10802 ω₁ = 4832.4 rpm: 1F, k = 1, named" in told
+    assert "Critical speed 2.10802 ω₁ = 4832.4 rpm: 1F, k = 1 (branches" in told
     assert "The growth of the tips takes a clearance measured cold at 3.4042 ω₁" in told
     assert "No critical speed up to 2 ω₁." in run("-o", str(tmp_path / "low"), "--speeds", "0:2")
     with xr.open_dataset(tmp_path / "out" / "campbell-rotating.nc") as data:
