@@ -102,3 +102,29 @@ def test_a_tip_at_whole_turns_is_under_the_node_that_it_is_at() -> None:
         before = replace(fast.init(), step=turns * each - 4)
         _, chunk, _ = fast.advance(before, 8)
         assert np.abs(np.diff(chunk.gap[1:], n=2, axis=0)).max() < 1e-9, f"{turns} turns"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_tip_near_a_node_of_the_casing_has_the_gap_of_the_reference(seed: int) -> None:
+    """At speeds that are ratios of whole numbers, both ways, after up to thousands of revolutions.
+
+    There rounding decides which element a tip is under; the wall must be the same either way.
+    """
+    case = read_case(EXAMPLES / "elliptical_clearance.toml", ["excitation={type='none'}"])
+    base, dt = contact_problem(build_stage(case)), 1e-6
+    tips, nodes, rng = (
+        len(base.rotor.tip_radial),
+        len(base.casing.nodal),
+        np.random.default_rng(seed),
+    )
+    for _ in range(40):
+        between = tips * int(rng.integers(1, 200))  # steps from node to node: tips stop on them
+        way = rng.choice([-1.0, 1.0])
+        given = replace(base, speed=way * 2.0 * np.pi / (nodes * between * dt))
+        fast, plain = CentralDifference(given, dt, 1), Reference(given, dt, 1)
+        turns = int(rng.integers(1, 2000))
+        start = (turns * tips + int(rng.integers(tips))) * nodes * between // tips - 2
+        _, chunk, _ = fast.advance(replace(fast.init(), step=start), 4)
+        _, expected, _ = plain.advance(replace(plain.init(), step=start), 4)
+        where = f"{way:+g} turns in {nodes * between} steps, from step {start}"
+        np.testing.assert_allclose(chunk.gap, expected.gap, atol=1e-9, err_msg=where)
