@@ -161,8 +161,16 @@ def _name(variable: h5py.Dataset) -> str:
 
 
 def _attributes(found: Mapping[str, Any]) -> dict[str, Any]:
-    """What attributes say, numbers that are alone as such."""
+    """What attributes say, numbers that are alone as such.
+
+    Raises:
+        TypeError: one is neither text nor numbers, as netCDF's own are under a damaged name.
+    """
     values = {name: value for name, value in found.items() if name not in BOOKS}
+    for name, value in values.items():
+        told = np.asarray(value)
+        if told.dtype.kind not in "biufSU" and not all(isinstance(each, str) for each in told.flat):
+            raise TypeError(f"attribute {name}: expected text or numbers")
     return {
         name: value[0] if isinstance(value, np.ndarray) and value.shape == (1,) else value
         for name, value in values.items()

@@ -2,7 +2,9 @@
 
 from pathlib import Path
 
+import h5py
 import numpy as np
+import pytest
 import xarray as xr
 from synthetic_result import synthetic_result
 
@@ -28,3 +30,12 @@ def test_what_is_written_is_read_alike_by_xarray(tmp_path: Path) -> None:
         np.testing.assert_array_equal(
             ours["gap"].isel(time=[1, 4], blade=[7, 3]), gap[[1, 4]][:, [7, 3]]
         )
+
+
+def test_an_attribute_that_is_no_text_and_no_number_is_refused(tmp_path: Path) -> None:
+    """As netCDF's own are whose name has a flipped bit."""
+    write_netcdf(synthetic_result(records=2), tmp_path / "data.nc")
+    with h5py.File(tmp_path / "data.nc", "a") as file:
+        file["gap"].attrs["DIMENSION_LISU"] = np.array([file["time"].ref], dtype=h5py.ref_dtype)
+    with pytest.raises(TypeError, match="attribute DIMENSION_LISU: expected text or numbers"):
+        open_netcdf(tmp_path / "data.nc", lambda name, read: read())
