@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from typing import Literal
 
 import numpy as np
@@ -23,8 +23,9 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.solvers.kernel.arrays import State
+from bladewhirl.solvers.march import march as marching
 from bladewhirl.solvers.march.central_difference import CentralDifference, CentralDifferenceState
-from bladewhirl.solvers.march.march import CHUNK_STEPS, Chunk, EndReason, march
+from bladewhirl.solvers.march.march import CHUNK_STEPS, Chunk, EndReason, Statistics, joined, march
 
 
 def driven(ramp: float = 0.0) -> ContactProblem:
@@ -175,13 +176,6 @@ def test_energy_ledger_without_contact_closes() -> None:
     assert ledger_residual(chunk) < 1e-9
 
 
-def joined(chunks: list[Chunk]) -> dict[str, FloatArray]:
-    return {
-        field.name: np.concatenate([getattr(chunk, field.name) for chunk in chunks])
-        for field in fields(Chunk)
-    }
-
-
 def stored(state: CentralDifferenceState) -> CentralDifferenceState:
     """The same state through bytes, as a file would hold it."""
     arrays = [
@@ -210,7 +204,7 @@ def test_resuming_is_exact_to_the_last_bit(cyclic: bool) -> None:
     assert state.statistics == whole_state.statistics
     for found, expected in zip(state.arrays, whole_state.arrays, strict=True):
         np.testing.assert_array_equal(found, expected)
-    for name, values in joined(chunks).items():
+    for name, values in vars(joined(chunks)).items():
         np.testing.assert_array_equal(values, getattr(whole, name), err_msg=name)
     # The state that went in stays as it was.
     assert begin.step == 0
@@ -228,14 +222,69 @@ def test_march_yields_the_same_in_chunks() -> None:
     assert all(chunk.records <= CHUNK_STEPS // 7 + 1 for _, chunk, _ in results)
     records = joined([chunk for _, chunk, _ in results])
     _, whole, _ = scheme.advance(scheme.init(), timing.steps + 1)
-    np.testing.assert_array_equal(records["step"], np.arange(0, 125_000, 7))
-    for name, values in records.items():
+    np.testing.assert_array_equal(records.step, np.arange(0, 125_000, 7))
+    for name, values in vars(records).items():
         np.testing.assert_array_equal(values, getattr(whole, name), err_msg=name)
 
     # From a state in the middle the rest comes out the same.
     rest = joined([chunk for _, chunk, _ in march(scheme, timing, results[0][0])])
-    later = records["step"] > results[0][1].step[-1]
-    np.testing.assert_array_equal(rest["rotor_displacement"], records["rotor_displacement"][later])
+    later = records.step > results[0][1].step[-1]
+    np.testing.assert_array_equal(rest.rotor_displacement, records.rotor_displacement[later])
+
+
+@dataclass(frozen=True)
+class Counted:
+    """A state that knows how many steps were done."""
+
+    step: int
+
+    @property
+    def statistics(self) -> Statistics:
+        raise NotImplementedError
+
+
+class Asked:
+    """A scheme that notes what is asked of it."""
+
+    cyclic = False, False
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[int, int | None]] = []
+        self._chunk = run(driven(), 1e-5, 1)[1]
+
+    def init(self) -> Counted:
+        return Counted(0)
+
+    def advance(
+        self, state: Counted, steps: int, record_every: int | None = None
+    ) -> tuple[Counted, Chunk, EndReason | None]:
+        self.asked.append((steps, record_every))
+        return Counted(state.step + steps), self._chunk, None
+
+
+@pytest.mark.parametrize(
+    ("every", "start", "expected"),
+    [
+        (7, 0, [(98, None), (98, None), (50, None), (5, 250)]),
+        (7, 33, [(65, None), (98, None), (50, None), (5, 250)]),
+        (120, 0, [(120, None), (120, None), (1, None), (10, 250)]),
+    ],
+)
+def test_chunks_are_whole_records_from_the_start(
+    monkeypatch: pytest.MonkeyPatch, every: int, start: int, expected: list[tuple[int, int | None]]
+) -> None:
+    """Of some 100 steps here, wherever a march is resumed, and one to the end."""
+    monkeypatch.setattr(marching, "CHUNK_STEPS", 100)
+    scheme = Asked()
+    timing = Timing(time_step=1e-5, duration=250e-5, record_step=every * 1e-5)
+    *_, (state, _, end) = march(scheme, timing, Counted(start))
+    assert scheme.asked == expected
+    assert (state.step, end) == (251, EndReason.COMPLETED)
+
+
+def test_one_chunk_is_joined_as_it_is() -> None:
+    _, chunk, _ = run(driven(), 1e-5, 20)
+    assert joined([chunk]) is chunk
 
 
 @pytest.mark.parametrize(
@@ -248,17 +297,15 @@ def test_the_last_step_is_recorded_wherever_it_falls(steps: int, every: int) -> 
     scheme = CentralDifference(given, dt, every)
     records = joined([chunk for _, chunk, _ in march(scheme, timing)])
     expected = [*range(0, steps, every), steps]
-    np.testing.assert_array_equal(records["step"], expected)
+    np.testing.assert_array_equal(records.step, expected)
     fine = CentralDifference(given, dt, 1)
     _, each, _ = fine.advance(fine.init(), steps + 1)
-    np.testing.assert_array_equal(records["rotor_velocity"], each.rotor_velocity[records["step"]])
+    np.testing.assert_array_equal(records.rotor_velocity, each.rotor_velocity[records.step])
     np.testing.assert_allclose(
-        records["contact_impulse"].sum(axis=0), each.contact_impulse.sum(axis=0), rtol=1e-12
+        records.contact_impulse.sum(axis=0), each.contact_impulse.sum(axis=0), rtol=1e-12
     )
-    np.testing.assert_array_equal(
-        records["contact_steps"].sum(axis=0), each.contact_steps.sum(axis=0)
-    )
-    np.testing.assert_array_equal(records["gap"].min(axis=0), each.gap.min(axis=0))
+    np.testing.assert_array_equal(records.contact_steps.sum(axis=0), each.contact_steps.sum(axis=0))
+    np.testing.assert_array_equal(records.gap.min(axis=0), each.gap.min(axis=0))
 
 
 def pushed_out(limit: float) -> ContactProblem:
