@@ -44,6 +44,9 @@ DRAWN_CLEARANCE = 0.1  #: share of the tip radius that the clearance takes, if f
 DRAWN_MOTION = 0.25  #: share that the largest displacement may take then
 LARGE_DISPLACEMENT = 0.3  #: share of the tip radius from which bending in a line is off by a tenth
 
+MOST = 1e9
+"""Exaggeration beyond which, and below whose inverse, nothing can be seen."""
+
 
 class EnlargedStage:
     """Both bodies at chosen records, each in its own axes, displacements and clearance multiplied.
@@ -57,7 +60,7 @@ class EnlargedStage:
         per_element: pieces of an element of the casing.
 
     Raises:
-        ViewError: a factor that is not positive.
+        ViewError: a factor that is not positive, or larger than `MOST` or smaller than its inverse.
     """
 
     def __init__(
@@ -69,8 +72,10 @@ class EnlargedStage:
         per_line: int,
         per_element: int,
     ) -> None:
-        if factor is not None and not (np.isfinite(factor) and factor > 0):
-            raise ViewError(f"exaggeration must be a positive number, got {factor}")
+        if factor is not None and not 1.0 / MOST <= factor <= MOST:
+            raise ViewError(
+                f"exaggeration must be a positive number, {1.0 / MOST:g} to {MOST:g}, got {factor}"
+            )
         self._dataset = dataset
         self.tip_radius = float(dataset.attrs["tip_radius"])
         #: from the rotor's to the casing's axes (record,) [rad]
