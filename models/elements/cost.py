@@ -25,14 +25,14 @@ SECONDS_PER_ENTRY, SECONDS_PER_CUBE = 2.5e-7, 3e-9
 """Time for each entry of the shapes, and for the cube of a sector's size, by nodal diameter; on a
 processor of 2023, right to a factor of three."""
 
-MODAL_BYTES, MODAL_SECONDS = 50, 4e-9
+MODAL_BYTES, MODAL_SECONDS, DIAMETER_SECONDS = 50, 4e-9, 4e-3
 """Modes of bladed disks with a free and a clamped centre: for each entry of a sector's matrices,
-and for the cube of its size, by nodal diameter."""
+for the cube of its size, and besides, by nodal diameter."""
 
 DENSE_BYTES, DENSE_SECONDS = 70, 1e-9
 """The same without symmetry, for the size of the whole."""
 
-LARGE_BYTES, LARGE_SECONDS = 2e9, 60.0
+LARGE_BYTES, LARGE_SECONDS = 2e9, 30.0
 """From here on a stage is told to be large."""
 
 
@@ -81,7 +81,7 @@ def modal_cost(structure: Structure) -> Cost:
         dofs=structure.size,
         modes=structure.size,
         memory=float(memory) * blocks * size**2,
-        time=time * blocks * size**3,
+        time=blocks * (time * size**3 + DIAMETER_SECONDS),
     )
 
 

@@ -99,6 +99,12 @@ def value_fault(dataset: xr.Dataset) -> str:
     for name, variable in STATIC.items():
         if name in dataset and (expected := expectation(dataset[name].values, variable, nodes)):
             return f"{name!r} to be {expected}"
+    ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
+    if not np.any(ends[:, 0] != ends[:, 1], axis=-1).all():
+        return "'rotor_line' to join different places"
+    angle = dataset["casing_angle"].values
+    if not (np.all(np.diff(angle) > 0.0) and angle[-1] - angle[0] < 2.0 * np.pi):
+        return "'casing_angle' to rise within one turn"
     return ""
 
 

@@ -101,6 +101,22 @@ class TestOpenResult:
         with pytest.raises(ResultError, match="expected 'time' to increase"):
             open_result(tmp_path)
 
+    def test_an_element_without_length_is_told(self, tmp_path: Path) -> None:
+        result = synthetic_result()
+        result["rotor_line"][3] = result["rotor_line"].values[3, 0]
+        result.to_netcdf(tmp_path / "result.nc")
+        with pytest.raises(ResultError, match="expected 'rotor_line' to join different places"):
+            open_result(tmp_path)
+
+    @pytest.mark.parametrize("angle", [0.0, 7.0])
+    def test_a_casing_that_is_no_ring_is_told(self, tmp_path: Path, angle: float) -> None:
+        result = synthetic_result()
+        nodes = result["casing_angle"].values
+        nodes[-1] = angle
+        result.assign_coords(casing_angle=("casing_node", nodes)).to_netcdf(tmp_path / "result.nc")
+        with pytest.raises(ResultError, match="expected 'casing_angle' to rise within one turn"):
+            open_result(tmp_path)
+
     def test_the_fault_is_the_users_and_one_line(self, tmp_path: Path) -> None:
         with pytest.raises(UserError) as fault:
             open_result(tmp_path / "absent.nc")
