@@ -66,14 +66,15 @@ class Growth:
         return rate_text(self.rate, self.error)
 
     @property
-    def is_significant(self) -> bool:
+    def goes_on(self) -> bool:
         """Whether it is more than its uncertainty and shows no sign of ending."""
-        return (
-            self.rate > CERTAINTY * self.error
-            and not self.slows
-            and self.rise >= self.least_rise
-            and self.share >= RIPPLE_SHARE
-        )
+        grows = self.rate > CERTAINTY * self.error and not self.slows
+        return grows and self.share >= RIPPLE_SHARE
+
+    @property
+    def is_significant(self) -> bool:
+        """Whether it goes on and has come to more than was there before."""
+        return self.goes_on and self.rise >= self.least_rise
 
     @property
     def sentence(self) -> str:

@@ -33,6 +33,12 @@ CLOSING = 0.01  #: least share of the clearance that a motion called divergent h
 MOST_RIPPLE = 0.9
 """Share of the amplitude above which the ripple is the motion, and is not told of apart."""
 
+GROWS_SO_FAR = (
+    "the {} grows, but ends below {:g} times what it was before: march longer to tell whether it"
+    " diverges"
+)
+"""What is said of a sustained motion while its amplitude, or its ripple, goes on growing."""
+
 CRITERION = (
     "divergent: the march ended at its displacement limit, or over the last third of the time "
     "the amplitude (root of the mean strain energy of bladed disk and shaft springs in equal "
@@ -94,7 +100,12 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
     last = float(time[touched][-1])
     if last <= time[0] + 0.9 * (time[-1] - time[0]):
         return regime("damped", f"last contact recorded at {last:.6g} s; {grown}")
-    return regime("sustained", f"contact up to {last:.6g} s; {grown}")
+    so_far = [
+        GROWS_SO_FAR.format(what, one.least_rise)
+        for what, one in (("amplitude", growth), ("ripple", ripple))
+        if one is not None and one.goes_on
+    ]
+    return regime("sustained", "; ".join([f"contact up to {last:.6g} s", *so_far, grown]))
 
 
 def _has_closed(dataset: xr.Dataset, touched: NDArray[np.bool_]) -> bool:

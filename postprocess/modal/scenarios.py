@@ -61,7 +61,7 @@ def plot_scenario(data: xr.Dataset) -> Figure:
     title = f"{kind.capitalize()} contact scenario of {data.attrs['mode']}, k = 1"
     opposed = "" if kind == "standard" else ", against the mode's own backward wave"
     words = f"friction on the blades drives {driven} whirl{opposed}"
-    words += f"; Ω/ω₁ = {ratio:.4g} ({rpm:.0f} rpm)"
+    words += f"; where the waves coincide, Ω/ω₁ = {ratio:.4g} ({rpm:.0f} rpm)"
     set_title(figure, data.attrs["case"], f"{title}: {words}")
     groups = (
         Group([*zip(*axes.get_legend_handles_labels(), strict=True)], told)

@@ -69,12 +69,13 @@ def engineering(value: float, unit: str) -> str:
 
 
 def contact_words(forces: Array) -> str:
-    """Number of blades that touch, and the largest force, from forces (blade, 2) [N]."""
+    """How many blades touch, and the largest force with friction, from forces (blade, 2) [N]."""
     size = np.linalg.norm(forces, axis=1)
     touching = int(np.count_nonzero(size))
     if not touching:
         return "no contact"
-    return f"{touching} of {len(size)} blades touch\nlargest force {engineering(size.max(), 'N')}"
+    largest = f"largest force {engineering(size.max(), 'N')},\nwith friction"
+    return f"{touching} of {len(size)} blades touch\n{largest}"
 
 
 def speed_words(dataset: xr.Dataset) -> str:

@@ -39,7 +39,7 @@ BAR_SHARE = 0.11  #: longest scale bar, as a share of the window's width
 NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045  #: of a blade's number, in lengths from shaft to tip
 LETTERS = 3.6  #: size of numbers on a picture of a sheet, as against a picture alone
 KEY_STEP = 0.034
-KEY_LETTERS, LINE_LETTERS = 27, 32
+KEY_LETTERS, LINE_LETTERS, TITLE_LETTERS = 27, 32, 22
 
 
 class Panel:
@@ -198,7 +198,7 @@ def _on_plane(points: Array) -> Array:
 
 def write_title(plotter: pyvista.Plotter, dataset: xr.Dataset) -> None:
     """Put the case's title on top."""
-    write(plotter, textwrap.fill(str(dataset.attrs["title"]), 24, max_lines=2), 0.97, 16)
+    write(plotter, textwrap.fill(str(dataset.attrs["title"]), TITLE_LETTERS, max_lines=2), 0.97, 16)
 
 
 def write_scale(scene: StageScene, top: float) -> None:

@@ -119,10 +119,10 @@ def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, In
     key = {words + thick: colour for words, colour in zip(told, parts.values(), strict=True)}
     write_key(plotter, key, top)
     top -= KEY_STEP * len(key) + 0.03
-    dots = {
-        f"set “{name}”, {count(len(nodes), 'node')}": colour
-        for (name, nodes), colour in zip(node_sets.items(), SET_COLOURS, strict=False)
-    }
+    sets = [f"set “{name}”, {count(len(nodes), 'node')}" for name, nodes in node_sets.items()]
+    if max(map(len, sets), default=0) > KEY_LETTERS:
+        sets = [f"set “{name}”: {len(nodes)}" for name, nodes in node_sets.items()]
+    dots = dict(zip(sets, SET_COLOURS, strict=False))
     write_key(plotter, dots, top, sign="\N{BLACK CIRCLE}")
     top -= KEY_STEP * len(dots) + 0.03
     symbols = write_symbols(scene, top)

@@ -34,10 +34,11 @@ from bladewhirl.postprocess.sweep.drawing import (
     mark_entry,
 )
 
-NOT_JUDGED = "No growth rates: the marches are too short to judge them."
+NOT_JUDGED = "The marches are too short to judge growth: sustained is contact up to the end."
 
 DIVERGES = (
-    "Divergent: significant growth that doesn't slow and ends at the largest amplitude so far."
+    "Divergent: the amplitude (root of the mean strain energy of bladed disk and shaft springs) or"
+    " its ripple grows beyond doubt over the last third, without slowing, to more than before."
 )
 
 MOST_MARKED = 24

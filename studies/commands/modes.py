@@ -46,8 +46,9 @@ def modes(
 
     Normalised frequencies are multiples of the lowest one with a free centre, ω₁. Purity is the
     share of a mode that its nodal diameter holds: 1 where blades are alike. With -o: mode shapes,
-    contact scenarios of the first k = 1 mode, and films with a picture of each travelling wave;
-    with Coriolis forces of waves as they travel at speed. With --json and no -o nothing is written.
+    contact scenarios of the first k = 1 mode at the speed at which it coincides with the casing's,
+    and films with a picture of each travelling wave; with Coriolis forces of waves as they travel
+    at speed. With --json and no -o nothing is written.
     """
     from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.modal import modes as study

@@ -84,7 +84,10 @@ def render(
     end: End = None,
     time: Annotated[
         list[str] | None,
-        typer.Option(help="Instant of a still, any number; by default that of the largest force."),
+        typer.Option(
+            help="Instant of a still, any number; by default that of the largest force, normal and"
+            " friction, over a record step."
+        ),
     ] = None,
     exaggeration: Annotated[
         float | None,

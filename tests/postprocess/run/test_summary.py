@@ -338,6 +338,14 @@ class TestRegimes:
         amplitude = 1 / (1 + np.exp(-8 * (TIME - half)))
         assert judged(amplitude, contact=ALWAYS).name == "sustained"
 
+    @pytest.mark.parametrize(("rate", "told"), [(0.03, True), (0.0, False), (-0.03, False)])
+    def test_growth_to_little_more_is_told_with_what_to_do(self, rate: float, told: bool) -> None:
+        """Beyond its errors, but to less than 1.1 times what was there before."""
+        found = judged(np.exp(rate * TIME), contact=ALWAYS)
+        assert found.name == "sustained"
+        words = "the amplitude grows, but ends below 1.1 times what it was before: march longer"
+        assert (words in found.reason) is told
+
     def test_growth_too_small_to_matter(self) -> None:
         result = synthetic.synthetic_result(records=len(TIME))
         result["contact_steps"] = 0 * result["contact_steps"]
