@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -48,8 +48,7 @@ CROSS: dict[str, Any] = {
 RAYS: Mapping[Frame, str] = {
     "rotating": "Of casing waves those are drawn that travel forward in the static frame and"
     " backward in this one.",
-    "static": "Rays are waves that travel backward on the bladed disk and forward here; its other"
-    " waves are left out, but for branches with k = 1 where it feels that it turns.",
+    "static": "Rays are waves that travel backward on the bladed disk and forward here;",
 }
 """What of the waves that move in a frame is drawn."""
 
@@ -131,19 +130,26 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     axes.set_ylim(*frequency_limits(data, frame))
     names = Names(axes)
     names.keep_free(data["normalised_speed"].values[shown], meets[shown])
-    if "branch" in data.dims:
+    turns = "branch" in data.dims
+    named = [
+        *(_draw_branches(axes, data, frame) if turns else ()),
+        *_draw_modes(axes, data, frame),
+        *_draw_engine_orders(axes, data, frame),
+    ]
+    if turns:
         _mark_critical(axes, data, frame)
     _mark_coincidences(axes, names, data, meets, shown)
-    if "branch" in data.dims:
-        _draw_branches(axes, names, data, frame)
-    _draw_modes(axes, names, data, frame)
-    _draw_engine_orders(axes, names, data, frame)
+    for line in named:
+        names.along(*line)
     speed_axis(axes, reference)
     frequency_axis(axes, reference, f"frequency / ω₁, {frame} frame [–]")
     set_title(figure, data.attrs["case"], f"Campbell diagram, {frame} frame")
     entries = [entry for entry in _legend(data, frame) if _is_drawn(axes, entry[0])]
     note = f"{_left_out(whole, data)} {RAYS[frame]}"
-    if "branch" in data.dims:
+    if frame == "static":
+        which = "of its other waves those with k = 1 are drawn" if turns else "no others are drawn"
+        note += f" {which}."
+    if turns:
         note += " Branches are named by the way that they have at rest."
     legends_below(figure, Group(entries, note))
     return figure
@@ -166,7 +172,11 @@ def frequency_limits(data: xr.Dataset, frame: Frame) -> tuple[float, float]:
     return 0.0, HEADROOM * max(float(own.max(initial=1.0)), highest)
 
 
-def _draw_branches(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> None:
+NamedLine = tuple[FloatArray, FloatArray, str, str]
+"""Points of a line, x and y, with its name and the colour of that."""
+
+
+def _draw_branches(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLine]:
     """Waves on a bladed disk that feels that it turns, over the speed."""
     found = data["line_speed"].values
     speed = np.linspace(found[0], found[-1], FINE)
@@ -205,13 +215,13 @@ def _draw_branches(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> 
                 zorder=1,
             )
             if not forward:
-                names.along(speed, np.where(grows == 1.0, y, np.nan), "met: unstable", "black")
+                yield speed, np.where(grows == 1.0, y, np.nan), "met: unstable", "black"
         if first:
             name = "suspension" if family == "suspension" else f"{family}, k = 1"
-            names.along(speed, y, f"{name}, {way}", colour)
+            yield speed, y, f"{name}, {way}", colour
 
 
-def _draw_modes(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> None:
+def _draw_modes(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLine]:
     """Levels of one body and rays of the other, with their nodal diameters or families."""
     level = "bladed-disk" if frame == "rotating" else "casing"
     body, k = data["mode_body"].values, data["mode_nodal_diameter"].values
@@ -239,12 +249,12 @@ def _draw_modes(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> Non
             zorder=3 if first else 2,
         )
         if on_disk and first:
-            names.along(speed, y, str(family[mode]), colour)
+            yield speed, y, str(family[mode]), colour
         elif not on_disk:
-            names.along(speed, y, f"k = {k[mode]}", COLOURS["k = 0"])
+            yield speed, y, f"k = {k[mode]}", COLOURS["k = 0"]
 
 
-def _draw_engine_orders(axes: Axes, names: Names, data: xr.Dataset, frame: Frame) -> None:
+def _draw_engine_orders(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLine]:
     """Multiples of the speed, in the static frame the speed itself."""
     first, last = data.attrs["speeds"]
     speed = np.linspace(first, last, 201)
@@ -252,7 +262,7 @@ def _draw_engine_orders(axes: Axes, names: Names, data: xr.Dataset, frame: Frame
         axes.plot(speed, order * speed, ":", color="#777777", linewidth=0.6, zorder=1)
         y = order * speed
         end = y > ENDS * axes.get_ylim()[1] if frame == "rotating" else speed > ENDS * last
-        names.along(speed[end], y[end], f"{order}Ω" if order > 1 else "Ω", "#555555")
+        yield speed[end], y[end], f"{order}Ω" if order > 1 else "Ω", "#555555"
 
 
 def _engine_orders(data: xr.Dataset, frame: Frame) -> list[int]:

@@ -45,12 +45,12 @@ ALIKE = 1.05
 
 FREE, CLAMPED = (
     {way: large if way == "both" else small for way in ("both", "standing", "backward", "forward")}
-    for large, small in ((3.0, 2.2), (5.5, 4.0))
+    for large, small in ((3.0, 2.2), (5.5, 2.8))
 )
 """Sizes of marks with a free and with a clamped centre [points]: of waves there are more."""
 
-ASIDE = {"backward": -0.2, "forward": 0.2}
-"""How far marks of waves stand aside of their nodal diameter."""
+ASIDE, CLAMPED_ASIDE = {"backward": -0.14, "forward": 0.14}, {"backward": -0.36, "forward": 0.36}
+"""How far marks of waves stand aside of their nodal diameter, with a free and a clamped centre."""
 
 WAYS = {"both": "o", "standing": "o", "backward": "<", "forward": ">"}
 """Marks of waves, by the way that they travel in the rotating frame."""
@@ -72,9 +72,10 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
     lowest = [float(data["normalised_frequency"].values[_is(data, name)].min()) for name in names]
     names = [names[i] for i in np.argsort(lowest)[::-1]]
     broken = families <= FEW
-    figure = new_figure(height=0.1)
+    figure = new_figure(width=COLUMN_WIDTH if _ways(data) == ["both"] else FULL_WIDTH, height=0.1)
     panels = np.atleast_1d(figure.subplots(len(names) if broken else 1, sharex=True))
     reference = float(data.attrs["reference_frequency_hz"])
+    last = int(data["nodal_diameter"].values.max())
     for axes, shown in zip(panels, [[name] for name in names] if broken else [names], strict=True):
         for name in shown:
             _draw_family(axes, data, name)
@@ -87,7 +88,7 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
             axes.set_yscale("log")
             axes.margins(y=0.1)
         frequency_axis(axes, reference)
-        axes.set_xlim(-0.5, float(data["nodal_diameter"].values.max()) + 2.0)
+        axes.set_xlim(-0.5, last + 2.0)
         places = Names(axes)
         for name in shown[::-1]:  # the lowest first
             _name_family(places, data, name)
@@ -97,7 +98,8 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
             axes.child_axes[0].set_ylabel("")
         figure.supylabel(f"{FREQUENCY}, broken axis; right: [Hz]", fontsize=7.5)
     panels[-1].set_xlabel(DIAMETER_AXIS)
-    panels[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
+    ticks = np.asarray(MaxNLocator(integer=True).tick_values(0, last))
+    panels[-1].set_xticks(ticks[ticks <= last])
     set_title(figure, data.attrs["case"], f"Frequencies by nodal diameter{_at_speed(data)}")
     legends_below(figure, Group(_marks(data, names)))
     return figure
@@ -216,9 +218,10 @@ def _draw_family(axes: Axes, data: xr.Dataset, family: str) -> None:
                 "color": COLOURS["k = 1"],
                 "markerfacecolor": "none",
                 "markersize": CLAMPED[way],
+                "markeredgewidth": 1.0 if way == "both" else 0.6,
             }
             k, frequency = _chosen(data, "clamped", family, way)
-            axes.plot(k + ASIDE.get(way, 0.0), frequency, **mark, **ring)
+            axes.plot(k + CLAMPED_ASIDE.get(way, 0.0), frequency, **mark, **ring)
 
 
 def _name_family(names: Names, data: xr.Dataset, family: str) -> None:

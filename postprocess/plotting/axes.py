@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
-from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
@@ -154,7 +153,7 @@ class Names:
         to_shares = self._axes.transAxes.inverted().transform
         found = []
         for each in self._axes.get_children():
-            if isinstance(each, Line2D):
+            if isinstance(each, Line2D) and each.get_linestyle() != "None":
                 paths = [np.asarray(each.get_xydata())]
             elif isinstance(each, LineCollection):
                 paths = each.get_segments()
@@ -166,22 +165,29 @@ class Names:
                 for end in ends
             )
             between = np.linspace(
-                0.0, 1.0, 2 + int(np.nan_to_num(np.abs(last - first)).max() / CLOSE)
+                0.0, 1.0, 2 + int(np.nan_to_num(np.abs(last - first)).max(initial=0.0) / CLOSE)
             )
             found.append((first + between[:, None, None] * (last - first)).reshape(-1, 2))
-        return np.concatenate(found)
+        return np.concatenate([np.empty((0, 2)), *found])
 
     def beside(self, x: float, y: float, text: str, colour: str) -> bool:
         """Name a point above, below, or to a side of it; False where there is no room.
 
-        Places that are nearer to another point that `keep_free` knows come last.
+        Places that are nearer to another point that `keep_free` knows come last, and before them
+        those that cover a line.
         """
         (place,) = self._shares(np.array([x]), np.array([y]))
         size = self._size(text)
         corners = [*self._corners(place, size)]
         if len(text) > NUMBER:  # above a point a word reads better than before it
             corners[:2] = corners[1::-1]
-        corners.sort(key=lambda corner: self._nearer_to_another(corner + size / 2.0, place))
+        drawn = self._drawn()
+
+        def faults(corner: FloatArray) -> tuple[bool, bool]:
+            covers = np.all((drawn > corner) & (drawn < corner + size), axis=1).any()
+            return self._nearer_to_another(corner + size / 2.0, place), bool(covers)
+
+        corners.sort(key=faults)
         for corner in corners:
             inside = np.all((corner >= 0.0) & (corner + size <= 1.0))
             if inside and self._take(corner, size):
@@ -213,7 +219,7 @@ class Names:
         if corner[1] > start[1] + 0.2 * size[1]:
             ends = np.stack([place + 0.7 * away, corner + inner])
             self._axes.plot(*ends.T, color=colour, linewidth=0.4, transform=self._axes.transAxes)
-        self._write(corner + size / 2.0, text, colour, ground=False)
+        self._write(corner + size / 2.0, text, colour, ground=True)
 
     def _nearer_to_another(self, middle: FloatArray, place: FloatArray) -> bool:
         """Whether a name would be taken for that of another point."""
@@ -258,7 +264,7 @@ class Names:
         return free
 
     def _write(self, middle: FloatArray, text: str, colour: str, *, ground: bool) -> None:
-        outline = [withStroke(linewidth=2.6, foreground="white", alpha=0.9)]
+        box = {"boxstyle": "square,pad=0.12", "fc": "white", "ec": "none", "alpha": 0.9}
         self._axes.text(
             float(middle[0]),
             float(middle[1]),
@@ -269,5 +275,5 @@ class Names:
             color=colour,
             fontsize=6.5,
             zorder=7,
-            path_effects=outline if ground else None,
+            bbox=box if ground else None,
         )

@@ -32,10 +32,7 @@ FEW = 10
 """Revolutions below which marks show how a motion settles rather than how it repeats."""
 
 DOT = 2.2
-"""Size of the marks of the last line [points]."""
-
-SMALLEST = 3.5
-"""Size of a line's marks up to which they are filled: that of the last, or of the only one."""
+"""Size of marks [points]."""
 
 
 def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
@@ -62,8 +59,7 @@ def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 @styled
 def plot_bifurcation(found: xr.Dataset) -> Figure:
-    """Draw sections and maxima in mm or µm, a mark each; of several lines the earlier
-    have larger, open marks.
+    """Draw sections and maxima in mm or µm, a mark each; those of several lines stand side by side.
 
     Args:
         found: from `bifurcation`.
@@ -71,7 +67,7 @@ def plot_bifurcation(found: xr.Dataset) -> Figure:
     found = in_handy_units(found)
     largest = max(float(np.nanmax(np.abs(found[name].values), initial=0.0)) for name in PARTS)
     unit, scale = length_unit(largest)
-    lines = list(lines_of(found))
+    lines = [line._replace(size=DOT) for line in lines_of(found)]
     figure = new_figure(width=FULL_WIDTH, height=0.17)
     panels = figure.subplots(len(PARTS), 1, sharex=True)
     for axes, (name, label) in zip(panels, PARTS.items(), strict=True):
@@ -82,7 +78,9 @@ def plot_bifurcation(found: xr.Dataset) -> Figure:
     own = lines_group(found, lines, "radius_peak", dashed=False)
     turns = int(np.isfinite(found["section_x"].values).sum(axis=-1).max(initial=0))
     few = f"\nrevolutions in it, at most: {turns}, too few to tell motions apart"
-    note = (SIDE_BY_SIDE if len(lines) > 1 else "") + (few if turns < FEW else "")
+    peaks = np.isfinite(found["radius_peak"].values)
+    most = f"\nof maxima the last {peaks.shape[-1]} at most" if peaks.all(axis=-1).any() else ""
+    note = (SIDE_BY_SIDE if len(lines) > 1 else "") + most + (few if turns < FEW else "")
     label_figure(figure, found, own, note=note)
     return figure
 
@@ -94,9 +92,8 @@ def _draw_marks(axes: Axes, line: Line, scale: float, name: str, place_of: Trans
         values.ravel(),
         line.mark,
         color=line.colour,
-        markersize=DOT * line.size / SMALLEST,
-        markerfacecolor=line.colour if line.size <= SMALLEST else "none",
-        markeredgewidth=0.0 if line.size <= SMALLEST else 0.5,
+        markersize=line.size,
+        markeredgewidth=0.0,
         rasterized=values.size > LONG_LINE,
     )
     marks.set_transform(place_of)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.units import length_unit
+from bladewhirl.postprocess.plotting.axes import SPEED
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
@@ -30,6 +31,7 @@ from bladewhirl.postprocess.sweep.axes import (
     edges_of,
     in_handy_units,
     key_axis,
+    key_label,
     linear_threshold,
     rpm_on_top,
     threshold_ticks,
@@ -43,7 +45,7 @@ from bladewhirl.postprocess.sweep.drawing import (
     panels_note,
 )
 from bladewhirl.postprocess.sweep.quantities import LINE, as_lines, in_order
-from bladewhirl.postprocess.sweep.regimes import HATCH, draw_regimes, regime_entries
+from bladewhirl.postprocess.sweep.regimes import HATCH, NOT_JUDGED, draw_regimes, regime_entries
 
 DIVERGING = "PuOr_r"
 """Colours on both sides of zero: told apart by colour-blind readers."""
@@ -101,11 +103,12 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     if np.isfinite(growth).any():
         rate_colours = _rate_colours(growth, error)
         pictures.append(_Picture(growth, "growth rate [1/s]", DIVERGING, *rate_colours))
-    figure = new_figure(width=FULL_WIDTH, height=0.035 + 0.05 * len(shown))
+    figure = new_figure(width=FULL_WIDTH, height=0.04 + 0.05 * len(shown))
     columns = 1 + len(pictures)
     rows = figure.subplots(len(shown), columns, sharex=True, sharey=True, squeeze=False)
     across = str(maps.attrs["across"])
-    beside, up = maps[str(maps.attrs["along"])].values, maps[across].values
+    along = str(maps.attrs["along"])
+    beside, up = maps[along].values, maps[across].values
     x, y = edges_of(beside), edges_of(up)
     titles = panel_titles(maps)
     for number, row in zip(shown, rows, strict=True):
@@ -121,7 +124,8 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
             _cross_out(row[2], x, y, doubtful[number])
     for axes in rows[-1]:
         key_axis(axes, maps, cells=True, share=1.3 / columns)
-    rpm_on_top(maps, rows[0, 0])
+    rpm_on_top(maps, *rows[0])
+    of_speed = key_label(maps[along]) == SPEED
     for column, picture in enumerate(pictures):
         bar = figure.colorbar(
             drawn[column],
@@ -129,7 +133,7 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
             label=picture.label,
             location="top",
             aspect=30,
-            pad=0.02,
+            pad=0.02 + (0.14 / len(shown) if of_speed else 0.0),  # over its axis in rpm
         )
         if picture.ticks is not None:
             bar.set_ticks(picture.ticks)
@@ -148,7 +152,8 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
             [
                 *regime_entries(maps["regime"].values),
                 *([(crossed, DOUBTFUL)] if doubtful[shown].any() else []),
-            ]
+            ],
+            "" if len(pictures) > 1 else NOT_JUDGED,
         ),
     )
     return figure

@@ -50,6 +50,8 @@ BELOW = {"unsteady": f", steadiness below {STEADY:g}"}
 SCATTER = "scatter within the march, where larger than the mark"
 """What bars of a whirl are, in words."""
 
+NO_SCATTER = "\nmarches too short to tell its scatter"
+
 UNDRAWN: Mapping[str, str] = {"no-contact": "nothing touches", "at-rest": "the shaft rests"}
 """Of points without a side of the contact, in words."""
 
@@ -113,13 +115,20 @@ def plot_whirls(found: xr.Dataset) -> Figure:
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, -LEAST_WHIRL), max(high, LEAST_WHIRL))
     key_axis(panels[1], found)
+    known = bool(np.isfinite(found["scatter"].values).any())
     marks = [
         mark_entry("o", "clear direction (filled)"),
-        mark_entry("o", "no clear direction (open): swings as far as it goes round", filled=False),
-        mark_entry("|", SCATTER),
+        mark_entry("o", "no clear direction (open): swings to and fro", filled=False),
     ]
+    marks += [mark_entry("|", SCATTER)] if known else []
     own = lines_group(found, lines, "frequency")
-    label_figure(figure, found, Group(marks), own, note=SIDE_BY_SIDE if several else "")
+    label_figure(
+        figure,
+        found,
+        Group(marks),
+        own,
+        note=(SIDE_BY_SIDE if several else "") + (NO_SCATTER if not known else ""),
+    )
     return figure
 
 

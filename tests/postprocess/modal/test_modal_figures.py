@@ -259,7 +259,7 @@ def test_a_campbell_diagram_names_each_ring_beside_it_and_lists_what_is_drawn(
     rings = axes.transData.transform(rings)
     met = met_frequencies(shown, frame)
     own = axes.transData.transform(np.column_stack([shown["normalised_speed"], met]))
-    number = {text.get_text(): text for text in axes.texts if text.get_text().isdigit()}
+    number = {k: text for text in axes.texts for k in text.get_text().split(", ") if k.isdigit()}
     for k, ring in zip(shown["nodal_diameter"].values, own, strict=True):
         text = number[str(k)]
         away = np.hypot(*(axes.transAxes.transform(text.get_position()) - rings).T)
