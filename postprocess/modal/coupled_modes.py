@@ -85,10 +85,10 @@ def plot_phases(data: xr.Dataset) -> Figure:
         jumps = np.abs(np.diff(wrapped, prepend=wrapped[0])) > np.pi
         degrees = np.degrees(np.where(jumps, np.nan, wrapped))
         panels[0].plot(time, degrees, style, color=COLOURS[key], label=name, linewidth=1.2)
-    panels[0].set_ylabel("static phase [°]")
+    panels[0].set_ylabel("phase, static frame [°]")
     if moves:
         panels[1].plot(time, np.degrees(data["shaft_lead"]), color=COLOURS["k = 1"])
-        panels[1].set_ylabel("shaft leads [°]")
+        panels[1].set_ylabel("shaft ahead of\nclearance [°]")
     for axes in panels:
         axes.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), xlim=(time[0], time[-1]))
     panels[-1].set_xlabel("time [ms]")

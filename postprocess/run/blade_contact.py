@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import LinearSegmentedColormap, LogNorm
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from bladewhirl.meshes.line_mesh import BoolArray
 from bladewhirl.postprocess.fields.kinematics import Array
@@ -73,6 +74,10 @@ CLASS_MARKS: Mapping[str, tuple[str, bool]] = {
     "free": ("o", False),
 }
 """Mark of each class, and whether it is filled."""
+
+
+STRIP = 0.14
+"""Share of the axes above their bars that the marks take."""
 
 
 def contact_maps(
@@ -142,7 +147,8 @@ def contact_classes(
         end: of the window [s]; of the run when None.
 
     Returns:
-        over blade: `share` [1] and `contact_class`.
+        over blade: `share` [1] and `contact_class`. Attribute `first_contact` [s] is that of the
+        run if it lies within the window, else nan.
 
     Raises:
         ViewError: fewer than two records.
@@ -156,12 +162,15 @@ def contact_classes(
     touching = dataset["contact_steps"].isel(time=slice(1, None)).sum("time").values
     share = _share(touching, time[-1] - time[0], dataset)
     names = np.select([share >= PERMANENT, share > 0], ["permanent", "intermittent"], "free")
+    touched = result["time"].values[(result["contact_steps"].values > 0).any(axis=1)]
+    first = float(touched[0]) if len(touched) else np.inf
     return labelled(
         dataset,
         "share of the time in contact",
         {"share": ("blade", share, "1"), "contact_class": ("blade", names, "1")},
         {"blade": np.arange(dataset.sizes["blade"])},
         window=window_label(dataset),
+        first_contact=first if time[0] < first <= time[-1] else np.nan,
     )
 
 
@@ -235,12 +244,12 @@ def plot_forces(maps: xr.Dataset) -> Figure:
 def plot_contact_classes(classes: xr.Dataset) -> Figure:
     """Draw the share of the time each blade is in contact, coloured by class.
 
-    Marks of the classes are above the bars, so that the smallest shares have one too.
+    Marks of the classes are in a strip above the bars, so that the smallest shares have one too.
 
     Args:
         classes: from `contact_classes`.
     """
-    figure = new_figure(height=0.05)
+    figure = new_figure(height=0.06)
     axes = figure.add_subplot()
     blade, share = classes["blade"].values, 100 * classes["share"].values
     for name, colour in CLASS_COLOURS.items():
@@ -248,17 +257,24 @@ def plot_contact_classes(classes: xr.Dataset) -> Figure:
         axes.bar(blade[own], share[own], color=colour)
         label = f"{name}: {np.count_nonzero(own)}"
         mark, filled = CLASS_MARKS[name]
-        above = np.full(np.count_nonzero(own), 0.96)
+        above = np.full(np.count_nonzero(own), 1.0 - 0.5 * STRIP)
         (marks,) = axes.plot(
             blade[own], above, mark, color=colour, label=label, transform=axes.get_xaxis_transform()
         )
         marks.set(markersize=3.0, markerfacecolor=colour if filled else "white")
-    top = 1.1 * share.max() if 0 < share.max() < FEW_PERCENT else 108.0
-    axes.set(xlabel="blade", ylabel="time in contact [%]", ylim=(0, top))
+    top = 1.1 * share.max() if 0 < share.max() < FEW_PERCENT else 102.0
+    axes.axhline(top, color="black", linewidth=0.6)
+    ticks = np.asarray(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, top))
+    axes.set(
+        xlabel="blade", ylabel="time in contact [%]", yticks=ticks[(0 <= ticks) & (ticks <= top)]
+    )
+    axes.set_ylim(0, top / (1.0 - STRIP))
     axes.set_xlim(-0.7, len(blade) - 0.3)
     axes.locator_params(axis="x", integer=True)
     axes.grid(axis="x", visible=False)
-    head(figure, classes, classes.attrs["window"])
+    first = classes.attrs["first_contact"]
+    begun = [f"first contact at {first:.4g} s, within that time"] if np.isfinite(first) else []
+    head(figure, classes, classes.attrs["window"], *begun)
     figure.legend(loc="outside lower center", ncols=3)
     return figure
 

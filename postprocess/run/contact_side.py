@@ -119,14 +119,14 @@ def plot_contact_phase(phases: xr.Dataset) -> Figure:
     frame, since = _followed(phases)
     drawn = phases if frame is None else phases.sel(time=slice(since, None))
     shown = drawn.isel(time=span_starts(drawn["time"].values, POINTS))
-    figure = new_figure(height=0.085 if frame else 0.055)
+    figure = new_figure(height=0.1 if frame else 0.06)
     *uppers, lower = figure.subplots(2 if frame else 1, sharex=True, squeeze=False)[:, 0]
     for axes in uppers:
         carried = shown["time"].values * (phases.attrs["speed"] if frame == "rotating" else 0.0)
         for name, key, size in (("smallest clearance", "contact", 3.6), ("shaft", "rotor", 1.4)):
             phase = np.degrees(_wrapped(shown[f"{name.replace(' ', '_')}_phase"].values - carried))
             axes.plot(shown["time"], phase, ".", color=COLOURS[key], markersize=size, label=name)
-        axes.set_ylabel(f"{frame} phase [°]")
+        axes.set_ylabel(f"phase in the\n{frame} frame [°]")
     lead = np.degrees(shown["shaft_lead"])
     touching = shown["impulse"].values > 0.0
     for here, colour, name in (
@@ -137,13 +137,19 @@ def plot_contact_phase(phases: xr.Dataset) -> Figure:
             look = {"color": COLOURS[colour], "markersize": 1.4}
             lower.plot(shown["time"][here], lead[here], ".", label=name, **look)
     lower.axhspan(
-        -90, 90, color=COLOURS["rest"], alpha=0.25, linewidth=0, zorder=0, label="standard"
+        -90,
+        90,
+        color=COLOURS["rest"],
+        alpha=0.25,
+        linewidth=0,
+        zorder=0,
+        label="standard: ±90°",
     )
-    lower.set_ylabel("shaft leads [°]")
+    lower.set_ylabel("shaft ahead of\nsmallest gap [°]")
     for axes in (*uppers, lower):
         axes.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
     time_axis(*uppers, lower)
-    figure.legend(loc="outside lower center", ncols=3, markerscale=2)
+    figure.legend(loc="outside lower center", ncols=2 if uppers else 3, markerscale=2)
     head(figure, phases, *_words(phases))
     return figure
 
@@ -177,12 +183,10 @@ def _words(phases: xr.Dataset) -> list[str]:
         return [phases.attrs["window"], "no steady contact scenario"]
     lead = f"{np.degrees(phases.attrs['lead']):.0f}°".replace("-", "−")
     if not phases["impulse"].any():
-        return [phases.attrs["window"], f"no contact, shaft leads the smallest gap by {lead}"]
-    told = f"{kind} contact, shaft leads by {lead}"
-    steady = (
-        f"mean by impulse, {phases.attrs['window']}; steadiness {phases.attrs['steadiness']:.2f}"
-    )
-    return [told, steady]
+        return [phases.attrs["window"], f"no contact, shaft ahead of the smallest gap by {lead}"]
+    told = f"{kind} contact, shaft ahead of it by {lead}"
+    steadiness = f"{phases.attrs['steadiness']:.2f} of 1"
+    return [told, f"mean by impulse, {phases.attrs['window']}", f"steadiness {steadiness}"]
 
 
 def _wrapped(angle: Array) -> Array:

@@ -59,7 +59,8 @@ class TestClasses:
         steps = np.zeros((11, 22), dtype=np.int64)
         steps[1:, :3], steps[1, 3] = STEPS, 1
         axes = plot_contact_classes(contact_classes(rubbing(steps))).axes[0]
-        marks = {line.get_marker(): line.get_xdata() for line in axes.lines}
+        drawn = [line for line in axes.lines if line.get_marker() != "None"]
+        marks = {line.get_marker(): line.get_xdata() for line in drawn}
         assert {mark: len(np.asarray(at)) for mark, at in marks.items()} == {
             "s": 3,
             "D": 1,
@@ -145,8 +146,8 @@ class TestPhase:
         assert phases.attrs["lead"] == of_sweep["shaft_lead"].item() == pytest.approx(0.4, abs=0.02)
         end = result["time"].values[-1]
         title = figure.get_suptitle()
-        assert "standard contact, shaft leads by 23°" in title
-        assert f"mean by impulse, {2 / 3 * end:.3g} to {end:.3g} s; steadiness 1.00" in title
+        assert "standard contact, shaft ahead of it by 23°" in title
+        assert f"mean by impulse, {2 / 3 * end:.3g} to {end:.3g} s\nsteadiness 1.00 of 1" in title
         assert phases["time"].values[0] == 0.0  # all of it is drawn
         _, early_phases = RunFigures(result, 0.0, 0.5 * end).draw("contact-phase")
         assert early_phases.attrs["scenario"] == "inverted"
@@ -180,7 +181,7 @@ class TestPhase:
     ) -> None:
         result = self.pressed(0.0, records=records)  # 80 rad/s less 70 in static axes
         upper, lower = plot_contact_phase(contact_phase(result)).axes
-        assert upper.get_ylabel() == "static phase [°]"
+        assert upper.get_ylabel() == "phase in the\nstatic frame [°]"
         for axes in (upper, lower):
             drawn = np.asarray(axes.lines[0].get_xdata())
             assert np.ptp(drawn) == pytest.approx(turns * 2 * np.pi / 10, rel=0.01)
