@@ -20,7 +20,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from bladewhirl.models.inputs.errors import CaseError, Fault
-from bladewhirl.models.inputs.units import TURN_PER_S, Speed, finite, rotation, to_si
+from bladewhirl.models.inputs.units import LARGEST, TURN_PER_S, Speed, finite, rotation, to_si
 
 EXPECTED = "expected"
 """Type of the errors raised here; their context holds the phrase under the same name."""
@@ -125,7 +125,7 @@ def _speed(value: Any) -> Speed:
 
 def _positive_speed(value: object) -> Speed:
     speed = _speed(value)
-    if speed.value <= 0.0:
+    if speed.value < 1.0 / LARGEST:  # its square would be zero
         raise expectation(f"a positive speed: {_SPEED_PHRASE}")
     return speed
 

@@ -81,7 +81,7 @@ class Speed:
     rad/s and is kept, so that a case is written out as it was read.
 
     Raises:
-        ValueError: not a finite number, too small a one, or text that `rotation` refuses.
+        ValueError: not a finite number, or text that `rotation` refuses.
     """
 
     given: float | str  #: multiples of the reference frequency, or text with a unit
@@ -95,8 +95,6 @@ class Speed:
             object.__setattr__(self, "given", value)
         else:
             raise ValueError("neither a number nor text")
-        if 0.0 < abs(value) < 1.0 / LARGEST:
-            raise ValueError("too small")
         object.__setattr__(self, "value", value)
 
     def __str__(self) -> str:
@@ -119,8 +117,7 @@ class Speed:
 
 
 LARGEST = 1e30
-"""Numbers of a case are smaller, and speeds are zero or larger than its inverse: no quantity in SI
-units comes near, and products stay floats."""
+"""Numbers of a case are smaller: no quantity in SI units comes near, and products stay floats."""
 
 
 def finite(number: SupportsFloat) -> float:

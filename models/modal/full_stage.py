@@ -191,6 +191,7 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
         free, clamped = case_bladed_disk(case, clamped=False), case_bladed_disk(case, clamped=True)
         tell_cost(modal_cost(free.structure))
         casing = case_casing(case)
+        tell_cost(modal_cost(casing.structure))
         tip = tip_in_sector(free)
         reference: float | None = None
         both: tuple[TurningDisk, TurningDisk] | None = None

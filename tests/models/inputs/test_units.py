@@ -134,9 +134,7 @@ def test_a_speed_with_a_unit_ignores_the_reference_and_keeps_its_text() -> None:
     assert Speed("3000 rpm") == speed != Speed("3001 rpm")
 
 
-@pytest.mark.parametrize(
-    "given_", [True, None, [1.0], math.nan, math.inf, 10**400, 5e-324, "1", "3 kg"]
-)
+@pytest.mark.parametrize("given_", [True, None, [1.0], math.nan, math.inf, 10**400, "1", "3 kg"])
 def test_a_speed_is_a_finite_number_or_text_with_a_unit(given_: object) -> None:
     with pytest.raises(ValueError, match=r"."):
         Speed(given_)  # type: ignore[arg-type]
