@@ -25,6 +25,9 @@ from bladewhirl.models.inputs.units import LARGEST, TURN_PER_S, Speed, finite, r
 EXPECTED = "expected"
 """Type of the errors raised here; their context holds the phrase under the same name."""
 
+SMALLEST = 1.0 / LARGEST
+"""Smallest quantity above zero: squares and ratios of smaller ones leave double precision."""
+
 MOST = 100_000
 """Largest count of blades, elements, modes: beyond it a case is a slip of the pen."""
 
@@ -103,6 +106,8 @@ def _checked(phrase: str, sign: Sign, convert: Callable[[str], float]) -> Before
             result = convert(value) if isinstance(value, str) else finite(value)
         except ValueError as error:
             raise expectation(phrase, error) from None
+        if sign != "any" and 0.0 < result < SMALLEST:
+            raise expectation(phrase, "too small")
         if (sign == "positive" and result <= 0.0) or (sign == "not negative" and result < 0.0):
             raise expectation(phrase)
         return result
@@ -125,7 +130,7 @@ def _speed(value: Any) -> Speed:
 
 def _positive_speed(value: object) -> Speed:
     speed = _speed(value)
-    if speed.value < 1.0 / LARGEST:  # its square would be zero
+    if speed.value < SMALLEST:
         raise expectation(f"a positive speed: {_SPEED_PHRASE}")
     return speed
 

@@ -195,7 +195,7 @@ def round_factor(tip_radius: float, clearance: float, largest_displacement: floa
         for share, length in ((DRAWN_CLEARANCE, clearance), (DRAWN_MOTION, largest_displacement))
         if length > 0
     ]
-    limit = max(1.0, min(limits, default=1.0))
+    limit = min(max(1.0, min(limits, default=1.0)), MOST)
     decade = 10.0 ** np.floor(np.log10(limit))
     # A rounding error must not turn a limit of exactly 50 into 20.
     return float(decade * max(step for step in (1, 2, 5) if step * decade <= limit * (1 + 1e-9)))

@@ -275,7 +275,8 @@ def test_initial_rows_of_a_wrong_shape(key: str, value: object, place: str) -> N
         ({"bladed_disk": {"tip_radius": "2 cm"}}, "bladed_disk.disk_radius = 0.05", "= 0.02"),
         ({"march": {"record_step": 1e-7}}, "march.record_step = 1e-7", "at least march.time_step"),
         ({"march": {"record_step": 1.5e-6}}, "march.record_step", "1e-06 or 2e-06, not 1.5 of"),
-        ({"march": {"time_step": 1e-300}}, "march.duration = 3.0", "steps"),
+        ({"march": {"time_step": 1e-29}}, "march.duration = 3.0", "steps"),
+        ({"march": {"time_step": 1e-31}}, "march.time_step = 1e-31", "(too small)"),
         (
             {"excitation": {"type": "casing-distortion", "nodal_diameter": 21}},
             "excitation.nodal_diameter = 21",

@@ -141,7 +141,6 @@ def test_faults_of_the_march_come_together() -> None:
             "bladed_disk: expected a bladed disk of fewer degrees of freedom than 165002,",
         ),
         ({"material.young_modulus": 1e30}, "material.young_modulus = 1e30: expected 1e+09 to "),
-        ({"material.density": 1e-300}, "material.density = 1e-300: expected 500 to 25000 kg/m3"),
         ({"shaft.stiffness": 1e30}, "shaft.stiffness = 1e30: expected at most 1e+13 N/m"),
     ],
 )

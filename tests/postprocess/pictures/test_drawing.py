@@ -216,6 +216,7 @@ def test_reach_holds_everything() -> None:
         (1e-3, 4e-3, 20),  # 31 would do
         (1e-3, 0.3, 1),
         (0.0, 1e-4, 1000),
+        (1e-20, 0.0, 1e9),  # the largest factor that may be given
         (0.0, 0.0, 1),
     ],
 )

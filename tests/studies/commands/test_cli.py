@@ -50,7 +50,7 @@ def test_new_where_nothing_can_be_written(tmp_path: Path) -> None:
     [
         "material.young_modulus=1e29",
         "material.young_modulus=1e24",
-        "shaft.stiffness=1e-300",
+        "shaft.stiffness=1e-29",
     ],
 )
 @pytest.mark.parametrize(
