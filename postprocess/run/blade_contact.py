@@ -236,7 +236,9 @@ def plot_forces(maps: xr.Dataset) -> Figure:
     )
     axes.set_xlim(*limits)
     time_axis(axes)
-    head(figure, maps, *filter(None, [words]))
+    cell, blade = np.unravel_index(int(force.argmax()), force.shape)
+    largest = f"largest mean: {scale * top:.3g} {unit}, blade {blade}, by {maps['edge'].values[cell + 1]:.4g} s"
+    head(figure, maps, *filter(None, [words, largest if force.any() else ""]))
     return figure
 
 

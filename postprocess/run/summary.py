@@ -64,6 +64,7 @@ class WhirlFigures(TypedDict):
     whirl_lines: list[LineOfWhirl]
     ripple_rms: float
     ripple_frequency: float | None
+    ripple_lines: list[LineOfWhirl]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,6 +91,7 @@ class Summary:
     whirl_lines: list[LineOfWhirl]  #: strongest of the two-sided spectrum over the last third
     ripple_rms: float  #: motion about its mean place in rotating axes, last third [m]
     ripple_frequency: float | None  #: net turns a second of it about that place [Hz]
+    ripple_lines: list[LineOfWhirl]  #: strongest of its two-sided spectrum
     tip_displacement_max: float  #: of any blade tip, in any direction, over the records [m]
     strain_energy_max: float  #: bladed disk with its shaft springs, over the records [J]
     strain_energy_final: EnergyHolders  #: [J]
@@ -219,20 +221,25 @@ def _whirl_figures(orbit: xr.Dataset) -> WhirlFigures:
     late = late_part(orbit)
     rotating, static = (whirl(late, frame) for frame in FRAMES)
     size, about = ripple(late, "rotating")
-    carried = abs(float(orbit.attrs["speed"])) / (2 * np.pi)
     return {
         "whirl_frequency_rotating": rotating.frequency,
         "whirl_frequency_static": static.frequency,
         "whirl_frequency_error": (
             float(rotating.error / (2 * np.pi)) if np.isfinite(rotating.error) else None
         ),
-        "whirl_lines": [
-            {"rotating": line.frequency, "static": line.frequency + carried, "share": line.share}
-            for line in strongest_lines(late, "rotating")
-        ],
+        "whirl_lines": _lines(late),
         "ripple_rms": size,
-        "ripple_frequency": about.frequency,
+        "ripple_frequency": whirl(about, "rotating").frequency,
+        "ripple_lines": _lines(about),
     }
+
+
+def _lines(orbit: xr.Dataset) -> list[LineOfWhirl]:
+    carried = abs(float(orbit.attrs["speed"])) / (2 * np.pi)
+    return [
+        {"rotating": line.frequency, "static": line.frequency + carried, "share": line.share}
+        for line in strongest_lines(orbit, "rotating")
+    ]
 
 
 def _rest(dataset: xr.Dataset) -> dict[str, float]:

@@ -6,7 +6,7 @@ from rich.table import Table
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY
 from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT
 from bladewhirl.postprocess.run.stresses import stress_unit
-from bladewhirl.postprocess.run.summary import Summary
+from bladewhirl.postprocess.run.summary import LineOfWhirl, Summary
 from bladewhirl.postprocess.shaft.whirl import Frame
 
 
@@ -37,18 +37,20 @@ def summary_rows(summary: Summary) -> dict[str, str]:
             known = 2 * (summary.whirl_frequency_error or 0.0)
             error = f" ± {known:.1g}" if known > 1e-6 * abs(frequency) else ""
             return f"{way}, {abs(frequency):.4g}{error} Hz over the last third"
+        return f"doesn't go round the centre at one rate{spectrum(summary.whirl_lines, frame)}"
+
+    def spectrum(lines: list[LineOfWhirl], frame: Frame) -> str:
         least = 3.0 / summary.end_time if summary.end_time else np.inf  # of a turn in that third
-        lines = [
+        told = [
             f"{line['share']:.0%} "
             + (
                 f"at {line[frame]:.3g} Hz"
                 if abs(line[frame]) >= least
                 else f"standing still, below {least:.2g} Hz"
             )
-            for line in summary.whirl_lines
+            for line in lines
         ]
-        spectrum = f"; lines of its spectrum: {', '.join(lines)}" if lines else ""
-        return f"doesn't go round the centre at one rate{spectrum}"
+        return f"; lines of its spectrum: {', '.join(told)}" if told else ""
 
     def wall(way: str) -> str:
         peak = summary.casing_displacement_max[way]
@@ -69,7 +71,11 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         "whirl, rotating frame": turning("rotating", summary.whirl_frequency_rotating),
         "whirl, static frame": turning("static", summary.whirl_frequency_static),
         "ripple about the mean place": f"{1e3 * summary.ripple_rms:.3g} mm (rms)"
-        + (f", {summary.ripple_frequency:.4g} Hz" if summary.ripple_frequency else ""),
+        + (
+            f", {summary.ripple_frequency:.4g} Hz"
+            if summary.ripple_frequency
+            else spectrum(summary.ripple_lines, "rotating")
+        ),
         "casing displacement, largest": f"radial {wall('radial')}, tangential {wall('tangential')}",
         "tip displacement, largest": f"{1e3 * summary.tip_displacement_max:.4g} mm",
         "strain energy, largest": f"{summary.strain_energy_max:.4g} J",

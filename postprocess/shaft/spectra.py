@@ -53,6 +53,10 @@ length, for smooth lines."""
 DECADES = 4.0
 """Decades below the largest amplitude that are drawn."""
 
+TOLD, HALF_LINE = 1e-3, 4
+"""Share of the largest amplitude from which on that outside the drawn frequencies is told, and half
+the width of a line under the window, in resolutions."""
+
 MARGIN = 1.12
 """How far the drawn frequencies go beyond the outermost line of a mode."""
 
@@ -207,6 +211,9 @@ def shaft_spectrogram(
 def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
     """The frequencies that are drawn, so far that all lines are seen, and `modal_line` (line,).
 
+    The attribute `outside` says in words what is strongest at frequencies that are not drawn; it is
+    empty where that is less than a thousandth of the largest.
+
     Args:
         spectrum: from `shaft_spectrum` or `shaft_spectrogram`.
         lines: from `modal_lines`, of the same frame.
@@ -221,7 +228,27 @@ def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
             f"{2e3 * np.pi / resolution:.3g} ms tell frequencies {_hertz(resolution):.3g} Hz apart,"
             f" the modes lie within {_hertz(edge):.3g} Hz: a spectrum needs a longer window"
         )
-    return spectrum.sel(frequency=slice(-edge, edge)).assign(modal_line=lines)
+    drawn = spectrum.sel(frequency=slice(-edge, edge)).assign(modal_line=lines)
+    return drawn.assign_attrs(outside=_outside(spectrum, edge))
+
+
+def _outside(spectrum: xr.Dataset, edge: float) -> str:
+    """What is strongest beyond an edge and the width of a line there, in words."""
+    amplitude = MILLI * spectrum["amplitude"]
+    amplitude = amplitude.max(set(amplitude.dims) - {"frequency"})
+    past = edge + HALF_LINE * spectrum.attrs["resolution"]
+    beyond = amplitude[np.abs(amplitude["frequency"].values) > past]
+    if not beyond.size or not beyond.max() > TOLD * amplitude.max():
+        return ""
+    peak = beyond[int(beyond.argmax())]
+    place = f"{_hertz(float(peak['frequency'])):.4g}".replace("-", "−")
+    return f"outside: up to {float(peak):.2g} mm at {place} Hz"
+
+
+def _limits(spectrum: xr.Dataset) -> list[str]:
+    """What a spectrum can't tell apart and what is not drawn of it, in words."""
+    resolution = f"resolution {_hertz(spectrum.attrs['resolution']):.3g} Hz"
+    return [*filter(None, [resolution, spectrum.attrs["outside"]])]
 
 
 @styled
@@ -249,9 +276,8 @@ def plot_spectrum(spectrum: xr.Dataset) -> Figure:
     if low < high:
         axes.set_xlim(low, high)
     _draw_lines(axes, spectrum["modal_line"], axes.axvline)
-    resolution = f"resolution {_hertz(spectrum.attrs['resolution']):.3g} Hz"
     frame, window = spectrum.attrs["frame"], spectrum.attrs["window"]
-    head(figure, spectrum, f"{frame} frame, {window}", resolution)
+    head(figure, spectrum, f"{frame} frame, {window}", *_limits(spectrum))
     figure.legend(loc="outside lower center", ncols=2, handlelength=2.6)
     return figure
 
@@ -280,9 +306,9 @@ def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
     time_axis(axes)
     _draw_lines(axes, spectrogram["modal_line"], _at_both_edges(axes))
     axes.set_ylabel("frequency [Hz]\n← backward  forward →")
-    resolution = f"resolution {_hertz(spectrogram.attrs['resolution']):.3g} Hz"
     frame, slice_length = spectrogram.attrs["frame"], 1e3 * spectrogram.attrs["slice"]
-    head(figure, spectrogram, f"{frame} frame, slices of {slice_length:.3g} ms", resolution)
+    shown = f"{frame} frame, slices of {slice_length:.3g} ms"
+    head(figure, spectrogram, shown, *_limits(spectrogram))
     figure.colorbar(picture, ax=axes, label="amplitude [mm]")
     figure.legend(loc="outside lower center", ncols=2, handlelength=2.6)
     return figure

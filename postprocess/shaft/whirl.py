@@ -88,7 +88,9 @@ def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
     rate where the angle turns on by less than a tenth of a turn, than it swings about that line
     (an orbit that leaves the centre outside, such as a ripple about a steady place), or than two
     standard errors. A place that turns by more than a quarter turn between two records may have
-    passed the centre on either side: each adds a turn to what has to be exceeded.
+    passed the centre on either side: each adds a turn to what has to be exceeded. Nor is there one
+    where none of the strongest lines lies at the rate: net turns of several circles, none larger
+    than all others together, are a mean that nothing turns at.
 
     Args:
         orbit: from `orbits.shaft_orbit`, of the time that is wanted.
@@ -109,8 +111,20 @@ def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
             turned >= LEAST_TURN * 2 * np.pi
             and turned > swing
             and not abs(rate) <= CERTAINTY * error
+            and _has_line(orbit, frame, rate, error)
         ),
     )
+
+
+def _has_line(orbit: xr.Dataset, frame: Frame, rate: float, error: float) -> bool:
+    """One of the strongest lines lies at the rate, within a line's width or its error; also where
+    a spectrum says nothing.
+    """
+    lines = strongest_lines(orbit, "rotating")
+    time = orbit["time"].values
+    near = max(2 * np.pi * LOBE / np.ptp(time), CERTAINTY * np.nan_to_num(error))
+    own = rate - (abs(float(orbit.attrs["speed"])) if frame == "static" else 0.0)
+    return not lines or any(abs(2 * np.pi * line.frequency - own) <= near for line in lines)
 
 
 def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, Array]:
@@ -131,18 +145,17 @@ def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, Array]:
     return angle + carried, doubtful
 
 
-def ripple(orbit: xr.Dataset, frame: Frame) -> tuple[float, Whirl]:
-    """Motion about its mean place: root mean square [m], and its own net turns about that place.
+def ripple(orbit: xr.Dataset, frame: Frame) -> tuple[float, xr.Dataset]:
+    """Motion about its mean place: root mean square [m], and the orbit of it about that place.
 
     Args:
         orbit: from `orbits.shaft_orbit`, of the time that is wanted.
-        frame: in which the place is.
+        frame: in which the place is; the orbit has it as `rotating`.
     """
     place = orbit[frame].values
     about = place - place.mean(axis=0)
     size = float(np.sqrt(np.mean(np.sum(about**2, axis=1))))
-    seen = orbit[["radius"]].assign(rotating=(("time", "axis"), about))
-    return size, whirl(seen, "rotating")
+    return size, orbit[["radius"]].assign(rotating=(("time", "axis"), about))
 
 
 def strongest_lines(orbit: xr.Dataset, frame: Frame) -> tuple[SpectralLine, ...]:

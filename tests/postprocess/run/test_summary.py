@@ -48,7 +48,7 @@ KEYS = {
     *"shaft_radius_max shaft_radius_final tip_displacement_max".split(),
     *"growth_rate_end growth_residual ripple_growth_rate ripple_growth_rate_error".split(),
     *"whirl_frequency_rotating whirl_frequency_static whirl_frequency_error whirl_lines".split(),
-    *"ripple_rms ripple_frequency strain_energy_rest strain_energy_casing_final work".split(),
+    *"ripple_rms ripple_frequency ripple_lines strain_energy_rest strain_energy_casing_final work".split(),
     *"drive_power drive_torque casing_displacement_max contact_force_max".split(),
     *"contact_impulse stress_max yield_strength".split(),
     *"strain_energy_max strain_energy_final contact_share gap_violation_max".split(),
@@ -542,6 +542,9 @@ class TestWriting:
         rows = summary_rows(told)
         assert "50% standing still, below 10 Hz, 50% at 10.1 Hz" in rows["whirl, rotating frame"]
         assert "50% at 40.1 Hz, 50% at 60.1 Hz" in rows["whirl, static frame"]
+        mixed = replace(told, ripple_frequency=None, ripple_lines=lines[1:])
+        row = summary_rows(mixed)["ripple about the mean place"]
+        assert row.endswith("mm (rms); lines of its spectrum: 50% at 10.1 Hz")
 
     def test_the_table_names_the_blades_that_touched(self, result: xr.Dataset) -> None:
         shares = np.zeros(22)

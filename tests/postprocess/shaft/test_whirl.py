@@ -70,7 +70,7 @@ def test_an_orbit_beside_the_centre_has_no_rate_but_its_ripple_has(speed: float)
     assert whirl(orbit, "static").frequency == pytest.approx(abs(speed), rel=1e-3)
     size, about = ripple(orbit, "rotating")
     assert size == pytest.approx(0.1 * RADIUS, rel=1e-3)
-    assert about.frequency == pytest.approx(27.0, rel=1e-6)
+    assert whirl(about, "rotating").frequency == pytest.approx(27.0, rel=1e-6)
 
 
 def test_no_rate_of_equal_circles_or_of_a_line_through_the_centre() -> None:
@@ -80,6 +80,19 @@ def test_no_rate_of_equal_circles_or_of_a_line_through_the_centre() -> None:
         lines = strongest_lines(orbit, "rotating")
         assert sorted(round(line.frequency) for line in lines) == sorted(parts)
         np.testing.assert_allclose([line.share for line in lines], 0.5, rtol=0.01)
+
+
+@pytest.mark.parametrize("speed", SPEEDS)
+def test_net_turns_that_no_line_has_are_no_rate(speed: float) -> None:
+    """Three circles, none larger than the others together: -59.9 Hz on average, steadily."""
+    orbit = orbit_of({-100.0: RADIUS, -30.0: 0.85 * RADIUS, 20.0: 0.6 * RADIUS}, speed)
+    for frame in FRAMES:
+        found = whirl(orbit, frame)
+        assert found.rate / (2 * np.pi) == pytest.approx(seen(-59.9, speed, frame), abs=0.1)
+        assert found.error / (2 * np.pi) < 0.01
+        assert found.frequency is None
+    mostly = orbit_of({-100.0: RADIUS, -30.0: 0.5 * RADIUS, 20.0: 0.4 * RADIUS}, speed)
+    assert whirl(mostly, "rotating").frequency == pytest.approx(-100.0, abs=0.1)
 
 
 def test_the_error_tells_how_the_rate_wanders() -> None:
