@@ -208,7 +208,13 @@ class Sketch:
             mass: factor on the density.
             section: instead of the member's own.
             path: instead of the member's own.
+
+        Raises:
+            CaseError: a value that is none, or a member that isn't drawn yet.
         """
+        if member not in (drawn := [known.name for known in self._parts["members"]]):
+            expected = f"a member of the sketch ({', '.join(drawn)}), not {member!r}"
+            raise CaseError([Fault(key=f"sketch: edit of sector {sector}", expected=expected)])
         self._add(
             "edits",
             SketchEdit,

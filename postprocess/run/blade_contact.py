@@ -237,7 +237,8 @@ def plot_forces(maps: xr.Dataset) -> Figure:
     axes.set_xlim(*limits)
     time_axis(axes)
     cell, blade = np.unravel_index(int(force.argmax()), force.shape)
-    largest = f"largest mean: {scale * top:.3g} {unit}, blade {blade}, by {maps['edge'].values[cell + 1]:.4g} s"
+    by = maps["edge"].values[cell + 1]
+    largest = f"largest mean: {scale * top:.3g} {unit}, blade {blade}, by {by:.4g} s"
     head(figure, maps, *filter(None, [words, largest if force.any() else ""]))
     return figure
 

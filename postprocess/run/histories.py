@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import cast
+
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
@@ -113,7 +116,7 @@ def tip_displacement(
 
 def casing_displacement(
     result: xr.Dataset,
-    angle: ArrayLike | str = 0.0,
+    angle: ArrayLike | str | Sequence[str] = 0.0,
     *,
     start: float | None = None,
     end: float | None = None,
@@ -122,7 +125,8 @@ def casing_displacement(
 
     Args:
         result: of a run; it is read portion by portion.
-        angle: from +x, counter-clockwise [rad], one or (points,), or text such as "90 deg".
+        angle: from +x, counter-clockwise, one or (points,): numbers in rad, within a turn, or text
+            such as "90 deg".
         start: of the window [s]; of the run when None.
         end: of the window [s]; of the run when None.
 
@@ -131,18 +135,13 @@ def casing_displacement(
         (counter-clockwise). One angle is a dimension of length 1.
 
     Raises:
-        UserError: text that is no angle.
+        UserError: text that is no angle, or more than a turn, as degrees without unit would be.
 
     Example:
         ``casing_displacement(result, angle="90 deg")["displacement"].sel(component="radial")``
     """
     result = in_window(result, start, end)
-    if isinstance(angle, str):
-        try:
-            angle = to_si(angle, "rad")
-        except ValueError as error:
-            raise UserError(f'angle = "{angle}": expected an angle ({error})') from None
-    angles = np.atleast_1d(np.asarray(angle, dtype=np.float64))
+    angles = np.array([_radians(each) for each in np.ravel(np.asarray(angle))])
     rows = casing_rows(result, angles)
     moved = reduce_modes(result, "casing_displacement", rows.reshape(-1, rows.shape[-1]))
     return labelled(
@@ -151,3 +150,14 @@ def casing_displacement(
         {"displacement": (("time", "angle", "component"), moved.reshape(-1, *rows.shape[:2]), "m")},
         {"time": result["time"].values, "angle": angles, "component": [*COMPONENTS]},
     )
+
+
+def _radians(angle: object) -> float:
+    """One angle [rad], of a number or of text."""
+    try:
+        radians = to_si(angle, "rad") if isinstance(angle, str) else float(cast(float, angle))
+    except ValueError as error:
+        raise UserError(f'angle = "{angle}": expected an angle ({error})') from None
+    if not abs(radians) <= 2.0 * np.pi:
+        raise UserError(f'angle = {angle}: expected within a turn, in rad or text such as "90 deg"')
+    return radians

@@ -235,12 +235,12 @@ def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
 def _outside(spectrum: xr.Dataset, edge: float) -> str:
     """What is strongest beyond an edge and the width of a line there, in words."""
     amplitude = MILLI * spectrum["amplitude"]
-    amplitude = amplitude.max(set(amplitude.dims) - {"frequency"})
+    amplitude = amplitude.max([name for name in amplitude.dims if name != "frequency"])
     past = edge + HALF_LINE * spectrum.attrs["resolution"]
     beyond = amplitude[np.abs(amplitude["frequency"].values) > past]
     if not beyond.size or not beyond.max() > TOLD * amplitude.max():
         return ""
-    peak = beyond[int(beyond.argmax())]
+    peak = beyond[int(beyond.values.argmax())]
     place = f"{_hertz(float(peak['frequency'])):.4g}".replace("-", "−")
     return f"outside: up to {float(peak):.2g} mm at {place} Hz"
 

@@ -22,7 +22,7 @@ def modes(
         typer.Option(
             metavar="NAMES",
             help='Modes to picture: "1F:0,1F:1,suspension,casing:1F:2"; without ":k", of all nodal'
-            " diameters. The lowest by default.",
+            " diameters. Where blades differ, every mode of that name. The lowest by default.",
         ),
     ] = None,
     animate: Annotated[

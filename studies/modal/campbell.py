@@ -52,16 +52,16 @@ def campbell(
     mode_body, mode_family and mode_nodal_diameter. `found.reset_index("coincidence")` goes into a
     file; `bladewhirl.plot.campbell` draws it.
 
-    Over `critical`, critical_speed (normalised): there is none without rotation effects, and beyond
-    `speeds` none is looked for. With them, critical_rpm, critical_family (of the branch at rest),
-    critical_nodal_diameter and critical_spring_share, the share of the strain energy in the shaft
-    springs, and over `engine_order` the same of the speeds at which a wave's frequency in the
+    Over `critical`, critical_speed (normalised) and critical_rpm: there are none without rotation
+    effects, and none is looked for beyond `speeds`. With them, critical_family (of the branch at
+    rest), critical_nodal_diameter and critical_spring_share, the share of the strain energy in the
+    shaft springs, and over `engine_order` the same of the speeds at which a wave's frequency in the
     rotating frame is k times that of rotation: it stands still in the static frame, as what forces
     it there does; over `branch` and `line_speed` (normalised), branch_frequency in the rotating
     frame [Hz], positive backward, with branch_family, branch_nodal_diameter and branch_direction;
-    over `line_speed`, tip_growth [m]. Attributes are speeds, normalised, nan
-    where there is none: clearance_gone, at which the tips have grown by the clearance, and
-    waves_meet, from which two waves of the bladed disk have met and one grows.
+    over `line_speed`, tip_growth [m]. Attributes are speeds, normalised, nan where there is none:
+    clearance_gone, at which the tips have grown by the clearance, and waves_meet, from which two
+    waves of the bladed disk have met and one grows.
 
     Args:
         case_or_stage: a case, or a stage of it; the centre is held as the case says.
@@ -89,8 +89,13 @@ def campbell(
         casing_nodal_diameter=casing.nodal_diameter,
     )
     rotor_frequency = rotor.frequency[found.rotor]
-    none = {"units": "1", "long_name": "critical speed: none without rotation.effects"}
-    moving = xr.Dataset({"critical_speed": ("critical", np.empty(0), none)})
+    name = "critical speed: none without rotation.effects"
+    moving = xr.Dataset(
+        {
+            each: ("critical", np.empty(0), {"units": unit, "long_name": name})
+            for each, unit in (("critical_speed", "1"), ("critical_rpm", "rpm"))
+        }
+    )
     if stage.turning is not None:
         own, names = disk_waves(stage, stage.turning), names_of(stage.disk_modes)
         found, rotor_frequency = meetings(own, rotor, casing, names, shown[1] * reference)

@@ -23,6 +23,8 @@ class ChosenMode:
     nodal_diameter: int
     numbers: IntArray
     """Among the body's modes: one, the cosine and the sine of a pair, or waves both ways."""
+    which: int = 0
+    """Among modes of the same name, as sectors that differ have them, from 1; 0 of the only one."""
 
     @property
     def name(self) -> str:
@@ -35,11 +37,12 @@ class ChosenMode:
     @property
     def stem(self) -> str:
         """Of files that show it."""
-        return self.name.replace(":", "-")
+        return self.name.replace(":", "-") + (f"-{self.which}" if self.which else "")
 
 
 def choose_modes(stage: ModalStage, option: str, text: str) -> list[ChosenMode]:
-    """Modes from a list of names; a name without nodal diameter means all it has.
+    """Modes from a list of names; a name without nodal diameter means all it has, and one that
+    several modes of a stage of unequal sectors have means each of them.
 
     Args:
         stage: finite element models with their modes.
@@ -52,14 +55,22 @@ def choose_modes(stage: ModalStage, option: str, text: str) -> list[ChosenMode]:
     return [mode for word in text.split(",") for mode in _named(stage, option, word.strip())]
 
 
-def family_of(stage: ModalStage, body: Body, family: str, diameters: list[int]) -> list[ChosenMode]:
-    """Those modes of a family that there are among some nodal diameters."""
+def family_of(
+    stage: ModalStage, body: Body, family: str, diameters: list[int], *, every: bool = False
+) -> list[ChosenMode]:
+    """Those modes of a family that there are among some nodal diameters; of several that have the
+    same name the lowest, unless `every` is wanted.
+    """
     modes = modes_of(stage, body)
-    return [
-        ChosenMode(body=body, family=family, nodal_diameter=k, numbers=_pair(modes, family, k))
-        for k in diameters
-        if modes.find(family, k).size
-    ]
+    chosen = []
+    for k in diameters:
+        found = _with_partners(modes, family, k)[: None if every else 1]
+        which = range(1, len(found) + 1) if len(found) > 1 else range(len(found))
+        chosen += [
+            ChosenMode(body=body, family=family, nodal_diameter=k, numbers=numbers, which=own)
+            for own, numbers in zip(which, found, strict=True)
+        ]
+    return chosen
 
 
 def modes_of(stage: ModalStage, body: Body) -> LabelledModes | Whirl:
@@ -82,19 +93,20 @@ def _named(stage: ModalStage, option: str, word: str) -> list[ChosenMode]:
     if colon and (not number.isdecimal() or int(number) not in diameters):
         listed = ", ".join(map(str, diameters))
         raise UserError(f"{option} {word}: expected a nodal diameter of {family}: {listed}")
-    return family_of(stage, body, family, [int(number)] if colon else diameters)
+    return family_of(stage, body, family, [int(number)] if colon else diameters, every=True)
 
 
 def _of_family(modes: LabelledModes | Whirl, family: str) -> IntArray:
     return np.flatnonzero([name == family for name in modes.family])
 
 
-def _pair(modes: LabelledModes | Whirl, family: str, k: int) -> IntArray:
-    """The mode, with its partner where the structure has degenerate pairs or waves both ways."""
+def _with_partners(modes: LabelledModes | Whirl, family: str, k: int) -> list[IntArray]:
+    """Modes of a name, those that are a pair or waves both ways together."""
     found = modes.find(family, k)
-    if isinstance(modes, Whirl):
-        return found if modes.modes.rank[found[0]] >= 0 else found[:1]
-    return found if modes.column[found[0]] >= 0 else found[:1]
+    told_apart = modes.modes.rank if isinstance(modes, Whirl) else modes.column
+    if not found.size:
+        return []
+    return [found] if told_apart[found[0]] >= 0 else list(found[:, None])
 
 
 def _listed(families: list[str]) -> str:

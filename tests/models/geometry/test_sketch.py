@@ -257,7 +257,7 @@ BAD: list[tuple[Callable[[Sketch], object], str]] = [
     (lambda s: s.mass("hub", 1.0), "mass at 'hub': expected a node of the sketch"),
     (lambda s: s.mass("tip", -1.0), r"masses 'tip'.mass = -1\.0: expected a number of zero or"),
     (lambda s: s.move(7, "tip", 0.4), "edit of sector 7: expected a sector from 0 to 4"),
-    (lambda s: s.change(1, "blade"), "expected a member of the sketch, not 'blade'"),
+    (lambda s: s.change(1, "blade"), r"sector 1: expected a member of the sketch \(blades"),
     (lambda s: s.set("tips", "end"), "set 'tips': expected a node of the sketch"),
     (lambda s: s.link("root", "tip"), 'of the set "tips", to be led by none'),
     (

@@ -81,6 +81,11 @@ def test_the_casing_moves_between_its_nodes_as_its_cubics_do(result: xr.Dataset)
     xr.testing.assert_identical(turned, bw.casing_displacement(still, angle=np.pi / 2))
     with pytest.raises(bw.UserError, match='angle = "90 mm": expected an angle'):
         bw.casing_displacement(still, angle="90 mm")
+    two = bw.casing_displacement(still, angle=["90 deg", "0.5 rad"])
+    xr.testing.assert_identical(two, bw.casing_displacement(still, angle=[np.pi / 2, 0.5]))
+    for beyond in (90, "400 deg", np.nan):
+        with pytest.raises(bw.UserError, match="expected within a turn"):
+            bw.casing_displacement(still, angle=beyond)
 
 
 def test_forces_are_impulses_over_the_time_since_the_record_before(result: xr.Dataset) -> None:
