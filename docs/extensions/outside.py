@@ -26,6 +26,9 @@ PAGES = {
 }
 """Pages of names, by the end of the full name."""
 
+ARRAY_LIKE = re.compile(r"\S*_?Buffer \|.*_NestedSequence\[[^\[\]]*\]")
+"""`numpy.typing.ArrayLike`, as it is written out."""
+
 LONGEST = 300
 """Characters of a class's signature that is left as it is."""
 
@@ -42,10 +45,13 @@ def link(
 
 
 def plain(app: Sphinx, *_: object) -> None:
-    """Leave of the types of parameters what Python checks, not what pydantic does with them."""
+    """Leave of the types of parameters what Python checks, not what pydantic does with them, and
+    call what NumPy makes arrays of array-like.
+    """
     for types in app.env.current_document.autodoc_annotations.values():
         for name, told in types.items():
-            types[name] = re.sub(r"Annotated\[((?:[^\[\],]|\[[^\]]*\])*),.*\]", r"\1", told)
+            short = re.sub(r"Annotated\[((?:[^\[\],]|\[[^\]]*\])*),.*\]", r"\1", told)
+            types[name] = ARRAY_LIKE.sub("array-like", short)
 
 
 def brief(

@@ -58,7 +58,8 @@ class BladedDisk(Table):
     blade 21."""
     disk_kind: Literal["spokes-and-rim", "spokes", "rim", "rigid"] = "spokes-and-rim"
     """"spokes-and-rim" (the paper), "spokes" alone, "rim": a ring that springs join to the centre,
-    which then needs a point mass, or "rigid"."""
+    which then needs a point mass, or "rigid". Spokes are a beam from the centre to each root: where
+    they overlap near the centre each keeps its mass and stiffness in full."""
     disk: DiskSection = DiskSection()
     """Section of spokes and rim [m]; 30 mm in the plane is a choice (the paper has "a dedicated set
     of beams"), which puts the suspension modes at 2.53."""

@@ -82,7 +82,11 @@ def speed_words(dataset: xr.Dataset) -> str:
     """The speed in three units, a line each."""
     speed = float(dataset.attrs["speed"])
     relative = speed / float(dataset.attrs["reference_frequency"])
-    return f"{speed:.5g} rad/s\n{speed * 30 / np.pi:.5g} rpm\n{relative:.4g} × lowest mode"
+    return f"{speed:.5g} rad/s\n{speed * 30 / np.pi:.5g} rpm\nΩ/ω₁ = {relative:.4g}"
+
+
+DOTS = "dots: centre and blade 0"
+"""What the dots of a picture mark."""
 
 
 def enlargement(factor: float) -> str:

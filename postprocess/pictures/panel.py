@@ -12,6 +12,7 @@ import xarray as xr
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, rotate
 from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.pictures.appearance import (
+    DOTS,
     FAINT,
     FINER,
     FONT,
@@ -64,6 +65,7 @@ class Panel:
         if sheet:
             shown.append(f"bars: {bar}")
         else:
+            shown.append(DOTS)
             write(scene.plotter, bar, 0.085, 11, indent=-SQUARE)
         write_title(scene.plotter, dataset)
         self._time = write(scene.plotter, "", 0.885, 22)
