@@ -81,5 +81,5 @@ def owned(folder: Path) -> Iterator[Path]:
 def _refuse_foreign(paths: Iterable[Path], *, overwrite: bool) -> None:
     for path in paths:
         if not overwrite and os.path.lexists(path):
-            told = "it is there and not listed as bladewhirl's; --overwrite replaces it"
+            told = "it is there, and no manifest says it is bladewhirl's; --overwrite replaces it"
             raise FileExistsError(errno.EEXIST, told, str(path))

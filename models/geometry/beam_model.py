@@ -115,4 +115,13 @@ class BeamModel:
     @property
     def mass(self) -> float:
         """Mass of all parts [kg]."""
-        return float(self.properties.mean_line_mass @ self.mesh.lengths + self.masses.mass.sum())
+        return sum(self.part_masses.values())
+
+    @property
+    def part_masses(self) -> dict[str, float]:
+        """Mass of the beams of each part, and of the point masses where there are any [kg]."""
+        own = self.properties.mean_line_mass * self.mesh.lengths
+        parts = np.array(self.mesh.line_parts)
+        found = {str(name): float(own[parts == name].sum()) for name in dict.fromkeys(parts)}
+        hung = float(self.masses.mass.sum())
+        return found | ({"point masses": hung} if hung else {})

@@ -55,7 +55,7 @@ PURE = 0.9995
 TURNS = "rotation is counter-clockwise"
 """Said with every picture in which something travels, or may."""
 
-LOCALISED = 0.5
+MIXED = 0.5
 """Purity below which no nodal diameter names a mode."""
 
 OUTSIDE = 1.1
@@ -224,7 +224,7 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
     marks = [(shape.rest, "centre at rest"), (shape.centre, "displaced")]
     told = "Drawn exaggerated. centre: its displacement over the largest of the mode"
     if (data[f"{prefix}_purity"].values < PURE).any():
-        told += "; k = … holds: its share of the kinetic energy"
+        told += "; k = … holds: its share of the kinetic energy; mixed k: none holds half of it"
     legends_below(figure, Group(marks, f"{told}."))
     return figure
 
@@ -339,11 +339,11 @@ def _pictures(data: xr.Dataset, body: Body) -> list[Pixels]:
 
 
 def mode_title(family: str, nodal_diameter: int, purity: float = 1.0) -> str:
-    """A mode in words: "1F, k = 2", "suspension", "1F, localised"."""
-    if family == "suspension":
+    """A mode in words: "1F, k = 2", "suspension", "1F, mixed k"; "1F" without sectors."""
+    if family == "suspension" or nodal_diameter < 0:
         return family
-    if nodal_diameter < 0 or purity < LOCALISED:
-        return f"{family}, localised"
+    if purity < MIXED:
+        return f"{family}, mixed k"
     return f"{family}, k = {nodal_diameter}"
 
 

@@ -22,7 +22,8 @@ def modes(
         typer.Option(
             metavar="NAMES",
             help='Modes to picture: "1F:0,1F:1,suspension,casing:1F:2"; without ":k", of all nodal'
-            " diameters. Where blades differ, every mode of that name. The lowest by default.",
+            " diameters. Where blades differ, every mode of that name. By default k = 0, 1, ... and"
+            " the highest of 1F, the suspension, and the lowest of the casing.",
         ),
     ] = None,
     animate: Annotated[

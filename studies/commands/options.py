@@ -28,9 +28,9 @@ Changes = Annotated[
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Write into a folder that exists.")]
 Replace = Annotated[
-    bool, typer.Option("--overwrite", help="Replace files that bladewhirl did not write.")
+    bool, typer.Option("--overwrite", help="Replace what is there, also if it is not bladewhirl's.")
 ]
-Force = Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")]
+Force = Annotated[bool, typer.Option("--force", "--overwrite", help="Overwrite an existing file.")]
 Start = Annotated[
     str | None,
     typer.Option("--from", help='Start of the window: seconds, or "0.8 ms"; of the run if none.'),

@@ -123,7 +123,10 @@ def _rows(properties: StageProperties) -> Iterator[tuple[str, str]]:
     from bladewhirl.studies.runs.properties import MARCHES
 
     reduction = properties.reduction
-    yield "bladed disk", f"{properties.bladed_disk_mass:.5g} kg"
+    parts = properties.bladed_disk_parts
+    listed = ", ".join(f"{name} {mass:.3g} kg" for name, mass in parts.items())
+    told = f": {listed}" if len(parts) > 1 else ""
+    yield "bladed disk", f"{properties.bladed_disk_mass:.5g} kg{told}"
     yield "casing", f"{properties.casing_mass:.5g} kg"
     yield "reference frequency", _text(properties.reference_frequency)
     yield "speed", _text(properties.speed)

@@ -15,7 +15,7 @@ from rich.progress import Progress
 
 from bladewhirl.meshes.files.manifest import claim
 from bladewhirl.models.inputs.errors import UserError, writing
-from bladewhirl.models.modal.full_stage import ModalStage
+from bladewhirl.models.modal.full_stage import ModalStage, Whirl
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.modal.mode_shapes import (
     animate_mode,
@@ -123,7 +123,9 @@ def _wave(stage: ModalStage, mode: ChosenMode, wanted: str | None) -> Wave:
     if wanted is None:
         return fed if fed in ways else cast(Wave, min(ways))
     if wanted not in ways:
-        words = "is no pair, it stands" if ways == {"standing"} else "is a wave that travels"
+        words = "is a wave that travels"
+        if ways == {"standing"}:
+            words = "stands: it is no pair" + (", since blades differ" if mode.which else "")
         expected = " or ".join(sorted(ways))
         raise UserError(f"--wave {wanted}: expected {expected}; {mode.name} {words}")
     return cast(Wave, wanted)
@@ -167,7 +169,9 @@ def _scenarios(stage: ModalStage) -> Drawn:
 def _film(
     stage: ModalStage, mode: ChosenMode, wave: Wave, folder: Path, *, overwrite: bool
 ) -> None:
-    words = f"{mode_title(mode.family, mode.nodal_diameter)}, {wave} wave"
+    found = modes_of(stage, mode.body)
+    purity = (found.modes if isinstance(found, Whirl) else found).purity[mode.numbers[0]]
+    words = f"{mode_title(mode.family, mode.nodal_diameter, purity)}, {wave} wave"
     title = words if mode.body == "bladed-disk" else f"casing {words}"
     numbers, stem = mode.numbers, mode.stem
     if mode.body == "bladed-disk" and stage.disk_whirl is not None:

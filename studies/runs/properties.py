@@ -80,6 +80,7 @@ class StageProperties:
     """Properties of a stage that follow from its case."""
 
     bladed_disk_mass: float  #: [kg]
+    bladed_disk_parts: dict[str, float]  #: mass of the beams of each part, and point masses [kg]
     casing_mass: float  #: struts included [kg]
     reference_frequency: Rate  #: lowest of the full bladed disk with a free centre, at rest
     speed: Rate
@@ -124,6 +125,7 @@ def _properties(stage: Stage) -> StageProperties:
     kept = {name: len(dofs) for name, dofs in boundary.items()}
     return StageProperties(
         bladed_disk_mass=disk.model.mass,
+        bladed_disk_parts=disk.model.part_masses,
         casing_mass=casing.mass,
         reference_frequency=_rate(stage, stage.reference_frequency),
         speed=_rate(stage, stage.speed),

@@ -329,7 +329,7 @@ BAD_INPUT = {
     " family of the casing, 1F to 4F, rigid",
     "modes -o new --wave sideways": "--wave sideways: expected one of standing, forward, backward",
     "modes -o new --animate 1F:0 --wave forward": "--wave forward: expected standing;"
-    " 1F:0 is no pair, it stands",
+    " 1F:0 stands: it is no pair",
     "campbell --speeds 3:1": "--speeds 3:1: expected a STOP above the START of 3",
     "campbell --speeds 2:2": "--speeds 2:2: expected a STOP above the START of 2",
     "campbell --speeds ''": f"--speeds {NO_SPEEDS}",

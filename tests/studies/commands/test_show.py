@@ -53,6 +53,8 @@ def test_masses_frequencies_and_speed(derived: Any) -> None:
     blades, spokes = 22 * 0.45 * 0.1 * 0.01, 22 * 0.05 * 0.1 * 0.03
     rim = 22 * 2 * 0.05 * np.sin(np.pi / 22) * 0.1 * 0.03
     assert derived["bladed_disk_mass"] == pytest.approx(STEEL * (blades + spokes + rim))
+    parts = {"blades": blades, "spokes": spokes, "rim": rim}
+    assert derived["bladed_disk_parts"] == pytest.approx({k: STEEL * v for k, v in parts.items()})
     assert derived["casing_mass"] == pytest.approx(STEEL * 2 * np.pi * 0.501 * 0.1 * 0.01)
     speed, reference = derived["speed"], derived["reference_frequency"]
     assert speed["normalised"] == pytest.approx(1.05)

@@ -88,15 +88,6 @@ def test_speeds_and_springs_beyond_all_frequencies_are_refused() -> None:
     assert result.stderr.startswith("--speed 1e+300: expected multiples of the reference frequency")
 
 
-def test_modes_of_no_stage_are_refused(tmp_path: Path) -> None:
-    """Whose squares are infinite; the wall's thickness is 1e-302 m."""
-    file = tmp_path / "case.toml"
-    file.write_text("casing.wall.thickness = 1e-302\n", encoding="utf-8")
-    result = RUNNER.invoke(app, ["stability", str(file), "--speed", "1.1", "--kappa", "300"])
-    assert result.exit_code == 2
-    assert "rad/s: expected sizes, material and springs of a stage" in result.stderr
-
-
 @pytest.mark.parametrize("speed", ["0", "1e-9", "5e-324"])
 def test_rest_has_no_monodromy(speed: str) -> None:
     point = json.loads(run("--speed", speed, "--kappa", "500", "--json"))
