@@ -81,12 +81,14 @@ class Sketch:
         """A case with this bladed disk: what everything else of the package works on.
 
         Args:
-            tables: the other tables of a case, ``march={"speed": 1.2, "duration": "0.5 s"}``.
+            tables: the other tables of a case, ``march={"speed": 1.2, "duration": "0.5 s"}``, and
+                its title, "Sketch of 17 sectors" and the like when there is none.
 
         Raises:
             CaseError: all faults of the tables.
         """
-        return case_from({**tables, "sketch": self.table})
+        table = self.table
+        return case_from({"title": f"Sketch of {table.sectors} sectors", **tables, "sketch": table})
 
     def build(self) -> BeamModel:
         """The beam model of all sectors.

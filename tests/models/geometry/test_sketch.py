@@ -47,6 +47,11 @@ def test_the_stage_of_the_paper_reads_like_a_sketch() -> None:
     assert repr(drawn.model) == "<BeamModel: 243 nodes, 264 lines, 22 tips, 110.3 kg>"
 
 
+def test_a_case_of_a_sketch_is_named_by_it_unless_it_has_a_title() -> None:
+    assert star(5).case().title == "Sketch of 5 sectors"
+    assert star(5).case(title="Star").title == "Star"
+
+
 def test_a_case_holds_a_sketch_in_full() -> None:
     sketch = star()
     sketch.mass("tip", "20 g", inertia=1e-6)
