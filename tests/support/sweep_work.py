@@ -1,13 +1,33 @@
-"""Stand-ins for the work of a sweep, in a module that workers can import."""
+"""A small sweep, and stand-ins for its work in a module that workers can import."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
 
-from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work
+from bladewhirl.models.case.case import Case, March
+from bladewhirl.models.case.excitation import Imbalance
+from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work, march_group
+
+CASE = Case(excitation=Imbalance(ramp=1e-3), march=March(duration=6e-3, record_step=5e-5))
+OVER = {"march.speed": [0.95, 1.05, 1.15], "contact.friction": [0.05, 0.1]}
+
+
+def march_in_process(
+    work: Work, groups: Iterable[Group], **_: object
+) -> Iterator[Mapping[int, Outcome]]:
+    """March the groups one after the other, without the processes of a cluster."""
+    for group in groups:
+        yield march_group(work, group)
+
+
+def same_bits(one: Path, other: Path) -> bool:
+    """Return whether two folders hold the same dataset, byte by byte."""
+    return (one / "sweep.nc").read_bytes() == (other / "sweep.nc").read_bytes()
+
 
 DEADLY = 2
 """The point that kills whoever marches it."""

@@ -1,75 +1,51 @@
-"""Sweeps on real workers: the same bits whatever happens on the way."""
+"""Sweeps: points, folders, refusals and resumption, marched in this process."""
 
 from __future__ import annotations
 
 import json
-import os
-import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Iterable
+from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import dask
-import h5py
 import numpy as np
-import psutil
 import pytest
-import sweep_work
 import xarray as xr
-from distributed import LocalCluster
+from sweep_work import CASE, OVER, march_in_process, same_bits
 from synthetic_sweep import LAYOUT
 from typer.testing import CliRunner
 
 import bladewhirl as bw
-from bladewhirl.models.case.case import Case, March
-from bladewhirl.models.case.excitation import Imbalance
+from bladewhirl.models.case.case import March
 from bladewhirl.models.case.file import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.result import ResultError, open_result
 from bladewhirl.postprocess.run.late_motion import late_motion
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
-from bladewhirl.postprocess.sweep.dataset import DONE, Layout, open_sweep
+from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.figures import LEFT_BY_A_SWEEP
 from bladewhirl.solvers.march.schema import SWEEP_FORMAT
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
 from bladewhirl.studies.sweeps import cluster as sweep_cluster
 from bladewhirl.studies.sweeps import plan as sweep_plan
+from bladewhirl.studies.sweeps import sweep as sweep_module
 from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.cluster import march_groups
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, plan_sweep, read_plan, write_plan
-from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work
+from bladewhirl.studies.sweeps.points import Group, Work
 from bladewhirl.studies.sweeps.sweep import HISTORIES_NAME, resume_sweep, run_sweep
 
 pytestmark = pytest.mark.usefixtures("pictures_unsaved")
-
-CASE = Case(
-    excitation=Imbalance(ramp=1e-3),
-    march=March(duration=6e-3, record_step=5e-5),
-)
-OVER = {"march.speed": [0.95, 1.05, 1.15], "contact.friction": [0.05, 0.1]}
 
 TOO_MANY_MODES = 50_000
 
 RUNNER = CliRunner()
 
 IMBALANCE = "examples/imbalance.toml"
-
-
-@pytest.fixture(scope="module")
-def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A sweep of six points by two workers."""
-    folder = tmp_path_factory.mktemp("sweep") / "two"
-    done = run_sweep(CASE, OVER, folder, workers=2, histories=True)
-    assert (done.points, done.done, done.failed) == (6, 6, 0)
-    return folder
-
-
-def same_bits(one: Path, other: Path) -> bool:
-    return (one / "sweep.nc").read_bytes() == (other / "sweep.nc").read_bytes()
 
 
 def test_a_point_is_what_a_run_of_its_case_says(swept: Path, tmp_path: Path) -> None:
@@ -123,154 +99,25 @@ def test_figures_are_left(swept: Path) -> None:
         assert {f"{stem}.png", f"{stem}.pdf", f"{stem}.nc"} <= names
 
 
-def test_the_number_of_workers_does_not_matter(swept: Path, tmp_path: Path) -> None:
-    run_sweep(CASE, OVER, tmp_path / "one", workers=1)
-    assert same_bits(swept, tmp_path / "one")
-
-
-@pytest.mark.slow
-def test_an_existing_scheduler_gives_the_same_bits(swept: Path, tmp_path: Path) -> None:
-    with (
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster,
-        dask.config.set({sweep_cluster.ENCRYPTION: False}),
-    ):
-        run_sweep(CASE, OVER, tmp_path / "other", scheduler=cluster.scheduler_address)
-        assert len(cluster.scheduler_info["workers"]) == 2  # it lives on
-    assert same_bits(swept, tmp_path / "other")
-
-
-def start(
-    folder: Path, tmp_path: Path, *, errors: int = subprocess.DEVNULL
-) -> subprocess.Popen[bytes]:
-    """The same sweep as a process of its own, by one worker."""
-    case = tmp_path / "case.toml"
-    case.write_text(dumps_case(CASE))
-    options = [f"--over={key}={','.join(map(str, values))}" for key, values in OVER.items()]
-    # A shell that runs the tests in the background has its children ignore Ctrl-C.
-    heed = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
-    code = f"{heed}; from bladewhirl.studies.commands.cli import main; main()"
-    return subprocess.Popen(
-        [sys.executable, "-c", code, "sweep", case, *options, "-o", folder, "--workers", "1"],
-        stdout=subprocess.DEVNULL,
-        stderr=errors,
-        start_new_session=True,
-    )
-
-
-def points_done(folder: Path) -> int:
-    if not (folder / "sweep.nc").exists():
-        return 0
-    with h5py.File(folder / "sweep.nc", "r", locking=False) as file:
-        return int(np.count_nonzero(file["state"][()] == DONE))
-
-
-def wait_for(condition: Callable[[], bool], process: subprocess.Popen[bytes]) -> None:
-    while not condition():
-        assert process.poll() is None, "ended before it could be disturbed"
-        time.sleep(0.01)
-
-
-def workers(process: subprocess.Popen[bytes]) -> list[psutil.Process]:
-    """Its workers, as far as they have started."""
-    found = []
-    for child in psutil.Process(process.pid).children(recursive=True):
-        with suppress(psutil.NoSuchProcess):  # it has just ended
-            if "spawn_main" in " ".join(child.cmdline()):
-                found.append(child)
-    return found
-
-
-def gone(children: list[psutil.Process]) -> bool:
-    _, alive = psutil.wait_procs(children, timeout=60)
-    return not alive
-
-
-@pytest.mark.parametrize(
-    "how", [signal.SIGKILL, pytest.param(signal.SIGINT, marks=pytest.mark.slow)]
-)
-def test_an_ended_sweep_is_finished_with_the_same_bits(
-    swept: Path, tmp_path: Path, how: signal.Signals
+def test_an_interrupted_sweep_is_finished_with_the_same_bits(
+    swept: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    folder = tmp_path / "ended"
-    process = start(folder, tmp_path)
-    wait_for(lambda: points_done(folder) >= 2, process)
-    children = psutil.Process(process.pid).children(recursive=True)
-    if how is signal.SIGINT:
-        os.killpg(process.pid, how)  # as a terminal does
-    else:
-        process.send_signal(how)
-    assert process.wait() == (130 if how is signal.SIGINT else -how)
-    assert gone(children)
-    left = 6 - points_done(folder)
-    assert 0 < left <= 4
-    done = resume_sweep(folder, workers=2)
-    assert (done.marched, done.done) == (left, 6)
-    assert same_bits(swept, folder)
-    assert resume_sweep(folder).marched == 0
+    def interrupted(work: Work, groups: Iterable[Group], **_: object) -> Any:
+        yield from march_in_process(work, islice(groups, 2))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sweep_module, "march_groups", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(CASE, OVER, tmp_path / "sweep")
+    monkeypatch.setattr(sweep_module, "march_groups", march_in_process)
+    done = resume_sweep(tmp_path / "sweep")
+    assert (done.marched, done.done) == (4, 6)
+    assert same_bits(swept, tmp_path / "sweep")
+    assert resume_sweep(tmp_path / "sweep").marched == 0
 
 
-def test_ctrl_c_while_workers_start_is_one_line(tmp_path: Path) -> None:
-    folder = tmp_path / "ended"
-    process = start(folder, tmp_path, errors=subprocess.PIPE)
-    wait_for(lambda: bool(workers(process)), process)
-    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
-    _, errors = process.communicate()
-    assert process.returncode == 130
-    size, told = errors.decode().splitlines()
-    assert " points, " in size
-    assert told == f"interrupted; bladewhirl sweep --resume {folder} finishes it"
-
-
-@pytest.mark.slow
-def test_a_killed_worker_costs_its_point_a_second_march(swept: Path, tmp_path: Path) -> None:
-    folder = tmp_path / "worker"
-    process = start(folder, tmp_path)
-    wait_for(lambda: points_done(folder) >= 1, process)
-    workers(process)[0].kill()
-    assert process.wait() == 0
-    assert same_bits(swept, folder)
-
-
-def work(folder: Path) -> Work:
-    layout = Layout(frequency=np.zeros(1), samples=1, nodal_diameters=1, blades=3)
-    return Work(case="", layout=layout, histories=str(folder))
-
-
-GROUPS = [Group(number=i, points={i: {}}, history_names={}) for i in range(6)]
-
-
-@pytest.mark.slow
-def test_a_point_that_kills_every_worker_fails_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(sweep_cluster, "march_group", sweep_work.deadly)
-    found: dict[int, Outcome] = {}
-    for outcomes in sweep_cluster.march_groups(work(tmp_path), GROUPS, scheduler=None, workers=2):
-        found.update(outcomes)
-    assert sorted(found) == list(range(6))
-    failed = {point for point, outcome in found.items() if isinstance(outcome, Failure)}
-    assert failed == {sweep_work.DEADLY}
-
-
-def test_a_worker_that_dies_once_is_forgiven(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(sweep_cluster, "march_group", sweep_work.deadly_once)
-    found: dict[int, Outcome] = {}
-    for outcomes in sweep_cluster.march_groups(work(tmp_path), GROUPS, scheduler=None, workers=2):
-        found.update(outcomes)
-    assert found == {i: Failure(reason=f"point {i}") for i in range(6)}
-
-
-def test_workers_of_another_version_are_told_in_one_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(sweep_cluster, "march_group", sweep_work.of_another_version)
-    with pytest.raises(UserError, match=r"workers: expected bladewhirl .*No module named 'old'"):
-        list(sweep_cluster.march_groups(work(tmp_path), GROUPS[:1], scheduler=None, workers=1))
-
-
-def test_failed_points_are_told_and_the_others_done(
+@pytest.mark.usefixtures("in_process")
+def test_failed_points_are_reported_and_the_others_done(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The first and the last stage are looked at beforehand; the one between can't be reduced."""

@@ -146,18 +146,18 @@ def test_a_repeat_changes_the_force_a_little(case: Any, key: str) -> None:
     assert perturbed(case, 0) is case
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-def test_runs_are_found_again(workers: int, tmp_path: Path) -> None:
-    """In this process, and in others."""
+@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_runs_are_kept_and_used_again(workers: int, tmp_path: Path) -> None:
+    """One worker marches in this process, two in others."""
     store = RunStore(directory=tmp_path / "runs", workers=workers)
     cases = [
         with_values(CASES["distortion"], {**SHORT, "march.speed": speed}) for speed in (1.0, 1.05)
     ]
     refused = with_values(cases[0], {"march.time_step": 1e-4})  # beyond the critical step
-    told: list[tuple[int, int]] = []
-    store.make([*cases, cases[0], refused], lambda done, total: told.append((done, total)))
-    assert told[0] == (0, 3)
-    assert told[-1] == (3, 3)
+    progress: list[tuple[int, int]] = []
+    store.make([*cases, cases[0], refused], lambda done, total: progress.append((done, total)))
+    assert progress[0] == (0, 3)
+    assert progress[-1] == (3, 3)
     assert list(store.failures) == [run_key(refused)]
     assert "time_step" in store.failures[run_key(refused)]
     for case in cases:
@@ -310,18 +310,29 @@ def test_a_claim_on_a_march_is_judged_over_repeats(tmp_path: Path) -> None:
         assert again.to_json() == card.to_json()
 
 
-def test_the_command_writes_the_scorecard(tmp_path: Path) -> None:
-    done = RUNNER.invoke(app, ["reproduce", "4", "6", "1", "-o", str(tmp_path / "out"), "--json"])
+@pytest.mark.parametrize(
+    ("numbers", "by_section", "figures"),
+    [
+        ([4], [4], []),
+        pytest.param([4, 6, 1], [4, 1, 6], ["6", "8"], marks=pytest.mark.slow),
+    ],
+)
+def test_the_command_writes_the_scorecard(
+    tmp_path: Path, numbers: list[int], by_section: list[int], figures: list[str]
+) -> None:
+    out = tmp_path / "out"
+    done = RUNNER.invoke(app, ["reproduce", *map(str, numbers), "-o", str(out), "--json"])
     assert done.exit_code == 0, done.output
     card = json.loads(done.stdout)
-    assert [entry["claim"] for entry in card["claims"]] == [1, 4, 6]
-    assert card["counts"] == {"holds": 3, "partly": 0, "does not hold": 0, "not testable": 0}
-    assert card == json.loads((tmp_path / "out" / "scorecard.json").read_text())
-    page = (tmp_path / "out" / "scorecard.html").read_text()
-    assert [int(n) for n in re.findall(r'<tr id="claim-(\d+)">', page)] == [4, 1, 6]  # by section
-    assert re.findall(r"Like Fig\. (\d+):", page) == ["6", "8"]
-    assert page.count('src="data:image/png;base64,') == 3
-    assert not re.search(r"(src|href)=\"(?!data:)", page)  # needs nothing beside it
+    assert [entry["claim"] for entry in card["claims"]] == sorted(numbers)
+    holds = {"holds": len(numbers), "partly": 0, "does not hold": 0, "not testable": 0}
+    assert card["counts"] == holds
+    assert card == json.loads((out / "scorecard.json").read_text())
+    page = (out / "scorecard.html").read_text()
+    assert [int(n) for n in re.findall(r'<tr id="claim-(\d+)">', page)] == by_section
+    assert re.findall(r"Like Fig\. (\d+):", page) == figures
+    assert page.count('src="data:image/png;base64,') >= len(figures)
+    assert not re.search(r"(src|href)=\"(?!data:)", page)  # no file beside it
 
 
 def test_every_cited_figure_has_its_panels() -> None:
@@ -346,6 +357,7 @@ def test_a_figure_that_cannot_be_had_says_why(tmp_path: Path) -> None:
     assert "&lt;b&gt;" in page
 
 
+@pytest.mark.slow
 def test_a_changed_case_changes_the_verdict(tmp_path: Path) -> None:
     arguments = ["reproduce", "6", "--set", "casing.support=7.975e6", "-o", str(tmp_path)]
     done = RUNNER.invoke(app, arguments)

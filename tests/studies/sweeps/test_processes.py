@@ -1,0 +1,175 @@
+"""Sweeps in worker processes: the same bits as in one process, whatever is killed on the way."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+import dask
+import h5py
+import numpy as np
+import psutil
+import pytest
+import sweep_work
+from distributed import LocalCluster
+from sweep_work import CASE, OVER, same_bits
+
+from bladewhirl.models.case.file import dumps_case
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.sweep.dataset import DONE, Layout
+from bladewhirl.studies.sweeps import cluster as sweep_cluster
+from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work
+from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
+
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("pictures_unsaved")]
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_the_number_of_workers_does_not_change_the_bits(
+    swept: Path, tmp_path: Path, workers: int
+) -> None:
+    run_sweep(CASE, OVER, tmp_path / "sweep", workers=workers)
+    assert same_bits(swept, tmp_path / "sweep")
+
+
+def test_an_existing_scheduler_gives_the_same_bits(swept: Path, tmp_path: Path) -> None:
+    with (
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster,
+        dask.config.set({sweep_cluster.ENCRYPTION: False}),
+    ):
+        run_sweep(CASE, OVER, tmp_path / "other", scheduler=cluster.scheduler_address)
+        assert len(cluster.scheduler_info["workers"]) == 2  # it lives on
+    assert same_bits(swept, tmp_path / "other")
+
+
+def start(
+    folder: Path, tmp_path: Path, *, errors: int = subprocess.DEVNULL
+) -> subprocess.Popen[bytes]:
+    """Start the same sweep in another process, with one worker."""
+    case = tmp_path / "case.toml"
+    case.write_text(dumps_case(CASE))
+    options = [f"--over={key}={','.join(map(str, values))}" for key, values in OVER.items()]
+    # A shell that runs the tests in the background has its children ignore Ctrl-C.
+    raise_on_interrupt = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    code = f"{raise_on_interrupt}; from bladewhirl.studies.commands.cli import main; main()"
+    return subprocess.Popen(
+        [sys.executable, "-c", code, "sweep", case, *options, "-o", folder, "--workers", "1"],
+        stdout=subprocess.DEVNULL,
+        stderr=errors,
+        start_new_session=True,
+    )
+
+
+def points_done(folder: Path) -> int:
+    if not (folder / "sweep.nc").exists():
+        return 0
+    with h5py.File(folder / "sweep.nc", "r", locking=False) as file:
+        return int(np.count_nonzero(file["state"][()] == DONE))
+
+
+def wait_for(condition: Callable[[], bool], process: subprocess.Popen[bytes]) -> None:
+    while not condition():
+        assert process.poll() is None, "ended before it could be disturbed"
+        time.sleep(0.01)
+
+
+def worker_processes(process: subprocess.Popen[bytes]) -> list[psutil.Process]:
+    """Return the workers of a sweep that have started."""
+    workers = []
+    for child in psutil.Process(process.pid).children(recursive=True):
+        with suppress(psutil.NoSuchProcess):  # it has just ended
+            if "spawn_main" in " ".join(child.cmdline()):
+                workers.append(child)
+    return workers
+
+
+def gone(children: list[psutil.Process]) -> bool:
+    _, alive = psutil.wait_procs(children, timeout=60)
+    return not alive
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+def test_an_ended_sweep_is_finished_with_the_same_bits(
+    swept: Path, tmp_path: Path, how: signal.Signals
+) -> None:
+    folder = tmp_path / "ended"
+    process = start(folder, tmp_path)
+    wait_for(lambda: points_done(folder) >= 2, process)
+    children = psutil.Process(process.pid).children(recursive=True)
+    if how is signal.SIGINT:
+        os.killpg(process.pid, how)  # as a terminal does
+    else:
+        process.send_signal(how)
+    assert process.wait() == (130 if how is signal.SIGINT else -how)
+    assert gone(children)
+    left = 6 - points_done(folder)
+    assert 0 < left <= 4
+    done = resume_sweep(folder, workers=2)
+    assert (done.marched, done.done) == (left, 6)
+    assert same_bits(swept, folder)
+    assert resume_sweep(folder).marched == 0
+
+
+def test_ctrl_c_while_workers_start_is_one_line(tmp_path: Path) -> None:
+    folder = tmp_path / "ended"
+    process = start(folder, tmp_path, errors=subprocess.PIPE)
+    wait_for(lambda: bool(worker_processes(process)), process)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+    _, errors = process.communicate()
+    assert process.returncode == 130
+    size, message = errors.decode().splitlines()
+    assert " points, " in size
+    assert message == f"interrupted; bladewhirl sweep --resume {folder} finishes it"
+
+
+def test_a_killed_worker_costs_its_point_a_second_march(swept: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "worker"
+    process = start(folder, tmp_path)
+    wait_for(lambda: points_done(folder) >= 1, process)
+    worker_processes(process)[0].kill()
+    assert process.wait() == 0
+    assert same_bits(swept, folder)
+
+
+def work(folder: Path) -> Work:
+    layout = Layout(frequency=np.zeros(1), samples=1, nodal_diameters=1, blades=3)
+    return Work(case="", layout=layout, histories=str(folder))
+
+
+GROUPS = [Group(number=i, points={i: {}}, history_names={}) for i in range(6)]
+
+
+def test_a_point_that_kills_every_worker_fails_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sweep_cluster, "march_group", sweep_work.deadly)
+    outcomes_by_point: dict[int, Outcome] = {}
+    for outcomes in sweep_cluster.march_groups(work(tmp_path), GROUPS, scheduler=None, workers=2):
+        outcomes_by_point.update(outcomes)
+    assert sorted(outcomes_by_point) == list(range(6))
+    failed = {point for point, outcome in outcomes_by_point.items() if isinstance(outcome, Failure)}
+    assert failed == {sweep_work.DEADLY}
+
+
+def test_a_worker_that_dies_once_is_forgiven(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sweep_cluster, "march_group", sweep_work.deadly_once)
+    outcomes_by_point: dict[int, Outcome] = {}
+    for outcomes in sweep_cluster.march_groups(work(tmp_path), GROUPS, scheduler=None, workers=2):
+        outcomes_by_point.update(outcomes)
+    assert outcomes_by_point == {i: Failure(reason=f"point {i}") for i in range(6)}
+
+
+def test_workers_of_another_version_are_reported_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sweep_cluster, "march_group", sweep_work.of_another_version)
+    with pytest.raises(UserError, match=r"workers: expected bladewhirl .*No module named 'old'"):
+        list(sweep_cluster.march_groups(work(tmp_path), GROUPS[:1], scheduler=None, workers=1))
