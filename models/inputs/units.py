@@ -24,7 +24,7 @@ _POWER = re.compile(rf"(?<=[^\W\d])(?:\*\*|\^)?({_EXPONENT})")
 _LONGEST = 80
 
 _PREFIXED = ("m", "s", "N", "Pa", "N/m")
-_PREFIXES = {"": 0, "u": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}
+_PREFIXES = {"": 0, "u": -6, "µ": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}
 """Powers of ten of what most cases hold, so that they are read without loading pint."""
 
 RAD_PER_S: Final = "rad/s"
@@ -66,11 +66,35 @@ def rotation(text: str, unit: Literal["rad/s", "turn/s"]) -> float:
     return _converted(quantity, unit)
 
 
-def handy(value: float, unit: str) -> str:
-    """An SI value with the prefix that suits its size, "500 mm"; a case takes it as it is."""
-    quantity = _registry().Quantity(Decimal(repr(value)), _spelled_out(unit)).to_compact()
-    symbol = f"{quantity.units:~C}".replace("µ", "u").replace("**", "").replace("*", " ")
-    return f"{float(quantity.magnitude):.6g} {symbol}"
+_SCALES = (("G", 1e-9), ("M", 1e-6), ("k", 1e-3), ("", 1.0), ("m", 1e3), ("µ", 1e6))
+_SCALED = re.compile(r"(m|s|g|N|Pa|Hz)\b")
+
+
+def handy_unit(amount: float, unit: str) -> tuple[str, float]:
+    """Return the unit in which an amount reads well, and how many of it are one SI unit.
+
+    Large units are used from 1 on, the unit itself and its thousandth from 0.1 on: 300 MPa, 0.5 mm,
+    0.2 s. Lengths are in metres from 1 m on. Lengths and times have no large units.
+
+    Args:
+        amount: zero or positive, in the SI unit.
+        unit: the SI unit. Others than of length, time, mass, force, stress or frequency stay.
+    """
+    if unit.startswith("kg"):
+        name, scale = handy_unit(1e3 * amount, unit.removeprefix("k"))
+        return name, 1e3 * scale
+    if amount > 0.0 and _SCALED.match(unit):
+        for prefix, scale in _SCALES[3 if unit[0] in "ms" else 0 :]:
+            least = 1.0 if scale < 1.0 or (unit == "m" and not prefix) else 0.1
+            if amount * scale >= least * (1.0 - 1e-9) or prefix == "µ":
+                return prefix + unit, scale
+    return unit, 1.0
+
+
+def handy(value: float, unit: str, digits: int = 6) -> str:
+    """Return an SI value with the unit that suits its size, "500 mm"; a case can contain it."""
+    name, scale = handy_unit(abs(value), unit)
+    return f"{scale * value:.{digits}g} {name}"
 
 
 @dataclass(frozen=True)

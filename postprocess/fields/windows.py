@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
-from bladewhirl.postprocess.fields.units import handy_unit
 
 LATE_SHARE = 1.0 / 3.0
 """Share of the time, at its end, that is taken for the motion after its onset."""

@@ -13,6 +13,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures.drawing import Drawing, Ribbon
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
@@ -23,7 +24,7 @@ from bladewhirl.postprocess.plotting.style import (
     new_figure,
     styled,
 )
-from bladewhirl.postprocess.plotting.titles import set_title, short_number, speed_label
+from bladewhirl.postprocess.plotting.titles import set_title, speed_label
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
 MILLI, MICRO = 1e3, 1e6
@@ -149,7 +150,7 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
 
 def _title(figure: Figure, shown: str, data: xr.Dataset) -> None:
     """Title a figure with the case, what is shown, the speed and the coupling stiffness."""
-    kappa = f", κ = {short_number(data.attrs['kappa'])} N/m" if "kappa" in data.attrs else ""
+    kappa = f", κ = {handy(data.attrs['kappa'], 'N/m', 4)}" if "kappa" in data.attrs else ""
     set_title(figure, data.attrs.get("case", ""), f"{shown}\n{speed_label(data)}{kappa}")
 
 

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
+from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.plotting.axes import (
     SPEED,
     Names,
@@ -26,7 +27,7 @@ from bladewhirl.postprocess.plotting.axes import (
 )
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
-from bladewhirl.postprocess.plotting.titles import set_title, short_number
+from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, is_unstable
 
 KAPPA_AXIS = "coupling stiffness κ [N/m]"
@@ -141,7 +142,7 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
     upper.set_xlabel("")
     lower.set_xlabel(SPEED)
     frequency_axis(lower, reference / (2.0 * np.pi))
-    shown = _words(f"Eigenvalues along κ = {short_number(data.attrs['kappa'])} N/m", data)
+    shown = _words(f"Eigenvalues along κ = {handy(data.attrs['kappa'], 'N/m', 4)}", data)
     set_title(figure, data.attrs["case"], f"{shown}\nin the frame that turns at Ω/2")
     legends_below(figure, Group(entries))
     return figure

@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import to_rgb
 
+from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, history, rotate, turn
-from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.pictures.colouring import Colouring, scale_end
 from bladewhirl.postprocess.pictures.drawing import Frame
 from bladewhirl.postprocess.pictures.symbols import Symbols
@@ -60,21 +60,13 @@ def scene_colours(colouring: Colouring, levels: int) -> Array:
     return np.array([to_rgb(colour) for colour in [*own, *colouring.colours(levels)]])
 
 
-def engineering(value: float, unit: str) -> str:
-    """A force or a stiffness with three figures, in units, thousands or millions of them."""
-    for prefix, size in (("M", 1e6), ("k", 1e3)):
-        if value >= size:
-            return f"{value / size:.3g} {prefix}{unit}"
-    return f"{value:.3g} {unit}"
-
-
 def contact_words(forces: Array) -> str:
     """How many blades touch, and the largest force with friction, from forces (blade, 2) [N]."""
     size = np.linalg.norm(forces, axis=1)
     touching = int(np.count_nonzero(size))
     if not touching:
         return "no contact"
-    largest = f"largest force {engineering(size.max(), 'N')},\nwith friction"
+    largest = f"largest force {handy(float(size.max()), 'N', 3)},\nwith friction"
     return f"{touching} of {len(size)} blades touch\n{largest}"
 
 
@@ -110,7 +102,7 @@ def shaft_trail(dataset: xr.Dataset, records: IntArray, frame: Frame) -> ShaftTr
     if frame == "static":
         way = rotate(way, turn(dataset, records))
     reach = float(np.linalg.norm(way, axis=1).max())
-    unit, scale = length_unit(reach)
+    unit, scale = handy_unit(reach, "m")
     end = scale_end(1.1 * scale * reach)  # the orbit stays clear of the circle
     title = f"shaft\N{RIGHT SINGLE QUOTATION MARK}s orbit, circle r = {end:g} {unit}"
     return ShaftTrail(scale / end * way, title)

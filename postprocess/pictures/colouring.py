@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import to_hex
 
+from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.blades import line_blades
 from bladewhirl.postprocess.fields.kinematics import (
     Array,
@@ -29,9 +30,7 @@ from bladewhirl.postprocess.fields.kinematics import (
 )
 from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.fields.strains import Strains, casing_strain_rows, rotor_strain_rows
-from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL
-from bladewhirl.postprocess.run.stresses import stress_unit
 
 Field = Literal[
     "displacement",
@@ -153,7 +152,7 @@ def _magnitude(
         seen.append(np.linalg.norm(values, axis=-1))
     rotor, casing = seen
     largest = float(max(rotor.max(), casing.max()))
-    unit, scale = ("m/s", 1.0) if field == "velocity" else length_unit(largest)
+    unit, scale = ("m/s", 1.0) if field == "velocity" else handy_unit(largest, "m")
     return Colouring(
         name=field,
         unit=unit,
@@ -178,7 +177,7 @@ def _strained(dataset: xr.Dataset, field: str, records: IntArray, stations: Stat
         _at_surfaces(wall, field, dataset["casing_young_modulus"].values[:, None])[:, :, :-1],
     ]
     largest = float(max(np.abs(values).max() for values in both))
-    unit, scale = stress_unit(largest) if field == "stress" else strain_unit(largest)
+    unit, scale = handy_unit(largest, "Pa" if field == "stress" else "m/m")
     return Colouring(
         name={"stress": "surface stress"}.get(field, field.replace("-", " ")),
         unit=unit,
@@ -205,7 +204,7 @@ def _gap(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colourin
     gap, blade = history(dataset, "gap", records), line_blades(dataset)
     values = np.where(blade >= 0, gap[:, blade], np.nan)
     rotor = np.repeat(values[:, :, None], stations.per_line + 1, axis=2)
-    unit, scale = length_unit(float(gap.max()))
+    unit, scale = handy_unit(float(gap.max()), "m")
     casing = np.full((len(records), stations.per_element * dataset.sizes["casing_node"]), np.nan)
     return Colouring(
         name="gap at the tip",
@@ -237,11 +236,6 @@ def _parts(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colour
 
 def _on_both_sides(values: Array) -> Array:
     return np.repeat(values[..., None], 2, axis=-1)
-
-
-def strain_unit(strain: float) -> tuple[str, float]:
-    """Unit in which a strain reads well, and how many of it are one."""
-    return ("mm/m", 1e3) if strain >= 1e-3 else ("µm/m", 1e6)
 
 
 def scale_end(largest: float) -> float:

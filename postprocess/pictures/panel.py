@@ -9,8 +9,8 @@ import numpy as np
 import pyvista
 import xarray as xr
 
+from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, rotate
-from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.pictures.appearance import (
     DOTS,
     FAINT,
@@ -21,7 +21,6 @@ from bladewhirl.postprocess.pictures.appearance import (
     NO_VALUE,
     SQUARE,
     contact_words,
-    engineering,
     enlargement,
     shaft_trail,
     speed_words,
@@ -76,8 +75,7 @@ class Panel:
         self._numbers = BladeNumbers(scene, dataset.sizes["blade"], LETTERS if sheet else 1.0)
         limit = drawing.linear_limit()
         if limit is not None:
-            unit, scale = length_unit(limit)
-            words = f"blades bend by more than\n{scale * limit:.3g} {unit}: a linear model"
+            words = f"blades bend by more than\n{handy(limit, 'm', 3)}: a linear model"
             words += "\nis off by a tenth or more"
             write(scene.plotter, words, 0.075, 11, color=FORCE_COLOUR, indent=-0.205)
         top = SCALE_TOP if trail is None else ORBIT_TOP - 0.06 - ORBIT_SIZE
@@ -99,7 +97,7 @@ class Panel:
         first, last = 1e3 * self._drawing.times[[0, -1]]
         largest = self._drawing.largest_force
         self._time.input = f"{first:.4g} to {last:.4g} ms"
-        arrows = f"arrows: contact forces,\nlargest {engineering(largest, 'N')}"
+        arrows = f"arrows: contact forces,\nlargest {handy(largest, 'N', 3)}"
         self._contact.input = arrows if largest else "no contact"
 
 
@@ -185,12 +183,10 @@ def draw_scale_bar(scene: StageScene, enlarged: str) -> str:
     start, end, up = np.array([left, foot]), np.array([left + length, foot]), np.array([0, 0.05])
     ticks = [[at - length * up, at + length * up] for at in (start, end)]
     scene.symbols(Symbols(springs=np.array([[start, end], *ticks])))
-    unit, scale = length_unit(length)
-    words = f"{scale * length:.4g} {unit}"
+    words = handy(length, "m", 4)
     factor = scene.drawing.exaggeration
     if factor != 1:
-        unit, scale = length_unit(length / factor)
-        words += f"\nof {enlarged}: {scale * length / factor:.3g} {unit}"
+        words += f"\nof {enlarged}: {handy(length / factor, 'm', 3)}"
     return words
 
 

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from bladewhirl.meshes.files.drafts import replacing
 from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.moving_stage import moving_stage
 from bladewhirl.postprocess.fields.sections import rotor_sections
-from bladewhirl.postprocess.fields.units import length_unit
-from bladewhirl.postprocess.pictures.appearance import FAINT, SQUARE, engineering
+from bladewhirl.postprocess.pictures.appearance import FAINT, SQUARE
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import off_screen_plotter, pixels_of
 from bladewhirl.postprocess.pictures.render import WINDOW
@@ -138,7 +138,7 @@ def size_words(dataset: xr.Dataset) -> list[str]:
     clearance = dataset["clearance"].values[:, None] + dataset["tip_recess"].values
     return [
         f"{dataset.sizes['blade']} blades",
-        f"tip radius {_length(float(dataset.attrs['tip_radius']))}",
+        f"tip radius {handy(float(dataset.attrs['tip_radius']), 'm', 4)}",
         f"clearance {_range(clearance)}",
     ]
 
@@ -176,7 +176,7 @@ def _shaft(dataset: xr.Dataset) -> Iterator[str]:
     yield ", ".join(["shaft: 2 springs", *_some(damped, "damper")])
     stiffness = _numbers(dataset, "shaft_stiffness")
     if np.unique(stiffness).size > 1:
-        yield "of " + " and ".join(engineering(each, "N/m") for each in stiffness) + ","
+        yield "of " + " and ".join(handy(each, "N/m", 3) for each in stiffness) + ","
         static = str(dataset["shaft_frame"].values) == "static"
         yield "standing still" if static else "turning with the disk"
 
@@ -215,11 +215,6 @@ def count(number: int, what: str) -> str:
 def _range(lengths: Array) -> str:
     low, high = float(lengths.min()), float(lengths.max())
     if high - low <= 1e-9 * high:
-        return _length(high)
-    unit, scale = length_unit(high)
+        return handy(high, "m", 4)
+    unit, scale = handy_unit(high, "m")
     return f"{scale * low:.3g} to {scale * high:.3g} {unit}"
-
-
-def _length(length: float) -> str:
-    unit, scale = length_unit(length)
-    return f"{scale * length:.4g} {unit}"

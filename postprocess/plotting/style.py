@@ -22,8 +22,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import Formatter, LogFormatter
 
 from bladewhirl.meshes.files.drafts import replacing
+from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.netcdf import write_netcdf
-from bladewhirl.postprocess.fields.units import handy_unit
 
 P = ParamSpec("P")
 R = TypeVar("R")

@@ -27,15 +27,6 @@ def speed_label(dataset: xr.Dataset) -> str:
     return f"Ω/ω₁ = {normalised:.4g} ({speed * 30 / np.pi:.0f} rpm)"
 
 
-def short_number(number: float) -> str:
-    """Four digits of a number, powers of ten as letters: 1.5·10⁶."""
-    digits, _, power = f"{number:.4g}".partition("e")
-    if not power:
-        return digits
-    raised = str(int(power)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return f"10{raised}" if digits == "1" else f"{digits}·10{raised}"
-
-
 def head(figure: Figure, data: xr.Dataset, *words: str) -> None:
     """Title a figure by the case's name, the speed, and words in lines of their own.
 

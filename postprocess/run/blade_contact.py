@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bladewhirl.meshes.line_mesh import BoolArray
+from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.units import handy_unit, length_unit
 from bladewhirl.postprocess.fields.windows import (
     select_window,
     span_edges,
@@ -183,7 +183,7 @@ def plot_gaps(maps: xr.Dataset) -> Figure:
         maps: from `contact_maps`.
     """
     figure, axes = _map_axes()
-    unit, scale = length_unit(float(maps["gap"].max()))
+    unit, scale = handy_unit(float(maps["gap"].max()), "m")
     picture = axes.pcolormesh(
         maps["edge"],
         _blade_edges(maps),

@@ -15,6 +15,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.blades import member_names
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
@@ -243,7 +244,7 @@ def plot_stress(history: xr.Dataset) -> Figure:
     over_time, over_blades = figure.subplots(1, 2, gridspec_kw={"wspace": 0.12})
     blades = int(history.attrs["blades"])
     size = np.maximum(history["largest_stress"].values, -history["smallest_stress"].values)
-    unit, scale = stress_unit(float(size.max()))
+    unit, scale = handy_unit(float(size.max()), "Pa")
     _draw_time(over_time, history, scale * size, blades)
     over_time.set(ylabel=f"largest stress [{unit}]", ylim=(0, None))
     over_time.set_title("largest at any place")
@@ -296,11 +297,3 @@ def _draw_blades(axes: Axes, history: xr.Dataset, scale: float) -> None:
     axes.axhline(0.0, color="black", linewidth=0.6)
     axes.locator_params(axis="x", integer=True)
     axes.grid(axis="x", visible=False)
-
-
-def stress_unit(largest: float) -> tuple[str, float]:
-    """Unit in which a stress [Pa] reads well, and how many of it are a pascal."""
-    for unit, scale in (("GPa", 1e-9), ("MPa", 1e-6), ("kPa", 1e-3)):
-        if largest * scale >= 1:
-            return unit, scale
-    return "Pa", 1.0

@@ -3,9 +3,9 @@
 import numpy as np
 from rich.table import Table
 
+from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY
 from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT
-from bladewhirl.postprocess.run.stresses import stress_unit
 from bladewhirl.postprocess.run.summary import LineOfWhirl, Summary
 from bladewhirl.postprocess.shaft.whirl import Frame
 
@@ -119,7 +119,6 @@ def summary_rows(summary: Summary) -> dict[str, str]:
 def stress(summary: Summary, body: str) -> str:
     """The largest stress of a body: where, when, and whether the model holds there."""
     peak = summary.stress_max[body]
-    unit, scale = stress_unit(abs(peak["stress"]))
     place = f"{peak['member']}, r = {peak['radius']:.3g} m, {peak['time']:.4g} s"
     strong = summary.yield_strength
     beyond = strong is not None and abs(peak["stress"]) > strong
@@ -127,7 +126,7 @@ def stress(summary: Summary, body: str) -> str:
     size, sense = abs(peak["stress"]), "compression" if peak["stress"] < 0.0 else "tension"
     if size == 0.0:
         return "none"
-    return f"{scale * size:.4g} {unit} {sense}, if elastic ({place}){known}"
+    return f"{handy(size, 'Pa', 4)} {sense}, if elastic ({place}){known}"
 
 
 def summary_table(summary: Summary) -> Table:

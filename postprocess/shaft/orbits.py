@@ -8,10 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
+from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, rotate, smallest_clearance
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
-from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.fields.windows import in_window, late_part, window_label
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
@@ -109,7 +109,7 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
     clearance, radius = orbit.attrs["smallest_clearance"], float(orbit["radius"].max())
     tiny = 0.0 < radius < TINY * clearance
     reach = radius if tiny else max(radius, clearance)
-    unit, scale = length_unit(reach)
+    unit, scale = handy_unit(reach, "m")
     small = [frame for frame in FRAMES if _extent(late[frame].values) <= SEEN * 1.1 * reach]
     edge = (1.35 if small else 1.1) * scale * reach or 1.0  # all at rest: 1 mm
     figure = new_figure(height=0.1)
@@ -154,7 +154,7 @@ def last_turns(orbit: xr.Dataset) -> xr.Dataset:
 def _draw_radius(axes: Axes, late: xr.Dataset) -> None:
     """The radius over time, on an axis that does not begin at zero."""
     radius = late["radius"].values
-    unit, scale = length_unit(float(radius.max()))
+    unit, scale = handy_unit(float(radius.max()), "m")
     axes.plot(late["time"], scale * radius, color=COLOURS["rotor"])
     middle = scale * (radius.max() + radius.min()) / 2
     half = max(0.6 * scale * float(np.ptp(radius)), LEAST_RIPPLE * middle) or 1.0
@@ -195,7 +195,7 @@ def _draw_again(axes: Axes, path: Array) -> str:
     corner.set(xticks=[], yticks=[], aspect="equal")
     corner.set_xlim(middle[0] - size / 2, middle[0] + size / 2)
     corner.set_ylim(middle[1] - size / 2, middle[1] + size / 2)
-    unit, scale = length_unit(size)
+    unit, scale = handy_unit(size, "m")
     return f"{scale * size:.2g} {unit}"
 
 

@@ -7,9 +7,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
+from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.units import handy_unit, length_unit
 from bladewhirl.postprocess.fields.windows import late_part, window_label
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import head
@@ -110,7 +110,7 @@ def plot_state_space(states: xr.Dataset) -> Figure:
     figure = new_figure(height=0.1)
     panels = figure.subplots(2, 2, sharex=True, sharey=True)
     late_from = late_part(states)["time"].values[0]
-    length, to_length = length_unit(float(abs(states["place"]).max()))
+    length, to_length = handy_unit(float(abs(states["place"]).max()), "m")
     rate, to_rate = handy_unit(float(abs(states["velocity"]).max()), "m/s")
     for row, way in zip(panels, ("x", "y"), strict=True):
         own = states.sel(axis=way)

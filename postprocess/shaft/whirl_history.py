@@ -7,9 +7,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.fields.windows import span_means, span_starts
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
@@ -100,7 +100,7 @@ def plot_whirl_history(whirls: xr.Dataset) -> Figure:
     upper.axhline(0.0, color=COLOURS["rotor"], linewidth=0.6)
     upper.set_ylabel("whirl [Hz]\n← backward  forward →")
     upper.margins(y=0.1)
-    unit, scale = length_unit(float(whirls["radius"].max()))
+    unit, scale = handy_unit(float(whirls["radius"].max()), "m")
     lower.plot(time, scale * whirls["radius"], color=COLOURS["rotor"])
     lower.set_ylabel(f"radius [{unit}]")
     lower.set_ylim(bottom=0.0, top=1.12 * scale * float(whirls["radius"].max()) or 1.0)

@@ -7,9 +7,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
+from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.fields.units import handy_unit
 from bladewhirl.postprocess.plotting.axes import SPEED, rpm_axis
 from bladewhirl.postprocess.sweep.quantities import cell_edges
 

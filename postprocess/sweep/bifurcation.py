@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import Transform
 
-from bladewhirl.postprocess.fields.units import length_unit
+from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.plotting.style import FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.shaft.orbits import LONG_LINE
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
@@ -66,7 +66,7 @@ def plot_bifurcation(found: xr.Dataset) -> Figure:
     """
     found = in_handy_units(found)
     largest = max(float(np.nanmax(np.abs(found[name].values), initial=0.0)) for name in PARTS)
-    unit, scale = length_unit(largest)
+    unit, scale = handy_unit(largest, "m")
     lines = [line._replace(size=DOT) for line in lines_of(found)]
     figure = new_figure(width=FULL_WIDTH, height=0.17)
     panels = figure.subplots(len(PARTS), 1, sharex=True)

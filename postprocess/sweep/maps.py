@@ -14,9 +14,9 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import FixedLocator, Locator, MaxNLocator, NullLocator
 from numpy.typing import NDArray
 
+from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
-from bladewhirl.postprocess.fields.units import length_unit
 from bladewhirl.postprocess.plotting.axes import SPEED
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import (
@@ -95,7 +95,7 @@ def plot_sweep_maps(maps: xr.Dataset) -> Figure:
     """
     maps = in_handy_units(maps)
     shown = chosen(maps.sizes[LINE], MOST_ROWS)
-    unit, scale = length_unit(float(maps["shaft_radius_max"].max().fillna(0.0)))
+    unit, scale = handy_unit(float(maps["shaft_radius_max"].max().fillna(0.0)), "m")
     radius = scale * maps["shaft_radius_max"].values
     growth, error = maps["growth_rate"].values, maps["growth_error"].values
     pictures = [_Picture(radius, f"largest radius [{unit}]", SEQUENTIAL, *_of_magnitudes(radius))]

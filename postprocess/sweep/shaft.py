@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.transforms import Transform
 
-from bladewhirl.postprocess.fields.units import length_unit
+from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
@@ -66,7 +66,7 @@ def plot_shaft_radius(radius: xr.Dataset) -> Figure:
         radius: from `sweep_quantities.shaft_radius`.
     """
     radius = in_handy_units(radius)
-    unit, scale = length_unit(float(radius["shaft_radius_max"].max().fillna(0.0)))
+    unit, scale = handy_unit(float(radius["shaft_radius_max"].max().fillna(0.0)), "m")
     lines = list(lines_of(radius))
     figure = new_figure(width=FULL_WIDTH, height=0.11)
     panels = figure.subplots(2, 1, sharex=True)

@@ -6,7 +6,7 @@ import pytest
 
 import bladewhirl as bw
 from bladewhirl.models.case.file import loads
-from bladewhirl.models.inputs.units import handy, to_si
+from bladewhirl.models.inputs.units import handy, handy_unit, to_si
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -19,7 +19,7 @@ Case "Fan stage"
   contact      friction 0.1, permanent sliding
   excitation   none
   speed        1.05 x reference frequency
-  march        3 s in steps of 1 us, recorded every 100 us, modes all, damping 0.5 %"""
+  march        3 s in steps of 1 µs, recorded every 0.1 ms, modes all, damping 0.5 %"""
 
 
 def small_sketch() -> bw.Sketch:
@@ -66,8 +66,18 @@ def test_examples_fit_on_a_screen(path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("value", "unit", "text"),
-    [(0.5, "m", "500 mm"), (1e-6, "s", "1 us"), (0.0, "N", "0 N"), (0.59, "kg m", "590 g m")],
+    [
+        (0.5, "m", "500 mm"),
+        (4e-4, "m", "0.4 mm"),
+        (5e-5, "m", "50 µm"),
+        (1e-6, "s", "1 µs"),
+        (0.2, "s", "0.2 s"),
+        (0.0, "N", "0 N"),
+        (-0.59, "kg m", "-590 g m"),
+        (3e8, "Pa", "300 MPa"),
+    ],
 )
 def test_handy_units_are_read_back(value: float, unit: str, text: str) -> None:
     assert handy(value, unit) == text
     assert to_si(text, unit) == pytest.approx(value, rel=1e-12)
+    assert handy_unit(1e9, "rad/s") == ("rad/s", 1.0)

@@ -11,7 +11,6 @@ from bladewhirl.postprocess.pictures.colouring import (
     Field,
     Stations,
     colouring,
-    strain_unit,
 )
 
 STATIONS = Stations(2, 9)
@@ -115,8 +114,3 @@ def test_what_there_is_not() -> None:
         ViewError, match="colour must be one of displacement, deformation, velocity"
     ):
         colouring(still(), "heat", RECORDS, STATIONS, False)  # type: ignore[arg-type]
-
-
-def test_units_of_strain() -> None:
-    assert strain_unit(2e-3) == ("mm/m", 1e3)
-    assert strain_unit(2e-5) == ("µm/m", 1e6)

@@ -6,7 +6,7 @@ from matplotlib.text import Text
 from synthetic_result import synthetic_result
 
 from bladewhirl.postprocess.plotting.style import new_figure
-from bladewhirl.postprocess.plotting.titles import head, short_number, speed_label
+from bladewhirl.postprocess.plotting.titles import head, speed_label
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 
 
@@ -41,8 +41,3 @@ def test_no_name_breaks_a_figure(title: str) -> None:
     box = drawn.get_window_extent()
     assert box.x0 >= 0
     assert box.x1 <= figure.bbox.width
-
-
-def test_numbers_are_short_and_their_powers_letters() -> None:
-    numbers = {1e6: "10⁶", 1.5e7: "1.5·10⁷", 2.5e-5: "2.5·10⁻⁵", 800.0: "800", 0.0: "0"}
-    assert {number: short_number(number) for number in numbers} == numbers

@@ -15,7 +15,6 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 from synthetic_sweep import synthetic_sweep
 
-from bladewhirl.postprocess.fields.units import handy_unit
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.plotting.style import new_figure
 from bladewhirl.postprocess.sweep.axes import (
@@ -109,28 +108,6 @@ def test_lengths_of_a_key_are_in_units_that_read_well(four: Path) -> None:
     assert axes.get_xlabel() == "casing clearance amplitude [µm]"
     np.testing.assert_allclose(axes.get_xticks(), [20.0, 50.0])
     np.testing.assert_allclose(found["casing_clearance_amplitude"], [2e-5, 5e-5])  # the data: SI
-
-
-@pytest.mark.parametrize(
-    ("amount", "unit", "handy"),
-    [
-        (4e-4, "m", "mm"),
-        (5e-5, "m", "µm"),
-        (2e-3, "s", "ms"),
-        (5e-5, "s", "µs"),
-        (3.0, "s", "s"),
-        (2e8, "N/m", "MN/m"),
-        (500.0, "N/m", "N/m"),
-        (2.1e11, "Pa", "GPa"),
-        (1e9, "1", "1"),
-    ],
-)
-def test_handy_units(amount: float, unit: str, handy: str) -> None:
-    found, scale = handy_unit(amount, unit)
-    assert found == handy
-    sizes = {"m": 1.0, "mm": 1e3, "µm": 1e6, "s": 1.0, "ms": 1e3, "µs": 1e6}
-    sizes |= {"N/m": 1.0, "MN/m": 1e-6, "GPa": 1e-9, "1": 1.0}
-    assert scale == pytest.approx(sizes[handy])
 
 
 def keyed(values: np.ndarray) -> xr.Dataset:
