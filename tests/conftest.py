@@ -1,6 +1,8 @@
 """Fixtures that several test modules share."""
 
 import os
+import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,15 +11,61 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
 from hypothesis import settings
+from numba.core import event
 
 # The same examples everywhere, and none judged by the clock.
 settings.register_profile("house", deadline=None, derandomize=True, database=None)
 settings.load_profile("house")
 
+PROCESSOR_BUDGET = 2.0
+"""Processor time that a test may take unless it is marked slow, children included [s]."""
+
+
+class Compilation(event.Listener):  # type: ignore[misc]
+    """Processor time of the kernel's compilation, which the first test to need it would pay."""
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+        self._depth = 0
+
+    def on_start(self, event: Any) -> None:
+        """Note when the outermost compilation begins."""
+        if self._depth == 0:
+            self._began = time.process_time()
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:
+        """Add the outermost compilation."""
+        self._depth -= 1
+        if self._depth == 0:
+            self.seconds += time.process_time() - self._began
+
+
+COMPILATION = Compilation()
+event.register("numba:compile", COMPILATION)
+
+
+def processor_seconds() -> float:
+    """Return the processor time of this process and its ended children without compilation."""
+    return sum(os.times()[:4]) - COMPILATION.seconds
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
+    """Fail a test that takes more processor time than a default test may."""
+    before = processor_seconds()
+    yield
+    used = processor_seconds() - before
+    if used > PROCESSOR_BUDGET and item.get_closest_marker("slow") is None:
+        pytest.fail(
+            f"took {used:.1f} s of processor time, expected at most {PROCESSOR_BUDGET:g} s;"
+            " make its stage smaller or its march shorter, or mark it slow"
+        )
+
 
 @pytest.fixture
 def can_draw() -> None:
-    """Skips where the system has no OpenGL for VTK to draw with."""
+    """Skip where the system has no OpenGL for VTK to draw with."""
     from bladewhirl.postprocess.pictures.offscreen import OffScreenError, require_off_screen
 
     try:
@@ -28,7 +76,7 @@ def can_draw() -> None:
 
 @pytest.fixture
 def pictures_unsaved(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures are made and laid out, and not rendered: .png and .pdf are empty files."""
+    """Lay out figures without rendering them: .png and .pdf files are empty."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.backends.backend_pdf import FigureCanvasPdf
 

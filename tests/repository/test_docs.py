@@ -20,21 +20,12 @@ PAGES = {
     for path in sorted(DOCS.rglob("*.md"))
     if not {"built", "gallery"} & set(path.relative_to(DOCS).parts)
 }
-SLOW = {
-    "start",
-    "reference/figures",
-    *(
-        f"tutorials/{name}"
-        for name in ("case_file", "sketch", "mesh", "modes", "rotation", "sweep", "figures")
-    ),
-}
-"""Pages whose blocks take long."""
-
 RUNNING = [
-    pytest.param(name, marks=[pytest.mark.slow] if name in SLOW else [])
+    name
     for name, text in PAGES.items()
-    if any(block.runs for block in blocks(text))
+    if "executed: true" not in text[:100] and any(block.runs for block in blocks(text))
 ]
+"""Pages with blocks that the build of the site does not execute."""
 
 
 @pytest.mark.parametrize("name", RUNNING)
@@ -95,7 +86,7 @@ def test_every_command_and_option_is_in_the_reference() -> None:
     assert "```{option} --output PATH, -o PATH\n" in text
 
 
-CHEAP = [one for one in REFINEMENTS if one.name in ("bending", "stretching", "tapered", "internal")]
+CHEAP = [one for one in REFINEMENTS if one.name in ("bending", "tapered")]
 
 
 @pytest.mark.parametrize("one", CHEAP, ids=lambda one: one.name)

@@ -71,6 +71,7 @@ def test_the_two_commands_install_run_and_test() -> None:
     assert re.fullmatch(install + r"pytest -n auto", tests)
 
 
+@pytest.mark.usefixtures("pictures_unsaved")
 def test_python_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     code, _ = blocks("python")
     assert code.count("march.duration=0.5") == 1
@@ -85,6 +86,7 @@ def test_python_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert (run / "my_orbit.png").is_file()
 
 
+@pytest.mark.usefixtures("pictures_unsaved")
 def test_the_sketch_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _, code = blocks("python")
     assert code.count("100 ms") == 1

@@ -141,7 +141,7 @@ def path(tmp_path: Path) -> Path:
 
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_commands_tell_and_go_on(path: Path, tmp_path: Path) -> None:
-    change = ["--set", "casing.clearance=0.06"]
+    change = ["--set", "casing.clearance=0.06", "--set", "march.duration=1e-4"]
     for command in (["show"], ["run", "-o", str(tmp_path / "run"), "--frames", "0"]):
         done = RUNNER.invoke(app, [command[0], str(path), *command[1:], *change])
         assert done.exit_code == 0

@@ -32,7 +32,7 @@ class Disturbed(Exception):
 
 
 def long(**values: object) -> Case:
-    """The small case, to march for 0.1 s."""
+    """Return the small case with a duration of 0.1 s."""
     return small(**{"march.duration": 0.1, **values})
 
 
@@ -128,6 +128,7 @@ def test_two_runs_do_not_share_a_folder(tmp_path: Path) -> None:
     assert not [*tmp_path.iterdir()]
 
 
+@pytest.mark.slow
 def test_a_refused_write_is_one_line_and_what_was_recorded_stays(tmp_path: Path) -> None:
     case = long(**{"march.duration": 0.2})
     whole = bw.run(case, tmp_path / "whole", frames=0).directory
@@ -146,6 +147,7 @@ def test_a_refused_write_is_one_line_and_what_was_recorded_stays(tmp_path: Path)
     assert_same_bits(whole, tmp_path / "run")
 
 
+@pytest.mark.slow
 def test_a_killed_run_goes_on_to_the_same_bits(whole: Path, tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(dumps_case(long()))
     arguments = ["run", str(tmp_path / "case.toml"), "-o", str(tmp_path / "run")]

@@ -198,4 +198,4 @@ def test_memory_of_a_plan_hardly_grows_with_its_points() -> None:
         return most
 
     peak(2)  # imports and what is kept from call to call
-    assert peak(500) - peak(20) < 500 * 500
+    assert peak(200) - peak(20) < 500 * 200

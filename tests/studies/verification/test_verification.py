@@ -18,18 +18,22 @@ from bladewhirl.studies.verification.table import SUBJECTS, cases
 
 DEFAULT = cases()
 
-
-@pytest.mark.parametrize("case", DEFAULT, ids=lambda case: case.name)
-def test_a_known_answer(case: VerificationCase) -> None:
-    outcome = case.run()
-    assert outcome.passed, outcome
+SECONDS = ("results.", "schemes.two_masses", "march.order_of_contact")
+"""Beginnings of the names of cases that take a second or more; `.ci/run` verifies them."""
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
-    "case", [case for case in cases(full=True) if case.long], ids=lambda case: case.name
+    "case",
+    [
+        pytest.param(
+            case,
+            id=case.name,
+            marks=[pytest.mark.slow] if case.long or case.name.startswith(SECONDS) else [],
+        )
+        for case in cases(full=True)
+    ],
 )
-def test_a_known_answer_that_takes_long(case: VerificationCase) -> None:
+def test_a_known_answer(case: VerificationCase) -> None:
     outcome = case.run()
     assert outcome.passed, outcome
 
