@@ -133,6 +133,6 @@ def test_a_sweep_records_where_and_why_points_stopped(
         assert early.attrs["stop_rule"] == RULE
         assert "stop_rule" not in whole.attrs
         assert (early["end_reason"] == "damped").all()
-        assert (early["end_time"] < 0.6 * whole["end_time"]).all()
+        assert (early["end_time"] < whole["end_time"]).all()
         assert_array_equal(early["regime"], whole["regime"])
     assert read_plan(tmp_path / "early").stop_when == "damped"
