@@ -26,7 +26,7 @@ STEP = 1e-6
 
 
 def pulse(force: float, **more: object) -> Case:
-    """Return a case whose casing is distorted for 3 ms and then left to itself."""
+    """A casing that is distorted for 3 ms, and then left to itself."""
     excitation = {"type": "casing-distortion", "modal_force": force, "duration": "3 ms"}
     march = {"speed": 1.05, "time_step": STEP, "duration": 0.5, "record_step": 1e-4}
     stiff = {"casing": {"support": 7.975e6}, "damping": {"ratio": 0.05}}
@@ -119,20 +119,19 @@ def test_motion_that_may_be_driven_for_ever_is_told_before_a_sweep(
     assert not (tmp_path / "new").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_a_sweep_records_where_and_why_points_stopped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("bladewhirl.studies.sweeps.sweep.march_groups", march_in_process)
-    march = {"time_step": 4e-6, "duration": 0.5, "record_step": 1e-4}
-    case = pulse(1e3, march=march)
     speeds = {"march.speed": [1.0, 1.1]}
-    run_sweep(case, speeds, tmp_path / "early", stop_when="damped")
-    run_sweep(case, speeds, tmp_path / "whole")
+    run_sweep(pulse(1e3), speeds, tmp_path / "early", stop_when="damped")
+    run_sweep(pulse(1e3), speeds, tmp_path / "whole")
     with open_sweep(tmp_path / "early") as early, open_sweep(tmp_path / "whole") as whole:
         assert early.attrs["stop_rule"] == RULE
         assert "stop_rule" not in whole.attrs
         assert (early["end_reason"] == "damped").all()
-        assert (early["end_time"] < whole["end_time"]).all()
+        assert (early["end_time"] < 0.6 * whole["end_time"]).all()
         assert_array_equal(early["regime"], whole["regime"])
     assert read_plan(tmp_path / "early").stop_when == "damped"
