@@ -7,8 +7,9 @@
         bw.save_figure(figure, "orbit")
 
 Most take a result of `bw.open_result`, or a sweep of `bw.open_sweep` where their docstring says so,
-and the window of a run [s]. Their names are those of `bladewhirl plot`, with _ for -. `campbell`,
-`veering` and `shaft_veering` take what `bw.campbell` and `bw.veering` return.
+and the window of a run [s]. They are the figures of `bladewhirl plot`, listed in
+`postprocess/plotting/figures.toml`, with _ for -. `campbell`, `veering` and `shaft_veering` take
+datasets of `bw.campbell` and `bw.veering`.
 """
 
 from __future__ import annotations
@@ -21,45 +22,18 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = [
-    "bifurcation",
-    "campbell",
-    "contact_angle",
-    "contact_classes",
-    "contact_phase",
-    "energy",
-    "energy_families",
-    "forces",
-    "frequency_map",
-    "gaps",
-    "maps",
-    "orbit",
-    "regime",
-    "regimes",
-    "shaft_radius",
-    "shaft_veering",
-    "spectrogram",
-    "spectrogram_static",
-    "spectrum",
-    "spectrum_static",
-    "state_space",
-    "stress",
-    "veering",
-    "whirl",
-]
-
 
 class Plot(Protocol):
-    """A function that draws a figure of a run or a sweep."""
+    """Function that draws a figure of a run or a sweep."""
 
     def __call__(
         self, dataset: xr.Dataset, start: float | None = None, end: float | None = None
     ) -> Figure:
-        """Draw it, of a run within [start, end] [s]."""
+        """Draw the figure, of a run within [start, end] [s]."""
 
 
 def _plot(name: str) -> Plot:
-    """The function that draws a figure of the registry, with the words of its captions."""
+    """Return the function that draws a figure of the registry, documented by its captions."""
 
     def draw(dataset: xr.Dataset, start: float | None = None, end: float | None = None) -> Figure:
         from bladewhirl.postprocess.fields.kinematics import ViewError
@@ -74,7 +48,7 @@ def _plot(name: str) -> Plot:
 
     kinds = {"a run": RUN_FIGURES, "a sweep": SWEEP_FIGURES}
     draw.__doc__ = "\n\n".join(
-        f"Of {source}: {registry[name].caption}"
+        f"For {source}: {registry[name].caption}"
         for source, registry in kinds.items()
         if name in registry
     )
@@ -82,47 +56,36 @@ def _plot(name: str) -> Plot:
     return draw
 
 
-bifurcation = _plot("bifurcation")
-contact_angle = _plot("contact-angle")
-contact_classes = _plot("contact-classes")
-contact_phase = _plot("contact-phase")
-energy = _plot("energy")
-energy_families = _plot("energy-families")
-forces = _plot("forces")
-frequency_map = _plot("frequency-map")
-gaps = _plot("gaps")
-maps = _plot("maps")
-orbit = _plot("orbit")
-regime = _plot("regime")
-regimes = _plot("regimes")
-shaft_radius = _plot("shaft-radius")
-spectrogram = _plot("spectrogram")
-spectrogram_static = _plot("spectrogram-static")
-spectrum = _plot("spectrum")
-spectrum_static = _plot("spectrum-static")
-state_space = _plot("state-space")
-stress = _plot("stress")
-whirl = _plot("whirl")
+_plots = {name.replace("-", "_"): _plot(name) for name in sorted({*RUN_FIGURES, *SWEEP_FIGURES})}
+globals().update(_plots)
+__all__ = sorted([*_plots, "campbell", "shaft_veering", "veering"])
+
+if TYPE_CHECKING:
+
+    def __getattr__(name: str) -> Plot: ...
 
 
-def campbell(found: xr.Dataset, frame: Literal["rotating", "static"] = "rotating") -> Figure:
+def campbell(data: xr.Dataset, frame: Literal["rotating", "static"] = "rotating") -> Figure:
     """Campbell diagram, in rotating axes or as seen from the casing, of `bw.campbell(case)`."""
     from bladewhirl.postprocess.modal.campbell import plot_campbell
 
-    return plot_campbell(found, frame)
+    return plot_campbell(data, frame)
 
 
-def veering(found: xr.Dataset, families: int | None = None) -> Figure:
-    """Frequencies over nodal diameter with both centres, of `bw.veering(case)`: the first
-    families, or all that it has.
+def veering(data: xr.Dataset, families: int | None = None) -> Figure:
+    """Frequencies over nodal diameter with a free and a clamped centre, of `bw.veering(case)`.
+
+    Args:
+        data: from `bw.veering`.
+        families: number of families. All when None.
     """
     from bladewhirl.postprocess.modal.veering import plot_families
 
-    return plot_families(found, families)
+    return plot_families(data, families)
 
 
-def shaft_veering(found: xr.Dataset) -> Figure:
+def shaft_veering(data: xr.Dataset) -> Figure:
     """Modes with one nodal diameter over the stiffness of the shaft, of `bw.veering(case)`."""
     from bladewhirl.postprocess.modal.veering import plot_shaft_veering
 
-    return plot_shaft_veering(found)
+    return plot_shaft_veering(data)

@@ -3,6 +3,7 @@
 import os
 import time
 from collections.abc import Iterator
+from functools import wraps
 from pathlib import Path
 from typing import Any
 
@@ -83,6 +84,7 @@ def pictures_unsaved(monkeypatch: pytest.MonkeyPatch) -> None:
     for canvas, name in ((FigureCanvasAgg, "print_png"), (FigureCanvasPdf, "print_pdf")):
         render = getattr(canvas, name)
 
+        @wraps(render)  # savefig reads the parameters
         def touch(own: object, target: Any, *more: Any, render: Any = render, **named: Any) -> None:
             if isinstance(target, str | Path):
                 Path(target).touch()

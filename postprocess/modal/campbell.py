@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
-from bladewhirl.postprocess.plotting.axes import Names, frequency_axis, speed_axis
+from bladewhirl.postprocess.plotting.axes import AROUND, Labels, frequency_axis, speed_axis
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import set_title
@@ -128,8 +128,6 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     if frame == "static":
         axes.set_yscale("log")
     axes.set_ylim(*frequency_limits(data, frame))
-    names = Names(axes)
-    names.keep_free(data["normalised_speed"].values[shown], meets[shown])
     turns = "branch" in data.dims
     named = [
         *(_draw_branches(axes, data, frame) if turns else ()),
@@ -138,9 +136,7 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     ]
     if turns:
         _mark_critical(axes, data, frame)
-    _mark_coincidences(axes, names, data, meets, shown)
-    for line in named:
-        names.along(*line)
+    _mark_coincidences(axes, data, meets, shown)
     speed_axis(axes, reference)
     frequency_axis(axes, reference, f"frequency / ω₁, {frame} frame [–]")
     set_title(figure, data.attrs["case"], f"Campbell diagram, {frame} frame")
@@ -152,6 +148,17 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
     if turns:
         note += " Branches are named by the way that they have at rest."
     legends_below(figure, Group(entries, note))
+    labels = Labels(axes)
+    labels.keep_free(data["normalised_speed"].values[shown], meets[shown])
+    for k, speed, frequency in zip(
+        data["nodal_diameter"].values[shown],
+        data["normalised_speed"].values[shown],
+        meets[shown],
+        strict=True,
+    ):
+        labels.add(speed, frequency, str(k), COLOURS["total"], AROUND)
+    for x, y, name, colour in named:
+        labels.add(x[::-1], y[::-1], name, colour)
     return figure
 
 
@@ -278,18 +285,12 @@ def _mark_critical(axes: Axes, data: xr.Dataset, frame: Frame) -> None:
         axes.plot(speeds, height, clip_on=False, zorder=6, **CROSS)
 
 
-def _mark_coincidences(
-    axes: Axes, names: Names, data: xr.Dataset, meets: FloatArray, shown: BoolArray
-) -> None:
+def _mark_coincidences(axes: Axes, data: xr.Dataset, meets: FloatArray, shown: BoolArray) -> None:
     speeds, k = data["normalised_speed"].values, data["nodal_diameter"].values
     for here, colour in ((shown & (k != 1), "other k"), (shown & (k == 1), "k = 1")):
         if here.any():  # an empty line that is not clipped would stretch the layout
             ring: dict[str, Any] = {"color": COLOURS[colour], "clip_on": False, "zorder": 5}
             axes.plot(speeds[here], meets[here], **ring, **RING)
-    for own in names.one_place(speeds[shown], meets[shown]):
-        here = np.flatnonzero(shown)[own]
-        every = ", ".join(str(number) for number in sorted(k[here]))
-        names.beside(speeds[here].mean(), meets[here].mean(), every, COLOURS["total"])
 
 
 def wave_colour(body: str, family: str, k: int) -> str:

@@ -20,8 +20,10 @@ from matplotlib.patches import Patch
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.plotting.axes import (
+    AROUND,
+    LEFT,
     SPEED,
-    Names,
+    Labels,
     frequency_axis,
     speed_axis,
 )
@@ -83,11 +85,11 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
         _draw_coincidences(axes, data)
     if point is not None:
         axes.plot(*point, "o", color=COLOURS["contact"], markerfacecolor="none", label="point")
-    if "zone" in data.dims:
-        _name_zones(axes, data)
     set_title(figure, data.attrs["case"], _words("Growth of coupled modes", data))
     handles, labels = axes.get_legend_handles_labels()
     legends_below(figure, Group([*zip(handles, labels, strict=True)]))
+    if "zone" in data.dims:
+        _name_zones(axes, data)
     return figure
 
 
@@ -133,11 +135,6 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
     reach = 1.3 * np.abs(real[growing] if many and growing.any() else real).max()
     if reach > 0.0:
         upper.set_ylim(-reach, reach)
-    _name_loops(upper, data)
-    if many:
-        _name_growing(lower, data, frequency, growing)
-    else:
-        _name_branches(lower, data, frequency)
     speed_axis(upper, reference / (2.0 * np.pi))
     upper.set_xlabel("")
     lower.set_xlabel(SPEED)
@@ -145,6 +142,11 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
     shown = _words(f"Eigenvalues along κ = {handy(data.attrs['kappa'], 'N/m', 4)}", data)
     set_title(figure, data.attrs["case"], f"{shown}\nin the frame that turns at Ω/2")
     legends_below(figure, Group(entries))
+    _name_loops(upper, data)
+    if many:
+        _name_growing(lower, data, frequency, growing)
+    else:
+        _name_branches(lower, data, frequency)
     return figure
 
 
@@ -174,9 +176,9 @@ def plot_truncation(data: xr.Dataset) -> Figure:
         entries.append((Patch(color=COLOURS[name]), f"zones of all modes, {name}"))
     _draw_borders(axes, data.isel(zone=~whole))
     entries.append((Patch(facecolor="none", edgecolor=COLOURS["total"]), "zones of six modes"))
-    _name_zones(axes, data.isel(zone=whole))
     set_title(figure, data.attrs["case"], "Unstable zones that the six modes hide")
     legends_below(figure, Group(entries))
+    _name_zones(axes, data.isel(zone=whole))
     return figure
 
 
@@ -202,12 +204,13 @@ def _new_chart(data: xr.Dataset) -> tuple[Figure, Axes]:
 
 def _name_zones(axes: Axes, data: xr.Dataset) -> None:
     """Name zones beside their borders, the widest first; those that find no room stay bare."""
-    names = Names(axes)
+    labels = Labels(axes)
     zones = _zones(data)
     for zone in sorted(zones, key=lambda zone: -np.ptp([zone.lower[-1], zone.upper[-1]])):
         text = _meeting(zone.casing, zone.rotor, len(zones))
-        if not names.along(zone.upper, zone.kappa, text, COLOURS["total"], aside=1.1):
-            names.along(zone.lower, zone.kappa, text, COLOURS["total"], aside=-1.1)
+        colour = COLOURS["total"]
+        if not labels.add(zone.upper[::-1], zone.kappa[::-1], text, colour, [(5, 0)]):
+            labels.add(zone.lower[::-1], zone.kappa[::-1], text, colour, [(-5, 0)])
 
 
 def _meeting(casing: str, rotor: str, zones: int) -> str:
@@ -217,28 +220,28 @@ def _meeting(casing: str, rotor: str, zones: int) -> str:
 
 def _name_loops(axes: Axes, data: xr.Dataset) -> None:
     """Name the growing stretches of a spectrum by the waves that meet in them."""
-    names = Names(axes)
+    labels = Labels(axes)
     middle = 0.5 * (data["zone_lower"].values + data["zone_upper"].values)
     for i in np.argsort(-data["zone_growth"].values):
         pair = str(data["zone_casing"].values[i]), str(data["zone_rotor"].values[i])
         text = _meeting(*pair, data.sizes["zone"])
-        names.beside(middle[i], data["zone_growth"].values[i], text, COLOURS["k = 1"])
+        labels.add(middle[i], data["zone_growth"].values[i], text, COLOURS["k = 1"], AROUND)
 
 
 def _name_branches(axes: Axes, data: xr.Dataset, frequency: FloatArray) -> None:
     """Name branches by the waves that they begin from, left of their beginning."""
     first, last = data["speed"].values[[0, -1]]
     axes.set_xlim(first - NAMED * (last - first), last)
-    names = Names(axes)
+    labels = Labels(axes)
     for branch in np.argsort(frequency[0]):
         if frequency[0, branch] > 0.0:
             name = str(data["branch_name"].values[branch])
-            names.behind(first, frequency[0, branch], name, COLOURS["total"], left=True)
+            labels.add(first, frequency[0, branch], name, COLOURS["total"], LEFT)
 
 
 def _name_growing(axes: Axes, data: xr.Dataset, frequency: FloatArray, growing: BoolArray) -> None:
     """Name places where branches grow by the waves that meet there."""
-    names = Names(axes)
+    labels = Labels(axes)
     speed = data["speed"].values
     middle = 0.5 * (data["zone_lower"].values + data["zone_upper"].values)
     for zone in range(data.sizes["zone"]):
@@ -247,7 +250,7 @@ def _name_growing(axes: Axes, data: xr.Dataset, frequency: FloatArray, growing: 
         if here.size:
             pair = str(data["zone_casing"].values[zone]), str(data["zone_rotor"].values[zone])
             text = _meeting(*pair, data.sizes["zone"])
-            names.beside(middle[zone], float(here[0]), text, COLOURS["k = 1"])
+            labels.add(middle[zone], here[0], text, COLOURS["k = 1"], AROUND)
 
 
 def _draw_borders(axes: Axes, data: xr.Dataset) -> None:

@@ -14,7 +14,14 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
-from bladewhirl.postprocess.plotting.axes import FREQUENCY, Names, frequency_axis
+from bladewhirl.postprocess.plotting.axes import (
+    AROUND,
+    FREQUENCY,
+    LEFT,
+    RIGHT,
+    Labels,
+    frequency_axis,
+)
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
@@ -89,9 +96,6 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
             axes.margins(y=0.1)
         frequency_axis(axes, reference)
         axes.set_xlim(-0.5, last + 2.0)
-        places = Names(axes)
-        for name in shown[::-1]:  # the lowest first
-            _name_family(places, data, name)
     if broken:
         for axes in panels:
             axes.set_ylabel("")
@@ -102,6 +106,10 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
     panels[-1].set_xticks(ticks[ticks <= last])
     set_title(figure, data.attrs["case"], f"Frequencies by nodal diameter{_at_speed(data)}")
     legends_below(figure, Group(_marks(data, names)))
+    for axes, shown in zip(panels, [[name] for name in names] if broken else [names], strict=True):
+        labels = Labels(axes)
+        for name in shown[::-1]:  # the lowest first
+            _label_family(labels, data, name)
     return figure
 
 
@@ -134,27 +142,12 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
     )
     frequency_axis(axes, float(data.attrs["reference_frequency_hz"]))
     axes.axvline(data.attrs["case_stiffness"], color=COLOURS["k = 1"], linewidth=0.8, zorder=1)
-    names, texts = Names(axes), _characters(share[0], frequency[0], 1 + turns)
+    texts = _characters(share[0], frequency[0], 1 + turns)
     for branch, way in enumerate(ways):
         lines = _coloured_line(axes, stiffness, frequency[:, branch], share[:, branch])
         lines.set_linewidth(0.7 if way == "forward" else 1.4)
     for level in data["normalised_clamped_frequency"].values:
         axes.axhline(level, color=COLOURS["rest"], linestyle="--", linewidth=0.6, zorder=1)
-    last = "", 0.0
-    for branch in np.argsort(frequency[0]):
-        if turns:
-            named = texts[branch], float(frequency[0, branch])
-            if named[0] != last[0] or named[1] > ALIKE * last[1]:
-                names.behind(stiffness[0], named[1], named[0], COLOURS["total"], left=True)
-                last = named
-        else:
-            line = stiffness[::-1], frequency[::-1, branch]
-            names.over(*line, texts[branch], COLOURS["total"])
-    for branch, level in enumerate(data["normalised_clamped_frequency"].values):
-        if ways[branch] == "forward":  # beside the backward one
-            continue
-        rank = int(np.count_nonzero(ways[:branch] == ways[branch])) + 1
-        names.over(stiffness, np.full_like(stiffness, level), f"{rank}F", "#555555")
     figure.colorbar(
         lines, ax=axes, label="share of energy in the springs [–]", location="top", aspect=30
     )
@@ -168,6 +161,21 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
             look = Line2D([], [], color=COLOURS["total"], linewidth=width)
             handles.append((look, f"{name} waves on stiff springs"))
     legends_below(figure, Group(handles))
+    labels = Labels(axes)
+    last = "", 0.0
+    for branch in np.argsort(frequency[0]):
+        if turns:
+            named = texts[branch], float(frequency[0, branch])
+            if named[0] != last[0] or named[1] > ALIKE * last[1]:
+                labels.add(stiffness[0], named[1], named[0], COLOURS["total"], LEFT)
+                last = named
+        else:
+            labels.add(stiffness, frequency[:, branch], texts[branch], COLOURS["total"])
+    for branch, level in enumerate(data["normalised_clamped_frequency"].values):
+        if ways[branch] == "forward":  # beside the backward one
+            continue
+        rank = int(np.count_nonzero(ways[:branch] == ways[branch])) + 1
+        labels.add(stiffness[::-1], np.full_like(stiffness, level), f"{rank}F", "#555555")
     return figure
 
 
@@ -224,17 +232,17 @@ def _draw_family(axes: Axes, data: xr.Dataset, family: str) -> None:
             axes.plot(k + CLAMPED_ASIDE.get(way, 0.0), frequency, **mark, **ring)
 
 
-def _name_family(names: Names, data: xr.Dataset, family: str) -> None:
+def _label_family(labels: Labels, data: xr.Dataset, family: str) -> None:
     """Name a family at its last nodal diameter."""
     k = data["nodal_diameter"].values[_is(data, family)]
     frequency = data["normalised_frequency"].values[_is(data, family)]
     last = np.lexsort((-frequency, k))[-1]
     end = float(k[last]), float(frequency[last])
     if family == "suspension":
-        names.keep_free(k.astype(np.float64), frequency)
-        names.beside(*end, family, COLOURS[family])
+        labels.keep_free(k, frequency)
+        labels.add(*end, family, COLOURS[family], AROUND)
     else:
-        names.behind(*end, family, COLOURS["total"])
+        labels.add(*end, family, COLOURS["total"], RIGHT)
 
 
 def _ways(data: xr.Dataset) -> list[str]:

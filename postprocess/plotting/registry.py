@@ -1,8 +1,8 @@
-"""The figures of a run and of a sweep: their names, words, and the functions that make them.
+"""Registry of the figures of a run and of a sweep: names, captions, and functions.
 
-A new figure is a function that computes its dataset, one that draws it, and an entry in
-`figures.toml` beside this module: the command line, its help, reports and `bladewhirl.plot` then
-have it. Functions are named, not imported, so that this module loads the standard library alone.
+A new figure consists of a function that computes its dataset, one that draws it, and an entry in
+`figures.toml`: the command line, its help, reports and `bladewhirl.plot` follow. The functions are
+named, not imported, so that this module imports the standard library only.
 """
 
 from __future__ import annotations
@@ -23,48 +23,52 @@ POSTPROCESS = "bladewhirl.postprocess"
 
 @dataclass(frozen=True, kw_only=True)
 class FigureKind:
-    """A figure by name."""
+    """Entry of the registry."""
 
     name: str
     title: str
-    about: str  #: what it shows, in one line
-    reading: str = ""  #: how to read it: units, signs, what to look for
-    section: str = ""  #: of a report that has it
-    wide: bool = False  #: across a report, not half of it
-    data: str  #: "module:function" in postprocess that computes its dataset
-    plot: str  #: "module:function" in postprocess that draws it from its dataset
-    options: Mapping[str, str] = field(default_factory=dict)  #: further arguments of `data`
+    about: str  #: content of the figure, in one line
+    reading: str = ""  #: units, signs, and what to look for
+    section: str = ""  #: section of the report that shows it
+    wide: bool = False  #: as wide as the report, not half of it
+    data: str  #: "module:function" in postprocess that computes the dataset
+    plot: str  #: "module:function" in postprocess that draws the dataset
+    options: Mapping[str, str] = field(
+        default_factory=dict
+    )  #: keyword arguments of the function `data`
 
     @property
     def caption(self) -> str:
-        """The words with it in a report."""
+        """Caption in a report."""
         return f"{self.about}. {self.reading}".strip()
 
     def draw(self, *source: object) -> tuple[Figure, xr.Dataset]:
-        """The figure and the data behind it.
+        """Draw the figure; return it with its dataset.
 
         Args:
-            source: arguments of the function that computes its dataset: a `RunFigures`, or a sweep
-                and the swept key to go along.
+            source: arguments of the function that computes the dataset: a `RunFigures`, or a sweep
+                and the swept key of the x axis.
 
         Raises:
-            ViewError: it can't be had, such as a Poincaré map of a rotor at rest.
+            ViewError: there are no such data, as for a Poincaré map of a rotor at rest.
         """
         data = resolve_name(f"{POSTPROCESS}.{self.data}")(*source, **self.options)
         return resolve_name(f"{POSTPROCESS}.{self.plot}")(data), data
 
 
 def captions(kinds: Mapping[str, FigureKind]) -> list[str]:
-    """A line for each figure: its name and what it shows."""
+    """Return a line for each figure: its name and content."""
     return [f"{name}: {kind.about}." for name, kind in kinds.items()]
 
 
 def _figures(source: str) -> Mapping[str, FigureKind]:
     text = resources.files(f"{POSTPROCESS}.plotting").joinpath("figures.toml").read_text("utf-8")
-    return {name: FigureKind(name=name, **own) for name, own in tomllib.loads(text)[source].items()}
+    return {
+        name: FigureKind(name=name, **entry) for name, entry in tomllib.loads(text)[source].items()
+    }
 
 
 RUN_FIGURES, SWEEP_FIGURES = _figures("run"), _figures("sweep")
 
 REPLACED: Mapping[str, str] = {"energy-cyclic": "energy-families"}
-"""Names of figures that are no more, and of those that show the same."""
+"""Deprecated figure names and their replacements."""

@@ -21,7 +21,7 @@ from bladewhirl.meshes.files.drafts import write_whole
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
 from bladewhirl.postprocess.plotting.registry import FigureKind
-from bladewhirl.postprocess.plotting.style import arranged, print_png, styled
+from bladewhirl.postprocess.plotting.style import styled
 from bladewhirl.postprocess.reports.interactive import Plot
 
 DPI = 200
@@ -153,8 +153,7 @@ def _report_figure(
 @styled
 def _as_png(figure: Figure) -> str:
     file = io.BytesIO()
-    with arranged(figure, DPI):
-        print_png(figure, file)
+    figure.savefig(file, format="png", dpi=DPI)
     return base64.b64encode(file.getvalue()).decode("ascii")
 
 

@@ -103,22 +103,3 @@ class TestSaveFigure:
     def test_a_name_with_dots_is_kept(self, tmp_path: Path) -> None:
         paths = style.save_figure(self.figure(), tmp_path / "speed_1.05")
         assert [path.name for path in paths] == ["speed_1.05.png", "speed_1.05.pdf"]
-
-
-@pytest.mark.parametrize(
-    ("scale", "limits", "labels"),
-    [
-        ("log", (1e-3, 1.0), {"10⁻³", "10⁻²", "10⁻¹", "10⁰"}),
-        ("log", (2e-2, 5e-2), {"2×10⁻²", "3×10⁻²", "4×10⁻²"}),
-        ("symlog", (-10.0, 10.0), {"−10¹", "−10⁰", "0", "10⁰", "10¹"}),
-    ],
-)
-def test_powers_are_letters(
-    scale: str, limits: tuple[float, float], labels: set[str], tmp_path: Path
-) -> None:
-    figure = style.new_figure(height=0.06)
-    axis = figure.add_subplot(yscale=scale, ylim=limits).yaxis
-    with style.arranged(figure, 100.0):
-        style.print_png(figure, tmp_path / "powers.png")
-        ticks = [*axis.get_majorticklabels(), *axis.get_minorticklabels()]
-        assert labels <= {text.get_text() for text in ticks}

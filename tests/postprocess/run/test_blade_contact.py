@@ -145,9 +145,9 @@ class TestPhase:
         assert phases.attrs["scenario"] == of_sweep["scenario"].item() == "standard"
         assert phases.attrs["lead"] == of_sweep["shaft_lead"].item() == pytest.approx(0.4, abs=0.02)
         end = result["time"].values[-1]
-        title = figure.get_suptitle()
+        title = figure.get_suptitle().replace("\n", " ")
         assert "standard contact, shaft ahead of it by 23°" in title
-        assert f"mean by impulse, {2 / 3 * end:.3g} to {end:.3g} s\nsteadiness 1.00 of 1" in title
+        assert f"mean by impulse, {2 / 3 * end:.3g} to {end:.3g} s steadiness 1.00 of 1" in title
         assert phases["time"].values[0] == 0.0  # all of it is drawn
         _, early_phases = RunFigures(result, 0.0, 0.5 * end).draw("contact-phase")
         assert early_phases.attrs["scenario"] == "inverted"

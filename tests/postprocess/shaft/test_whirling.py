@@ -117,5 +117,5 @@ def test_small_amounts_have_small_units() -> None:
     assert plot_whirl_history(whirl_history(orbit)).axes[1].get_ylabel() == "radius [µm]"
     axes = plot_state_space(state_space(orbit)).axes[0]
     assert axes.get_xlabel() == "x [µm]"
-    assert axes.get_ylabel() == "velocity along x [mm/s]"
+    assert axes.get_ylabel() == "velocity along x [µm/s]"
     assert np.max(np.asarray(axes.get_lines()[1].get_xdata())) == pytest.approx(1.0, rel=0.01)
