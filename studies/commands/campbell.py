@@ -1,9 +1,9 @@
-"""`bladewhirl campbell`: at which speeds waves on rotor and casing coincide."""
+"""`bladewhirl campbell`: speeds at which waves on rotor and casing coincide."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -12,27 +12,48 @@ from bladewhirl.studies.commands.options import (
     CaseFile,
     Changes,
     Replace,
-    parse_speed_interval,
-    print_json,
+    Span,
+    span_option,
+)
+from bladewhirl.studies.commands.output import Column, emit, facts, table
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rich.table import Table
+
+SPEEDS: Any = "0:3"
+OPERATING: Any = "0.6:2"
+
+COINCIDENCES = (
+    Column("nodal_diameter", "k", "d"),
+    Column("rotor_family", "bladed disk"),
+    Column("casing_family", "casing"),
+    Column("speed", "Ω / ω₁ [–]", ".4f"),
+    Column("speed_rpm", "[rpm]", ".1f"),
+    Column("in_operating_range", "operating"),
+)
+CRITICAL_SPEEDS = (
+    Column("k", "k", "d"),
+    Column("family", "family at rest"),
+    Column("ratio", "Ω / ω₁ [–]", ".5f"),
+    Column("rpm", "[rpm]", ".1f"),
+    Column("spring_share", "strain energy in shaft springs [%]", ".3g", 100.0),
 )
 
 
 def campbell(
     case: CaseFile,
     speeds: Annotated[
-        str,
-        typer.Option(
-            metavar="START:STOP", help='Speeds of the diagrams: times ω₁, or "2000 rpm:9000 rpm".'
-        ),
-    ] = "0:3",
+        Span,
+        span_option("--speeds", 'Speeds of the diagrams: times ω₁, or "2000 rpm:9000 rpm".'),
+    ] = SPEEDS,
     operating: Annotated[
-        str,
-        typer.Option(
-            metavar="START:STOP", help='Operating range to shade: times ω₁, or "40 Hz:60 Hz".'
-        ),
-    ] = "0.6:2",
+        Span,
+        span_option("--operating", 'Operating range to shade: times ω₁, or "40 Hz:60 Hz".'),
+    ] = OPERATING,
     families: Annotated[
-        int, typer.Option(help="Families of the bladed disk, the suspension pair apart.")
+        int, typer.Option(help="Families of the bladed disk, the suspension pair apart.", min=1)
     ] = 5,
     output: Annotated[
         Path | None,
@@ -40,9 +61,7 @@ def campbell(
     ] = None,
     html: Annotated[
         Path | None,
-        typer.Option(
-            help="Page to write with both diagrams to point at, FILE.html.", metavar="FILE"
-        ),
+        typer.Option(help="Interactive page of both diagrams to write, FILE.html.", metavar="FILE"),
     ] = None,
     overwrite: Replace = False,
     json: AsJson = False,
@@ -55,15 +74,10 @@ def campbell(
     inside --speeds; JSON has those of every nodal diameter and family. With --json or --html the
     folder is made only if -o names one.
     """
-    from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.postprocess.plotting.files import checked_target
     from bladewhirl.studies.modal import campbell as study
     from bladewhirl.studies.modal.modes import stage_of_file
 
-    shown = parse_speed_interval("--speeds", speeds)
-    operated = parse_speed_interval("--operating", operating)
-    if families < 1:
-        raise UserError(f"--families {families}: expected a whole number of one or more")
     folder = output
     if output is None and html is None and not json:
         folder = Path(f"{case.stem}-campbell")
@@ -71,16 +85,37 @@ def campbell(
         checked_target(html, ".html")
     stage = stage_of_file(case, overrides, "a Campbell diagram", "centrifugal", "full")
     reference = stage.reference_frequency
-    found = study.campbell(
-        stage, families=families, speeds=shown(reference), operating=operated(reference)
+    first, last = speeds.values(reference).tolist()
+    diagram = study.campbell(
+        stage,
+        families=families,
+        speeds=(first, last),
+        operating=tuple(operating.values(reference).tolist()),
     )
     if folder is not None:
-        study.draw_campbell(found, folder, overwrite=overwrite)
+        study.draw_campbell(diagram, folder, overwrite=overwrite)
     if html is not None:
-        study.write_campbell_page(found, html, overwrite=overwrite)
-    if json:
-        print_json(study.coincidence_list(found))
+        study.write_campbell_page(diagram, html, overwrite=overwrite)
+    document = study.coincidence_list(diagram)
+    written = [path for path in (folder, html) if path is not None]
+    emit(document, *_tables(document, first, last), json=json, written=written)
+
+
+def _tables(document: dict[str, Any], first: float, last: float) -> Iterator[Table]:
+    """Yield the tables of a document; speeds from `first` to `last`, normalised."""
+    rows = [row for row in document["coincidences"] if first <= row["speed"] <= last]
+    yield table(rows, COINCIDENCES, f"Coincidence speeds from {first:g} to {last:g} ω₁")
+    if "critical_speeds" not in document:
         return
-    study.print_coincidences(found)
-    for written in filter(None, (folder, html)):
-        typer.echo(f"Wrote {written}.")
+    yield table(document["critical_speeds"], CRITICAL_SPEEDS, f"Critical speeds up to {last:g} ω₁")
+    names = {
+        "waves_meet": "two waves merge and grow without contact from",
+        "clearance_gone": "the growth of the tips equals the cold clearance at",
+    }
+    yield facts(
+        {
+            name: f"{document[key]['ratio']:.4f} ω₁ = {document[key]['rpm']:.1f} rpm"
+            for key, name in names.items()
+            if document[key] is not None
+        }
+    )

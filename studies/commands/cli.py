@@ -17,7 +17,7 @@ import typer
 from bladewhirl.studies.commands.campbell import campbell
 from bladewhirl.studies.commands.compare import compare
 from bladewhirl.studies.commands.convergence import convergence
-from bladewhirl.studies.commands.exits import UserErrorGroup, whole_output
+from bladewhirl.studies.commands.exits import UserErrorGroup, robust_output
 from bladewhirl.studies.commands.export import export
 from bladewhirl.studies.commands.mesh import mesh
 from bladewhirl.studies.commands.modes import modes
@@ -43,34 +43,21 @@ app = typer.Typer(
 
 
 def _reflowed(text: str) -> str:
-    """A docstring whose paragraphs are one line each, for the terminal to break where it ends."""
+    """Return a docstring with one line per paragraph, for the terminal to wrap."""
     return "\n\n".join(" ".join(part.split()) for part in text.split("\n\n"))
 
 
-for command in (
-    campbell,
-    compare,
-    convergence,
-    export,
-    mesh,
-    modes,
-    new,
-    plot,
-    render,
-    report,
-    reproduce,
-    run,
-    show,
-    stability,
-    sweep,
-    veering,
-    verify,
-):
+COMMANDS = (
+    *(campbell, compare, convergence, export, mesh, modes, new, plot, render, report, reproduce),
+    *(run, show, stability, sweep, veering, verify),
+)
+
+for command in COMMANDS:
     app.command(help=_reflowed(command.__doc__ or ""))(command)
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
+def _print_version(version: bool) -> None:
+    if version:
         typer.echo(f"bladewhirl {metadata.version('bladewhirl')}")
         raise typer.Exit
 
@@ -87,9 +74,9 @@ def bladewhirl(
     """Whirl of bladed disks in contact with flexible casings."""
 
 
-COLLECTED = 50_000
-"""New objects after which Python looks for cycles: modules, most of what a command loads, stay, and
-to look at them each 700 objects takes a tenth of a short run."""
+GARBAGE_THRESHOLD = 50_000
+"""Number of new objects between collections of cyclic garbage. The default, 700, costs a tenth of a
+short run, because most objects belong to modules, which stay."""
 
 
 def main() -> None:
@@ -97,6 +84,6 @@ def main() -> None:
     # Matrices of one sector are small: on a busy machine threads make their products wait for
     # each other, twenty times as long as one thread needs. NumPy, not loaded yet, heeds this.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    gc.set_threshold(COLLECTED)
-    with whole_output():
+    gc.set_threshold(GARBAGE_THRESHOLD)
+    with robust_output():
         app()

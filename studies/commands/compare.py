@@ -7,8 +7,23 @@ from typing import Annotated
 
 import typer
 
-from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, Overwrite, print_json
+from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, Overwrite
+from bladewhirl.studies.commands.output import Column, emit, table
 from bladewhirl.studies.commands.progress import progress_bar
+
+QUANTITIES = (
+    Column("end_time", "end [ms]", ".4g", 1e3),
+    Column("tip_displacement", "largest tip displacement [mm]", ".4g", 1e3),
+    Column("distance", "distance of the tips [%]", ".4g", 1e2),
+    Column("impulse", "normal impulse [N s]", ".4g"),
+    Column("friction_impulse", "friction impulse [N s]", ".4g"),
+    Column("friction_work", "work of friction [J]", ".4g"),
+    Column("energy", "energy at the end [J]", ".4g"),
+    Column("ledger", "energy less work, over the largest term", ".4g"),
+    Column("penetration", "deepest penetration [µm]", ".4g", 1e6),
+    Column("step_cost", "cost of a step [µs]", ".4g", 1e6),
+)
+"""Rows of the table, which has a column for each scheme."""
 
 
 def compare(
@@ -27,10 +42,6 @@ def compare(
     of the tips from the first scheme. The last two cost fifty to a hundred times as much a step,
     so take a short march: --set march.duration=0.05.
     """
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
     from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.studies.convergence.schemes import compare_schemes, schemes_document
 
@@ -40,31 +51,15 @@ def compare(
             read_case(case, values), output, overwrite=overwrite, progress=update
         )
     document = schemes_document(data)
-    if json:
-        print_json(document)
-        return
-    table = Table(box=box.SIMPLE_HEAD, title=document["title"], title_justify="left")
-    table.add_column("quantity")
-    for row in document["schemes"]:
-        table.add_column(row["scheme"], justify="right", no_wrap=True)
-    for key, (heading, scale) in ROWS.items():
-        told = (row[key] for row in document["schemes"])
-        table.add_row(heading, *("–" if n is None else f"{scale * n:.4g}" for n in told))
-    Console().print(table)
-    if output is not None:
-        typer.echo(f"Wrote {output}.")
-
-
-ROWS = {
-    "end_time": (r"end \[ms]", 1e3),
-    "tip_displacement": (r"largest tip displacement \[mm]", 1e3),
-    "distance": (r"distance of the tips \[%]", 1e2),
-    "impulse": (r"normal impulse \[N s]", 1.0),
-    "friction_impulse": (r"friction impulse \[N s]", 1.0),
-    "friction_work": (r"work of friction \[J]", 1.0),
-    "energy": (r"energy at the end \[J]", 1.0),
-    "ledger": ("energy less work, over the largest term", 1.0),
-    "penetration": (r"deepest penetration \[µm]", 1e6),
-    "step_cost": (r"cost of a step \[µs]", 1e6),
-}
-"""Rows of the table: heading, and what SI values are multiplied by."""
+    schemes = document["schemes"]
+    rows = [
+        {"quantity": quantity.heading}
+        | {scheme["scheme"]: quantity.text(scheme) for scheme in schemes}
+        for quantity in QUANTITIES
+    ]
+    columns = [
+        Column("quantity", "quantity"),
+        *(Column(scheme["scheme"], scheme["scheme"], ">") for scheme in schemes),
+    ]
+    written = [] if output is None else [output]
+    emit(document, table(rows, columns, document["title"]), json=json, written=written)

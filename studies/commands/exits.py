@@ -1,4 +1,4 @@
-"""How commands end: exit codes, one line a fault of the user's, what to do after Ctrl-C."""
+"""Exit codes, one-line errors, and interruption by Ctrl-C."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from typer.core import TyperGroup
 from bladewhirl.models.inputs.errors import UserError
 
 ALL_FAILED = 1
-"""A sweep without a single point done."""
+"""Exit code of a sweep without a finished point."""
 
 USER_ERROR = 2
-"""The user can put it right; click uses the same for wrong options."""
+"""Exit code of errors that the user can correct; click uses it for wrong options."""
 
 INTERRUPTED = 130
-"""Ctrl-C, as shells have it."""
+"""Exit code after Ctrl-C, as in shells."""
 
 
 class UserErrorGroup(TyperGroup):
-    """Commands whose `UserError`s end in their lines on standard error, with no traceback."""
+    """Group of commands that print a `UserError` on standard error, without a traceback."""
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command."""
@@ -39,14 +39,14 @@ class UserErrorGroup(TyperGroup):
 
 
 @contextmanager
-def whole_output() -> Iterator[None]:
-    """Standard output of any encoding; what it does not take in the end is an error in one line."""
+def robust_output() -> Iterator[None]:
+    """Replace characters that the output cannot encode; report I/O errors on one line."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     try:
         yield
-    except OSError as error:  # what the system refuses, of files too
+    except OSError as error:  # from any file
         _leave(error)
     finally:
         try:
@@ -56,7 +56,7 @@ def whole_output() -> Iterator[None]:
 
 
 def _leave(error: OSError) -> NoReturn:
-    """Say what the system refused, and end; what standard output still holds is dropped."""
+    """Print the error of the system and exit; drop the rest of standard output."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     if error.errno != errno.EPIPE:
         place = error.filename or "standard output"
@@ -65,10 +65,10 @@ def _leave(error: OSError) -> NoReturn:
 
 
 @contextmanager
-def interruptible(how_to_go_on: str) -> Iterator[None]:
-    """Say after Ctrl-C how to go on, in one line."""
+def interruptible(remedy: str) -> Iterator[None]:
+    """Print after Ctrl-C how to continue, in one line."""
     try:
         yield
     except KeyboardInterrupt:
-        typer.echo(f"interrupted; {how_to_go_on}", err=True)
+        typer.echo(f"interrupted; {remedy}", err=True)
         raise typer.Exit(INTERRUPTED) from None

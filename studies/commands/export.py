@@ -15,12 +15,11 @@ from bladewhirl.studies.commands.options import (
     RunFolder,
     Start,
     options_of_window,
-    parse_window,
 )
 from bladewhirl.studies.commands.progress import progress_bar
 
 VTK = "vtk"
-"""Folder in that of the run where the series goes."""
+"""Name of the folder of the series in the folder of the run."""
 
 
 def export(
@@ -53,10 +52,9 @@ def export(
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.paraview.series import series_records, write_series
 
-    window = parse_window(start, end)
     folder = output or (directory if directory.is_dir() else directory.parent) / VTK
     with options_of_window(), open_result(directory) as result:
-        records = series_records(result, frames, *window)
+        records = series_records(result, frames, start, end)
         with progress_bar(folder.name) as update, writing(folder):
             index = write_series(
                 result,

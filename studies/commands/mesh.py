@@ -1,17 +1,20 @@
-"""`bladewhirl mesh`: what is in a mesh, and meshes written in other formats."""
+"""`bladewhirl mesh`: contents of a mesh, and its conversion to other formats."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.studies.commands.options import Changes, Force
+from bladewhirl.studies.commands.output import Column, emit, table
 
 if TYPE_CHECKING:
     from bladewhirl.meshes.files.groups import GroupedLines
+
+GROUPS = (Column("name", "group"), Column("kind", "of"), Column("members", "members", "d"))
 
 
 def mesh(
@@ -31,13 +34,11 @@ def mesh(
     sections, materials, masses, springs and links as data: \[bladed_disk.mesh] reads it back. A
     mesh file is written as it is, in its own units.
     """
-    from rich.console import Console
-
     from bladewhirl.meshes.files.groups import MeshFileError
     from bladewhirl.meshes.files.registry import left_out, write_line_mesh
 
     lines = _content(source, overrides or [])
-    Console().print(*_listing(lines), sep="\n")
+    emit(None, *_listing(lines), json=False)
     if output is None:
         return
     if output.exists() and not force:
@@ -73,22 +74,18 @@ def _content(source: Path, overrides: list[str]) -> GroupedLines:
         raise UserError(f"{source}: expected {error}") from None
 
 
-def _listing(lines: GroupedLines) -> tuple[object, ...]:
-    """Size and groups of a mesh, to print."""
-    from rich.table import Table
-
+def _listing(lines: GroupedLines) -> tuple[Any, ...]:
+    """Return the size, groups and data of a mesh, to print."""
     low, high = lines.points.min(axis=0), lines.points.max(axis=0)
     size = (
         f"{len(lines.points)} nodes, {len(lines.lines)} lines,"
         f" x {low[0]:.6g} to {high[0]:.6g}, y {low[1]:.6g} to {high[1]:.6g}"
     )
-    table = Table(box=None, pad_edge=False)
-    table.add_column("group", style="cyan")
-    table.add_column("of")
-    table.add_column("members", justify="right")
-    for kind, groups in (("nodes", lines.node_groups), ("lines", lines.line_groups)):
-        for name, members in groups.items():
-            table.add_row(name, kind, str(len(members)))
+    rows = [
+        {"name": name, "kind": kind, "members": len(members)}
+        for kind, groups in (("nodes", lines.node_groups), ("lines", lines.line_groups))
+        for name, members in groups.items()
+    ]
     data = [f"{name} (nodes)" for name in lines.node_data]
     data += [f"{name} (lines)" for name in lines.line_data]
-    return (size, table, *([f"data: {', '.join(data)}"] if data else []))
+    return (size, table(rows, GROUPS), *([f"data: {', '.join(data)}"] if data else []))

@@ -1,18 +1,36 @@
-"""`bladewhirl modes`: natural frequencies by nodal diameter and family, and how modes look."""
+"""`bladewhirl modes`: natural frequencies by nodal diameter and family, and mode shapes."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, Replace, print_json
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, Replace
+from bladewhirl.studies.commands.output import Column, emit, table
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+COLUMNS = (
+    Column("number", "mode", "d"),
+    Column("family", "family"),
+    Column("nodal_diameter", "k", "d"),
+    Column("frequency", "[Hz]", ".4f"),
+    Column("normalised_frequency", "/ ω₁", ".5f"),
+    Column("purity", "purity", ".3f"),
+    Column("spring_share", "springs [%]", ".1f", 100.0),
+)
+DIRECTIONS = (Column("direction", "rotating"), Column("direction_static", "static"))
 
 
 def modes(
     case: CaseFile,
-    count: Annotated[int, typer.Option(help="How many of the lowest modes of each body.")] = 60,
+    count: Annotated[
+        int, typer.Option(help="How many of the lowest modes of each body.", min=1)
+    ] = 60,
     json: AsJson = False,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Folder to make for pictures and films.")
@@ -51,24 +69,32 @@ def modes(
     and films with a picture of each travelling wave; with Coriolis forces of waves as they travel
     at speed. With --json and no -o nothing is written.
     """
-    from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.studies.modal import modes as study
     from bladewhirl.studies.modal.mode_pictures import draw_modes, plan_pictures
 
-    if count < 1:
-        raise UserError(f"--count {count}: expected a whole number of one or more")
-    given = {"--shapes": shapes, "--animate": animate, "--wave": wave}
-    unused = [name for name, value in given.items() if value is not None]
-    if output is None and unused:
-        raise UserError(f"{unused[0]}: for pictures; expected a folder for them, -o DIR")
+    unused = {"--shapes": shapes, "--animate": animate, "--wave": wave}
+    for name, value in unused.items():
+        if output is None and value is not None:
+            raise UserError(f"{name}: for pictures; expected a folder for them, -o DIR")
     stage = study.stage_of_file(case, overrides, "modes", "centrifugal", "full")
     if output is not None:
         plan = plan_pictures(stage, shapes=shapes, animate=animate if films else "", wave=wave)
-    found = study.modes(stage)
-    if json:
-        print_json(study.mode_lists(found, count))
-    else:
-        study.print_modes(found, count)
+    computed = study.modes(stage)
+    lists = study.mode_lists(computed, count)
+    centre, hertz = (computed.attrs[key] for key in ("centre", "reference_frequency_hz"))
+    columns = (*COLUMNS, *DIRECTIONS) if "wave" in computed["pattern"].values else COLUMNS
+
+    def lowest(title: str, **body: str) -> Table:
+        """Return the table of a body; both modes of a pair are one row."""
+        data = computed.sel(body).isel(mode=slice(count))
+        single = data.isel(mode=(data["pattern"] != "sine").values)
+        return table(study.rows_of(single, {c.key: c.key for c in columns}), columns, title)
+
+    tables = (
+        lowest(f"Bladed disk, {centre} centre", body="bladed-disk", centre=centre),
+        lowest("Casing", body="casing"),
+    )
     if output is not None:
         draw_modes(stage, plan, output, overwrite=overwrite)
-        typer.echo(f"Wrote {output}.", err=json)
+    written = [] if output is None else [output]
+    emit(lists, *tables, f"ω₁ = {hertz:.6g} Hz", json=json, written=written)

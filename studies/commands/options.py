@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,6 +16,166 @@ from bladewhirl.models.inputs.errors import UserError, writing
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from bladewhirl.models.inputs.units import Speed
+
+MOST_POINTS = 100_000
+"""Largest COUNT of a range; larger ones are typing errors."""
+
+
+def parse_number(text: str, unit: str) -> float:
+    """Convert a number in SI units, or text with a unit, to an SI value.
+
+    Raises:
+        ValueError: neither, or not finite.
+    """
+    from bladewhirl.models.inputs.units import finite, to_si
+
+    try:
+        return finite(text)  # type: ignore[arg-type]  # float() reads text
+    except ValueError:
+        return to_si(text, unit)
+
+
+def parse_time(option: str, text: str) -> float:
+    """Convert the text of an option, "0.25" or "0.8 ms", to a time [s].
+
+    Raises:
+        UserError: not a time.
+    """
+    try:
+        return parse_number(text, "s")
+    except ValueError:
+        expected = 'a time in seconds, or with a unit such as "0.8 ms"'
+        raise UserError(f"{option} {text}: expected {expected}") from None
+
+
+def parse_stiffness(option: str, text: str) -> float:
+    """Convert the text of an option to a stiffness of zero or more [N/m].
+
+    Raises:
+        UserError: not such a stiffness.
+    """
+    try:
+        value = parse_number(text, "N/m")
+    except ValueError:
+        value = -1.0
+    if value < 0.0:
+        raise UserError(
+            f"{option} {text}: expected a number of zero or more, in N/m or with a unit"
+        )
+    return value
+
+
+def parse_speed(option: str, text: str) -> Speed:
+    """Convert the text of an option to a speed, with a unit or relative to the reference frequency.
+
+    Raises:
+        UserError: not a speed.
+    """
+    from bladewhirl.models.inputs.units import Speed
+
+    try:
+        return Speed(_number_or_text(text))
+    except ValueError as error:
+        expected = "multiples of the reference frequency, or text in rpm, Hz or rad/s"
+        raise UserError(f"{option} {text}: expected {expected} ({error})") from None
+
+
+def _number_or_text(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text.strip()
+
+
+@dataclass(frozen=True)
+class Span:
+    """Evenly spaced values of an option "START:STOP" or "START:STOP:COUNT"."""
+
+    name: str  #: option and text, for errors
+    start: Speed | float
+    stop: Speed | float
+    count: int = 2
+
+    def values(self, reference: float = 1.0) -> NDArray[np.float64]:
+        """Return the values, ends included, (COUNT,).
+
+        Args:
+            reference: frequency that speeds are divided by [rad/s]; other quantities ignore it.
+
+        Raises:
+            UserError: the ends are not in order.
+        """
+        import numpy as np
+
+        start, stop = (
+            end if isinstance(end, float) else end.multiple(reference)
+            for end in (self.start, self.stop)
+        )
+        if not 0.0 <= start < stop:
+            raise UserError(f"{self.name}: expected a START of zero or more and a STOP above it")
+        return np.linspace(start, stop, self.count)
+
+
+def parse_span(option: str, text: str, *, unit: str = "", counted: bool = False) -> Span:
+    """Convert the text of an option to a `Span`.
+
+    Args:
+        option: its name, for errors.
+        text: "START:STOP", each an SI value or text with a unit.
+        unit: SI unit of the ends; those of speeds, with their own units, if empty.
+        counted: expect "START:STOP:COUNT".
+
+    Raises:
+        UserError: another form, or ends of the same unit that are not in order.
+    """
+    ends, _, last = text.rpartition(":") if counted else (text, "", "2")
+    try:
+        start, stop = (_end(part, unit) for part in ends.split(":"))
+        count = int(last)
+    except ValueError:
+        form = "START:STOP" + (":COUNT" if counted else "")
+        units = f"numbers [{unit}] or with a unit" if unit else 'numbers or such as "2500 rpm"'
+        raise UserError(f"{option} {text}: expected {form}, ends {units}") from None
+    if not 2 <= count <= MOST_POINTS:
+        raise UserError(f"{option} {text}: expected a COUNT from 2 to {MOST_POINTS}")
+    return Span(f"{option} {text}", start, stop, count)
+
+
+def _end(text: str, unit: str) -> float | Speed:
+    from bladewhirl.models.inputs.units import Speed
+
+    return parse_number(text, unit) if unit else Speed(_number_or_text(text))
+
+
+def parse_several(option: str, text: str, *, read: Callable[[str], Any], name: str) -> list[Any]:
+    """Convert two or more different positive values, separated by commas; ascending.
+
+    Args:
+        option: its name, for errors.
+        text: of the option.
+        read: converts one value, or raises a ValueError.
+        name: what the values are, for errors.
+
+    Raises:
+        UserError: fewer than two, or another value.
+    """
+    try:
+        values = sorted({read(word.strip()) for word in text.split(",")})
+    except ValueError:
+        values = []
+    if len(values) < 2 or values[0] <= 0:
+        raise UserError(f"{option} {text}: expected two or more different {name} above zero")
+    return values
+
+
+def span_option(name: str, help_text: str, *, unit: str = "", counted: bool = False) -> Any:
+    """Return the typer option of a `Span`; its default is text, which is parsed, too."""
+    parser = partial(parse_span, name, unit=unit, counted=counted)
+    form = "START:STOP:COUNT" if counted else "START:STOP"
+    return typer.Option(name, parser=parser, metavar=form, help=help_text)
+
 
 CaseFile = Annotated[Path, typer.Argument(help="Case file.", show_default=False)]
 RunFolder = Annotated[
@@ -32,10 +192,20 @@ Replace = Annotated[
 ]
 Force = Annotated[bool, typer.Option("--force", "--overwrite", help="Overwrite an existing file.")]
 Start = Annotated[
-    str | None,
-    typer.Option("--from", help='Start of the window: seconds, or "0.8 ms"; of the run if none.'),
+    float | None,
+    typer.Option(
+        "--from",
+        parser=partial(parse_time, "--from"),
+        metavar="TIME",
+        help='Start of the window: seconds, or "0.8 ms"; of the run if none.',
+    ),
 ]
-End = Annotated[str | None, typer.Option("--to", help="End of the window.")]
+End = Annotated[
+    float | None,
+    typer.Option(
+        "--to", parser=partial(parse_time, "--to"), metavar="TIME", help="End of the window."
+    ),
+]
 Rotating = Annotated[
     bool, typer.Option("--rotating", help="Show the series as seen from the rotor.")
 ]
@@ -45,20 +215,17 @@ Scheduler = Annotated[
     typer.Option(metavar="ADDRESS", help="An existing dask scheduler, tls://host:8786."),
 ]
 
-MOST_POINTS = 100_000
-"""Longest range: a chart of that many columns is a slip of the pen."""
-
 
 def claim_output(target: Path, *, named: bool, overwrite: bool) -> None:
-    """See that a file may be written, before anything is drawn.
+    """Check that a file may be written, before anything is drawn.
 
     Args:
         target: the file.
-        named: by the user; else it goes into a folder of the program's and is listed there.
-        overwrite: replace it, whosever it is.
+        named: named by the user; otherwise it belongs to a folder of the program and its manifest.
+        overwrite: replace an existing file, whoever wrote it.
 
     Raises:
-        UserError: it is there, and no manifest lists it.
+        UserError: it exists, and no manifest lists it.
     """
     from bladewhirl.meshes.files.manifest import claim, claim_file
 
@@ -69,194 +236,22 @@ def claim_output(target: Path, *, named: bool, overwrite: bool) -> None:
             claim(target.parent, [target.name], overwrite=overwrite)
 
 
-def print_json(document: Any) -> None:
-    """Print one JSON document; a number that JSON does not have is a mistake of ours."""
-    import json
-
-    typer.echo(json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False))
-
-
 def refuse_both(scheduler: str | None, workers: int | None) -> None:
-    """See that not both a scheduler and a number of local workers are named.
+    """Refuse a scheduler together with a number of local workers.
 
     Raises:
-        UserError: they are.
+        UserError: both are named.
     """
     if scheduler is not None and workers is not None:
         raise UserError("--scheduler, --workers: expected one of them; a scheduler has its workers")
 
 
-def parse_range(option: str, text: str, unit: str) -> NDArray[np.float64]:
-    """Evenly spaced values from "START:STOP:COUNT", ends included, (COUNT,).
-
-    Args:
-        option: what errors call it, "--kappas".
-        text: with colons between; START >= 0, STOP > START, COUNT >= 2.
-        unit: SI unit of a plain number, which text with another is converted to.
-
-    Raises:
-        UserError: anything else.
-    """
-    import numpy as np
-
-    ends, count = _counted(option, text)
-    start, stop = _ends(option, text, ends, _in_unit(unit), f"{RANGE}, [{unit}] or with a unit")
-    return np.linspace(start, stop, count)
-
-
-def parse_interval(option: str, text: str, unit: str) -> tuple[float, float]:
-    """Ends of an interval from "START:STOP", as of `parse_range`.
-
-    Raises:
-        UserError: anything else.
-    """
-    return _ends(option, text, text, _in_unit(unit), f"{INTERVAL}, [{unit}] or with a unit")
-
-
-def parse_speed_interval(option: str, text: str) -> Callable[[float], tuple[float, float]]:
-    """Ends of an interval of speeds, multiples of the reference frequency, once that is known.
-
-    Args:
-        option: what errors call it, "--speeds".
-        text: "START:STOP", each a multiple or text such as "2500 rpm", "40 Hz", "250 rad/s".
-
-    Returns:
-        of a reference frequency [rad/s]: the ends.
-
-    Raises:
-        UserError: anything else; ends of different kinds are put in order when that is called.
-    """
-    return _speeds(option, text, text, INTERVAL)
-
-
-def parse_speed_range(option: str, text: str) -> Callable[[float], NDArray[np.float64]]:
-    """Evenly spaced speeds from "START:STOP:COUNT", as of `parse_speed_interval`."""
-    import numpy as np
-
-    ends, count = _counted(option, text)
-    known = _speeds(option, text, ends, RANGE)
-    return lambda reference: np.linspace(*known(reference), count)
-
-
-INTERVAL = "START:STOP, two numbers"
-RANGE = "START:STOP:COUNT, two numbers and a whole number"
-
-
-def _counted(option: str, text: str) -> tuple[str, int]:
-    """The ends of a range, and its count."""
-    ends, _, last = text.rpartition(":")
-    try:
-        count = int(last)
-    except ValueError:
-        raise UserError(f"{option} {text}: expected {RANGE}") from None
-    if not 2 <= count <= MOST_POINTS:
-        raise UserError(f"{option} {text}: expected a COUNT from 2 to {MOST_POINTS}")
-    return ends, count
-
-
-def _in_unit(unit: str) -> Callable[[str], float]:
-    """Reader of a number, or of text with a unit."""
-    from bladewhirl.models.inputs.units import to_si
-
-    def read(part: str) -> float:
-        try:
-            return float(part)
-        except ValueError:
-            return to_si(part, unit)
-
-    return read
-
-
-def _speeds(
-    option: str, text: str, ends: str, wanted: str
-) -> Callable[[float], tuple[float, float]]:
-    from bladewhirl.models.inputs.units import Speed
-
-    def speed(part: str) -> Speed:
-        try:
-            given: float | str = float(part)
-        except ValueError:
-            given = part.strip()
-        return Speed(given)
-
-    said = f'{wanted}, or speeds such as "2500 rpm"'
-    try:
-        start, stop = (speed(part) for part in ends.split(":"))
-    except ValueError:
-        raise UserError(f"{option} {text}: expected {said}") from None
-    if start.kind == stop.kind:
-        _in_order(option, text, start.value, stop.value)
-
-    def multiples(reference: float) -> tuple[float, float]:
-        first, last = (each.multiple(reference) for each in (start, stop))
-        return _in_order(option, text, first, last)
-
-    return multiples
-
-
-def _ends(
-    option: str, text: str, ends: str, read: Callable[[str], float], wanted: str
-) -> tuple[float, float]:
-    try:
-        start, stop = (read(part) for part in ends.split(":"))
-    except ValueError:
-        raise UserError(f"{option} {text}: expected {wanted}") from None
-    if not (math.isfinite(start) and math.isfinite(stop)):
-        raise UserError(f"{option} {text}: expected {wanted.partition(',')[0]} with finite numbers")
-    return _in_order(option, text, start, stop)
-
-
-def _in_order(option: str, text: str, start: float, stop: float) -> tuple[float, float]:
-    if start < 0.0:
-        raise UserError(f"{option} {text}: expected a START of zero or more")
-    if stop <= start:
-        raise UserError(f"{option} {text}: expected a STOP above the START of {start:g}")
-    return start, stop
-
-
-def not_negative(option: str, value: float) -> None:
-    """Refuse a negative or non-finite number.
-
-    Raises:
-        UserError: naming the option and the value.
-    """
-    if not (math.isfinite(value) and value >= 0.0):
-        raise UserError(f"{option} {value:g}: expected a number of zero or more")
-
-
-def parse_time(option: str, text: str | None) -> float | None:
-    """A time [s] from a number of seconds or text with a unit; None where none was given.
-
-    Args:
-        option: what errors call it, "--from".
-        text: "0.25" or "0.8 ms".
-
-    Raises:
-        UserError: anything else.
-    """
-    from bladewhirl.models.inputs.units import to_si
-
-    if text is None:
-        return None
-    for seconds in (float, partial(to_si, unit="s")):
-        with suppress(ValueError):
-            time = seconds(text)
-            if math.isfinite(time):
-                return time
-    raise UserError(f'{option} {text}: expected a time in seconds, or with a unit such as "0.8 ms"')
-
-
-def parse_window(start: str | None, end: str | None) -> tuple[float | None, float | None]:
-    """Ends [s] of the window of --from and --to; None where none was given."""
-    return parse_time("--from", start), parse_time("--to", end)
-
-
 @contextmanager
 def options_of_window() -> Iterator[None]:
-    """Name --from and --to in faults of the window that they span.
+    """Name --from and --to in errors of the window that they span.
 
     Raises:
-        UserError: the view's, with the options before it where its window is to blame.
+        UserError: the error of the view, after the options if its window is to blame.
     """
     from bladewhirl.postprocess.fields.kinematics import ViewError
 

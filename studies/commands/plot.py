@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bladewhirl.postprocess.plotting.registry import REPLACED, RUN_FIGURES, SWEEP_FIGURES, captions
-from bladewhirl.studies.commands.options import Replace
+from bladewhirl.studies.commands.options import End, Replace, Start, options_of_window
 
 if TYPE_CHECKING:
     from bladewhirl.postprocess.run.figures import RunFigures
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 ALL = "all"
 PLOTS = "plots"
-"""Folder in that of the run or the sweep where figures go."""
+"""Name of the folder of figures in the folder of the run or the sweep."""
 
 
 def plot(
@@ -44,13 +44,8 @@ def plot(
             show_default=False,
         ),
     ] = None,
-    start: Annotated[
-        str | None,
-        typer.Option(
-            "--from", help='Start of the window of a run: seconds, or "0.8 ms"; its start if none.'
-        ),
-    ] = None,
-    end: Annotated[str | None, typer.Option("--to", help="End of the window.")] = None,
+    start: Start = None,
+    end: End = None,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help=f"Folder for the figures; DIR/{PLOTS} if none."),
@@ -59,14 +54,13 @@ def plot(
 ) -> None:
     """Draw figures of a run or a sweep as PNG and PDF, with the data behind each as netCDF.
 
-    Without a NAME it lists those that there are.
-    Without a window, a run's spectrum and contact-classes are of the last third of the time.
+    Without a NAME the available figures are listed. Without a window, the spectrum and
+    contact-classes of a run show the last third of the time.
     """
     from bladewhirl.meshes.files.manifest import claim
     from bladewhirl.models.inputs.errors import UserError, writing
     from bladewhirl.postprocess.fields.kinematics import ViewError
     from bladewhirl.postprocess.plotting.style import save_figure
-    from bladewhirl.studies.commands.options import options_of_window, parse_time
 
     of_sweep = _is_sweep(directory)
     known = SWEEP_FIGURES if of_sweep else RUN_FIGURES
@@ -83,8 +77,7 @@ def plot(
     if of_sweep and (start is not None or end is not None):
         raise UserError(f"{directory}: expected no --from and --to with a sweep")
     folder = output or (directory if directory.is_dir() else directory.parent) / PLOTS
-    window = (parse_time("--from", start), parse_time("--to", end))
-    with options_of_window(), _opened(directory, window) as figures:
+    with options_of_window(), _opened(directory, start, end) as figures:
         for name in known if ALL in names else dict.fromkeys(names):
             try:
                 figure, drawn = figures.draw(name)
@@ -102,9 +95,9 @@ def plot(
 
 @contextmanager
 def _opened(
-    directory: Path, window: tuple[float | None, float | None]
+    directory: Path, start: float | None, end: float | None
 ) -> Iterator[RunFigures | SweepFigures]:
-    """What draws the figures of a run, or of a sweep; the other kind is not loaded."""
+    """Yield the figures of a run, or of a sweep; modules of the other kind are not loaded."""
     if _is_sweep(directory):
         from bladewhirl.postprocess.sweep.dataset import open_sweep
         from bladewhirl.postprocess.sweep.figures import SweepFigures
@@ -116,11 +109,11 @@ def _opened(
     from bladewhirl.postprocess.run.figures import RunFigures
 
     with open_result(directory) as result:
-        yield RunFigures(result, *window)
+        yield RunFigures(result, start, end)
 
 
 def _is_sweep(path: Path) -> bool:
-    """Whether a folder is that of a sweep, or a file its dataset."""
+    """Return whether a folder is that of a sweep, or a file its dataset."""
     from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 
     return (path / SWEEP_NAME).is_file() if path.is_dir() else path.name == SWEEP_NAME

@@ -1,4 +1,4 @@
-"""Progress on standard error: a bar on a terminal, else a line now and then, for logs."""
+"""Progress on standard error: a bar on a terminal, occasional lines in a log."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 TENTHS = 10
-"""Lines that a short job has: one each time another tenth is done."""
+"""Number of lines for a short job: one for each tenth."""
 
 PAUSE = 60.0
-"""Longest silence while something is being done [s]."""
+"""Longest time between two lines [s]."""
 
 
 class Update(Protocol):
-    """Called with how much is done and of how much."""
+    """Callback for progress."""
 
     def __call__(
-        self, done: int, total: int, *, label: str = "", told: str = "", failed: int = 0
+        self, done: int, total: int, *, label: str = "", text: str = "", failed: int = 0
     ) -> None:
-        """Note it.
+        """Show progress.
 
         Args:
-            done: of what is counted, failures included.
-            total: of it.
-            label: before the bar; as it was if empty.
-            told: after the bar; the percentage if empty.
-            failed: how many have.
+            done: number of finished items, failures included.
+            total: number of items.
+            label: text before the bar; unchanged if empty.
+            text: text after the bar; the percentage if empty.
+            failed: number of failures.
         """
 
 
 @cache
 def _console() -> Console:
-    """Standard error, one for all bars: they stand below each other."""
+    """Return standard error; all bars share one console, so that they stand below each other."""
     from rich.console import Console
 
     return Console(stderr=True)
@@ -47,12 +47,11 @@ def _console() -> Console:
 
 @contextmanager
 def progress_bar(label: str, *, lines: str = "") -> Iterator[Update]:
-    """A bar that goes when its job ends.
+    """Show a bar that disappears at the end of the job.
 
     Args:
-        label: before the bar.
-        lines: things that are counted, "points", in lines where there is no terminal; no lines if
-            empty.
+        label: text before the bar.
+        lines: noun of the counted items, "points"; without a terminal, lines are written if set.
     """
     from rich import progress as bars
 
@@ -62,62 +61,62 @@ def progress_bar(label: str, *, lines: str = "") -> Iterator[Update]:
     with bars.Progress(
         bars.TextColumn("{task.description}"),
         bars.BarColumn(),
-        bars.TextColumn("{task.fields[told]}"),
+        bars.TextColumn("{task.fields[text]}"),
         bars.TimeRemainingColumn(),
         bars.TextColumn("left"),
         console=console,
         transient=True,
         disable=not terminal,
     ) as bar:
-        task = bar.add_task(label, total=None, told="")
+        task = bar.add_task(label, total=None, text="")
 
         def update(
-            done: int, total: int, *, label: str = "", told: str = "", failed: int = 0
+            done: int, total: int, *, label: str = "", text: str = "", failed: int = 0
         ) -> None:
+            failures = f", {failed} failed" if failed else ""
             if lines and not terminal:
-                log(done, total, f", {failed} failed" if failed else "")
-            told = told or f"{done / max(total, 1):4.0%}"
-            if failed:
-                told += f", {failed} failed"
-            bar.update(task, completed=done, total=total, description=label or None, told=told)
+                log(done, total, failures)
+            text = (text or f"{done / max(total, 1):4.0%}") + failures
+            bar.update(task, completed=done, total=total, description=label or None, text=text)
 
         yield update
 
 
 class ProgressLines:
-    """Writes how much is done and the time left to standard error, a line a tenth or a minute."""
+    """Lines on standard error, one each tenth or each minute, with the remaining time."""
 
-    def __init__(self, what: str, clock: Callable[[], float] = time.monotonic) -> None:
-        """Of so many things, "points"; by a clock [s]."""
-        self._what, self._clock = what, clock
-        self._told, self._at = (0, 0), clock()
-        self._begun: tuple[int, int, float] | None = None  # done before, of so many, and when
+    def __init__(self, noun: str, clock: Callable[[], float] = time.monotonic) -> None:
+        """Args: noun of the counted items; clock in seconds."""
+        self._noun, self._clock = noun, clock
+        self._last, self._last_time = (0, 0), clock()
+        self._start: tuple[int, int, float] | None = None  # done before, total, time
 
-    def __call__(self, done: int, total: int, more: str = "") -> None:
-        """Note how much is done; what there is more to say follows the numbers.
+    def __call__(self, done: int, total: int, suffix: str = "") -> None:
+        """Write a line if it is due.
 
-        The time left is as if the rest took as long a piece as what was done since the first call
-        of so many.
+        Args:
+            done: number of finished items; a smaller number or another total starts a new job.
+            total: number of items.
+            suffix: text after the numbers.
         """
-        if self._begun is None or self._begun[1] != total or done < self._begun[0]:
-            self._begun = done, total, self._clock()
-        if done <= 0 or total <= 0 or (done, total) == self._told:
+        now = self._clock()
+        if self._start is None or self._start[1] != total or done < self._start[0]:
+            self._start = done, total, now
+        if done <= 0 or total <= 0 or (done, total) == self._last:
             return
-        another_tenth = total != self._told[1] or (
-            done * TENTHS // total > self._told[0] * TENTHS // total
-        )
-        if another_tenth or self._clock() - self._at >= PAUSE:
-            typer.echo(f"{done} of {total} {self._what}{more}{self._left(done, total)}", err=True)
-            self._told, self._at = (done, total), self._clock()
+        tenth = done * TENTHS // total > self._last[0] * TENTHS // total
+        if tenth or total != self._last[1] or now - self._last_time >= PAUSE:
+            first, _, start = self._start
+            left = ""
+            if first < done < total:  # the rate since the start of the job
+                left = f", {_duration((now - start) / (done - first) * (total - done))} left"
+            typer.echo(f"{done} of {total} {self._noun}{suffix}{left}", err=True)
+            self._last, self._last_time = (done, total), now
 
-    def _left(self, done: int, total: int) -> str:
-        """The time left in words; nothing where it can't be told, or nothing is left."""
-        before, _, began = self._begun or (done, total, 0.0)
-        if not before < done < total:
-            return ""
-        left = round((self._clock() - began) / (done - before) * (total - done))
-        minutes, seconds = divmod(left, 60)
-        hours, minutes = divmod(minutes, 60)
-        if hours:
-            return f", {hours} h {minutes} min left"
-        return f", {minutes} min {seconds} s left" if minutes else f", {seconds} s left"
+
+def _duration(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    if hours:
+        return f"{hours} h {minutes} min"
+    return f"{minutes} min {rest} s" if minutes else f"{rest} s"

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -19,25 +19,26 @@ from bladewhirl.studies.commands.options import (
     claim_output,
     options_of_window,
     parse_time,
-    parse_window,
 )
 from bladewhirl.studies.commands.progress import progress_bar
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from bladewhirl.postprocess.fields.kinematics import IntArray
+
+SHEET_PICTURES = 9
+"""Default number of pictures of a sheet."""
 
 
 class FrameOfView(StrEnum):
-    """Whose axes the picture is drawn in."""
+    """Axes in which the picture is drawn."""
 
     static = "static"
     rotating = "rotating"
 
 
 class FieldOfColour(StrEnum):
-    """What beams and wall are coloured by."""
+    """Field that colours beams and wall."""
 
     displacement = "displacement"
     deformation = "deformation"
@@ -83,10 +84,12 @@ def render(
     start: Start = None,
     end: End = None,
     time: Annotated[
-        list[str] | None,
+        list[float] | None,
         typer.Option(
+            parser=partial(parse_time, "--time"),
+            metavar="TIME",
             help="Instant of a still, any number; by default that of the largest force, normal and"
-            " friction, over a record step."
+            " friction, over a record step.",
         ),
     ] = None,
     exaggeration: Annotated[
@@ -107,110 +110,106 @@ def render(
     """Draw a run as GIF, MP4, PNG or HTML, without a display.
 
     Blades and casing have their true thickness; displacements and clearance are drawn larger by
-    one factor, so contact looks like contact exactly when there is contact. Animations show 120
-    pictures, close enough for a smooth turn, where contact was strongest, unless told otherwise.
+    one factor, so contact looks like contact exactly when there is contact. By default animations
+    show 120 pictures, close enough for a smooth turn, of the strongest contact.
     """
     from bladewhirl.meshes.files.manifest import check_file
     from bladewhirl.postprocess.fields.result import open_result
-    from bladewhirl.postprocess.pictures.render import (
-        animation_records,
-        check_inside,
-        sheet_records,
-    )
-    from bladewhirl.studies.runs.render import SHEET_PICTURES
+    from bladewhirl.postprocess.pictures.render import check_inside
     from bladewhirl.studies.runs.render import render as draw
 
-    wanted = {"gif": gif, "mp4": mp4, "png": png, "sheet": sheet, "html": page}
-    targets = _targets(directory, output, [kind for kind, given in wanted.items() if given])
-    moving = not {"gif", "mp4", "html", "sheet"}.isdisjoint(targets)
-    windowed = {"--frames": frames, "--from": start, "--to": end}
-    _refuse(not moving, windowed, "a still has --time")
-    still = "png" in targets or "sheet" in targets
-    _refuse(not still, {"--time": time or None}, "an animation has --from and --to")
-    first, last = parse_window(start, end)
-    times = [parsed for text in time or [] if (parsed := parse_time("--time", text)) is not None]
-    files = [
-        path
-        for kind, target in targets.items()
-        for path, _ in (_stills(target, times) if kind == "png" else [(target, None)])
-    ]
+    flags = {"gif": gif, "mp4": mp4, "png": png, "sheet": sheet, "html": page}
+    targets = _targets(directory, output, [kind for kind, flag in flags.items() if flag])
+    times = time or []
+    window = {"frames": frames, "start": start, "end": end}
+    _check_options(set(targets), times, {"--frames": frames, "--from": start, "--to": end})
+    pictures: list[tuple[Path, dict[str, Any]]] = []
+    for kind, path in targets.items():
+        if kind == "png":
+            instants: list[float | None] = [*times] or [None]
+            pictures += [(_numbered(path, i, times), {"time": t}) for i, t in enumerate(instants)]
+        elif kind == "sheet":
+            sheet_window = window | {"frames": frames or SHEET_PICTURES}
+            pictures.append((path, {"time": times} if times else sheet_window))
+        else:
+            pictures.append((path, window))
+    look: dict[str, Any] = {
+        "exaggeration": exaggeration,
+        "frame": frame.value,
+        "colour": colour.value,
+    }
     with options_of_window(), open_result(directory) as result:
-        for inside in times:
-            check_inside(result, inside)
-        for path in files:
+        for instant in times:
+            check_inside(result, instant)
+        for path, _ in pictures:
             with writing(path):
                 check_file(path, overwrite=overwrite)
-        paint = partial(draw, result, exaggeration=exaggeration, frame=frame.value)
-        paint = partial(paint, colour=colour.value)
-        for kind, target in targets.items():
-            if kind == "png":
-                for path, instant in _stills(target, times):
-                    typer.echo(f"Wrote {paint(path, time=instant, orbit=orbit)}.")
-            elif kind == "sheet" and times:
-                _refuse(True, windowed, "the sheet has its --time")
-                paint(target, time=times)
-                typer.echo(f"Wrote {target}: {len(times)} pictures.")
-            elif kind == "sheet":
-                count = frames or SHEET_PICTURES
-                records = sheet_records(result, count, start=first, end=last)
-                paint(target, frames=count, start=first, end=last)
-                _tell_span(result, target, records)
+        for path, chosen in pictures:
+            with progress_bar(path.name) as update:
+                draw(result, path, **chosen, **look, progress=update)
+            if "time" in chosen:
+                typer.echo(f"Wrote {path}.")
             else:
-                paint_film = partial(paint, target, frames=frames, start=first, end=last)
-                with progress_bar(target.name) as update:
-                    paint_film(orbit=orbit, progress=update)
-                shown = animation_records(result, frames=frames, start=first, end=last)
-                _tell_film(result, target, shown)
-                if first is None and last is None:
-                    typer.echo("Hint: --from and --to choose another window.", err=True)
-    for path in files:
+                _report_window(result, path, **chosen)
+    for path, _ in pictures:
         claim_output(path, named=output is not None, overwrite=True)
 
 
-def _tell_film(result: xr.Dataset, target: Path, records: IntArray) -> None:
-    """Say what an animation shows, and whether it turns smoothly."""
+def _report_window(
+    result: xr.Dataset, path: Path, *, frames: int | None, start: float | None, end: float | None
+) -> None:
+    """Print the number of pictures and their window, with hints for films."""
     from bladewhirl.postprocess.fields.kinematics import sampling_hint
+    from bladewhirl.postprocess.pictures.render import animation_records, sheet_records
 
-    _tell_span(result, target, records)
-    hint = sampling_hint(result, records)
-    if hint:
-        typer.echo(f"Hint: {hint}.", err=True)
-
-
-def _tell_span(result: xr.Dataset, target: Path, records: IntArray) -> None:
-    """Say how many pictures there are, and of which time."""
+    if path.suffix.lower() == ".png":
+        records = sheet_records(result, frames or SHEET_PICTURES, start=start, end=end)
+    else:
+        records = animation_records(result, frames=frames, start=start, end=end)
     first, last = result["time"].values[records[[0, -1]]]
-    typer.echo(f"Wrote {target}: {len(records)} pictures from {first:.6g} s to {last:.6g} s.")
+    typer.echo(f"Wrote {path}: {len(records)} pictures from {first:.6g} s to {last:.6g} s.")
+    if path.suffix.lower() != ".png":
+        hint = sampling_hint(result, records)
+        if hint:
+            typer.echo(f"Hint: {hint}.", err=True)
+        if start is None and end is None:
+            typer.echo("Hint: --from and --to choose another window.", err=True)
 
 
 def _targets(directory: Path, output: Path | None, kinds: list[str]) -> dict[str, Path]:
-    """The files to write, by kind."""
+    """Return the files to write, by kind."""
     from bladewhirl.studies.runs.folder import PICTURES
 
     if output is None:
         folder = directory if directory.is_dir() else directory.parent
         return {kind: folder / PICTURES[kind] for kind in kinds or ["gif"]}
-    suffix = output.suffix.lower().removeprefix(".")
-    endings = dict.fromkeys(Path(name).suffix for name in PICTURES.values())
-    if f".{suffix}" not in endings:
-        raise UserError(f"--output {output}: expected a name that ends in {', '.join(endings)}")
-    kinds = kinds or [suffix]
-    if len(kinds) > 1 or Path(PICTURES[kinds[0]]).suffix != f".{suffix}":
+    suffix = output.suffix.lower()
+    suffixes = {kind: Path(name).suffix for kind, name in PICTURES.items()}
+    if suffix not in suffixes.values():
+        listed = ", ".join(dict.fromkeys(suffixes.values()))
+        raise UserError(f"--output {output}: expected a name that ends in {listed}")
+    kinds = kinds or [suffix.removeprefix(".")]
+    if len(kinds) > 1 or suffixes[kinds[0]] != suffix:
         flags = " ".join(f"--{kind}" for kind in kinds)
         raise UserError(f"--output {output}: expected one file of the kind asked for by {flags}")
     return {kinds[0]: output}
 
 
-def _refuse(foreign: bool, options: Mapping[str, object], reason: str) -> None:
-    """An option that would be passed over in silence is an error."""
-    given = [name for name, value in options.items() if value is not None]
-    if foreign and given:
-        raise UserError(f"{given[0]}: not for what is to be drawn; {reason}")
+def _check_options(kinds: set[str], times: list[float], window: Mapping[str, object]) -> None:
+    """Refuse times or a window where nothing that is drawn uses them.
+
+    Raises:
+        UserError: naming the option.
+    """
+    moving, still = kinds & {"gif", "mp4", "html"}, kinds & {"png", "sheet"}
+    if times and not still:
+        raise UserError("--time: not for what is to be drawn; an animation has --from and --to")
+    unused = not moving and ("sheet" not in kinds or bool(times))
+    for name, value in window.items():
+        if unused and value is not None:
+            raise UserError(f"{name}: not for what is to be drawn; a still has --time")
 
 
-def _stills(target: Path, times: list[float]) -> list[tuple[Path, float | None]]:
-    """Files of stills and their instants [s], numbered where there are more than one."""
-    if len(times) < 2:
-        return [(target, times[0] if times else None)]
-    names = (f"{target.stem}_{number}{target.suffix}" for number in range(1, len(times) + 1))
-    return [(target.with_name(name), time) for name, time in zip(names, times, strict=True)]
+def _numbered(path: Path, index: int, times: list[float]) -> Path:
+    """Return the file of a still, numbered from 1 if there are several."""
+    return path if len(times) < 2 else path.with_name(f"{path.stem}_{index + 1}{path.suffix}")

@@ -12,7 +12,7 @@ from bladewhirl.studies.commands.options import Scheduler, Workers, refuse_both
 from bladewhirl.studies.commands.progress import progress_bar
 
 FOLDER = Path("reproduction")
-"""Folder of the results if none is named."""
+"""Default folder of the results."""
 
 
 def reproduce(

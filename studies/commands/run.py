@@ -1,4 +1,4 @@
-"""`bladewhirl run`: march a case and leave its result, summary, figures and ParaView series."""
+"""`bladewhirl run`: march a case; write its result, summary, figures and ParaView series."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from bladewhirl.studies.runs.recorded_march import Activity
 
 RUNS = Path("runs")
-"""Folder that runs go to where none is named."""
+"""Default folder of runs."""
 
 
 def run(
@@ -63,16 +63,14 @@ def run(
     from rich.console import Console
 
     from bladewhirl.models.case.file import faults_from, read_case
-    from bladewhirl.studies.commands.options import parse_window
     from bladewhirl.studies.runs.folder import CASE_NAME
     from bladewhirl.studies.runs.run import resume as resume_run
     from bladewhirl.studies.runs.run import run as run_case
 
     values = overrides or []
-    window = parse_window(start, end)
     if (case is None) == (resume is None):
         raise UserError("run: expected CASE, or --resume DIR")
-    if resume is not None and (output is not None or overwrite or window != (None, None)):
+    if resume is not None and (output is not None or overwrite or (start, end) != (None, None)):
         raise UserError(f"--resume {resume}: expected no --output, --overwrite, --from and --to")
     source = case or (resume or Path()) / CASE_NAME
     step, begun = read_case(source, values).march.time_step, 0.0
@@ -84,27 +82,29 @@ def run(
             passed = time.monotonic() - begun
             rate = f"  {done / passed:,.0f} steps/s" if passed else ""
             reached = f"{done * step:.4f} of {total * step:g} s"
-            update(done, total, label=activity, told=reached + rate)
+            update(done, total, label=activity, text=reached + rate)
 
         if resume is not None:
-            done = resume_run(resume, values, frames=frames, rotating=rotating, progress=progress)
+            finished = resume_run(
+                resume, values, frames=frames, rotating=rotating, progress=progress
+            )
         else:
-            done = run_case(
+            finished = run_case(
                 read_case(source, values),
                 output or RUNS / source.stem,
                 overwrite=overwrite,
                 frames=frames,
-                start=window[0],
-                end=window[1],
+                start=start,
+                end=end,
                 rotating=rotating,
                 progress=progress,
             )
     if json:
-        typer.echo(done.summary.to_json(), nl=False)
+        typer.echo(finished.summary.to_json(), nl=False)
     else:
-        Console().print(done)
-    for line in (done.end_message, *(f"Hint: {hint}." for hint in done.hints)):
+        Console().print(finished)
+    for line in (finished.end_message, *(f"Hint: {hint}." for hint in finished.hints)):
         if line:
             typer.echo(line, err=True)
-    if done.end_reason == "interrupted":
+    if finished.end_reason == "interrupted":
         raise typer.Exit(INTERRUPTED)

@@ -16,9 +16,9 @@ from bladewhirl.studies.commands.options import (
     Changes,
     Scheduler,
     Workers,
-    print_json,
     refuse_both,
 )
+from bladewhirl.studies.commands.output import emit
 from bladewhirl.studies.commands.progress import progress_bar
 
 if TYPE_CHECKING:
@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 
 
 class StopWhen(StrEnum):
-    """What a march ends early for."""
+    """Reasons to end a march early."""
 
     DAMPED = "damped"
 
 
 SHOWN_FAILURES = 10
-"""Failed points that are listed on screen; failures.json lists all."""
+"""Largest number of failed points on the screen; failures.json lists all."""
 
 
 def sweep(
@@ -94,31 +94,28 @@ def sweep(
     from bladewhirl.studies.sweeps.sweep import Watch, resume_sweep, run_sweep
 
     refuse_both(scheduler, workers)
-    goes_on = f"bladewhirl sweep --resume {resume or output} finishes it"
-    with progress_bar("sweeping", lines="points") as update, interruptible(goes_on):
+    remedy = f"bladewhirl sweep --resume {resume or output} finishes it"
+    with progress_bar("sweeping", lines="points") as update, interruptible(remedy):
 
         def progress(done: int, failed: int, points: int) -> None:
-            update(done + failed, points, told=f"{done} of {points} done", failed=failed)
+            update(done + failed, points, text=f"{done} of {points} done", failed=failed)
 
-        watch = Watch(planned=_tell_plan, progress=progress)
+        watch = Watch(planned=_print_plan, progress=progress)
         if resume is not None:
-            anew: dict[str, object] = {"CASE": case, "--over": over, "--output": output}
-            anew |= {"--set": overrides, "--histories": histories}
-            anew["--stop-when"] = stop_when
-            if any(anew.values()):
-                given = ", ".join(name for name, value in anew.items() if value)
-                raise UserError(
-                    f"--resume {resume}: expected no {given}; the folder knows its sweep"
-                )
-            done = resume_sweep(
+            new_sweep: dict[str, object] = {"CASE": case, "--over": over, "--output": output}
+            new_sweep |= {"--set": overrides, "--histories": histories, "--stop-when": stop_when}
+            unused = ", ".join(name for name, value in new_sweep.items() if value)
+            if unused:
+                raise UserError(f"--resume {resume}: expected no {unused}; its plan has them")
+            result = resume_sweep(
                 resume, scheduler=scheduler, workers=workers, dashboard=dashboard, watch=watch
             )
         elif case is None or not over or output is None:
             raise UserError("sweep: expected CASE, --over KEY=VALUES and -o DIR, or --resume DIR")
         else:
             values = parse_over(over)
-            _refuse_both(values, overrides or [])
-            done = run_sweep(
+            _check_keys(values, overrides or [])
+            result = run_sweep(
                 read_case(case, overrides or []),
                 values,
                 output,
@@ -130,13 +127,33 @@ def sweep(
                 dashboard=dashboard,
                 watch=watch,
             )
-    _report(done, as_json=json)
-    if not done.done:
+    document = {
+        "directory": str(result.directory),
+        "points": result.points,
+        "done": result.done,
+        "failed": result.failed,
+        "marched": result.marched,
+        "wall_time": result.wall_time,
+        "failures": [
+            {"point": point, **result.grid.values(point), "reason": reason}
+            for point, reason in sorted(result.failures.items())
+        ],
+    }
+    names = ", ".join(sorted(path.name for path in result.directory.iterdir()))
+    emit(
+        document,
+        f"{result.done} of {result.points} points done, {result.failed} failed;"
+        f" {result.marched} marched in {result.wall_time:.3g} s",
+        f"{result.directory}: {names}",
+        json=json,
+    )
+    _print_failures(result)
+    if not result.done:
         raise typer.Exit(ALL_FAILED)
 
 
-def _refuse_both(over: Iterable[str], overrides: Iterable[str]) -> None:
-    """See that no key is both swept and set.
+def _check_keys(over: Iterable[str], overrides: Iterable[str]) -> None:
+    """Check that no key is both swept and set.
 
     Raises:
         UserError: naming both options and the key.
@@ -151,38 +168,18 @@ def _refuse_both(over: Iterable[str], overrides: Iterable[str]) -> None:
             )
 
 
-def _report(done: Sweep, *, as_json: bool) -> None:
-    """Print what came out."""
-    if as_json:
-        document = {
-            "directory": str(done.directory),
-            "points": done.points,
-            "done": done.done,
-            "failed": done.failed,
-            "marched": done.marched,
-            "wall_time": done.wall_time,
-            "failures": [
-                {"point": point, **done.grid.values(point), "reason": reason}
-                for point, reason in sorted(done.failures.items())
-            ],
-        }
-        print_json(document)
-    else:
-        names = ", ".join(sorted(path.name for path in done.directory.iterdir()))
-        typer.echo(
-            f"{done.done} of {done.points} points done, {done.failed} failed;"
-            f" {done.marched} marched in {done.wall_time:.3g} s\n{done.directory}: {names}"
-        )
-    for point, reason in sorted(done.failures.items())[:SHOWN_FAILURES]:
-        typer.echo(f"failed: {done.grid.label(point)}: {reason}", err=True)
-    for name, reason in done.left_out.items():
+def _print_failures(result: Sweep) -> None:
+    """Print failed points and figures that could not be drawn to standard error."""
+    for point, reason in sorted(result.failures.items())[:SHOWN_FAILURES]:
+        typer.echo(f"failed: {result.grid.label(point)}: {reason}", err=True)
+    for name, reason in result.left_out.items():
         typer.echo(f"{name} left out: {reason}", err=True)
-    if done.failed > SHOWN_FAILURES:
-        typer.echo(f"failed: {done.failed - SHOWN_FAILURES} more, see failures.json", err=True)
+    if result.failed > SHOWN_FAILURES:
+        typer.echo(f"failed: {result.failed - SHOWN_FAILURES} more, see failures.json", err=True)
 
 
-def _tell_plan(plan: Plan) -> None:
-    """Hints at the case, and how large the sweep is."""
+def _print_plan(plan: Plan) -> None:
+    """Print hints about the case, and the size of the sweep."""
     from bladewhirl.models.case.plausibility import case_hints
 
     for hint in case_hints(plan.case):

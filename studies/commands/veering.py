@@ -12,22 +12,24 @@ from bladewhirl.studies.commands.options import (
     CaseFile,
     Changes,
     Replace,
-    parse_interval,
-    print_json,
+    Span,
+    span_option,
 )
+from bladewhirl.studies.commands.output import emit, facts
 
 
 def veering(
     case: CaseFile,
     families: Annotated[
-        int, typer.Option(help="Families of the first diagram, the suspension pair apart.")
+        int, typer.Option(help="Families of the first diagram, the suspension pair apart.", min=1)
     ] = 12,
     stiffnesses: Annotated[
-        str | None,
-        typer.Option(
-            metavar="START:STOP",
-            help="Stiffness of each shaft spring, N/m or '1 kN/mm:1 MN/mm'; a thousandth to a"
+        Span | None,
+        span_option(
+            "--stiffnesses",
+            "Stiffness of each shaft spring, N/m or '1 kN/mm:1 MN/mm'; a thousandth to a"
             " thousand times the case's by default.",
+            unit="N/m",
         ),
     ] = None,
     output: Annotated[
@@ -38,7 +40,7 @@ def veering(
     json: AsJson = False,
     overrides: Changes = None,
 ) -> None:
-    """Draw how frequencies depend on nodal diameter and on the shaft.
+    """Draw frequencies over nodal diameter and over the stiffness of the shaft.
 
     Frequencies of the full bladed disk with a free and with a clamped centre over nodal diameter:
     many families, and the first two with the suspension pair. Then the modes with one nodal
@@ -49,20 +51,15 @@ def veering(
     from bladewhirl.studies.modal import veering as study
     from bladewhirl.studies.modal.modes import stage_of_file
 
-    if families < 1:
-        raise UserError(f"--families {families}: expected a whole number of one or more")
-    interval = None if stiffnesses is None else parse_interval("--stiffnesses", stiffnesses, "N/m")
+    interval = None if stiffnesses is None else tuple(stiffnesses.values().tolist())
     if interval is not None and not interval[0] > 0.0:
-        raise UserError(f"--stiffnesses {stiffnesses}: expected a START above zero")
+        raise UserError(f"--stiffnesses {interval[0]:g}: expected a START above zero")
     folder = output if output is not None or json else Path(f"{case.stem}-veering")
     stage = stage_of_file(case, overrides, "veering", "centrifugal", "full")
     springs = study.spring_stiffnesses(stage.case, interval)
-    found = study.veering(stage, families=families, stiffnesses=springs)
+    diagrams = study.veering(stage, families=families, stiffnesses=springs)
     if folder is not None:
-        study.draw_veering(found, folder, overwrite=overwrite)
-    if json:
-        print_json(study.veering_document(found))
-        return
-    for line in study.report_lines(found):
-        typer.echo(line)
-    typer.echo(f"Wrote {folder}.")
+        study.draw_veering(diagrams, folder, overwrite=overwrite)
+    written = [] if folder is None else [folder]
+    document = study.veering_document(diagrams)
+    emit(document, facts(study.veering_facts(diagrams)), json=json, written=written)

@@ -1,4 +1,4 @@
-"""`bladewhirl verify`: known answers, recomputed here."""
+"""`bladewhirl verify`: compare computed with known results."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from bladewhirl.studies.commands.options import AsJson
 from bladewhirl.studies.commands.progress import progress_bar
 
 FAILED = 1
-"""Some case is out of its tolerance."""
+"""Exit code if a case is out of its tolerance."""
 
 
 def verify(
@@ -34,9 +34,9 @@ def verify(
         Path | None, typer.Option("--html", metavar="FILE", help="Write the table as a page too.")
     ] = None,
 ) -> None:
-    """Compute what has known answers and compare: does this installation get them right?
+    """Compute cases with known results and compare, to check this installation.
 
-    Each case has a source, a quantity, its reference, what came out, the error and its tolerance.
+    Each case has a source, a quantity, its reference, the computed value, its error and tolerance.
     Exit code 1 if any case fails. All of them take some two minutes.
     """
     from bladewhirl.models.inputs.errors import UserError, writing

@@ -1,12 +1,12 @@
-"""What a Campbell diagram shows of a bladed disk that feels that it turns.
+"""Campbell diagram of a bladed disk with rotation effects.
 
-Its frequencies bend over the speed, waves backward and forward stand apart, and a wave that stands
-still in the rotating frame makes a critical speed.
+Its frequencies depend on the speed, backward and forward waves differ, and a wave with zero
+frequency in the rotating frame makes a critical speed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -21,15 +21,14 @@ from bladewhirl.models.rotation.at_speed import TurningDisk
 from bladewhirl.models.rotation.growth import speed_of_growth
 from bladewhirl.models.rotation.waves import REAL, Waves, waves
 from bladewhirl.solvers.stability.coincidence import Coincidences
+from bladewhirl.studies.modal.modes import quantity
 
 LINE_SPEEDS = 61
-"""Speeds along a branch."""
-
-HERTZ = {"units": "Hz"}
+"""Number of speeds along a branch."""
 
 
 def disk_waves(stage: ModalStage, turning: TurningDisk) -> dict[int, Waves]:
-    """Waves of each nodal diameter of the bladed disk.
+    """Return the waves of each nodal diameter of the bladed disk.
 
     Raises:
         UserError: its sectors differ.
@@ -38,14 +37,14 @@ def disk_waves(stage: ModalStage, turning: TurningDisk) -> dict[int, Waves]:
     if not structure.is_cyclic or structure.layout is None:
         raise UserError(
             "campbell: expected equal sectors on equal shaft springs with rotation effects, so that"
-            " waves of one nodal diameter stand apart"
+            " waves of one nodal diameter are separate"
         )
     effects, sectors = stage.case.rotation.effects, structure.layout.sectors
     return {k: waves(turning.matrices, k, effects) for k in nodal_diameters(sectors)}
 
 
 def names_of(modes: LabelledModes) -> dict[int, list[str]]:
-    """Families by nodal diameter, the lowest first, a pair given once."""
+    """Return the families by nodal diameter, the lowest first, one of each pair."""
     one = modes.one_a_pair()
     return {
         int(k): [modes.family[i] for i in one[modes.nodal_diameter[one] == k]]
@@ -54,17 +53,17 @@ def names_of(modes: LabelledModes) -> dict[int, list[str]]:
 
 
 def meetings(
-    found: Mapping[int, Waves],
+    disk: Mapping[int, Waves],
     rotor: LabelledModes,
     casing: LabelledModes,
     names: Mapping[int, list[str]],
     highest: float,
 ) -> tuple[Coincidences, FloatArray]:
-    """Coincidences at speed, and the frequency of the bladed disk's wave at each [rad/s].
+    """Compute coincidences at speed, and the frequency of the bladed disk's wave at each [rad/s].
 
     Args:
-        found: waves by nodal diameter.
-        rotor: modes of the bladed disk that are looked at, a pair given once.
+        disk: waves of the bladed disk by nodal diameter.
+        rotor: selected modes of the bladed disk, one of each pair.
         casing: those of the casing.
         names: families by nodal diameter.
         highest: speed [rad/s].
@@ -72,82 +71,79 @@ def meetings(
     rows = []
     for mode in np.flatnonzero(casing.nodal_diameter > 0).tolist():
         k, frequency = int(casing.nodal_diameter[mode]), float(casing.frequency[mode])
-        for speed in found[k].meeting(frequency, highest) if k in found else ():
-            rank, _ = found[k].rank(float(speed), k * float(speed) - frequency)
-            own = (rotor.nodal_diameter == k) & [name == names[k][rank] for name in rotor.family]
-            rows += [(float(speed), int(i), mode, k, frequency) for i in np.flatnonzero(own)]
+        for speed in disk[k].meeting(frequency, highest) if k in disk else ():
+            rank, _ = disk[k].rank(float(speed), k * float(speed) - frequency)
+            same = (rotor.nodal_diameter == k) & [name == names[k][rank] for name in rotor.family]
+            rows += [(float(speed), int(i), mode, k, frequency) for i in np.flatnonzero(same)]
     rows.sort()
     table = np.array(rows).reshape(-1, 5)
-    whole = table[:, 1:4].astype(np.int64)
+    numbers = table[:, 1:4].astype(np.int64)
     met = Coincidences(
-        speed=table[:, 0], rotor=whole[:, 0], casing=whole[:, 1], nodal_diameter=whole[:, 2]
+        speed=table[:, 0], rotor=numbers[:, 0], casing=numbers[:, 1], nodal_diameter=numbers[:, 2]
     )
     return met, met.nodal_diameter * met.speed - table[:, 4]
 
 
-def at_speed(
+def dataset_at_speed(
     stage: ModalStage,
     turning: TurningDisk,
-    found: Mapping[int, Waves],
+    disk: Mapping[int, Waves],
     names: Mapping[int, list[str]],
     chosen: set[str],
     speeds: tuple[float, float],
 ) -> xr.Dataset:
-    """Branches, critical speeds, engine orders and growth.
-
-    Over `branch` and `line_speed` (normalised): branch_frequency in the rotating frame [Hz],
-    positive backward; over `critical` and `engine_order` the speeds at which a branch has no
-    frequency there, or k times that of rotation. Over `line_speed` the growth of the tips [m], the
-    largest of all.
+    """Compute branches, critical speeds, engine orders and growth, see `campbell`.
 
     Args:
-        stage: with the case and what frequencies are relative to.
+        stage: with the case and the reference frequency.
         turning: its bladed disk.
-        found: waves by nodal diameter.
+        disk: waves of the bladed disk by nodal diameter.
         names: families by nodal diameter, lowest first.
-        chosen: families that are told of.
-        speeds: of the diagrams, normalised.
+        chosen: families in the diagram.
+        speeds: range of the diagrams, normalised.
     """
     reference = stage.reference_frequency
     line = np.linspace(*speeds, LINE_SPEEDS)
-    all_of = {
-        k: np.array([own.frequencies(omega) for omega in line * reference])
-        for k, own in found.items()
-    }
-    frequency, rates, branches = [], [], []
-    for k, own in found.items():
-        size = len(own.mass)
-        for rank, name in enumerate(names[k]):
-            if name in chosen:
-                for way, place in (("backward", size - 1 - rank), ("forward", size + rank)):
-                    frequency.append(all_of[k][:, place].real)
-                    rates.append(np.abs(all_of[k][:, place].imag))
-                    branches.append((k, name, way))
-    growth = [turning.growth_at(omega).max() if omega else 0.0 for omega in line * reference]
+    omegas = line * reference
+    spectra = {k: np.array([w.frequencies(omega) for omega in omegas]) for k, w in disk.items()}
+    branches = [
+        (k, name, direction, spectra[k][:, place])
+        for k, waves_of_k in disk.items()
+        for size in [len(waves_of_k.mass)]
+        for rank, name in enumerate(names[k])
+        if name in chosen
+        for direction, place in (("backward", size - 1 - rank), ("forward", size + rank))
+    ]
+    diameters, families, directions, frequencies = zip(*branches, strict=True)
+    rates = np.abs(np.array(frequencies).imag)
+    growth = [turning.growth_at(omega).max() if omega else 0.0 for omega in omegas]
     room = stage.case.casing.clearance_profile.smallest + turning.disk.model.tip_recess
-    growing = [np.abs(each.imag).max(axis=1) > REAL * line * reference for each in all_of.values()]
-    first = _first_meeting(found, line * reference, np.any(growing, axis=0))
+    growing = [np.abs(s.imag).max(axis=1) > REAL * omegas for s in spectra.values()]
+    first = _first_meeting(disk, omegas, np.any(growing, axis=0))
+    plane = ("branch", "line_speed")
     return xr.Dataset(
         {
-            "branch_frequency": (
-                ("branch", "line_speed"),
-                np.array(frequency) / (2.0 * np.pi),
-                HERTZ | {"long_name": "frequency in the rotating frame, positive backward"},
+            "branch_frequency": quantity(
+                plane,
+                np.array(frequencies).real / (2.0 * np.pi),
+                "Hz",
+                "frequency in the rotating frame, positive backward",
             ),
-            "branch_growth": (
-                ("branch", "line_speed"),
-                np.where(np.array(rates) > REAL * line * reference, rates, 0.0),
-                {"units": "1/s", "long_name": "growth without damping, of waves that have met"},
+            "branch_growth": quantity(
+                plane,
+                np.where(rates > REAL * omegas, rates, 0.0),
+                "1/s",
+                "growth without damping, of merged waves",
             ),
-            "tip_growth": ("line_speed", growth, {"units": "m", "long_name": "growth of the tips"}),
-            **_speeds("critical", found, names, chosen, speeds[1] * reference, reference),
-            **_speeds("engine_order", found, names, chosen, speeds[1] * reference, reference),
+            "tip_growth": quantity("line_speed", growth, "m", "growth of the tips"),
+            **_speeds("critical", disk, names, chosen, omegas[-1], reference),
+            **_speeds("engine_order", disk, names, chosen, omegas[-1], reference),
         },
         coords={
-            "line_speed": ("line_speed", line, {"units": "1", "long_name": "normalised speed"}),
-            "branch_nodal_diameter": ("branch", [k for k, _, _ in branches]),
-            "branch_family": ("branch", np.array([name for _, name, _ in branches], dtype=object)),
-            "branch_direction": ("branch", np.array([way for *_, way in branches], dtype=object)),
+            "line_speed": quantity("line_speed", line, "1", "normalised speed"),
+            "branch_nodal_diameter": ("branch", list(diameters)),
+            "branch_family": ("branch", np.array(families, dtype=object)),
+            "branch_direction": ("branch", np.array(directions, dtype=object)),
         },
         attrs={
             "waves_meet": first / reference,
@@ -157,22 +153,20 @@ def at_speed(
     )
 
 
-def _first_meeting(found: Mapping[int, Waves], line: FloatArray, growing: BoolArray) -> float:
-    """Lowest speed from which on two waves of the bladed disk are one, and grow [rad/s].
+def _first_meeting(disk: Mapping[int, Waves], line: FloatArray, growing: BoolArray) -> float:
+    """Compute the lowest speed from which on two waves of the bladed disk merge and grow [rad/s].
 
     Args:
-        found: waves by nodal diameter.
+        disk: waves of the bladed disk by nodal diameter.
         line: speeds [rad/s].
-        growing: at which of them one grows.
+        growing: whether a wave grows at each of them.
 
     Returns:
-        to 1e-6 of itself; nan where none grows.
+        The speed to a relative 1e-6; nan where no wave grows.
     """
 
-    def met(omega: float) -> bool:
-        return any(
-            np.abs(own.frequencies(omega).imag).max() > REAL * omega for own in found.values()
-        )
+    def merged(omega: float) -> bool:
+        return any(np.abs(w.frequencies(omega).imag).max() > REAL * omega for w in disk.values())
 
     if not growing.any():
         return float("nan")
@@ -182,50 +176,40 @@ def _first_meeting(found: Mapping[int, Waves], line: FloatArray, growing: BoolAr
     low, high = line[after - 1 : after + 1].tolist()
     while high - low > 1e-6 * high:
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if met(middle) else (middle, high)
+        low, high = (low, middle) if merged(middle) else (middle, high)
     return float(high)
 
 
 def _speeds(
     kind: str,
-    found: Mapping[int, Waves],
+    disk: Mapping[int, Waves],
     names: Mapping[int, list[str]],
     chosen: set[str],
     highest: float,
     reference: float,
 ) -> dict[str, tuple[Any, ...]]:
-    """Critical speeds, or those of engine orders, ascending, with whose they are."""
-    words = {"critical": "critical speed", "engine_order": "speed met by the engine order k"}
-    rows = sorted(_rows(kind, found, names, chosen, highest))
-    speed = np.array([row[0] for row in rows])
-    share = {"units": "1", "long_name": "share of the strain energy in the shaft springs"}
-    return {
-        f"{kind}_speed": (
-            kind,
-            speed / reference,
-            {"units": "1", "long_name": f"normalised {words[kind]}"},
-        ),
-        f"{kind}_rpm": (kind, speed * 30.0 / np.pi, {"units": "rpm", "long_name": words[kind]}),
-        f"{kind}_nodal_diameter": (kind, [row[1] for row in rows]),
-        f"{kind}_family": (kind, np.array([row[2] for row in rows], dtype=object)),
-        f"{kind}_spring_share": (kind, np.array([row[3] for row in rows]), share),
-    }
-
-
-def _rows(
-    kind: str,
-    found: Mapping[int, Waves],
-    names: Mapping[int, list[str]],
-    chosen: set[str],
-    highest: float,
-) -> Iterator[tuple[float, int, str, float]]:
-    for k, own in found.items():
+    """Return critical speeds or those of engine orders, ascending, with nodal diameter, family."""
+    rows = []
+    for k, waves_of_k in disk.items():
         if kind == "engine_order" and k == 0:
             continue
         order = 0 if kind == "critical" else k
-        for speed, share in zip(*map(np.ndarray.tolist, own.synchronous(order)), strict=True):
+        for speed, share in zip(
+            *map(np.ndarray.tolist, waves_of_k.synchronous(order)), strict=True
+        ):
             if speed > highest:
                 break
-            rank, _ = own.rank(speed, order * speed)
+            rank, _ = waves_of_k.rank(speed, order * speed)
             if names[k][rank] in chosen:
-                yield speed, k, names[k][rank], share
+                rows.append((speed, k, names[k][rank], share))
+    rows.sort()
+    speeds = np.array([row[0] for row in rows])
+    name = {"critical": "critical speed", "engine_order": "speed met by the engine order k"}[kind]
+    share_name = "share of the strain energy in the shaft springs"
+    return {
+        f"{kind}_speed": quantity(kind, speeds / reference, "1", f"normalised {name}"),
+        f"{kind}_rpm": quantity(kind, speeds * 30.0 / np.pi, "rpm", name),
+        f"{kind}_nodal_diameter": (kind, [row[1] for row in rows]),
+        f"{kind}_family": (kind, np.array([row[2] for row in rows], dtype=object)),
+        f"{kind}_spring_share": quantity(kind, np.array([row[3] for row in rows]), "1", share_name),
+    }

@@ -10,6 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -128,7 +129,7 @@ class EvenSystem(System):
         effects = self.stage.modal.case.rotation.effects
         return super().options() | ({} if effects == "none" else {"rotation_effects": effects})
 
-    def rotor_alone(self, omega: float) -> dict[str, object]:
+    def rotor_alone(self, omega: float) -> dict[str, Any]:
         """How the bladed disk alone stands at a speed [rad/s]; empty without rotation effects.
 
         Returns:

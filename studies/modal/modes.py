@@ -1,4 +1,4 @@
-"""Natural modes of a case: as a Dataset, as lists for programs, as tables for people."""
+"""Natural modes of a case: Dataset and JSON document."""
 
 from __future__ import annotations
 
@@ -8,9 +8,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from rich import box
-from rich.console import Console
-from rich.table import Table
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import faults_from, read_case
@@ -23,25 +20,40 @@ from bladewhirl.models.rotation.whirl_modes import Direction, WhirlModes, direct
 from bladewhirl.models.stage.stage import Stage
 
 LEVELS = {
-    "body": "whose mode: bladed-disk or casing",
+    "body": "bladed-disk or casing",
     "centre": "free or clamped centre of the bladed disk; empty for the casing",
     "family": "family of the mode",
-    "nodal_diameter": "nodal diameter that holds most of the mode; -1 without sectors",
-    "number": "place among the modes of this body and centre, ascending in frequency",
+    "nodal_diameter": "nodal diameter with the largest share of the mode; -1 without sectors",
+    "number": "number of the mode of this body and centre, ascending in frequency",
 }
-"""Coordinates of a mode, with what they mean; together they are the index of `mode`."""
+"""Coordinates of a mode with their long names; together they are the index of `mode`."""
 
-VARIABLES = {
-    "frequency": ("Hz", "natural frequency"),
-    "normalised_frequency": ("1", "natural frequency over the reference frequency"),
-    "purity": ("1", "share of the nodal diameter in the mode"),
-    "spring_share": ("1", "share of the strain energy in springs"),
+LISTS = {
+    "bladed_disk_free": {"body": "bladed-disk", "centre": "free"},
+    "bladed_disk_clamped": {"body": "bladed-disk", "centre": "clamped"},
+    "casing": {"body": "casing"},
 }
-"""Unit and long name of what is known of a mode."""
+"""Selections of modes by their keys in JSON."""
+
+KEYS = {
+    "frequency_hz": "frequency",
+    "normalised": "normalised_frequency",
+    "nodal_diameter": "nodal_diameter",
+    "family": "family",
+    "purity": "purity",
+}
+"""Variables of a mode by their keys in JSON."""
+
+
+def quantity(
+    dims: str | tuple[str, ...], values: Any, unit: str, name: str = ""
+) -> tuple[str | tuple[str, ...], Any, dict[str, str]]:
+    """Return a variable of a Dataset with its unit and, if there is one, its long name."""
+    return dims, values, {"units": unit} | ({"long_name": name} if name else {})
 
 
 def full_stage(case_or_stage: Case | Stage | ModalStage) -> ModalStage:
-    """The full finite element models with all their modes: found, unless they are given."""
+    """Return the full finite element models with all their modes."""
     if isinstance(case_or_stage, ModalStage):
         return case_or_stage
     return modal_stage(case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case)
@@ -50,13 +62,13 @@ def full_stage(case_or_stage: Case | Stage | ModalStage) -> ModalStage:
 def stage_of_file(
     file: Path, overrides: list[str] | None, what: str, *known: Effects
 ) -> ModalStage:
-    """Models and modes of a case file, checked.
+    """Return the models and modes of a case file.
 
     Args:
         file: the case.
-        overrides: "KEY=VALUE" as given to --set.
-        what: the analysis that it is for, in words.
-        known: rotation effects that this knows.
+        overrides: "KEY=VALUE" as in --set.
+        what: name of the analysis, for errors.
+        known: rotation effects that the analysis supports.
 
     Raises:
         CaseError: all faults of the case, naming the file or --set.
@@ -69,31 +81,31 @@ def stage_of_file(
 
 
 def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
-    """Natural modes of the full bladed disk, with a free and a clamped centre, and of the casing.
+    """Compute natural modes of the full bladed disk, with free and clamped centre, and the casing.
 
     Over `mode`: frequency [Hz], normalised_frequency (over the lowest of the bladed disk with a
     free centre), purity (share of its nodal diameter in the mode) and spring_share (of the strain
     energy). A mode is selected by any of its coordinates body, centre, family, nodal_diameter and
     number::
 
-        found = bladewhirl.modes(case)
-        found.frequency.sel(body="bladed-disk", centre="free", family="1F", nodal_diameter=1)
+        modes = bladewhirl.modes(case)
+        modes.frequency.sel(body="bladed-disk", centre="free", family="1F", nodal_diameter=1)
 
-    gives two frequencies where blades are alike: both of a pair are there, the cosine first, as
-    `pattern` says (cosine, sine or single). `direction` and `direction_static` say which way a wave
-    travels in the rotating and in the static frame at the case's speed: backward, forward or
-    standing. With Coriolis forces waves stand apart, and `pattern` is wave or single.
-    `found.reset_index("mode")` goes into a file.
+    gives two frequencies where blades are alike: both of a pair, the cosine first, as `pattern`
+    says (cosine, sine or single). `direction` and `direction_static` are the directions of waves
+    in the rotating and in the static frame at the case's speed: backward, forward or standing.
+    With Coriolis forces the two waves of a pair differ in frequency, and `pattern` is wave or
+    single. `modes.reset_index("mode")` can be saved to a file.
 
     Args:
         case_or_stage: a case, or a stage of it.
 
     Returns:
-        The modes of each body, ascending; the attribute `centre` says how the case holds it,
-        `reference_frequency_hz` what frequencies are multiples of.
+        The modes of each body, ascending. Attributes: `centre`, free or clamped as in the case, and
+        `reference_frequency_hz`, by which frequencies are normalised.
 
     Raises:
-        CaseError: numbers that finite elements can't be made of.
+        CaseError: numbers from which finite elements can't be made.
     """
     stage = full_stage(case_or_stage)
     lists = (
@@ -102,7 +114,7 @@ def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
         ("casing", "", stage.casing_modes),
     )
     return xr.concat(
-        [_list_of(found, body, centre, stage) for body, centre, found in lists], "mode"
+        [_modes_of(source, body, centre, stage) for body, centre, source in lists], "mode"
     ).assign_attrs(
         title="natural modes",
         centre="clamped" if stage.case.shaft.clamped else "free",
@@ -111,168 +123,101 @@ def modes(case_or_stage: Case | Stage | ModalStage) -> xr.Dataset:
     )
 
 
-def _list_of(
-    modes_found: LabelledModes | Whirl, body: str, centre: str, stage: ModalStage
+def _modes_of(
+    source: LabelledModes | Whirl, body: str, centre: str, stage: ModalStage
 ) -> xr.Dataset:
-    """All modes of one body."""
-    found = modes_found.modes if isinstance(modes_found, Whirl) else modes_found
-    if isinstance(found, WhirlModes):
-        pattern = ["single" if way == "standing" else "wave" for way in found.direction]
-        ways = found.direction, found.static_direction(stage.speed)
+    """Return all modes of one body."""
+    modes = source.modes if isinstance(source, Whirl) else source
+    if isinstance(modes, WhirlModes):
+        pattern = ["single" if way == "standing" else "wave" for way in modes.direction]
+        rotating, static = modes.direction, modes.static_direction(stage.speed)
     else:
-        pattern = [_pattern(found, number) for number in range(found.count)]
-        ways = _ways_of_pairs(found, pattern, body, stage.speed)
-    names = {
-        "body": np.full(found.count, body, dtype=object),
-        "centre": np.full(found.count, centre, dtype=object),
-        "family": np.array(modes_found.family, dtype=object),
-        "nodal_diameter": found.nodal_diameter,
-        "number": np.arange(1, found.count + 1),
+        pattern = [_pattern(modes, number) for number in range(modes.count)]
+        rotating, static = _directions_of_pairs(modes, pattern, body, stage.speed)
+    reference = stage.reference_frequency
+    texts = {
+        "body": [body] * modes.count,
+        "centre": [centre] * modes.count,
+        "family": source.family,
+        "pattern": pattern,
+        "direction": rotating,
+        "direction_static": static,
     }
-    values = {
-        "frequency": found.frequency / (2.0 * np.pi),
-        "normalised_frequency": found.frequency / stage.reference_frequency,
-        "purity": found.purity,
-        "spring_share": found.spring_share,
-    }
-    along = {"pattern": pattern, "direction": ways[0], "direction_static": ways[1]}
+    share = "share of the strain energy in springs"
     data = xr.Dataset(
         {
-            name: ("mode", value, dict(zip(("units", "long_name"), VARIABLES[name], strict=True)))
-            for name, value in values.items()
+            "frequency": quantity(
+                "mode", modes.frequency / (2.0 * np.pi), "Hz", "natural frequency"
+            ),
+            "normalised_frequency": quantity(
+                "mode",
+                modes.frequency / reference,
+                "1",
+                "natural frequency over the reference frequency",
+            ),
+            "purity": quantity(
+                "mode", modes.purity, "1", "share of the nodal diameter in the mode"
+            ),
+            "spring_share": quantity("mode", modes.spring_share, "1", share),
         },
-        coords={name: ("mode", value) for name, value in names.items()}
-        | {name: ("mode", np.array(value, dtype=object)) for name, value in along.items()},
+        coords={name: ("mode", np.array(values, dtype=object)) for name, values in texts.items()}
+        | {
+            "nodal_diameter": ("mode", modes.nodal_diameter),
+            "number": ("mode", np.arange(1, modes.count + 1)),
+        },
     ).set_index(mode=list(LEVELS))
-    for name, meaning in LEVELS.items():
-        data[name].attrs["long_name"] = meaning
+    for name, long_name in LEVELS.items():
+        data[name].attrs["long_name"] = long_name
     return data
 
 
-def _ways_of_pairs(
-    found: LabelledModes, pattern: list[str], body: str, omega: float
+def _directions_of_pairs(
+    modes: LabelledModes, pattern: list[str], body: str, omega: float
 ) -> tuple[tuple[Direction, ...], tuple[Direction, ...]]:
-    """Ways in the rotating and in the static frame that the waves of standing modes travel.
+    """Return the directions of the waves of standing modes, in the rotating and the static frame.
 
-    Both of a degenerate pair together make a wave backward and one forward in the body's own frame:
-    the first stands for the one, the second for the other.
+    Both modes of a degenerate pair together make a backward and a forward wave in the body's own
+    frame: the cosine stands for the one, the sine for the other.
     """
-    sign = np.array([{"cosine": 1.0, "sine": -1.0}.get(each, 0.0) for each in pattern])
-    turned = np.where(sign == 0.0, 0.0, found.nodal_diameter * omega)
-    own = sign * found.frequency
+    sign = np.array([{"cosine": 1.0, "sine": -1.0}.get(name, 0.0) for name in pattern])
+    rotation = np.where(sign == 0.0, 0.0, modes.nodal_diameter * omega)
+    rate = sign * modes.frequency
     if body == "casing":
-        return directions(own + turned, omega), directions(own, omega)
-    return directions(own, omega), directions(own - turned, omega)
+        return directions(rate + rotation, omega), directions(rate, omega)
+    return directions(rate, omega), directions(rate - rotation, omega)
 
 
-def _pattern(found: LabelledModes, number: int) -> str:
-    if is_first_of_pair(found.column, number):
+def _pattern(modes: LabelledModes, number: int) -> str:
+    if is_first_of_pair(modes.column, number):
         return "cosine"
-    return "sine" if number and is_first_of_pair(found.column, number - 1) else "single"
+    return "sine" if number and is_first_of_pair(modes.column, number - 1) else "single"
 
 
-def mode_lists(found: xr.Dataset, count: int) -> dict[str, list[dict[str, Any]]]:
-    """The lowest modes of each body, ascending; both of a degenerate pair are listed.
+def mode_lists(computed: xr.Dataset, count: int) -> dict[str, list[dict[str, Any]]]:
+    """Return the JSON document of `modes`: the lowest modes of each body, ascending.
 
-    With rotation effects the way is told that each travels in both frames.
+    Both modes of a degenerate pair are listed; with rotation effects also the directions.
 
     Args:
-        found: from `modes`.
-        count: of each list.
+        computed: from `modes`.
+        count: number of modes in each list.
     """
-    lists = {
-        "bladed_disk": {"body": "bladed-disk", "centre": found.attrs["centre"]},
-        "bladed_disk_free": {"body": "bladed-disk", "centre": "free"},
-        "bladed_disk_clamped": {"body": "bladed-disk", "centre": "clamped"},
-        "casing": {"body": "casing"},
-    }
-    keys = {
-        "frequency_hz": "frequency",
-        "normalised": "normalised_frequency",
-        "nodal_diameter": "nodal_diameter",
-        "family": "family",
-        "purity": "purity",
-    }
-    if found.attrs["rotation_effects"] != "none":
-        keys |= {"direction": "direction", "direction_static": "direction_static"}
+    keys = KEYS
+    if computed.attrs["rotation_effects"] != "none":
+        keys = KEYS | {name: name for name in ("direction", "direction_static")}
+    lists = {"bladed_disk": {"body": "bladed-disk", "centre": computed.attrs["centre"]}} | LISTS
     return {
-        name: rows_of(found.sel(which).isel(mode=slice(count)), keys)
-        for name, which in lists.items()
+        name: rows_of(computed.sel(selection).isel(mode=slice(count)), keys)
+        for name, selection in lists.items()
     }
 
 
 def rows_of(data: xr.Dataset, keys: Mapping[str, str]) -> list[dict[str, Any]]:
-    """Variables over one dimension as a list for programs, under other names.
+    """Return variables over one dimension as rows.
 
     Args:
-        data: that holds them.
-        keys: names of the variables by those in the list.
+        data: with the variables.
+        keys: names of the variables by their keys in a row.
     """
     columns = [data[variable].values.tolist() for variable in keys.values()]
     return [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)]
-
-
-def print_modes(found: xr.Dataset, count: int) -> None:
-    """Print the lowest modes of the bladed disk as the case has it, and of the casing.
-
-    Args:
-        found: from `modes`.
-        count: of each body.
-    """
-    centre, hertz = found.attrs["centre"], found.attrs["reference_frequency_hz"]
-    own = found.sel(body="bladed-disk", centre=centre)
-    console = Console()
-    console.print(
-        _table(own.isel(mode=slice(count)), f"Bladed disk, {centre} centre"),
-        _table(found.sel(body="casing").isel(mode=slice(count)), "Casing"),
-        f"ω₁ = {2.0 * np.pi * hertz:.6g} rad/s = {hertz:.6g} Hz, the lowest of the bladed"
-        " disk with a free centre. Pairs share a row."
-        + (MIXED if float(own["purity"].min()) < PURE else ""),
-        sep="\n",
-    )
-
-
-MIXED = " k is the nodal diameter that holds most of a mode, purity its share."
-WIDE_NAMES = ("frequency [Hz]", "/ ω₁ [–]", "purity", "in springs")
-PURE = 0.999  # nothing to say about mixed modes above this purity
-
-
-def _table(lowest: xr.Dataset, title: str) -> Table:
-    waves = "wave" in lowest["pattern"].values
-    table = Table(
-        title=title,
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-        title_style="bold",
-        collapse_padding=waves,
-        pad_edge=not waves,
-    )
-    table.add_column("mode", style="dim", justify="right", no_wrap=True)
-    table.add_column("family", no_wrap=True)
-    names = ("[Hz]", "/ ω₁", "purity", "springs") if waves else WIDE_NAMES
-    for name in ("k", *names):
-        table.add_column(name, justify="right", no_wrap=True)
-    for name in ("rotating", "static") if waves else ():
-        table.add_column(name, no_wrap=True)
-    for place in range(lowest.sizes["mode"]):
-        mode = lowest.isel(mode=place)
-        if mode["pattern"] == "sine":
-            continue  # beside its cosine
-        pair = mode["pattern"] == "cosine" and place + 1 < lowest.sizes["mode"]
-        family, k = str(mode["family"].values), int(mode["nodal_diameter"])
-        table.add_row(
-            f"{place + 1}–{place + 2}" if pair else f"{place + 1}",
-            family,
-            str(k) if k >= 0 else "–",
-            f"{float(mode['frequency']):.4f}",
-            f"{float(mode['normalised_frequency']):.5f}",
-            f"{float(mode['purity']):.3f}",
-            _percent(float(mode["spring_share"])),
-            *(str(mode[way].values) for way in ("direction", "direction_static") if waves),
-            style="green" if family == "suspension" else None,
-        )
-    return table
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.1f} %" if share >= 5e-4 else ""

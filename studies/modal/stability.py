@@ -1,4 +1,4 @@
-"""Linear stability of the coupled stage: a chart over speed and stiffness, or one point."""
+"""Linear stability of the coupled stage at one point, or over speed and stiffness."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from bladewhirl.solvers.stability.growth import Progress, is_unstable
 from bladewhirl.solvers.stability.scenario import motion_scenario
 from bladewhirl.studies.modal.coupled_mode import divergent_motion, fastest_mode, motion_measures
 from bladewhirl.studies.modal.coupled_system import EvenSystem, System, couple
-from bladewhirl.studies.modal.modes import full_stage
+from bladewhirl.studies.modal.modes import full_stage, quantity
 from bladewhirl.studies.modal.stability_chart import GROWTH, MULTIPLES, STIFFNESS, stability_chart
 
 SPEEDS, KAPPAS = np.linspace(0.6, 3.0, 600), np.linspace(0.0, 1000.0, 300)
@@ -37,7 +37,7 @@ def stability(
     physical: bool = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Growth of bladed disk and casing coupled by springs of stiffness kappa, for small motions.
+    """Compute growth rates of bladed disk and casing, coupled by springs of stiffness kappa.
 
     Numbers for both speed and stiffness give one point: growth rate, eigenvalues, the fastest
     growing mode and its contact scenario. Arrays give a chart: the growth rate on a grid and, where
@@ -51,10 +51,10 @@ def stability(
         damped: with the case's damping.
         with_pi: keep the factor pi of Eq. (8).
         physical: with the modes' own amplitudes instead of one for each.
-        progress: called with the points done and the points in all.
+        progress: called with the finished points and all points.
 
     Raises:
-        UserError: see `couple`; a speed that is none.
+        UserError: see `couple`; not a speed.
     """
     chart = not (isinstance(speed, str) or np.ndim(speed) == 0) or np.ndim(kappa) > 0
     system = couple(
@@ -68,33 +68,22 @@ def stability(
     if chart:
         speeds, kappas = np.atleast_1d(np.asarray(speed, float)), np.atleast_1d(kappa)
         return stability_chart(system, speeds * system.reference, kappas, progress)
-    omega = given_speed(speed).rad_per_s(system.reference)  # type: ignore[arg-type] # not an array
-    return stability_point(system, omega, float(kappa))  # type: ignore[arg-type]
-
-
-def given_speed(given: float | str) -> Speed:
-    """A speed as a number or as text; text may hold a number, as on the command line.
-
-    Raises:
-        UserError: it is none.
-    """
-    with suppress(ValueError):
-        given = float(given)
     try:
-        return Speed(given)
+        point_speed = Speed(speed)  # type: ignore[arg-type] # not an array
     except ValueError as error:
         raise UserError(
-            f"--speed {given}: expected multiples of the reference frequency, or text in rpm, Hz or"
-            f" rad/s ({error})"
+            f"stability: speed {speed!r}: expected multiples of the reference frequency, or text in"
+            f" rpm, Hz or rad/s ({error})"
         ) from None
+    return stability_point(system, point_speed.rad_per_s(system.reference), float(kappa))  # type: ignore[arg-type]
 
 
 def stability_point(system: System, omega: float, kappa: float) -> xr.Dataset:
-    """Growth rate, eigenvalues, fastest growing mode and its scenario at a point.
+    """Compute growth rate, eigenvalues, fastest growing mode and its scenario at a point.
 
-    Where each mode has one nodal diameter, next to the growth rate of the autonomous form stands
-    that of the monodromy matrix of the periodic system, which knows nothing of that form (absent
-    at rest, which has no period, and so near to it that a period can't be integrated over).
+    Where each mode has one nodal diameter, growth_rate_floquet is the growth rate of the monodromy
+    matrix of the periodic system, an independent check of the autonomous form. It is absent at
+    rest, which has no period, and so near rest that a period can't be integrated.
 
     Args:
         system: the coupled modes.
@@ -109,54 +98,45 @@ def stability_point(system: System, omega: float, kappa: float) -> xr.Dataset:
         spectrum = system.spectrum(omega, kappa)
     except ArithmeticError as error:
         raise UserError(f"stability: speed {omega / system.reference:.6g} ω₁: {error}") from None
-    growth, own = spectrum[0].real, {}
+    growth, variables = spectrum[0].real, {}
     if isinstance(system, EvenSystem):
         growth = system.growth(np.array([omega]), np.array([kappa]))[0, 0]
-        own = _even_point(system, omega, kappa)
+        variables = _even_point(system, omega, kappa)
     return xr.Dataset(
         {
             "growth_rate": ((), growth, GROWTH),
             "unstable": ((), bool(is_unstable(growth, omega))),
-            "real": ("eigenvalue", spectrum.real, {"units": "1/s", "long_name": "growth rate"}),
-            "imaginary": (
-                "eigenvalue",
-                spectrum.imag,
-                {"units": "rad/s", "long_name": "frequency"},
-            ),
+            "real": quantity("eigenvalue", spectrum.real, "1/s", "growth rate"),
+            "imaginary": quantity("eigenvalue", spectrum.imag, "rad/s", "frequency"),
         },
         coords={
             "speed": ((), omega / system.reference, MULTIPLES),
-            "speed_rad_per_s": ((), omega, {"units": "rad/s", "long_name": "speed of rotation"}),
+            "speed_rad_per_s": quantity((), omega, "rad/s", "speed of rotation"),
             "kappa": ((), kappa, STIFFNESS),
         },
         attrs={"title": "stability at a point", **system.attributes()},
-    ).assign(own)
+    ).assign(variables)
 
 
 def _even_point(system: EvenSystem, omega: float, kappa: float) -> dict[str, Any]:
-    """Variables of a point that only modes of one nodal diameter each have."""
-    found: dict[str, Any] = {}
+    """Return variables of a point that only modes with one nodal diameter each have."""
+    variables: dict[str, Any] = {}
     modes = system.modes
     with suppress(ArithmeticError):  # ZeroDivisionError at rest
         turns = coupled_floquet(modes, speed=omega, kappa=kappa, with_pi=system.with_pi)
         growth = max(float(turn.growth) for turn in turns.values())
-        found["growth_rate_floquet"] = ((), growth, GROWTH | {"method": "monodromy matrix"})
+        variables["growth_rate_floquet"] = ((), growth, GROWTH | {"method": "monodromy matrix"})
     mode = fastest_mode(system, omega, kappa)
     size = [float(np.abs(mode.shape[modes.entry == i]).max()) for i in range(modes.entries)]
-    found["mode"] = xr.DataArray(
-        size,
-        {"entry": list(modes.name)},
-        attrs={
-            "units": "1",
-            "long_name": "size of each mode in the fastest growing motion",
-        },
-    )
-    if "growth_rate_floquet" in found and is_unstable(mode.eigenvalue.real, omega):
+    name = "size of each mode in the fastest growing motion"
+    variables["entry"] = ("entry", list(modes.name))
+    variables["mode"] = quantity("entry", size, "1", name)
+    if "growth_rate_floquet" in variables and is_unstable(mode.eigenvalue.real, omega):
         motion = divergent_motion(system.of_diameter(mode.nodal_diameter), omega, kappa)
-        found |= {name: ((), *value) for name, value in motion_measures(motion).items()}
+        variables |= {name: ((), *value) for name, value in motion_measures(motion).items()}
         if motion.nodal_diameter == 1:
             scenario = motion_scenario(
                 shaft=motion.shaft_static, clearance_angle=motion.smallest_clearance_angle
             )
-            found["scenario"] = ((), scenario.kind, {"long_name": "contact scenario"})
-    return found
+            variables["scenario"] = ((), scenario.kind, {"long_name": "contact scenario"})
+    return variables

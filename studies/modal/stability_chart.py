@@ -1,4 +1,4 @@
-"""Growth rate of coupled modes over speed and stiffness, and what cuts and parts of it show."""
+"""Growth rate of coupled modes over speed and stiffness, with zones and eigenvalues."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ from bladewhirl.solvers.stability.growth import Progress, coincidence_speeds, ei
 from bladewhirl.solvers.stability.tracking import track
 from bladewhirl.solvers.stability.zones import unstable_zones
 from bladewhirl.studies.modal.coupled_system import EvenSystem, System
+from bladewhirl.studies.modal.modes import quantity
 
 StringArray = NDArray[np.str_]
 
 BORDER_STIFFNESSES = 61
-"""Stiffnesses at which the borders of zones are found."""
+"""Number of stiffnesses at which the borders of zones are computed."""
 
 LINE_SPEEDS, ZONE_SPEEDS = 1201, 21
-"""Speeds along a line of constant stiffness, and further ones inside each of its zones."""
+"""Number of speeds along a line of constant stiffness, and of more inside each of its zones."""
 
 MULTIPLES = {"units": "1", "long_name": "speed in multiples of reference_frequency"}
 GROWTH = {"units": "1/s", "long_name": "largest real part of the spectrum"}
@@ -30,13 +31,13 @@ STIFFNESS = {"units": "N/m", "long_name": "coupling stiffness"}
 def stability_chart(
     system: System, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
 ) -> xr.Dataset:
-    """Growth rate over speed and stiffness, with the zones of an even system.
+    """Compute the growth rate over speed and stiffness, with the zones of an even system.
 
     Args:
         system: the coupled modes.
         omegas: speeds [rad/s], ascending.
         kappas: spring stiffnesses [N/m], ascending.
-        progress: called with the points done and the points in all.
+        progress: called with the finished points and all points.
     """
     system.check_reach(omegas[-1], kappas[-1])
     growth = system.growth(omegas, kappas, progress)
@@ -56,15 +57,15 @@ def stability_chart(
 def zones(
     system: System, modes: CouplingModes, omegas: FloatArray, kappas: FloatArray
 ) -> xr.Dataset:
-    """Borders of the unstable zones of some modes, and the coincidence speeds they start from.
+    """Compute the borders of unstable zones, and the coincidence speeds where they start.
 
     Args:
-        system: the coupled modes that the options belong to.
-        modes: whose zones are looked for.
+        system: with the options.
+        modes: coupled modes, those of the system or a part.
         omegas: speeds [rad/s], ascending.
         kappas: spring stiffnesses [N/m], ascending.
     """
-    found = unstable_zones(
+    borders = unstable_zones(
         modes,
         kappas=np.linspace(kappas[0], kappas[-1], BORDER_STIFFNESSES),
         low=omegas[0],
@@ -75,15 +76,15 @@ def zones(
     pairs = coincidence_speeds(modes)
     casings, rotors = np.array(list(pairs), dtype=np.int64).reshape(-1, 2).T
     coincidence = MULTIPLES | {"long_name": "coincidence speed, Eq. (14)"}
-    starts = [pairs[pair] / unit for pair in zip(found.casing, found.rotor, strict=True)]
+    starts = [pairs[pair] / unit for pair in zip(borders.casing, borders.rotor, strict=True)]
     return _ranges(system, omegas, kappas).assign(
-        zone_kappa=("zone", found.kappa, {"units": "N/m"}),
-        zone_lower=("zone", found.lower / unit, MULTIPLES),
-        zone_upper=("zone", found.upper / unit, MULTIPLES),
-        zone_growth=("zone", found.growth, {"units": "1/s"}),
-        zone_nodal_diameter=("zone", modes.nodal_diameter[found.casing]),
-        zone_casing=("zone", names[found.casing]),
-        zone_rotor=("zone", names[found.rotor]),
+        zone_kappa=quantity("zone", borders.kappa, "N/m"),
+        zone_lower=("zone", borders.lower / unit, MULTIPLES),
+        zone_upper=("zone", borders.upper / unit, MULTIPLES),
+        zone_growth=quantity("zone", borders.growth, "1/s"),
+        zone_nodal_diameter=("zone", modes.nodal_diameter[borders.casing]),
+        zone_casing=("zone", names[borders.casing]),
+        zone_rotor=("zone", names[borders.rotor]),
         zone_start=("zone", np.array(starts), coincidence),
         coincidence=("pair", np.array([*pairs.values()]) / unit, coincidence),
         coincidence_nodal_diameter=("pair", modes.nodal_diameter[casings]),
@@ -93,7 +94,7 @@ def zones(
 
 
 def _ranges(system: System, omegas: FloatArray, kappas: FloatArray) -> xr.Dataset:
-    """An empty chart of a range."""
+    """Return an empty chart of a range."""
     unit = system.reference
     return xr.Dataset(
         attrs={
@@ -107,7 +108,7 @@ def _ranges(system: System, omegas: FloatArray, kappas: FloatArray) -> xr.Datase
 
 
 def truncation(whole: xr.Dataset, few: xr.Dataset) -> xr.Dataset:
-    """Zones of all modes and of a few of them, told apart by `zone_of`, "all" or "few"."""
+    """Return zones of all modes and of a few of them, labelled "all" or "few" by `zone_of`."""
     parts = [
         data[[str(name) for name in data.data_vars if str(name).startswith("zone_")]].assign(
             zone_of=("zone", np.full(data.sizes["zone"], label))
@@ -118,32 +119,32 @@ def truncation(whole: xr.Dataset, few: xr.Dataset) -> xr.Dataset:
 
 
 def spectrum_along(system: EvenSystem, omegas: FloatArray, kappa: float) -> xr.Dataset:
-    """Eigenvalues along a line of constant stiffness, each branch tracked.
+    """Compute eigenvalues along a line of constant stiffness, tracked along branches.
 
     Args:
         system: the coupled modes.
-        omegas: range of speeds [rad/s], ascending; others come between them.
+        omegas: speeds [rad/s], ascending; the first and last are the ends of the line.
         kappa: spring stiffness [N/m].
     """
     low, high = omegas[0], omegas[-1]
-    found = unstable_zones(
+    borders = unstable_zones(
         system.modes, kappas=np.array([kappa]), low=low, high=high, with_pi=system.with_pi
     )
-    inside = np.linspace(found.lower, found.upper, ZONE_SPEEDS).ravel()
+    inside = np.linspace(borders.lower, borders.upper, ZONE_SPEEDS).ravel()
     along = np.unique(np.append(np.linspace(low, high, LINE_SPEEDS), inside))
     spectra = eigenvalues(system.modes, speed=along, kappa=kappa, with_pi=system.with_pi)
     branches, plane = track(along, spectra), ("speed", "branch")
     names, unit = np.array(system.modes.name), system.reference
     return xr.Dataset(
         data_vars={
-            "real": (plane, branches.real, {"units": "1/s", "long_name": "growth rate"}),
-            "imaginary": (plane, branches.imag, {"units": "rad/s", "long_name": "frequency"}),
+            "real": quantity(plane, branches.real, "1/s", "growth rate"),
+            "imaginary": quantity(plane, branches.imag, "rad/s", "frequency"),
             "branch_name": ("branch", _branch_names(system.modes, along[0], branches[0])),
-            "zone_lower": ("zone", found.lower / unit, MULTIPLES),
-            "zone_upper": ("zone", found.upper / unit, MULTIPLES),
-            "zone_growth": ("zone", found.growth, {"units": "1/s"}),
-            "zone_casing": ("zone", names[found.casing]),
-            "zone_rotor": ("zone", names[found.rotor]),
+            "zone_lower": ("zone", borders.lower / unit, MULTIPLES),
+            "zone_upper": ("zone", borders.upper / unit, MULTIPLES),
+            "zone_growth": quantity("zone", borders.growth, "1/s"),
+            "zone_casing": ("zone", names[borders.casing]),
+            "zone_rotor": ("zone", names[borders.rotor]),
         },
         coords={"speed": ("speed", along / unit, MULTIPLES)},
         attrs=system.attributes()
@@ -156,7 +157,7 @@ def spectrum_along(system: EvenSystem, omegas: FloatArray, kappa: float) -> xr.D
 
 
 def _branch_names(modes: CouplingModes, omega: float, spectrum: ComplexArray) -> StringArray:
-    """Names of branches by the waves of single modes that they are nearest to at a speed [rad/s].
+    """Return the names of branches, those of the nearest waves of single modes at a speed.
 
     Args:
         modes: the coupled modes.
@@ -168,9 +169,9 @@ def _branch_names(modes: CouplingModes, omega: float, spectrum: ComplexArray) ->
         part = modes.take(np.array([entry]))
         values = eigenvalues(part, speed=omega, kappa=0.0)
         waves = len(values) // 2 if part.paired[0] else 0
-        turned = np.append(values[:waves], values[waves:].conj()).imag + omega * part.frame_rate[0]
-        ways = ["forward" if rate > 0.0 else "backward" for rate in turned]
+        static = np.append(values[:waves], values[waves:].conj()).imag + omega * part.frame_rate[0]
+        directions = ["forward" if rate > 0.0 else "backward" for rate in static]
         alone.append(values)
-        names += [f"{part.name[0]}{f', {way}' if waves else ''}" for way in ways]
+        names += [f"{part.name[0]}{f', {way}' if waves else ''}" for way in directions]
     distance = np.abs(spectrum[:, None] - np.concatenate(alone)) ** 2
     return np.asarray(np.array(names)[linear_sum_assignment(distance)[1]], dtype=np.str_)

@@ -1,8 +1,7 @@
-"""Frequencies over nodal diameter and over shaft stiffness: as a Dataset, in words, as figures."""
+"""Frequencies over nodal diameter and over shaft stiffness: Dataset, JSON document, figures."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,17 +16,17 @@ from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
 from bladewhirl.solvers.stability.veering import ShaftVeering, shaft_veering, whirl_veering
-from bladewhirl.studies.modal.modes import full_stage, modes, rows_of
+from bladewhirl.studies.modal.modes import full_stage, modes, quantity, rows_of
 from bladewhirl.studies.runs.figures_folder import save_figures
 
 STIFFNESSES, DECADES = 241, 3
-"""Stiffnesses of the shaft, and how many decades they reach to either side of the case's."""
+"""Number of stiffnesses of the shaft, and decades on either side of the case's stiffness."""
 
 BRANCHES = 5
-"""Modes followed over the stiffness of the shaft."""
+"""Number of modes over the stiffness of the shaft."""
 
 CLOSE_UP = 2
-"""Families of the second diagram, which shows the suspension pair between them."""
+"""Number of families of the second diagram, which shows the suspension pair between them."""
 
 MODE_LEVELS = ("centre", "family", "nodal_diameter")
 """Index of the modes."""
@@ -39,52 +38,51 @@ def veering(
     families: int = 12,
     stiffnesses: FloatArray | None = None,
 ) -> xr.Dataset:
-    """Frequencies over nodal diameter with a free and a clamped centre, and over shaft stiffness.
+    """Compute frequencies over nodal diameter, with free and clamped centre, and shaft stiffness.
 
-    Over `mode`, of the bladed disk and a pair given once: frequency [Hz], normalised_frequency
+    Over `mode`, of the bladed disk and once per pair: frequency [Hz], normalised_frequency
     (over the reference frequency), purity and spring_share. A mode is selected by centre, family
     and nodal_diameter::
 
-        found = bladewhirl.veering(case)
-        found.frequency.sel(centre="clamped", family="1F", nodal_diameter=1)
+        diagrams = bladewhirl.veering(case)
+        diagrams.frequency.sel(centre="clamped", family="1F", nodal_diameter=1)
 
     Over `stiffness` of each shaft spring [N/m] and `branch`, the modes with one nodal diameter:
     branch_frequency [Hz], normalised_branch_frequency and branch_spring_share, the share of the
-    strain energy in the shaft springs; over `branch` clamped_frequency [Hz], which each branch
-    approaches, and normalised_clamped_frequency. With Coriolis forces modes have `direction` in
-    their index, and branches a branch_direction: waves both ways, at the case's speed.
-    `found.reset_index("mode")` goes into a file; `bladewhirl.plot.veering` and `shaft_veering` draw
-    it.
+    strain energy in the shaft springs; over `branch` clamped_frequency [Hz], the limit of each
+    branch, and normalised_clamped_frequency. With Coriolis forces modes have `direction` in
+    their index, and branches a branch_direction: waves in both directions, at the case's speed.
+    `diagrams.reset_index("mode")` can be saved to a file; `bladewhirl.plot.veering` and
+    `shaft_veering` draw it.
 
     Args:
         case_or_stage: a case, or a stage of it.
-        families: how many of the bladed disk, the suspension pair apart.
+        families: number of families of the bladed disk, without the suspension pair.
         stiffnesses: of each shaft spring [N/m], ascending, (stiffness,); by default those of
             `spring_stiffnesses`.
 
     Raises:
-        UserError: a stage without cyclic symmetry, whose modes with one nodal diameter don't
-            stand apart.
+        UserError: a stage without cyclic symmetry, whose modes with one nodal diameter are not
+            separate.
     """
     stage = full_stage(case_or_stage)
     families = min(families, stage.disk_modes.count)
     springs = spring_stiffnesses(stage.case, None) if stiffnesses is None else stiffnesses
     branches = _over_shaft(stage, springs)
-    reference = stage.reference_frequency
-    hertz, one = {"units": "Hz"}, {"units": "1"}
-    share = {"units": "1", "long_name": "share of the strain energy in the shaft springs"}
+    reference, hertz = stage.reference_frequency, 2.0 * np.pi
+    share = "share of the strain energy in the shaft springs"
     plane = ("stiffness", "branch")
     return (
         _families(modes(stage), families)
         .assign(
-            branch_frequency=(plane, branches.frequency / (2.0 * np.pi), hertz),
-            normalised_branch_frequency=(plane, branches.frequency / reference, one),
-            branch_spring_share=(plane, branches.spring_share, share),
-            clamped_frequency=("branch", branches.clamped / (2.0 * np.pi), hertz),
-            normalised_clamped_frequency=("branch", branches.clamped / reference, one),
-            branch_direction=("branch", list(branches.direction), {"units": ""}),
+            branch_frequency=quantity(plane, branches.frequency / hertz, "Hz"),
+            normalised_branch_frequency=quantity(plane, branches.frequency / reference, "1"),
+            branch_spring_share=quantity(plane, branches.spring_share, "1", share),
+            clamped_frequency=quantity("branch", branches.clamped / hertz, "Hz"),
+            normalised_clamped_frequency=quantity("branch", branches.clamped / reference, "1"),
+            branch_direction=quantity("branch", list(branches.direction), ""),
         )
-        .assign_coords(stiffness=("stiffness", branches.stiffness, {"units": "N/m"}))
+        .assign_coords(stiffness=quantity("stiffness", branches.stiffness, "N/m"))
         .assign_attrs(
             title="veering diagrams",
             case=stage.case.title,
@@ -96,128 +94,114 @@ def veering(
     )
 
 
-def report_lines(found: xr.Dataset) -> Iterator[str]:
-    """The findings in words.
-
-    Args:
-        found: from `veering`.
-    """
-    shifts = clamping_shifts(found)
+def veering_facts(diagrams: xr.Dataset) -> dict[str, str]:
+    """Return the effect of clamping the centre and the frequencies of the suspension, as texts."""
+    shifts = clamping_shifts(diagrams)
     others = max((shift for k, shift in shifts.items() if k != 1), default=0.0)
-    yield (
-        f"Clamping the centre changes families with k = 1 by up to {100 * shifts[1]:.3g} %,"
-        f" with other k by up to {100 * others:.1g} %."
-    )
-    if (found["family"] == "suspension").any():
-        yield _suspension_words(found)
+    texts = {
+        "largest change by clamping the centre, k = 1": f"{100 * shifts[1]:.3g} %",
+        "largest change by clamping the centre, other k": f"{100 * others:.1g} %",
+    }
+    pair = diagrams.isel(mode=diagrams["family"].values == "suspension")
+    frequencies = [f"{frequency:.4g} ω₁" for frequency in pair["normalised_frequency"].values]
+    if "direction" in diagrams.indexes["mode"].names:
+        waves = zip(pair["direction"].values, frequencies, strict=True)
+        frequencies = [f"{direction} {frequency}" for direction, frequency in waves]
+    return texts | ({"suspension, rotating frame": ", ".join(frequencies)} if frequencies else {})
 
 
-def veering_document(found: xr.Dataset) -> dict[str, Any]:
-    """Everything drawn, for programs.
-
-    Args:
-        found: from `veering`.
-    """
+def veering_document(diagrams: xr.Dataset) -> dict[str, Any]:
+    """Return the JSON document of `veering`."""
     keys = {
-        **{str(name): str(name) for name in found.indexes["mode"].names},
+        **{str(name): str(name) for name in diagrams.indexes["mode"].names},
         "frequency_hz": "frequency",
         "normalised": "normalised_frequency",
     }
     return {
-        "reference_frequency_hz": found.attrs["reference_frequency_hz"],
-        "modes": rows_of(found, keys),
+        "reference_frequency_hz": diagrams.attrs["reference_frequency_hz"],
+        "modes": rows_of(diagrams, keys),
         "shaft": {
-            "stiffness": found["stiffness"].values.tolist(),
-            "normalised": found["normalised_branch_frequency"].values.tolist(),
-            "spring_share": found["branch_spring_share"].values.tolist(),
+            "stiffness": diagrams["stiffness"].values.tolist(),
+            "normalised": diagrams["normalised_branch_frequency"].values.tolist(),
+            "spring_share": diagrams["branch_spring_share"].values.tolist(),
         },
     }
 
 
-def clamping_shifts(found: xr.Dataset) -> dict[int, float]:
-    """Largest relative change of a family's frequency by clamping the centre, by nodal diameter.
+def clamping_shifts(diagrams: xr.Dataset) -> dict[int, float]:
+    """Return the largest relative change of a frequency by clamping the centre, by nodal diameter.
 
     Args:
-        found: from `veering`.
+        diagrams: from `veering`.
     """
-    frequency = found["frequency"].to_series()
-    # Past a critical speed both waves of a pair may go backward: these are told by their order.
-    twin = frequency.groupby(level=frequency.index.names).cumcount()
-    each = frequency.to_frame().set_index(twin.rename("twin"), append=True)["frequency"]
-    centres = each.unstack("centre")
+    frequency = diagrams["frequency"].to_series()
+    # Past a critical speed both waves of a pair may go backward: their order tells them apart.
+    order = frequency.groupby(level=frequency.index.names).cumcount().rename("order")
+    ordered = frequency.to_frame().set_index(order, append=True)["frequency"]
+    centres = ordered.unstack("centre")
     changes = (centres["clamped"] / centres["free"] - 1.0).abs()
     largest = changes.groupby(level="nodal_diameter").max()
     return {int(k): float(shift) for k, shift in largest.items()}
 
 
-def suspension_frequency(found: xr.Dataset) -> float | None:
-    """Normalised frequency of the suspension pair, or its lower wave; None where there is none.
+def suspension_frequency(diagrams: xr.Dataset) -> float | None:
+    """Return the normalised frequency of the suspension pair, or its lower wave; None without one.
 
     Args:
-        found: from `veering`.
+        diagrams: from `veering`.
     """
-    here = found["family"].values == "suspension"
-    return float(found["normalised_frequency"].values[here][0]) if here.any() else None
-
-
-def _suspension_words(found: xr.Dataset) -> str:
-    """Normalised frequencies of the suspension: of the pair, or of its waves in rotating axes."""
-    if "direction" not in found.indexes["mode"].names:
-        return f"Suspension pair at {suspension_frequency(found):.4g} ω₁."
-    own = found.isel(mode=found["family"].values == "suspension")
-    waves = zip(own["direction"].values, own["normalised_frequency"].values, strict=True)
-    told = ", ".join(f"{way} at {frequency:.4g} ω₁" for way, frequency in waves)
-    return f"Waves of the suspension, rotating frame: {told}."
+    here = diagrams["family"].values == "suspension"
+    return float(diagrams["normalised_frequency"].values[here][0]) if here.any() else None
 
 
 def spring_stiffnesses(case: Case, interval: tuple[float, float] | None) -> FloatArray:
-    """Stiffnesses of the shaft to look at [N/m], evenly spread over decades, (stiffnesses,)."""
-    given = case.shaft.stiffness
-    first, last = interval or (given * 10.0**-DECADES, given * 10.0**DECADES)
+    """Return stiffnesses of the shaft [N/m], evenly spread over decades, (stiffnesses,)."""
+    stiffness = case.shaft.stiffness
+    first, last = interval or (stiffness * 10.0**-DECADES, stiffness * 10.0**DECADES)
     return np.geomspace(first, last, STIFFNESSES)
 
 
-def draw_veering(found: xr.Dataset, folder: Path, *, overwrite: bool = False) -> None:
+def draw_veering(diagrams: xr.Dataset, folder: Path, *, overwrite: bool = False) -> None:
     """Draw the diagrams into a folder.
 
     Args:
-        found: from `veering`.
-        folder: where to.
-        overwrite: replace files that are there, whosever they are.
+        diagrams: from `veering`.
+        folder: of the figures.
+        overwrite: replace existing files, whoever wrote them.
 
     Raises:
-        UserError: a file cannot be written, or is there and not the program's.
+        UserError: a file cannot be written, or exists and was not written by bladewhirl.
     """
-    families = found.drop_dims(("stiffness", "branch")).reset_index("mode")
-    drawn = {
-        "families": (plot_families(found), families),
-        "first-families": (plot_families(found, CLOSE_UP), families),
-        "shaft": (plot_shaft_veering(found), found.drop_dims("mode")),
+    families = diagrams.drop_dims(("stiffness", "branch")).reset_index("mode")
+    figures = {
+        "families": (plot_families(diagrams), families),
+        "first-families": (plot_families(diagrams, CLOSE_UP), families),
+        "shaft": (plot_shaft_veering(diagrams), diagrams.drop_dims("mode")),
     }
-    save_figures(folder, drawn, overwrite=overwrite)
+    save_figures(folder, figures, overwrite=overwrite)
 
 
-def _families(found: xr.Dataset, families: int) -> xr.Dataset:
-    """First families of the bladed disk and the suspension, a pair given once, from `modes`."""
-    wanted = ["suspension", *(f"{rank}F" for rank in range(1, families + 1))]
+def _families(computed: xr.Dataset, families: int) -> xr.Dataset:
+    """Return the first families of the bladed disk and the suspension, one of each pair."""
+    names = ["suspension", *(f"{rank}F" for rank in range(1, families + 1))]
     chosen = (
-        (found["body"].values == "bladed-disk")
-        & np.isin(found["family"].values, wanted)
-        & (found["pattern"].values != "sine")
+        (computed["body"].values == "bladed-disk")
+        & np.isin(computed["family"].values, names)
+        & (computed["pattern"].values != "sine")
     )
-    kept = found.isel(mode=chosen).reset_index("mode").drop_vars(("body", "number", "pattern"))
-    whirls = found.attrs["rotation_effects"] == "full"
-    return kept.set_index(mode=[*MODE_LEVELS, *(("direction",) if whirls else ())])
+    data = computed.isel(mode=chosen).reset_index("mode").drop_vars(("body", "number", "pattern"))
+    whirls = computed.attrs["rotation_effects"] == "full"
+    return data.set_index(mode=[*MODE_LEVELS, *(("direction",) if whirls else ())])
 
 
 def _over_shaft(stage: ModalStage, springs: FloatArray) -> ShaftVeering:
     disk = stage.free_disk if stage.at_speed is None else stage.at_speed[0].disk
     structure, layout = disk.structure, disk.structure.layout
     if layout is None or not structure.is_cyclic:
-        found = structure.symmetry.partition(":")[0]
+        symmetry = structure.symmetry.partition(":")[0]
         raise UserError(
             "veering: expected equal sectors on equal shaft springs, whose modes with one nodal"
-            f" diameter stand apart, not {found}; bladewhirl modes lists the frequencies"
+            f" diameter are separate, not {symmetry}; bladewhirl modes lists the frequencies"
         )
     basis = layout.basis(1)
 

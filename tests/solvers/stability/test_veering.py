@@ -13,7 +13,7 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.postprocess.modal.veering import plot_shaft_veering
 from bladewhirl.solvers.stability.veering import shaft_veering, whirl_veering
-from bladewhirl.studies.modal.veering import clamping_shifts, report_lines, veering
+from bladewhirl.studies.modal.veering import clamping_shifts, veering, veering_facts
 
 
 @cache
@@ -104,7 +104,7 @@ def test_clamping_changes_one_nodal_diameter_and_the_suspension_is_between_the_f
     assert shifts.pop(1) > 0.02
     assert set(shifts) == {0, *range(2, 12)}
     assert max(shifts.values()) < 1e-9
-    assert [*report_lines(found)][1] == "Suspension pair at 2.527 ω₁."
+    assert veering_facts(found)["suspension, rotating frame"] == "2.527 ω₁"
     assert found.sizes["mode"] == 2 * 12 * 12 + 1
 
 
@@ -113,8 +113,8 @@ def test_past_a_critical_speed_where_both_waves_of_the_suspension_go_backward() 
     past = {"rotation.effects": "full", "march.speed": 2.0, "shaft.stiffness": 5e6}
     springs = np.array([1e7, 3.4e7])
     found = veering(with_values(Case(), past), families=10**11, stiffnesses=springs)
-    told = [*report_lines(found)]
-    assert told[1].count("backward at") == 2
+    waves = veering_facts(found)["suspension, rotating frame"]
+    assert waves.count("backward") == 2
     shifts = clamping_shifts(found)
     assert shifts.pop(1) > 1e-3 > max(shifts.values())
     names = [text.get_text() for text in plot_shaft_veering(found).axes[0].texts]

@@ -143,7 +143,7 @@ def test_to_read(path: Path) -> None:
     both = RUNNER.invoke(app, ["show", str(path), "--case"], env={"COLUMNS": "100"}).stdout
     assert both.startswith(table)
     assert tomllib.loads(both.removeprefix(table))["casing"]["support"] == 7.975e6
-    assert "lowest frequencies, full model" in table
+    assert "Casing, full model" in table
     assert "suspension modes, reduced model" in table
     for words in (
         "40.234 Hz",
@@ -154,7 +154,8 @@ def test_to_read(path: Path) -> None:
     ):
         assert words in table
     rows = [line.split() for line in table.splitlines()]
-    assert ["1", "40.2335", "1", "160.93", "3.9999"] in rows
+    assert ["1", "40.2335", "1", "1.000"] in rows
+    assert ["1", "160.93", "3.9999", "1.000"] in rows
 
 
 def test_the_lowest_of_a_stage_without_symmetry_beside_those_of_its_casing(path: Path) -> None:
@@ -168,8 +169,7 @@ def test_the_lowest_of_a_stage_without_symmetry_beside_those_of_its_casing(path:
     assert len(disk) == 12
     assert disk == sorted(disk)
     assert disk[0] == derived["reference_frequency"]["hz"]
-    words = RUNNER.invoke(app, ["show", str(path)]).stdout.partition("normalised")[2].split()
-    assert words.count("purity") == 2
+    words = RUNNER.invoke(app, ["show", str(path)]).stdout.partition("purity")[2].split()
     shares = {f"{mode['purity']:.3f}" for mode in derived["bladed_disk"]}
     assert {f"{hertz:.6g}" for hertz in disk} | shares <= set(words)
 

@@ -151,10 +151,10 @@ def test_the_command_says_it_in_words_and_as_json(tmp_path: Path) -> None:
     found: dict[str, Any] = json.loads(run("--json"))
     assert found["waves_meet"] is None
     assert [row["family"] for row in found["critical_speeds"]] == ["1F"]
-    told = run("-o", str(tmp_path / "out"))
-    assert "Critical speed 2.10802 ω₁ = 4832.4 rpm: 1F, k = 1 (branches" in told
-    assert "The growth of the tips takes a clearance measured cold at 3.4042 ω₁" in told
-    assert "No critical speed up to 2 ω₁." in run("-o", str(tmp_path / "low"), "--speeds", "0:2")
+    printed = run("-o", str(tmp_path / "out"))
+    rows = [line.split() for line in printed.splitlines()]
+    assert ["1", "1F", "2.10802", "4832.4"] in [row[:4] for row in rows]
+    assert "3.4042 ω₁" in printed
     with xr.open_dataset(tmp_path / "out" / "campbell-rotating.nc") as data:
         assert set(data["branch_family"].values) == {"1F", "suspension"}
 

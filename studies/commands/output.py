@@ -1,0 +1,98 @@
+"""Output of the commands: one JSON document, or tables and lines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+
+@dataclass(frozen=True)
+class Column:
+    """Column of a table: which value of a row it shows, and in which format."""
+
+    key: str  #: of the value in a row
+    heading: str  #: with the unit
+    form: str = ""  #: format specification of a number, such as ".4g"
+    scale: float = 1.0  #: factor from the SI value to the unit of the heading
+
+    def text(self, row: Mapping[str, Any]) -> str:
+        """Return the text of a row's cell; a missing value is a dash, a flag "yes" or nothing."""
+        value = row[self.key]
+        if value is None:
+            return "–"
+        if isinstance(value, bool):
+            return "yes" if value else ""
+        return format(value if self.scale == 1.0 else self.scale * value, self.form)
+
+
+def table(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column], title: str = "") -> Table:
+    """Return a table with a line for each row."""
+    from rich import box
+    from rich.markup import escape
+    from rich.table import Table
+
+    printed = Table(
+        title=escape(title) or None,
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+        title_style="bold",
+        pad_edge=False,
+        collapse_padding=True,
+    )
+    for place, column in enumerate(columns):
+        printed.add_column(
+            escape(column.heading), justify="right" if column.form else "left", no_wrap=place > 0
+        )
+    for row in rows:
+        printed.add_row(*(escape(column.text(row)) for column in columns))
+    return printed
+
+
+def facts(values: Mapping[str, str]) -> Table:
+    """Return a table of names and values without headings."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    printed = Table(show_header=False, box=None, pad_edge=False)
+    printed.add_column(style="cyan", no_wrap=True)
+    printed.add_column(overflow="fold")
+    for name, value in values.items():
+        printed.add_row(escape(name), escape(value))
+    return printed
+
+
+def emit(document: Any, *parts: Table | str, json: bool, written: Sequence[Path] = ()) -> None:
+    """Print one JSON document, or tables and lines; then the names of written files.
+
+    Args:
+        document: what --json prints. NaN in it is a defect of the program.
+        parts: tables and lines that are printed instead without --json.
+        json: whether --json is set.
+        written: files and folders, named on standard error beside a JSON document.
+    """
+    from rich.console import Console
+
+    if json:
+        print_json(document)
+    else:
+        for part in parts:
+            if isinstance(part, str):
+                typer.echo(part)
+            else:
+                Console().print(part)
+    for path in written:
+        typer.echo(f"Wrote {path}.", err=json)
+
+
+def print_json(document: Any) -> None:
+    """Print one JSON document."""
+    from json import dumps
+
+    typer.echo(dumps(document, indent=2, allow_nan=False, ensure_ascii=False))
