@@ -41,6 +41,9 @@ SET = "--set"
 
 LOAD_TYPE = "excitation.type"
 
+_DEEP_KEY = re.compile(r"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){50}")
+"""A dotted key of more than 50 parts."""
+
 SPRINGS = ("shaft.stiffness", "shaft.suspension_frequency")
 """Either of these replaces the other in the case that it changes."""
 
@@ -150,6 +153,8 @@ def case_fault(case: Case, key: str, expected: str) -> Fault:
 
 
 def _parsed(text: str, file: str) -> dict[str, Any]:
+    if _DEEP_KEY.search(text):  # the memory of tomllib grows with the square of the depth
+        raise CaseError([Fault(file=file, expected="valid TOML of less nesting")])
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

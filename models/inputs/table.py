@@ -1,12 +1,8 @@
-"""Base of the tables of a case: frozen, closed to unknown keys, checked for consistency."""
+"""Base class of the tables of a case: frozen, closed to unknown keys, checked for consistency."""
 
 from __future__ import annotations
 
-import ast
-import inspect
-import textwrap
 from collections.abc import Iterator
-from itertools import pairwise
 from operator import attrgetter
 from typing import NamedTuple, Self
 
@@ -18,48 +14,42 @@ INCONSISTENT = "inconsistent"
 
 
 class Inconsistency(NamedTuple):
-    """Values that are right one by one but not together; keys are dotted from the table on."""
+    """Values that are valid one by one but contradict each other; keys are relative to the table."""
 
-    key: str  #: the one to blame
+    key: str  #: the key to report
     expected: str  #: completes "expected ..."
-    others: tuple[str, ...] = ()  #: the keys it does not agree with
-    value: object = None  #: to be shown instead of the key's own
-    place: str = ""  #: part of the table that no key names, shown instead of a key
+    others: tuple[str, ...] = ()  #: the keys that it contradicts
+    value: object = None  #: shown instead of the key's value
+    place: str = ""  #: part of the table without a key, shown instead of a key
 
 
 class Table(BaseModel):
     """A table of the case file."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
 
     @classmethod
     def descriptions(cls) -> dict[str, str]:
-        """What each key means: its docstring in the source, on one line."""
-        found: dict[str, str] = {}
-        for table in reversed(cls.__mro__[: cls.__mro__.index(Table)]):
-            body = ast.parse(textwrap.dedent(inspect.getsource(table))).body[0]
-            for key, words in pairwise(ast.iter_child_nodes(body)):
-                match key, words:
-                    case (
-                        ast.AnnAssign(target=ast.Name(id=name)),
-                        ast.Expr(value=ast.Constant(value=str(text))),
-                    ):
-                        found[name] = " ".join(text.split())
-        return found
+        """Return the description of each key on one line: its docstring in the source."""
+        return {
+            name: " ".join(field.description.split())
+            for name, field in cls.model_fields.items()
+            if field.description
+        }
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Values of this table that do not fit together."""
+        """Yield the values of this table that contradict each other."""
         yield from ()
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         errors = [
             InitErrorDetails(
-                type=PydanticCustomError(INCONSISTENT, "expected {expected}", found._asdict()),
-                loc=tuple(found.key.split(".")) if found.key else (),
-                input=self if found.value or found.place else attrgetter(found.key)(self),
+                type=PydanticCustomError(INCONSISTENT, "expected {expected}", fault._asdict()),
+                loc=tuple(fault.key.split(".")) if fault.key else (),
+                input=self if fault.value or fault.place else attrgetter(fault.key)(self),
             )
-            for found in self.inconsistencies()
+            for fault in self.inconsistencies()
         ]
         if errors:
             raise ValidationError.from_exception_data(type(self).__name__, errors)

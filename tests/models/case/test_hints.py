@@ -1,4 +1,4 @@
-"""Hints at what a case was hardly meant to say: each where it is due, none on the examples."""
+"""Warnings about implausible input: each where it applies, none for the examples."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ RUNNER = CliRunner()
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
-def test_none_at_what_is_usual(path: Path) -> None:
+def test_the_examples_have_none(path: Path) -> None:
     assert case_hints(read_case(path)) == ()
 
 
@@ -33,50 +33,37 @@ def strut(**values: float) -> dict[str, float]:
 @pytest.mark.parametrize(
     ("key", "value", "hint"),
     [
-        ("material.young_modulus", 210e3, "unusual material.young_modulus = 210000.0: 1e+09 to"),
-        ("material.density", 7.8, "unusual material.density = 7.8: 500 to 25000 kg/m3"),
-        ("bladed_disk.tip_radius", 500, "unusual bladed_disk.tip_radius = 500.0: 0.01 to 10 m"),
-        ("bladed_disk.blade.thickness", 10, "unusual bladed_disk.blade.thickness = 10.0: at most"),
-        ("casing.wall.width", 100, "unusual casing.wall.width = 100.0: at most the tip radius"),
-        ("casing.clearance", 1, "unusual casing.clearance = 1.0: at most a tenth of the tip radiu"),
-        ("casing.clearance", 1e-29, "unusual casing.clearance = 1e-29: 0, or at least a million"),
-        ("coupling.stiffness", 1e20, "unusual coupling.stiffness = 1e+20: at most 1e+13 N/m"),
-        ("shaft.stiffness", 1e20, "unusual shaft.stiffness = 1e+20: at most 1e+13 N/m"),
-        ("casing.struts", [strut(width=1e6)], "unusual casing.struts[0].width = 1000000.0: at mo"),
-        ("casing.struts", [strut(length=1e6)], "unusual casing.struts[0].length = 1000000.0: at "),
-        ("casing.springs", [{"angle": 0, "radial": 1e20}], "unusual casing.springs[0].radial = 1"),
+        ("material.young_modulus", 210e3, "material.young_modulus = 210000.0: expected 1e+09 to"),
+        ("material.density", 7.8, "material.density = 7.8: expected 500 to 25000 kg/m3"),
+        ("bladed_disk.tip_radius", 500, "bladed_disk.tip_radius = 500.0: expected 0.01 to 10 m"),
+        ("bladed_disk.blade.thickness", 10, "bladed_disk.blade.thickness = 10.0: expected at most"),
+        ("casing.clearance", 1, "casing.clearance = 1.0: expected 5e-07 to 0.05 m, or 0"),
+        ("casing.clearance", 1e-29, "casing.clearance = 1e-29: expected 5e-07 to 0.05 m, or 0"),
+        ("coupling.stiffness", 1e20, "coupling.stiffness = 1e+20: expected at most 1e+13 N/m"),
+        ("casing.struts", [strut(width=1e6)], "casing.struts[0].width = 1000000.0: expected at mo"),
+        ("casing.struts", [strut(length=1e6)], "casing.struts[0].length = 1000000.0: expected at "),
+        ("casing.springs", [{"angle": 0, "radial": 1e20}], "casing.springs[0].radial = 1e+20"),
+        ("contact.friction", 1e29, "contact.friction = 1e+29: expected at most 2 for dry metals"),
+        ("damping.ratio", 5e9, "damping.ratio = 5000000000.0: expected at most 0.5 for modes"),
     ],
 )
-def test_another_unit_was_meant(key: str, value: float, hint: str) -> None:
+def test_implausible_values_are_named(key: str, value: object, hint: str) -> None:
     [line] = case_hints(with_values(Case(), {key: value}))
-    assert line.startswith(hint)
-    assert "text carries its unit" in line
+    assert line.startswith(f"unusual {hint}")
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "hint"),
-    [
-        ("contact.friction", 1e29, "unusual contact.friction = 1e+29: at most 2 (dry friction of"),
-        ("damping.ratio", 5e9, "unusual damping.ratio = 5000000000.0: at most 0.5 (a mode of"),
-    ],
-)
-def test_numbers_that_no_stage_has(key: str, value: float, hint: str) -> None:
-    [line] = case_hints(with_values(Case(), {key: value}))
-    assert line.startswith(hint)
-
-
-def test_a_material_by_name_is_looked_at_too() -> None:
+def test_named_materials_are_checked_too() -> None:
     named = [{"name": "ti", "young_modulus": 114.0, "density": 4430.0}]
     [line] = case_hints(with_values(Case(), {"material.named": named}))
     assert line.startswith("unusual material.named[0].young_modulus = 114.0")
 
 
 @pytest.mark.parametrize(("duration", "hints"), [(0.2, 0), (0.199, 1), (0.0, 0)])
-def test_a_ramp_that_outlasts_the_march(duration: float, hints: int) -> None:
+def test_a_ramp_longer_than_the_march(duration: float, hints: int) -> None:
     values = {"excitation": {"type": "imbalance"}, "march.duration": duration}
     lines = case_hints(with_values(Case(), values))
     assert len(lines) == hints
-    assert all("excitation.ramp = 0.2 s outlasts march.duration = 0.199 s" in x for x in lines)
+    assert all("excitation.ramp = 0.2 s exceeds march.duration = 0.199 s" in x for x in lines)
 
 
 def test_a_stage_far_too_soft() -> None:
@@ -88,7 +75,7 @@ def test_a_stage_far_too_soft() -> None:
 
 
 def fan(*, tips: int, ends: float = 0.5) -> Sketch:
-    """Five blades of which so many are tips; the others end at a radius."""
+    """Return a fan of five blades: the first ones are tips, the others end at another radius."""
     sketch = Sketch(1)
     sketch.node("hub", 0.0, 0.0)
     for blade in range(5):
@@ -102,7 +89,7 @@ def fan(*, tips: int, ends: float = 0.5) -> Sketch:
 
 
 @pytest.mark.parametrize(("tips", "ends", "free"), [(5, 0.5, 0), (3, 0.5, 2), (3, 0.4, 0)])
-def test_blade_ends_that_are_no_tips(tips: int, ends: float, free: int) -> None:
+def test_free_blade_ends_outside_the_set_of_tips(tips: int, ends: float, free: int) -> None:
     case = fan(tips=tips, ends=ends).case(reduction={"fixed_interface_modes": 5})
     lines = stage_hints(build_stage(case))
     assert len(lines) == (free > 0)
@@ -111,8 +98,8 @@ def test_blade_ends_that_are_no_tips(tips: int, ends: float, free: int) -> None:
         assert "(-0.4045, -0.2939) m" in lines[0]
 
 
-@pytest.mark.parametrize(("damper", "told"), [(0.0, True), (2e3, False)])
-def test_whirl_that_internal_damping_feeds(damper: float, told: bool) -> None:
+@pytest.mark.parametrize(("damper", "hints"), [(0.0, 1), (2e3, 0)])
+def test_whirl_fed_by_internal_damping(damper: float, hints: int) -> None:
     case = with_values(
         Case(),
         {
@@ -127,7 +114,7 @@ def test_whirl_that_internal_damping_feeds(damper: float, told: bool) -> None:
     stage = build_stage(case)
     assert stage.rotor.frequency.min() < 0.0
     lines = stage_hints(stage)
-    assert len(lines) == told
+    assert len(lines) == hints
     assert all(line.startswith("past a critical speed damping that turns") for line in lines)
 
 
@@ -140,16 +127,16 @@ def path(tmp_path: Path) -> Path:
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
-def test_commands_tell_and_go_on(path: Path, tmp_path: Path) -> None:
+def test_commands_print_hints_and_continue(path: Path, tmp_path: Path) -> None:
     change = ["--set", "casing.clearance=0.06", "--set", "march.duration=1e-4"]
     for command in (["show"], ["run", "-o", str(tmp_path / "run"), "--frames", "0"]):
         done = RUNNER.invoke(app, [command[0], str(path), *command[1:], *change])
         assert done.exit_code == 0
-        assert "Hint: unusual casing.clearance = 0.06: at most a tenth" in done.stderr
+        assert "Hint: unusual casing.clearance = 0.06: expected 5e-07 to 0.05 m" in done.stderr
 
 
 @pytest.mark.parametrize("value", ["material.young_modulus=210", "bladed_disk.tip_radius=5000"])
-def test_what_breaks_the_arithmetic_is_named(path: Path, value: str) -> None:
+def test_values_beyond_double_precision_are_named(path: Path, value: str) -> None:
     path.write_text("casing.support = 7.975e6")
     out = path.parent / "out"
     done = RUNNER.invoke(app, ["run", str(path), "-o", str(out), "--set", value])

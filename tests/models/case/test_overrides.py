@@ -61,8 +61,8 @@ def test_overrides_leave_the_rest_of_an_inline_table_and_the_last_wins() -> None
         ("title.x=1", "--set: title = { x = 1 }: expected text"),
         ("bladed_disk.blades.x=1", "--set: bladed_disk.blades.x = 1: expected a key of a table"),
         (
-            "initial.tip_velocity=[[1,2]]",
-            "--set: initial.tip_velocity = [[1, 2]]: expected 22 rows",
+            "initial.tip_velocity=[[1]]",
+            "--set: initial.tip_velocity[0] = [1]: expected two velocities in m/s",
         ),
     ],
 )
