@@ -3,7 +3,6 @@
 import os
 import time
 from collections.abc import Iterator
-from functools import wraps
 from pathlib import Path
 from typing import Any
 
@@ -77,18 +76,9 @@ def can_draw() -> None:
 
 @pytest.fixture
 def pictures_unsaved(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Lay out figures without rendering them: .png and .pdf files are empty."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.backends.backend_pdf import FigureCanvasPdf
+    """Make figures without laying them out and drawing them: .png and .pdf are empty files."""
+    from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    for canvas, name in ((FigureCanvasAgg, "print_png"), (FigureCanvasPdf, "print_pdf")):
-        render = getattr(canvas, name)
-
-        @wraps(render)  # savefig reads the parameters
-        def touch(own: object, target: Any, *more: Any, render: Any = render, **named: Any) -> None:
-            if isinstance(target, str | Path):
-                Path(target).touch()
-            else:  # a layout asks for a renderer
-                render(own, target, *more, **named)
-
-        monkeypatch.setattr(canvas, name, touch)
+    monkeypatch.setattr(Figure, "savefig", lambda _, target, **options: Path(target).touch())
+    monkeypatch.setattr(ConstrainedLayoutEngine, "execute", lambda *_: None)

@@ -69,7 +69,10 @@ class Labels:
 
     def __init__(self, axes: Axes) -> None:
         """Lay out the figure, which must be complete except for its labels."""
-        axes.figure.draw_without_rendering()  # type: ignore[union-attr]
+        figure = axes.get_figure(root=True)
+        layout = figure.get_layout_engine() if figure else None
+        if figure and layout:
+            layout.execute(figure)
         self._axes = axes
         self._taken: list[Bbox] = []
 

@@ -117,9 +117,14 @@ def save_figure(figure: Figure, path: str | Path, data: xr.Dataset | None = None
     path = Path(path)
     name = path.stem if path.suffix in (".png", ".pdf") else path.name
     png, pdf, beside = (path.with_name(f"{name}{suffix}") for suffix in (".png", ".pdf", ".nc"))
+    layout = figure.get_layout_engine()
+    if layout is not None and figure.axes:
+        layout.execute(figure)  # once, not twice a file
+        figure.set_layout_engine("none")
     for target in (png, pdf):
         with replacing(target) as draft:
             figure.savefig(draft, format=target.suffix[1:])
+    figure.set_layout_engine(layout)
     if data is None:
         return [png, pdf]
     with replacing(beside) as draft:
