@@ -1,4 +1,4 @@
-"""Convergence of a march in its time step and in its modes, and its schemes, drawn."""
+"""Figures of convergence in the time step and the modes, and of contact schemes."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ SCHEME_LINES: tuple[tuple[str, Any], ...] = (
     ("k = 1", (0, (5, 1.5))),
     ("k = 0", (0, (1.2, 1.2))),
 )
-"""Colour and dashes of each scheme, told apart without colour."""
+"""Colour and dashes of each scheme, distinct without colour."""
 
 
 @styled
 def plot_time_steps(data: xr.Dataset) -> Figure:
-    """Draw differences between a time step and the next finer, with the orders found.
+    """Draw differences between a time step and the next finer, with their orders.
 
     Args:
-        data: over `time_step`, as `convergence_study.time_step_convergence` makes it.
+        data: over `time_step`, from `time_step_convergence`.
     """
     figure = new_figure(height=0.078)
     axes = figure.add_subplot()
@@ -47,9 +47,9 @@ def plot_time_steps(data: xr.Dataset) -> Figure:
         ("step_impulse_error", "impulse_order", "contact impulse", COLOURS["contact"]),
     )
     for name, order, label, colour in lines:
-        found = float(data.attrs[order])
-        known = f"{label}, order {found:.2g}" if np.isfinite(found) else label
-        _draw(axes, step, data[name].values, data["regime"].values, known, colour)
+        value = float(data.attrs[order])
+        text = f"{label}, order {value:.2g}" if np.isfinite(value) else label
+        _draw(axes, step, data[name].values, data["regime"].values, text, colour)
     _reference_slopes(axes, step)
     axes.set_xscale("log")
     axes.set_xticks(step, [f"{1e6 * size:.3g}" for size in step])
@@ -64,7 +64,7 @@ def plot_modes(data: xr.Dataset) -> Figure:
     """Draw distances from the march with the most modes, and the error of the frequencies.
 
     Args:
-        data: over `modes`, as `convergence_study.mode_convergence` makes it.
+        data: over `modes`, from `mode_convergence`.
     """
     figure = new_figure(height=0.078)
     axes = figure.add_subplot()
@@ -82,18 +82,18 @@ def plot_modes(data: xr.Dataset) -> Figure:
     return figure
 
 
-def _draw(axes: Axes, place: Array, error: Array, regime: Array, label: str, colour: str) -> None:
-    """A line through errors above zero, with the marker of the regime at each."""
-    there = error > 0.0  # False for NaN
-    if not there.any():
+def _draw(axes: Axes, x: Array, error: Array, regime: Array, label: str, colour: str) -> None:
+    """Draw a line through errors above zero, with the marker of the regime at each."""
+    positive = error > 0.0  # False for NaN
+    if not positive.any():
         return
-    axes.plot(place[there], PERCENT * error[there], color=colour, label=label)
-    for x, y, name in zip(place[there], PERCENT * error[there], regime[there], strict=True):
-        axes.plot(x, y, REGIME_MARKERS[name], color=colour, markersize=4)
+    axes.plot(x[positive], PERCENT * error[positive], color=colour, label=label)
+    for place, value, name in zip(x[positive], error[positive], regime[positive], strict=True):
+        axes.plot(place, PERCENT * value, REGIME_MARKERS[name], color=colour, markersize=4)
 
 
 def _reference_slopes(axes: Axes, step: Array) -> None:
-    """Lines of the first and second order through the middle of what is drawn."""
+    """Draw slopes of first and second order through the geometric mean of the lines."""
     drawn = [line.get_ydata() for line in axes.lines]
     if not drawn:
         return
@@ -124,16 +124,11 @@ def plot_schemes(data: xr.Dataset) -> Figure:
     panels = figure.subplots(3, sharex=True)
     time = MILLI * data["time"].values
     for name, (colour, dashes) in zip(data["scheme"].values, SCHEME_LINES, strict=True):
-        own = data.sel(scheme=name)
-        label = f"{name}, {1e6 * float(own['step_cost']):.0f} µs a step"
+        scheme = data.sel(scheme=name)
         for axes, key, scale in zip(panels, SCHEME_PANELS, (MILLI, 1.0, 1.0), strict=True):
-            axes.plot(
-                time,
-                scale * own[key].values,
-                color=COLOURS[colour],
-                linestyle=dashes,
-                label=label if axes is panels[0] else None,
-            )
+            axes.plot(time, scale * scheme[key], color=COLOURS[colour], linestyle=dashes)
+        label = f"{name}, {1e6 * float(scheme['step_cost']):.0f} µs a step"
+        panels[0].lines[-1].set_label(label)
     for axes, label in zip(panels, SCHEME_PANELS.values(), strict=True):
         axes.set_ylabel(label)
     panels[-1].set_xlabel("time [ms]")

@@ -1,4 +1,4 @@
-"""The same case marched with every scheme: displacement, impulse, energy and cost side by side."""
+"""Comparison of the contact schemes on one case: displacement, impulse, energy and cost."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from bladewhirl.studies.runs.prepare import Prepared, prepare_stage
 SCHEMES: tuple[str, ...] = get_args(SchemeName)
 
 Progress = Callable[[int, int], None]
-"""Called with steps done and steps in all, those of all schemes."""
+"""Called with finished steps and all steps, of all schemes."""
 
 WORKS = ("external_work", "normal_work", "friction_work", "coupling_work")
 
@@ -48,13 +48,13 @@ def compare_schemes(
     """March a case with every scheme.
 
     Args:
-        case: to march; its own scheme plays no part.
-        directory: for a figure and its data; none when None.
-        overwrite: write into a folder that exists.
-        progress: called as it goes.
+        case: to march; its scheme is ignored.
+        directory: of a figure and its data; none if None.
+        overwrite: write into an existing folder.
+        progress: called with finished steps and all steps.
 
     Returns:
-        histories over (`scheme`, `time`), NaN where a march ended early, and numbers over `scheme`:
+        Histories over (`scheme`, `time`), NaN where a march ended early, and numbers over `scheme`:
         see `UNITS`. Attributes `title`, `speed`, `reference_frequency`.
 
     Raises:
@@ -68,8 +68,8 @@ def compare_schemes(
     check_figure_folder(folder, overwrite=overwrite)
     stages = [build_stage(with_values(case, {"march.scheme": name})) for name in SCHEMES]
     prepared = [prepare_stage(stage) for stage in stages]
-    found = [_marched(one, number, progress) for number, one in enumerate(prepared)]
-    data = _side_by_side(found, prepared[0])
+    marches = [_marched(one, number, progress) for number, one in enumerate(prepared)]
+    data = _side_by_side(marches, prepared[0])
     if folder is not None:
         with written_to(folder):
             save_figure(plot_schemes(data), folder / "schemes", data)
@@ -77,39 +77,35 @@ def compare_schemes(
 
 
 def schemes_document(data: xr.Dataset) -> dict[str, Any]:
-    """The numbers of each scheme, histories by their last value; null where there is none."""
+    """Return the numbers of each scheme, the last value of histories; null where there is none."""
     return {
         "title": data.attrs["title"],
         "speed": data.attrs["speed"],
         "schemes": [
             {"scheme": name, "end_time": float(data["end_time"].sel(scheme=name))}
-            | {key: _number(last_value(data[key].sel(scheme=name))) for key in UNITS}
+            | {key: _last_value(data[key].sel(scheme=name)) for key in UNITS}
             for name in data["scheme"].values.tolist()
         ],
     }
 
 
-def last_value(values: xr.DataArray) -> float:
-    """A number, or the last of a history: of tip displacements the largest."""
-    if values.ndim == 0:
-        return float(values)
-    return float(values.max() if values.name == "tip_displacement" else values.dropna("time")[-1])
-
-
-def _number(value: float) -> float | None:
-    return value if np.isfinite(value) else None
+def _last_value(values: xr.DataArray) -> float | None:
+    """Return a number, or the last of a history (the largest tip displacement); None for NaN."""
+    if values.ndim:
+        values = values.max() if values.name == "tip_displacement" else values.dropna("time")[-1]
+    return float(values) if np.isfinite(values) else None
 
 
 def _marched(prepared: Prepared, number: int, progress: Progress | None) -> xr.Dataset:
-    """One scheme's histories, with tips (time, tip) beside them."""
-    whole = prepared.timing.steps
+    """Return the histories of one scheme, with the displacements of tips (time, tip)."""
+    total = prepared.timing.steps
     chunks: list[Chunk] = []
     began, steps = time.perf_counter(), 0
     for state, chunk, _ in march(prepared.scheme, prepared.timing):
         chunks.append(chunk)
         steps = state.step
         if progress is not None:
-            progress(number * whole + min(steps, whole), len(SCHEMES) * whole)
+            progress(number * total + min(steps, total), len(SCHEMES) * total)
     cost = (time.perf_counter() - began) / max(steps, 1)
 
     def joined(name: str) -> np.ndarray[Any, Any]:
@@ -141,13 +137,14 @@ def _marched(prepared: Prepared, number: int, progress: Progress | None) -> xr.D
     )
 
 
-def _side_by_side(found: list[xr.Dataset], first: Prepared) -> xr.Dataset:
-    whole = xr.concat(found, xr.Variable("scheme", list(SCHEMES)), join="outer")
-    size = float(np.sqrt((whole["tips"].isel(scheme=0) ** 2).mean()))
-    off = np.sqrt(((whole["tips"] - whole["tips"].isel(scheme=0)) ** 2).mean(("time", "tip")))
-    data = whole.drop_vars("tips").assign(distance=off / (size or np.nan))
-    for name, (unit, told) in UNITS.items():
-        data[name].attrs.update({"units": unit, "long_name": told})
+def _side_by_side(marches: list[xr.Dataset], first: Prepared) -> xr.Dataset:
+    data = xr.concat(marches, xr.Variable("scheme", list(SCHEMES)), join="outer")
+    reference = data["tips"].isel(scheme=0)
+    size = float(np.sqrt((reference**2).mean()))
+    distance = np.sqrt(((data["tips"] - reference) ** 2).mean(("time", "tip")))
+    data = data.drop_vars("tips").assign(distance=distance / (size or np.nan))
+    for name, (unit, long_name) in UNITS.items():
+        data[name].attrs.update({"units": unit, "long_name": long_name})
     data["time"].attrs["units"] = "s"
     stage = first.stage
     return data.assign_attrs(

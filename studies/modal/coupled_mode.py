@@ -1,4 +1,4 @@
-"""The divergent mode at one speed and coupling stiffness, in time: its motion and measures."""
+"""Motion of the divergent mode at one speed and coupling stiffness, and its measures."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ from bladewhirl.solvers.stability.coupled_modes import (
     coupled_motion,
 )
 from bladewhirl.studies.modal.coupled_system import EvenSystem
+from bladewhirl.studies.modal.modes import quantity
 
 RECORDS_PER_TURN = 48
-"""Twice what a smooth animation needs."""
+"""Twice the number of a smooth animation."""
 
 GROWTHS = 2.5
-"""The motion shown grows by exp of this, ..."""
+"""Logarithm of the growth over the shown motion, ..."""
 
 FEWEST_TURNS, MOST_TURNS = 3, 40
 """... within these numbers of turns of the rotor."""
@@ -36,12 +37,12 @@ MEASURES = (
 
 
 def fastest_mode(system: EvenSystem, omega: float, kappa: float) -> CoupledMode:
-    """The fastest growing of the coupled modes at a point."""
+    """Return the fastest growing coupled mode at a point."""
     return coupled_modes(system.modes, speed=omega, kappa=kappa, with_pi=system.with_pi)[0]
 
 
 def divergent_motion(system: EvenSystem, omega: float, kappa: float) -> CoupledMotion:
-    """The fastest growing coupled mode in time, as it closes the clearance."""
+    """Compute the motion of the fastest growing coupled mode, until it closes the clearance."""
     mode = fastest_mode(system, omega, kappa)
     return coupled_motion(
         mode,
@@ -52,7 +53,7 @@ def divergent_motion(system: EvenSystem, omega: float, kappa: float) -> CoupledM
 
 
 def whirl_records(mode: CoupledMode) -> FloatArray:
-    """Instants at which a growing mode is shown [s], equally spaced."""
+    """Return instants of the motion of a growing mode [s], equally spaced."""
     turn = 2.0 * np.pi / abs(mode.speed)
     turns = float(np.clip(GROWTHS / mode.eigenvalue.real / turn, FEWEST_TURNS, MOST_TURNS))
     records = np.arange(round(turns * RECORDS_PER_TURN) + 1)
@@ -60,44 +61,44 @@ def whirl_records(mode: CoupledMode) -> FloatArray:
 
 
 def motion_measures(motion: CoupledMotion) -> dict[str, tuple[float, dict[str, str]]]:
-    """Numbers measured of a coupled mode in time, with units; speeds are forward positive."""
+    """Return measures of the motion of a coupled mode, with units; speeds are forward positive."""
     speed = {"units": "rad/s"}
-    found: dict[str, tuple[float, dict[str, str]]] = {
+    measures: dict[str, tuple[float, dict[str, str]]] = {
         "nodal_diameter": (motion.nodal_diameter, {"units": "1"}),
         "rotor_wave_speed": (motion.rotor_wave_speed, speed | {"frame": "rotating"}),
         "casing_wave_speed": (motion.casing_wave_speed, speed | {"frame": "static"}),
     }
     if motion.nodal_diameter == 1:
         lead = float(np.degrees(motion.shaft_lead[-1]))
-        found |= {
+        measures |= {
             "whirl_speed_rotating": (motion.whirl_speed, speed),
             "whirl_speed_static": (motion.whirl_speed_static, speed),
             "shaft_lead_degrees": (lead, {"units": "degrees"}),
         }
-    return found
+    return measures
 
 
 def motion_dataset(motion: CoupledMotion, *, reference: float) -> xr.Dataset:
-    """Phases and amplitudes of a coupled mode in time, as measured from its fields.
+    """Return phases and amplitudes of the motion of a coupled mode.
 
     Args:
         motion: of the coupled mode.
-        reference: frequency that speeds are multiples of [rad/s].
+        reference: frequency by which speeds are normalised [rad/s].
     """
-    metre, radian = {"units": "m"}, {"units": "rad"}
-    moves = motion.nodal_diameter == 1  # the only waves with a shaft phase
-    nothing = np.full(len(motion.time), np.nan)
+    moves = motion.nodal_diameter == 1  # only such waves move the shaft
+    missing = np.full(len(motion.time), np.nan)
     static = motion.shaft_static
-    phase = np.unwrap(np.arctan2(static[:, 1], static[:, 0])) if moves else nothing
+    phase = np.unwrap(np.arctan2(static[:, 1], static[:, 0])) if moves else missing
+    place = motion.smallest_clearance_angle
     return xr.Dataset(
         data_vars={
-            "shaft_phase": ("time", phase, radian),
-            "smallest_clearance_phase": ("time", motion.smallest_clearance_angle, radian),
-            "shaft_lead": ("time", motion.shaft_lead if moves else nothing, radian),
-            "rotor_amplitude": ("time", np.abs(motion.rotor_wave), metre),
-            "casing_amplitude": ("time", np.abs(motion.casing_wave), metre),
+            "shaft_phase": quantity("time", phase, "rad"),
+            "smallest_clearance_phase": quantity("time", place, "rad"),
+            "shaft_lead": quantity("time", motion.shaft_lead if moves else missing, "rad"),
+            "rotor_amplitude": quantity("time", np.abs(motion.rotor_wave), "m"),
+            "casing_amplitude": quantity("time", np.abs(motion.casing_wave), "m"),
         },
-        coords={"time": ("time", motion.time, {"units": "s"})},
+        coords={"time": quantity("time", motion.time, "s")},
         attrs={
             "title": "coupled mode in time, static frame",
             "nodal_diameter": motion.nodal_diameter,

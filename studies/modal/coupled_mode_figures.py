@@ -1,4 +1,4 @@
-"""The divergent mode at one speed and coupling stiffness, in time: figures and films."""
+"""Figures and films of the divergent mode at one speed and coupling stiffness."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ANIMATION = "animation.gif"
 MOTION_NAME = "mode.nc"
 
 SHAPES = 4
-"""Deformed shapes side by side, over one turn of the whirl."""
+"""Number of deformed shapes, over one turn of the whirl."""
 
 
 def draw_coupled_mode(
@@ -37,18 +37,18 @@ def draw_coupled_mode(
     films: bool,
     overwrite: bool = False,
 ) -> None:
-    """Draw the fastest growing coupled mode in time, with its data, into a folder.
+    """Draw the motion of the fastest growing coupled mode into a folder, with its data.
 
     Args:
         system: the coupled modes.
         omega: speed [rad/s].
-        kappa: spring stiffness [N/m]; a mode grows there.
-        folder: where to; made where it is not there.
-        films: write a VTK series and a GIF too.
-        overwrite: replace files that are there, whosever they are.
+        kappa: spring stiffness [N/m], at which a mode grows.
+        folder: of the figures; created if missing.
+        films: also write a VTK series and a GIF.
+        overwrite: replace existing files, whoever wrote them.
 
     Raises:
-        UserError: a file cannot be written, or is there and not the program's.
+        UserError: a file cannot be written, or exists and was not written by bladewhirl.
     """
     part = system.of_diameter(fastest_mode(system, omega, kappa).nodal_diameter)
     stage = part.stage
@@ -83,7 +83,7 @@ def draw_coupled_mode(
 
 
 def _one_whirl(motion: CoupledMotion) -> IntArray:
-    """Records spread over the last turn of the wave on the rotor, as seen in the static frame."""
+    """Return records over the last turn of the wave on the rotor in the static frame."""
     rate = abs(motion.rotor_wave_speed + motion.speed)
     span = min(2.0 * np.pi / rate if rate else np.inf, motion.time[-1])
     instants = motion.time[-1] - span * np.arange(SHAPES)[::-1] / SHAPES

@@ -1,8 +1,8 @@
-"""Coupled modes of a stage, as a study of stability asks for them, by what its symmetry allows.
+"""Coupled modes of a stage for a stability study.
 
-Where each mode has one nodal diameter, nodal diameters decouple and the frame at half speed holds
-each still: `EvenSystem`. Elsewhere waves mix: `WaveSystem`, autonomous in rotating axes or, where
-nothing holds the stage still, periodic. `couple` is the one place that decides.
+If each mode has one nodal diameter, nodal diameters decouple, and the equations have constant
+coefficients in the frame at half speed: `EvenSystem`. Otherwise waves mix: `WaveSystem`, with
+constant coefficients in rotating axes or, if no frame has them, periodic. `couple` decides.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ from bladewhirl.solvers.stability.floquet import wave_exponents
 from bladewhirl.solvers.stability.growth import Progress, eigenvalues, growth_rate, is_unstable
 
 FASTEST = 1000.0
-"""Speed that is looked at, at most, in multiples of the highest coupled frequency."""
+"""Upper speed limit, relative to the highest coupled frequency."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class System(ABC):
-    """Coupled modes of a stage, and what else a study of their stability needs."""
+    """Coupled modes of a stage, with the options of a stability study."""
 
     with_pi: bool  #: whether the factor pi of Eq. (8) is kept
     damped: bool
@@ -45,11 +45,11 @@ class System(ABC):
     @property
     @abstractmethod
     def modes(self) -> CouplingModes | CoupledWaves:
-        """The modes chosen, as the springs see them."""
+        """Chosen modes at the springs."""
 
     @abstractmethod
     def spectrum(self, omega: float, kappa: float) -> ComplexArray:
-        """Eigenvalues or Floquet exponents, the fastest growing first [1/s].
+        """Compute eigenvalues or Floquet exponents, the fastest growing first [1/s].
 
         Args:
             omega: speed [rad/s].
@@ -60,31 +60,28 @@ class System(ABC):
     def growth(
         self, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
     ) -> FloatArray:
-        """Growth rate [1/s] on a grid of speeds [rad/s] and stiffnesses [N/m], (kappas, omegas)."""
+        """Compute growth rates [1/s] over speeds [rad/s] and stiffnesses [N/m], (kappa, omega)."""
 
     def check_reach(self, omega: float, kappa: float) -> None:
-        """Refuse a speed [rad/s] or springs [N/m] beside which growth is lost in rounding.
+        """Refuse a speed [rad/s] or stiffness [N/m] so large that growth is lost in rounding.
 
         Raises:
             UserError: one of them is.
         """
         highest = FASTEST * float(self.modes.frequency.max())
-        reason = (
-            f"{FASTEST:g} times the highest coupled frequency; beyond it growth is lost in rounding"
-        )
+        reason = "beyond it growth is lost in rounding"
         if not abs(omega) <= highest:
             raise UserError(
                 f"stability: speed {omega / self.reference:.6g} ω₁: expected at most"
-                f" {highest / self.reference:.4g}, {reason}"
+                f" {highest / self.reference:.4g}; {reason}"
             )
         if not kappa <= highest**2:  # of modes whose mass at the springs is 1 kg
             raise UserError(
-                f"stability: stiffness {kappa:.6g} N/m: expected at most {highest**2:.4g} N/m, the"
-                f" square of {reason}"
+                f"stability: stiffness {kappa:.6g} N/m: expected at most {highest**2:.4g}; {reason}"
             )
 
     def options(self) -> dict[str, object]:
-        """Choices made, for reports."""
+        """Return the options for reports."""
         return {
             "modes": list(self.modes.name),
             "damped": self.damped,
@@ -94,54 +91,53 @@ class System(ABC):
         }
 
     def attributes(self) -> dict[str, object]:
-        """The same as attributes of a Dataset: NetCDF has no booleans."""
-        options = self.options()
-        made = {n: int(v) if isinstance(v, bool) else v for n, v in options.items()}
-        return made | {"case": self.case}
+        """Return options and case as attributes of a Dataset; NetCDF has no booleans."""
+        options = self.options() | {"case": self.case}
+        return {name: int(v) if isinstance(v, bool) else v for name, v in options.items()}
 
 
 @dataclass(frozen=True, kw_only=True)
 class EvenSystem(System):
     """Coupled modes that have one nodal diameter each."""
 
-    stage: StageModes  #: the modes chosen, with the amplitudes chosen
-    whole: StageModes  #: all modes that couple, with physical amplitudes
+    stage: StageModes  #: chosen modes with the chosen amplitudes
+    all_modes: StageModes  #: all modes that couple, with physical amplitudes
     rotation: RotationMatrices | None = None  #: of the bladed disk; None without its effects
 
     @property
     def modes(self) -> CouplingModes:
-        """The modes chosen."""
+        """Chosen modes."""
         return self.stage.modes
 
     @property
     def six(self) -> CouplingModes:
-        """The paper's six modes, with the amplitudes chosen."""
-        six = self.whole.six_modes()
+        """The six modes of the paper with the chosen amplitudes."""
+        six = self.all_modes.six_modes()
         return (six if self.physical else six.with_unit_amplitudes()).modes
 
     @property
     def is_six(self) -> bool:
-        """Whether the modes chosen are the paper's six."""
+        """True if the chosen modes are the six of the paper."""
         return set(self.modes.name) == {"casing k=1", "1F k=1", "suspension"}
 
     def options(self) -> dict[str, object]:
-        """Choices made, and the rotation effects of the case if it has any."""
+        """Return the options for reports, with the rotation effects of the case if it has any."""
         effects = self.stage.modal.case.rotation.effects
         return super().options() | ({} if effects == "none" else {"rotation_effects": effects})
 
     def rotor_alone(self, omega: float) -> dict[str, Any]:
-        """How the bladed disk alone stands at a speed [rad/s]; empty without rotation effects.
+        """Compute the stability of the bladed disk alone at a speed [rad/s].
 
         Returns:
-            critical_speed (normalised) from which on K_Omega is indefinite, rotor_growth_rate
-            [1/s] and its nodal diameter and, where that is positive, holding_damping [N s/m] of
-            each of two bearings that stand still (None where bearings cannot hold it); waves_met,
-            whether it grows without damping too.
+            Empty without rotation effects; otherwise critical_speed (normalised), from which on
+            K_Omega is indefinite, rotor_growth_rate [1/s] and its nodal diameter and, if it is
+            positive, holding_damping [N s/m] of each of two static bearings that stabilise it
+            (None if bearings cannot); waves_met, whether it grows without damping, too.
         """
         if self.rotation is None:
             return {}
         case = self.stage.modal.case
-        found, undamped = (
+        damped, undamped = (
             internal_growth(
                 self.stage.modal.disk,
                 self.rotation,
@@ -154,25 +150,25 @@ class EvenSystem(System):
         critical = lowest_critical_speed(self.rotation) / self.reference
         return {
             "critical_speed": critical if np.isfinite(critical) else None,
-            "rotor_growth_rate": found.rate,
-            "rotor_nodal_diameter": found.nodal_diameter,
-            "holding_damping": found.holding,
+            "rotor_growth_rate": damped.rate,
+            "rotor_nodal_diameter": damped.nodal_diameter,
+            "holding_damping": damped.holding,
             "waves_met": bool(is_unstable(undamped.rate, omega)),
         }
 
     def of_diameter(self, k: int) -> EvenSystem:
-        """The modes of one nodal diameter."""
+        """Return the system of the modes of one nodal diameter."""
         return replace(self, stage=self.stage.take(np.flatnonzero(self.modes.nodal_diameter == k)))
 
     def spectrum(self, omega: float, kappa: float) -> ComplexArray:
-        """Eigenvalues in the frame at half speed, see `System`."""
-        found = eigenvalues(self.modes, speed=omega, kappa=kappa, with_pi=self.with_pi)
-        return np.sort_complex(found)[::-1]
+        """Compute eigenvalues in the frame at half speed, see `System`."""
+        values = eigenvalues(self.modes, speed=omega, kappa=kappa, with_pi=self.with_pi)
+        return np.sort_complex(values)[::-1]
 
     def growth(
         self, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
     ) -> FloatArray:
-        """Growth rate on a grid, see `System`; zero, not small, where undamped modes don't grow."""
+        """Compute growth rates, see `System`; exactly zero where undamped modes don't grow."""
         return growth_rate(
             self.modes,
             speed=omegas,
@@ -190,17 +186,17 @@ class WaveSystem(System):
 
     @property
     def modes(self) -> CoupledWaves:
-        """The modes chosen."""
+        """Chosen modes."""
         return self.waves
 
     def spectrum(self, omega: float, kappa: float) -> ComplexArray:
-        """Eigenvalues in rotating axes, or Floquet exponents of a turn, see `System`."""
+        """Compute eigenvalues in rotating axes, or Floquet exponents of a turn, see `System`."""
         return wave_exponents(self.waves, speed=omega, kappa=kappa, with_pi=self.with_pi)
 
     def growth(
         self, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
     ) -> FloatArray:
-        """Growth rate on a grid, see `System`."""
+        """Compute growth rates, see `System`."""
 
         def row(kappa: float) -> list[float]:
             return [float(self.spectrum(omega, kappa).real.max()) for omega in omegas.tolist()]
@@ -228,10 +224,10 @@ def couple(
     Args:
         modal: finite element models with all their modes.
         modes: "six", "all" or names as in `reduction.modes`.
-        damped: with the damping of the case, or none.
+        damped: with the damping of the case.
         with_pi: keep the factor pi of Eq. (8).
-        physical: with the modes' own amplitudes instead of one for each.
-        chart: for more than one point, which takes a frame that holds the stage still.
+        physical: with the amplitudes of the modes instead of one for all.
+        chart: for more than one point, which needs a frame with constant coefficients.
 
     Raises:
         UserError: modes that the stage does not have or springs don't couple, one amplitude for
@@ -244,23 +240,22 @@ def couple(
     if chart and obstacles:
         options = "--speed and --kappa" if one_each else "--speed, --kappa and --physical"
         raise UserError(
-            "stability: expected a stage that some frame holds still, for a chart; here"
+            "stability: expected constant coefficients in some frame, for a chart; here"
             f" {', '.join(obstacles)}: {options} give one point"
         )
     effects = modal.case.rotation.effects
     if effects != "none" and (obstacles or not one_each):
         raise UserError(
-            "stability: expected a stage of equal blades, on equal shaft springs, in a casing the"
-            f' same all round, for rotation.effects = "{effects}"; here'
+            "stability: expected equal blades, equal shaft springs and an axisymmetric casing"
+            f' for rotation.effects = "{effects}"; here'
             f" {', '.join(obstacles or ('blades differ',))}"
         )
     if one_each and not obstacles:
         return couple_even(modal, modes=modes, damped=damped, with_pi=with_pi, physical=physical)
     if not (physical or one_each):
         raise UserError(
-            "stability: expected --physical (in Python physical=True) where blades differ, or the"
-            " casing from place to place: one amplitude for every mode has a meaning only if each"
-            " mode has one nodal diameter"
+            "stability: expected --physical (in Python physical=True) where blades differ or"
+            " the casing is uneven: one amplitude for all needs one nodal diameter for each mode"
         )
     try:
         waves = coupled_waves(modal, modes=modes, damped=damped, physical=physical)
@@ -281,24 +276,24 @@ def couple_even(
 ) -> EvenSystem:
     """Couple modes of a stage with cyclic symmetry; see `couple`.
 
-    With rotation effects these are its modes at rest, on which the matrices at speed are projected.
+    With rotation effects the matrices at speed are projected on the modes at rest.
     """
     case, rotation = modal.case, None
     if case.rotation.effects == "centrifugal":  # its modes are those at the case's speed
         effects = case.rotation.model_copy(update={"effects": "none"})
-        still = modal_stage(case.model_copy(update={"rotation": effects}))
-        modal = replace(still, case=case)
+        at_rest = modal_stage(case.model_copy(update={"rotation": effects}))
+        modal = replace(at_rest, case=case)
     try:
-        whole = stage_modes(modal, damping_ratio=modal.case.damping.ratio if damped else 0.0)
+        all_modes = stage_modes(modal, damping_ratio=modal.case.damping.ratio if damped else 0.0)
     except ValueError as error:
         raise UserError(f"stability: {error}") from None
     if case.rotation.effects != "none":
         rotation = rotation_matrices(modal.disk)
-        whole = at_speed(whole, rotation, case.rotation.effects)
-    stage = _chosen(whole, modes)
+        all_modes = at_speed(all_modes, rotation, case.rotation.effects)
+    stage = _chosen(all_modes, modes)
     return EvenSystem(
         stage=stage if physical else stage.with_unit_amplitudes(),
-        whole=whole,
+        all_modes=all_modes,
         rotation=rotation,
         with_pi=with_pi,
         damped=damped,
@@ -308,21 +303,21 @@ def couple_even(
     )
 
 
-def _chosen(whole: StageModes, text: str) -> StageModes:
+def _chosen(all_modes: StageModes, text: str) -> StageModes:
     if text == ALL:
-        return whole
+        return all_modes
     if text == SIX:
         try:
-            return whole.six_modes()
+            return all_modes.six_modes()
         except ValueError as error:
             raise UserError(f"--modes six: {error}") from None
-    disk, casing = whole.modal.disk_modes, whole.modal.casing_modes
+    disk, casing = all_modes.modal.disk_modes, all_modes.modal.casing_modes
     try:
-        numbers = chosen_modes(text, disk.named, casing.named, whole.radial)
+        numbers = chosen_modes(text, disk.named, casing.named, all_modes.radial)
     except ValueError as error:
         raise UserError(f"--modes {error}") from None
-    found = whole.among(*numbers)
-    if not found.size:
-        known = ", ".join(["six", "all", *dict.fromkeys(whole.family)])
-        raise UserError(f"--modes {text}: expected modes that springs couple, of {known}")
-    return whole.take(found)
+    coupled = all_modes.among(*numbers)
+    if not coupled.size:
+        names = ", ".join(["six", "all", *dict.fromkeys(all_modes.family)])
+        raise UserError(f"--modes {text}: expected modes that springs couple, of {names}")
+    return all_modes.take(coupled)

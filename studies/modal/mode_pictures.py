@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from rich.console import Console
-from rich.progress import Progress
+from rich.progress import track
 
 from bladewhirl.meshes.files.manifest import claim
 from bladewhirl.models.inputs.errors import UserError, writing
@@ -32,15 +32,15 @@ from bladewhirl.studies.runs.figures_folder import save_figures
 
 BODIES: tuple[Body, ...] = get_args(Body)
 FED: dict[Body, Wave] = {"bladed-disk": "backward", "casing": "forward"}
-"""Waves that contact feeds."""
+"""Waves that contact amplifies."""
 
 PANELS = 6
-"""Modes of a body that are pictured when nobody says which."""
+"""Default number of pictured modes of a body."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plan:
-    """Modes to picture and to film; everything in it can be drawn."""
+class PicturePlan:
+    """Valid modes to picture and to film."""
 
     shapes: list[ChosenMode]
     films: list[tuple[ChosenMode, Wave]]
@@ -48,54 +48,50 @@ class Plan:
 
 def plan_pictures(
     stage: ModalStage, *, shapes: str | None, animate: str | None, wave: str | None
-) -> Plan:
-    """Choose what is drawn.
+) -> PicturePlan:
+    """Choose the modes to draw.
 
     Args:
         stage: finite element models with their modes.
-        shapes: names of the modes to picture, the lowest when None.
-        animate: names of the modes to film, none when empty, the leading ones when None.
-        wave: that films show; the one contact feeds when None.
+        shapes: names of the modes to picture; the lowest if None.
+        animate: names of the modes to film, none if empty; 1F:1 and the suspension if None.
+        wave: shown by films; the one that contact amplifies if None.
 
     Raises:
-        UserError: a mode or wave that there is not.
+        UserError: a mode or wave that does not exist.
     """
     if wave is not None and wave not in get_args(Wave):
         raise UserError(f"--wave {wave}: expected one of {', '.join(get_args(Wave))}")
     if animate is None:
-        filmed = [
-            mode
-            for family in ("1F", "suspension")
-            for mode in family_of(stage, "bladed-disk", family, [1])
-        ]
+        filmed = family_of(stage, "bladed-disk", "1F", [1])
+        filmed += family_of(stage, "bladed-disk", "suspension", [1])
     else:
         filmed = choose_modes(stage, "--animate", animate) if animate else []
-    return Plan(
+    return PicturePlan(
         shapes=_lowest(stage) if shapes is None else choose_modes(stage, "--shapes", shapes),
         films=[(mode, _wave(stage, mode, wave)) for mode in filmed],
     )
 
 
-def draw_modes(stage: ModalStage, plan: Plan, folder: Path, *, overwrite: bool = False) -> None:
+def draw_modes(
+    stage: ModalStage, plan: PicturePlan, folder: Path, *, overwrite: bool = False
+) -> None:
     """Draw mode shapes, contact scenarios and films into a folder, with a progress bar.
 
     Raises:
-        UserError: a file cannot be written, or is there and not the program's.
+        UserError: a file cannot be written, or exists and was not written by bladewhirl.
     """
+    figures = dict(_shapes(stage, plan.shapes)) | dict(_scenarios(stage))
+    save_figures(folder, figures, overwrite=overwrite)
     console = Console(stderr=True)
-    quiet = not console.is_terminal
-    with Progress(console=console, transient=True, disable=quiet) as bar:
-        task = bar.add_task("pictures", total=1 + len(plan.films))
-        figures = dict(_shapes(stage, plan.shapes)) | dict(_scenarios(stage))
-        save_figures(folder, figures, overwrite=overwrite)
-        bar.advance(task)
-        for mode, wave in plan.films:
-            _film(stage, mode, wave, folder, overwrite=overwrite)
-            bar.advance(task)
+    for mode, wave in track(
+        plan.films, "films", console=console, transient=True, disable=not console.is_terminal
+    ):
+        _film(stage, mode, wave, folder, overwrite=overwrite)
 
 
 def _lowest(stage: ModalStage) -> list[ChosenMode]:
-    """Modes that are pictured by default: of 1F, the suspension pair, the casing's lowest."""
+    """Return the default modes to picture: of 1F, the suspension pair, the casing's lowest."""
     highest = int(modes_of(stage, "bladed-disk").nodal_diameter.max())
     disk = family_of(stage, "bladed-disk", "suspension", [1])
     first = [*range(min(PANELS - 1 - len(disk), highest)), highest]
@@ -110,29 +106,27 @@ def _lowest(stage: ModalStage) -> list[ChosenMode]:
     return disk + wall
 
 
-def _wave(stage: ModalStage, mode: ChosenMode, wanted: str | None) -> Wave:
-    """The wave that a film of a mode shows.
+def _wave(stage: ModalStage, mode: ChosenMode, wave: str | None) -> Wave:
+    """Return the wave that a film of a mode shows.
 
     Raises:
-        UserError: one that the mode does not have.
+        UserError: the mode does not have the wave.
     """
-    ways = {*get_args(Wave)} if len(mode.numbers) == 2 else {"standing"}
+    waves = {*get_args(Wave)} if len(mode.numbers) == 2 else {"standing"}
     if mode.body == "bladed-disk" and stage.disk_whirl is not None:
-        ways = {stage.disk_whirl.modes.direction[number] for number in mode.numbers}
-    fed = FED[mode.body]
-    if wanted is None:
-        return fed if fed in ways else cast(Wave, min(ways))
-    if wanted not in ways:
-        words = "is a wave that travels"
-        if ways == {"standing"}:
-            words = "stands: it is no pair" + (", since blades differ" if mode.which else "")
-        expected = " or ".join(sorted(ways))
-        raise UserError(f"--wave {wanted}: expected {expected}; {mode.name} {words}")
-    return cast(Wave, wanted)
+        waves = {stage.disk_whirl.modes.direction[number] for number in mode.numbers}
+    amplified = FED[mode.body]
+    if wave is None:
+        return amplified if amplified in waves else cast(Wave, min(waves))
+    if wave not in waves:
+        raise UserError(
+            f"--wave {wave}: expected {' or '.join(sorted(waves))}, the only waves of {mode.name}"
+        )
+    return cast(Wave, wave)
 
 
 Drawn = Iterator[tuple[str, tuple[Figure, xr.Dataset]]]
-"""Names of figures, with the data behind them."""
+"""Names of figures, with figures and data."""
 
 
 def _shapes(stage: ModalStage, modes: list[ChosenMode]) -> Drawn:
@@ -151,9 +145,7 @@ def _shapes(stage: ModalStage, modes: list[ChosenMode]) -> Drawn:
 
 
 def _scenarios(stage: ModalStage) -> Drawn:
-    """Both contact scenarios; there are none without a 1F pair that moves the shaft and meets the
-    casing's.
-    """
+    """Yield both contact scenarios, if a 1F pair moves the shaft and meets a mode of the casing."""
     if stage.case.shaft.clamped:
         return
     for name, share in CASING_SHARES.items():
@@ -169,15 +161,17 @@ def _scenarios(stage: ModalStage) -> Drawn:
 def _film(
     stage: ModalStage, mode: ChosenMode, wave: Wave, folder: Path, *, overwrite: bool
 ) -> None:
-    found = modes_of(stage, mode.body)
-    purity = (found.modes if isinstance(found, Whirl) else found).purity[mode.numbers[0]]
-    words = f"{mode_title(mode.family, mode.nodal_diameter, purity)}, {wave} wave"
-    title = words if mode.body == "bladed-disk" else f"casing {words}"
-    numbers, stem = mode.numbers, mode.stem
-    if mode.body == "bladed-disk" and stage.disk_whirl is not None:
-        ways = stage.disk_whirl.modes.direction
-        numbers = np.array([number for number in numbers if ways[number] == wave][:1])
+    """Write the film and the VTK series of a mode, and the picture of a travelling wave."""
+    modes, numbers = modes_of(stage, mode.body), mode.numbers
+    purity = (modes.modes if isinstance(modes, Whirl) else modes).purity[numbers[0]]
+    title = f"{mode_title(mode.family, mode.nodal_diameter, purity)}, {wave} wave"
+    if mode.body == "casing":
+        title = f"casing {title}"
+    elif stage.disk_whirl is not None:
+        direction = stage.disk_whirl.modes.direction
+        numbers = np.array([number for number in numbers if direction[number] == wave][:1])
     motion = mode_motion(stage, mode.body, numbers, wave=wave, title=title)
+    stem = mode.stem
     film = folder / f"{stem}.gif"
     if wave != "standing":
         figure = plot_travelling_wave(motion, mode.body)

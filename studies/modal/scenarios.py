@@ -1,4 +1,4 @@
-"""Contact scenarios of a stage's own k = 1 modes, by how much the casing moves (Figs 9 and 10)."""
+"""Contact scenarios of the k = 1 modes of a stage, for two motions of the casing (Figs 9, 10)."""
 
 from __future__ import annotations
 
@@ -21,23 +21,24 @@ from bladewhirl.solvers.stability.scenario import (
     motion_scenario,
     smallest_clearance_angle,
 )
+from bladewhirl.studies.modal.modes import quantity
 
 TIMES, ANGLES = 97, 1440
-"""Instants of one turn, and angles at which the gap is looked at."""
+"""Number of instants of one turn, and of angles around the casing."""
 
 SHAFT = 1
 """Nodal diameter of the modes that move the shaft."""
 
 HIGHEST = 2.0
-"""Speeds that are looked at go up to that many times the sum of the frequencies."""
+"""Upper limit of the speed, relative to the sum of both frequencies."""
 
 CASING_SHARES = {"standard": 0.5, "inverted": 2.0}
-"""Radial motion of the casing over that of the tips, in the pictures of the two scenarios."""
+"""Radial motion of the casing over that of the tips, for the pictures of both scenarios."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class WhirlingModes:
-    """A k = 1 mode of the rotor and one of the casing that move in step, contact just closing."""
+    """A k = 1 mode of the rotor and one of the casing in coincidence, at the onset of contact."""
 
     name: str  #: of the rotor's mode
     shaft: float  #: displacement of the centre [m]
@@ -49,23 +50,23 @@ class WhirlingModes:
 
     @property
     def scenario(self) -> Scenario:
-        """Place of contact with respect to the shaft."""
+        """Place of contact relative to the shaft's displacement."""
         return mode_scenario(shaft=self.shaft, rotor=self.rotor, casing=self.casing)
 
 
 def whirling_modes(stage: ModalStage, *, casing_share: float, family: str = "1F") -> WhirlingModes:
-    """Put a k = 1 mode of the bladed disk and the lowest of the casing in step, contact closing.
+    """Combine a k = 1 mode of the bladed disk and the lowest of the casing at the onset of contact.
 
-    With Coriolis forces that is the backward wave at the speed at which the two coincide.
+    With Coriolis forces the mode is the backward wave at the speed of coincidence.
 
     Args:
         stage: finite element models with their modes.
-        casing_share: radial motion of the casing over that of the tips; not 1, where the two move
-            alike.
+        casing_share: radial motion of the casing over that of the tips; not 1, where they move
+            alike and never touch.
         family: of the bladed disk's mode.
 
     Raises:
-        UserError: the stage has no such mode, or with Coriolis forces no speed at which they meet.
+        UserError: the stage has no such mode, or with Coriolis forces no coincidence speed.
     """
     disk_modes, casing_modes = stage.disk_modes, stage.casing_modes
     on_disk = disk_modes.find(family, SHAFT)
@@ -98,63 +99,60 @@ def whirling_modes(stage: ModalStage, *, casing_share: float, family: str = "1F"
 def _backward_wave(
     stage: ModalStage, turning: TurningDisk, family: str, wall: float
 ) -> tuple[float, FloatArray]:
-    """Frequency [rad/s] and field (size, 1) of a family's k = 1 wave where it meets the casing's.
+    """Return frequency [rad/s] and field (size, 1) of a family's k = 1 wave at coincidence.
 
-    The field is the wave when its crest is at angle 0.
+    The field is the wave with its crest at angle 0.
 
     Raises:
-        UserError: it does not meet it.
+        UserError: there is no coincidence speed.
     """
-    own = waves(turning.matrices, SHAFT, "full")
+    disk_waves = waves(turning.matrices, SHAFT, "full")
     branch, modes = stage.disk_modes.one_a_pair(), stage.disk_modes
     pairs = [i for i in branch if modes.nodal_diameter[i] == SHAFT]
     rank = [modes.family[i] for i in pairs].index(family)
     highest = HIGHEST * (wall + float(modes.frequency[pairs[rank]]))
     met = [
         speed
-        for speed in own.meeting(wall, highest)
-        if own.rank(float(speed), SHAFT * float(speed) - wall) == (rank, True)
+        for speed in disk_waves.meeting(wall, highest)
+        if disk_waves.rank(float(speed), SHAFT * float(speed) - wall) == (rank, True)
     ]
     if not met:
         raise UserError(f"{family}: its backward wave meets the casing's at no speed")
     structure = turning.matrices.at_speed(float(met[0]), "full")
     whirl = whirl_modes(structure)
     backward = np.array(whirl.direction) == "backward"
-    own_wave = backward & (whirl.nodal_diameter == SHAFT) & (whirl.rank == rank)
-    field = whirl.fields(np.flatnonzero(own_wave))
+    chosen = backward & (whirl.nodal_diameter == SHAFT) & (whirl.rank == rank)
+    field = whirl.fields(np.flatnonzero(chosen))
     crest = np.exp(-1j * stage.disk.tip_angles) @ field[stage.disk.tip_radial, 0]
     return SHAFT * float(met[0]) - wall, (field * np.conj(crest) / np.abs(crest)).real
 
 
 def scenario_dataset(modes: WhirlingModes, *, reference: float) -> xr.Dataset:
-    """One turn of the rotor in two coincident modes, in the rotating frame: phases, as measured.
+    """Compute one turn of the rotor in two coincident modes, in the rotating frame.
 
-    The wave travels backward on the rotor. The smallest clearance is looked for along the tips.
+    The wave travels backward on the rotor. Phases are measured from the motion; the smallest
+    clearance is searched around the casing.
 
     Args:
-        modes: that move in step.
-        reference: frequency that speeds are multiples of [rad/s].
+        modes: in coincidence.
+        reference: frequency by which speeds are normalised [rad/s].
     """
     time = 2.0 * np.pi / modes.speed * np.linspace(0.0, 1.0, TIMES)
-    turning = np.exp(-1j * modes.frequency * time)
+    phasor = np.exp(-1j * modes.frequency * time)
     angle = 2.0 * np.pi * np.arange(ANGLES) / ANGLES
-    crest = np.real(np.multiply.outer(turning, np.exp(-1j * angle)))
+    crest = np.real(np.multiply.outer(phasor, np.exp(-1j * angle)))
     gap = modes.clearance + (modes.casing - modes.rotor) * crest
     place = smallest_clearance_angle(gap, angle)
-    shaft = modes.shaft * np.stack([turning.real, turning.imag], axis=-1)
+    shaft = modes.shaft * np.stack([phasor.real, phasor.imag], axis=-1)
     measured = motion_scenario(shaft=shaft, clearance_angle=place)
-    phase = np.angle(modes.shaft * turning)
+    phase = np.angle(modes.shaft * phasor)
     return xr.Dataset(
         {
-            "shaft_phase": ("time", phase, {"units": "rad"}),
-            "smallest_clearance_phase": (
-                "time",
-                np.angle(np.exp(1j * place)),
-                {"units": "rad"},
-            ),
-            "smallest_clearance": ("time", gap.min(axis=1), {"units": "m"}),
+            "shaft_phase": quantity("time", phase, "rad"),
+            "smallest_clearance_phase": quantity("time", np.angle(np.exp(1j * place)), "rad"),
+            "smallest_clearance": quantity("time", gap.min(axis=1), "m"),
         },
-        coords={"time": ("time", time, {"units": "s"})},
+        coords={"time": quantity("time", time, "s")},
         attrs={
             "title": f"{modes.name}: {measured.kind} contact scenario",
             "mode": modes.name,

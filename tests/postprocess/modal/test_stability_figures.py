@@ -42,7 +42,7 @@ def system(modes: CouplingModes) -> EvenSystem:
         modal=cast(Any, SimpleNamespace(case=Case())),
     )
     return EvenSystem(
-        stage=stage, whole=stage, with_pi=True, damped=False, physical=False, reference=UNIT
+        stage=stage, all_modes=stage, with_pi=True, damped=False, physical=False, reference=UNIT
     )
 
 

@@ -1,12 +1,10 @@
-"""Campbell diagrams of a bladed disk that feels that it turns."""
+"""Campbell diagrams of a bladed disk with rotation effects."""
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -22,11 +20,20 @@ from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.postprocess.modal.campbell import plot_campbell
+from bladewhirl.postprocess.modal.campbell import Frame, plot_campbell
 from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.modal import campbell as modal_campbell
 from bladewhirl.studies.modal.campbell import campbell, coincidence_list
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
 from bladewhirl.studies.verification.bodies import marched, thrown
+
+SMALL = {
+    "bladed_disk.blades": 8,
+    "bladed_disk.elements_per_blade": 4,
+    "shaft.stiffness": 1e7,
+}
+
+FRAMES: tuple[Frame, ...] = ("rotating", "static")
 
 KNOWN = oracle("rotation")["stages"]["0.01"]
 
@@ -126,37 +133,37 @@ def texts(figure: Figure) -> list[str]:
     return [text.get_text() for text in figure.legends[0].get_texts()]
 
 
-def test_the_figures_tell_branches_and_critical_speeds() -> None:
-    rotating, static = (plot_campbell(diagram(), frame) for frame in ("rotating", "static"))
-    critical = f"critical speed, {KNOWN['critical_speed']:.4g} ω₁"
+@cache
+def small_diagram(effects: str) -> xr.Dataset:
+    case = with_values(stage_case(effects), SMALL)
+    return campbell(case, families=1, speeds=(0.0, 2.5))
+
+
+def test_the_figures_show_branches_and_critical_speeds() -> None:
+    rotating, static = (plot_campbell(small_diagram("full"), f) for f in FRAMES)
+    speed = small_diagram("full").critical_speed.item()
+    critical = f"critical speed, {speed:.4g} ω₁"
     assert {"forward wave", critical} <= set(texts(rotating))
     assert "forward wave, k = 1" in texts(static)
     (cross,) = [line for line in rotating.axes[0].lines if line.get_marker() == "X"]
-    np.testing.assert_allclose(np.asarray(cross.get_xdata()), KNOWN["critical_speed"], rtol=1e-7)
+    np.testing.assert_allclose(np.asarray(cross.get_xdata()), speed, rtol=1e-7)
     np.testing.assert_array_equal(np.asarray(cross.get_ydata()), 0.0)
-    at_rest = texts(plot_campbell(campbell(stage_case("none"), families=2), "rotating"))
+    at_rest = texts(plot_campbell(small_diagram("none"), "rotating"))
     assert not {"forward wave", critical} & set(at_rest)
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
-def test_the_command_says_it_in_words_and_as_json(tmp_path: Path) -> None:
+def test_the_command_prints_critical_speeds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     file = tmp_path / "case.toml"
-    file.write_text(dumps_case(stage_case()), encoding="utf-8")
-
-    def run(*options: str) -> str:
-        done = CliRunner().invoke(app, ["campbell", str(file), "--families", "1", *options])
-        assert done.exit_code == 0, done.output
-        return done.stdout
-
-    found: dict[str, Any] = json.loads(run("--json"))
-    assert found["waves_meet"] is None
-    assert [row["family"] for row in found["critical_speeds"]] == ["1F"]
-    printed = run("-o", str(tmp_path / "out"))
-    rows = [line.split() for line in printed.splitlines()]
-    assert ["1", "1F", "2.10802", "4832.4"] in [row[:4] for row in rows]
-    assert "3.4042 ω₁" in printed
-    with xr.open_dataset(tmp_path / "out" / "campbell-rotating.nc") as data:
-        assert set(data["branch_family"].values) == {"1F", "suspension"}
+    file.write_text(dumps_case(with_values(stage_case(), SMALL)), encoding="utf-8")
+    monkeypatch.setattr(modal_campbell, "save_figures", lambda *figures, **options: None)
+    done = CliRunner().invoke(app, ["campbell", str(file), "--speeds", "0:2.5"])
+    assert done.exit_code == 0, done.output
+    (critical,) = coincidence_list(small_diagram("full"))["critical_speeds"]
+    rows = [line.split()[:4] for line in done.stdout.splitlines()]
+    assert ["1", "1F", f"{critical['ratio']:.5f}", f"{critical['rpm']:.1f}"] in rows
+    assert f"{small_diagram('full').attrs['clearance_gone']:.4f} ω₁" in done.stdout
 
 
 def test_waves_that_have_met_grow_as_a_march_does() -> None:
