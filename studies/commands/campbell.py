@@ -13,6 +13,7 @@ from bladewhirl.studies.commands.options import (
     Changes,
     Replace,
     Span,
+    output_option,
     span_option,
 )
 from bladewhirl.studies.commands.output import Column, emit, facts, table
@@ -57,7 +58,7 @@ def campbell(
     ] = 5,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="Folder to make; CASE-campbell by default."),
+        output_option("Folder to make; CASE-campbell by default."),
     ] = None,
     html: Annotated[
         Path | None,

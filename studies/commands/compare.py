@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, Overwrite
+from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, Overwrite, output_option
 from bladewhirl.studies.commands.output import Column, emit, table
 from bladewhirl.studies.commands.progress import progress_bar
 
@@ -28,9 +26,7 @@ QUANTITIES = (
 
 def compare(
     case: CaseFile,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Folder to make for a figure.")
-    ] = None,
+    output: Annotated[Path | None, output_option("Folder to make for a figure.")] = None,
     overwrite: Overwrite = False,
     json: AsJson = False,
     overrides: Changes = None,

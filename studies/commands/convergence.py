@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.studies.commands.options import (
     AsJson,
     CaseFile,
     Changes,
     Workers,
+    output_option,
     parse_number,
     parse_several,
 )
@@ -23,8 +23,6 @@ from bladewhirl.studies.commands.progress import progress_bar
 
 if TYPE_CHECKING:
     from rich.table import Table
-
-    from bladewhirl.models.case.case import Case
 
 COLUMNS = (
     Column("regime", "regime"),
@@ -58,7 +56,7 @@ def convergence(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="Folder to make; CASE-convergence by default."),
+        output_option("Folder to make; CASE-convergence by default."),
     ] = None,
     overwrite: Annotated[
         bool,
@@ -77,20 +75,15 @@ def convergence(
     Section 4.2 of the paper. DIR gets figures with their data, convergence.json and the marches.
     """
     from bladewhirl.models.case.file import faults_from, read_case
-    from bladewhirl.studies.convergence.study import MODES, TIME_STEP
     from bladewhirl.studies.convergence.study import convergence as study
 
     values = overrides or []
-    checked = read_case(case, values)
-    steps = time_steps and time_steps[::-1]
-    _check_values(checked, "--time-steps", TIME_STEP, steps or ())
-    _check_values(checked, "--modes", MODES, modes or ())
     folder = output or Path(f"{case.stem}-convergence")
     with faults_from(case, values), progress_bar("marches", lines="marches") as update:
         result = study(
-            checked,
+            read_case(case, values),
             folder,
-            time_steps=steps,
+            time_steps=time_steps and time_steps[::-1],
             modes=modes,
             overwrite=overwrite,
             workers=workers,
@@ -130,18 +123,3 @@ def _tables(document: dict[str, Any]) -> Iterator[Table]:
 def _order(steps: dict[str, Any], kind: str) -> str:
     order = steps[f"{kind}_order"]
     return "none: too few differences, or not monotone" if order is None else f"{order:.3g}"
-
-
-def _check_values(case: Case, option: str, key: str, values: Sequence[float]) -> None:
-    """Check that the case can have each value.
-
-    Raises:
-        UserError: naming the option instead of the key.
-    """
-    from bladewhirl.models.case.file import with_values
-
-    for value in values:
-        try:
-            with_values(case, {key: value})
-        except CaseError as error:
-            raise UserError(f"{option} {value:g}: {error.lines[0]}") from None

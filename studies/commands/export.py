@@ -15,6 +15,7 @@ from bladewhirl.studies.commands.options import (
     RunFolder,
     Start,
     options_of_window,
+    output_option,
 )
 from bladewhirl.studies.commands.progress import progress_bar
 
@@ -37,7 +38,7 @@ def export(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help=f"Folder for the series; DIR/{VTK} if none."),
+        output_option(f"Folder for the series; DIR/{VTK} if none."),
     ] = None,
     overwrite: Replace = False,
 ) -> None:

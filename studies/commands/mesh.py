@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from bladewhirl.models.inputs.errors import UserError, writing
-from bladewhirl.studies.commands.options import Changes, Force
+from bladewhirl.studies.commands.options import Changes, Force, output_option
 from bladewhirl.studies.commands.output import Column, emit, table
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def mesh(
     ],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="FILE", help="Write it: .vtu, .msh or .inp."),
+        output_option("Write it: .vtu, .msh or .inp.", "FILE"),
     ] = None,
     overrides: Changes = None,
     force: Force = False,

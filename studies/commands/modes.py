@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, Replace
+from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, Replace, output_option
 from bladewhirl.studies.commands.output import Column, emit, table
 
 if TYPE_CHECKING:
@@ -32,9 +32,7 @@ def modes(
         int, typer.Option(help="How many of the lowest modes of each body.", min=1)
     ] = 60,
     json: AsJson = False,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Folder to make for pictures and films.")
-    ] = None,
+    output: Annotated[Path | None, output_option("Folder to make for pictures and films.")] = None,
     shapes: Annotated[
         str | None,
         typer.Option(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -38,11 +38,7 @@ def parse_number(text: str, unit: str) -> float:
 
 
 def parse_time(option: str, text: str) -> float:
-    """Convert the text of an option, "0.25" or "0.8 ms", to a time [s].
-
-    Raises:
-        UserError: not a time.
-    """
+    """Convert the text of an option, "0.25" or "0.8 ms", to a time [s]."""
     try:
         return parse_number(text, "s")
     except ValueError:
@@ -51,58 +47,42 @@ def parse_time(option: str, text: str) -> float:
 
 
 def parse_stiffness(option: str, text: str) -> float:
-    """Convert the text of an option to a stiffness of zero or more [N/m].
-
-    Raises:
-        UserError: not such a stiffness.
-    """
-    try:
+    """Convert the text of an option to a stiffness of zero or more [N/m]."""
+    with suppress(ValueError):
         value = parse_number(text, "N/m")
-    except ValueError:
-        value = -1.0
-    if value < 0.0:
-        raise UserError(
-            f"{option} {text}: expected a number of zero or more, in N/m or with a unit"
-        )
-    return value
+        if value >= 0.0:
+            return value
+    raise UserError(f"{option} {text}: expected a number of zero or more, in N/m or with a unit")
 
 
 def parse_speed(option: str, text: str) -> Speed:
-    """Convert the text of an option to a speed, with a unit or relative to the reference frequency.
-
-    Raises:
-        UserError: not a speed.
-    """
-    from bladewhirl.models.inputs.units import Speed
-
+    """Convert the text of an option to a speed, with a unit or relative to the reference."""
     try:
-        return Speed(_number_or_text(text))
+        return _speed(text)
     except ValueError as error:
         expected = "multiples of the reference frequency, or text in rpm, Hz or rad/s"
         raise UserError(f"{option} {text}: expected {expected} ({error})") from None
 
 
-def _number_or_text(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text.strip()
+def _speed(text: str) -> Speed:
+    from bladewhirl.models.inputs.units import Speed
+
+    with suppress(ValueError):
+        return Speed(float(text))
+    return Speed(text.strip())
 
 
 @dataclass(frozen=True)
 class Span:
     """Evenly spaced values of an option "START:STOP" or "START:STOP:COUNT"."""
 
-    name: str  #: option and text, for errors
+    source: str  #: option and text, for errors
     start: Speed | float
     stop: Speed | float
     count: int = 2
 
     def values(self, reference: float = 1.0) -> NDArray[np.float64]:
-        """Return the values, ends included, (COUNT,).
-
-        Args:
-            reference: frequency that speeds are divided by [rad/s]; other quantities ignore it.
+        """Return the values, ends included, (COUNT,); speeds are relative to a reference [rad/s].
 
         Raises:
             UserError: the ends are not in order.
@@ -114,7 +94,7 @@ class Span:
             for end in (self.start, self.stop)
         )
         if not 0.0 <= start < stop:
-            raise UserError(f"{self.name}: expected a START of zero or more and a STOP above it")
+            raise UserError(f"{self.source}: expected a START of zero or more and a STOP above it")
         return np.linspace(start, stop, self.count)
 
 
@@ -124,15 +104,16 @@ def parse_span(option: str, text: str, *, unit: str = "", counted: bool = False)
     Args:
         option: its name, for errors.
         text: "START:STOP", each an SI value or text with a unit.
-        unit: SI unit of the ends; those of speeds, with their own units, if empty.
+        unit: SI unit of the ends; speeds if empty.
         counted: expect "START:STOP:COUNT".
 
     Raises:
-        UserError: another form, or ends of the same unit that are not in order.
+        UserError: another form.
     """
     ends, _, last = text.rpartition(":") if counted else (text, "", "2")
+    read: Callable[[str], Speed | float] = partial(parse_number, unit=unit) if unit else _speed
     try:
-        start, stop = (_end(part, unit) for part in ends.split(":"))
+        start, stop = map(read, ends.split(":"))
         count = int(last)
     except ValueError:
         form = "START:STOP" + (":COUNT" if counted else "")
@@ -143,12 +124,6 @@ def parse_span(option: str, text: str, *, unit: str = "", counted: bool = False)
     return Span(f"{option} {text}", start, stop, count)
 
 
-def _end(text: str, unit: str) -> float | Speed:
-    from bladewhirl.models.inputs.units import Speed
-
-    return parse_number(text, unit) if unit else Speed(_number_or_text(text))
-
-
 def parse_several(option: str, text: str, *, read: Callable[[str], Any], name: str) -> list[Any]:
     """Convert two or more different positive values, separated by commas; ascending.
 
@@ -156,7 +131,7 @@ def parse_several(option: str, text: str, *, read: Callable[[str], Any], name: s
         option: its name, for errors.
         text: of the option.
         read: converts one value, or raises a ValueError.
-        name: what the values are, for errors.
+        name: of the values, for errors.
 
     Raises:
         UserError: fewer than two, or another value.
@@ -168,6 +143,11 @@ def parse_several(option: str, text: str, *, read: Callable[[str], Any], name: s
     if len(values) < 2 or values[0] <= 0:
         raise UserError(f"{option} {text}: expected two or more different {name} above zero")
     return values
+
+
+def output_option(help_text: str, metavar: str | None = None) -> Any:
+    """Return the typer option of the file or folder to write."""
+    return typer.Option("--output", "-o", metavar=metavar, help=help_text)
 
 
 def span_option(name: str, help_text: str, *, unit: str = "", counted: bool = False) -> Any:
@@ -237,11 +217,7 @@ def claim_output(target: Path, *, named: bool, overwrite: bool) -> None:
 
 
 def refuse_both(scheduler: str | None, workers: int | None) -> None:
-    """Refuse a scheduler together with a number of local workers.
-
-    Raises:
-        UserError: both are named.
-    """
+    """Refuse a scheduler together with a number of local workers."""
     if scheduler is not None and workers is not None:
         raise UserError("--scheduler, --workers: expected one of them; a scheduler has its workers")
 

@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bladewhirl.postprocess.plotting.registry import REPLACED, RUN_FIGURES, SWEEP_FIGURES, captions
-from bladewhirl.studies.commands.options import End, Replace, Start, options_of_window
+from bladewhirl.studies.commands.options import (
+    End,
+    Replace,
+    Start,
+    options_of_window,
+    output_option,
+)
 
 if TYPE_CHECKING:
     from bladewhirl.postprocess.run.figures import RunFigures
@@ -48,7 +54,7 @@ def plot(
     end: End = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help=f"Folder for the figures; DIR/{PLOTS} if none."),
+        output_option(f"Folder for the figures; DIR/{PLOTS} if none."),
     ] = None,
     overwrite: Replace = False,
 ) -> None:

@@ -18,6 +18,7 @@ from bladewhirl.studies.commands.options import (
     Start,
     claim_output,
     options_of_window,
+    output_option,
     parse_time,
 )
 from bladewhirl.studies.commands.progress import progress_bar
@@ -71,11 +72,9 @@ def render(
     ] = False,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            help="File to write; its suffix may stand for --gif, --mp4, --png or --html. "
-            "Otherwise animation.gif, animation.mp4, still.png, sheet.png, page.html in DIR.",
+        output_option(
+            "File to write; its suffix may stand for --gif, --mp4, --png or --html. "
+            "Otherwise animation.gif, animation.mp4, still.png, sheet.png, page.html in DIR."
         ),
     ] = None,
     frames: Annotated[

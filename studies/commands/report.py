@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from bladewhirl.studies.commands.options import Replace, claim_output
+from bladewhirl.studies.commands.options import Replace, claim_output, output_option
 
 
 def report(
@@ -16,7 +16,7 @@ def report(
     ],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="FILE", help="File; DIR/report.html if none."),
+        output_option("File; DIR/report.html if none.", "FILE"),
     ] = None,
     overwrite: Replace = False,
 ) -> None:

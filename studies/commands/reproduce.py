@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from bladewhirl.studies.commands.exits import interruptible
-from bladewhirl.studies.commands.options import Scheduler, Workers, refuse_both
+from bladewhirl.studies.commands.options import Scheduler, Workers, output_option, refuse_both
 from bladewhirl.studies.commands.progress import progress_bar
 
 FOLDER = Path("reproduction")
@@ -31,9 +31,7 @@ def reproduce(
             " under distortion, 0.025 under imbalance, 0.35 for six modes under imbalance.",
         ),
     ] = None,
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder of marches and scorecard.")
-    ] = FOLDER,
+    output: Annotated[Path, output_option("Folder of marches and scorecard.", "DIR")] = FOLDER,
     overrides: Annotated[
         list[str] | None,
         typer.Option(

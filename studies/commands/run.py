@@ -10,7 +10,7 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands.exits import INTERRUPTED
-from bladewhirl.studies.commands.options import Changes, End, Rotating, Start
+from bladewhirl.studies.commands.options import Changes, End, Rotating, Start, output_option
 from bladewhirl.studies.commands.progress import progress_bar
 
 if TYPE_CHECKING:
@@ -26,9 +26,7 @@ def run(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output", "-o", metavar="DIR", help="Folder to make; runs/NAME of the case if none."
-        ),
+        output_option("Folder to make; runs/NAME of the case if none.", "DIR"),
     ] = None,
     overrides: Changes = None,
     overwrite: Annotated[

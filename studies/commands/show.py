@@ -14,6 +14,7 @@ from bladewhirl.studies.commands.options import (
     Changes,
     Replace,
     claim_output,
+    output_option,
 )
 from bladewhirl.studies.commands.output import Column, emit, facts, table
 
@@ -43,7 +44,7 @@ def show(
     ] = False,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="File of the drawing; the case's name.png if none."),
+        output_option("File of the drawing; the case's name.png if none."),
     ] = None,
     overwrite: Replace = False,
 ) -> None:

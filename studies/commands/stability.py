@@ -14,6 +14,7 @@ from bladewhirl.studies.commands.options import (
     Changes,
     Replace,
     Span,
+    output_option,
     parse_speed,
     parse_stiffness,
     span_option,
@@ -93,9 +94,7 @@ def stability(
     ] = False,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output", "-o", help="Folder to make; for a chart CASE-stability by default."
-        ),
+        output_option("Folder to make; for a chart CASE-stability by default."),
     ] = None,
     films: Annotated[
         bool, typer.Option(help="Also the divergent mode as VTK series and GIF.")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -16,6 +15,7 @@ from bladewhirl.studies.commands.options import (
     Changes,
     Scheduler,
     Workers,
+    output_option,
     refuse_both,
 )
 from bladewhirl.studies.commands.output import emit
@@ -50,9 +50,7 @@ def sweep(
             ' case file, "casing.clearance=0.5 mm,1 mm". Several: all combinations.',
         ),
     ] = None,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Folder to make.")
-    ] = None,
+    output: Annotated[Path | None, output_option("Folder to make.", "DIR")] = None,
     overrides: Changes = None,
     scheduler: Scheduler = None,
     workers: Workers = None,
@@ -114,7 +112,10 @@ def sweep(
             raise UserError("sweep: expected CASE, --over KEY=VALUES and -o DIR, or --resume DIR")
         else:
             values = parse_over(over)
-            _check_keys(values, overrides or [])
+            for override in overrides or []:
+                key = override.partition("=")[0].strip()
+                if key in values:
+                    raise UserError(f"--over {key}, --set {override}: expected one of them")
             result = run_sweep(
                 read_case(case, overrides or []),
                 values,
@@ -150,22 +151,6 @@ def sweep(
     _print_failures(result)
     if not result.done:
         raise typer.Exit(ALL_FAILED)
-
-
-def _check_keys(over: Iterable[str], overrides: Iterable[str]) -> None:
-    """Check that no key is both swept and set.
-
-    Raises:
-        UserError: naming both options and the key.
-    """
-    swept = set(over)
-    for override in overrides:
-        key = override.partition("=")[0].strip()
-        if key in swept:
-            raise UserError(
-                f"--over {key}, --set {override}: expected one of them; --over gives {key} its"
-                " value at every point"
-            )
 
 
 def _print_failures(result: Sweep) -> None:

@@ -13,6 +13,7 @@ from bladewhirl.studies.commands.options import (
     Changes,
     Replace,
     Span,
+    output_option,
     span_option,
 )
 from bladewhirl.studies.commands.output import emit, facts
@@ -34,7 +35,7 @@ def veering(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="Folder to make; CASE-veering by default."),
+        output_option("Folder to make; CASE-veering by default."),
     ] = None,
     overwrite: Replace = False,
     json: AsJson = False,

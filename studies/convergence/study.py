@@ -86,8 +86,9 @@ def convergence(
         progress: called with finished marches and all marches.
 
     Raises:
-        CaseError: faults of the case, also with one of the values.
-        UserError: the folder may not be used or written, or a march failed.
+        CaseError: faults of the case.
+        UserError: a value that the case cannot have, a folder that may not be used or written, or
+            a failed march.
     """
     from bladewhirl.postprocess.plotting.style import save_figure
     from bladewhirl.studies.convergence.figures import plot_modes, plot_time_steps
@@ -96,7 +97,10 @@ def convergence(
     check_figure_folder(folder, overwrite=overwrite)
     for key, values in ((TIME_STEP, time_steps), (MODES, modes)):
         for value in values or ():
-            with_values(case, {key: value})
+            try:
+                with_values(case, {key: value})
+            except CaseError as error:
+                raise UserError(f"{key} = {value:g}: {error.lines[0]}") from None
     store = RunStore(directory=folder / RUNS_NAME, scheduler=scheduler, workers=workers)
     steps, counts = time_steps or default_time_steps(case), modes or default_modes(case)
     study = Convergence(

@@ -197,7 +197,7 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, store: RunStor
         ),
         (
             ["--time-steps", "1,1e-6"],
-            "--time-steps 1: march.record_step = 1e-4: expected at least",
+            "march.time_step = 1: march.record_step = 1e-4: expected at least",
         ),
         (["--modes", "44,44"], "--modes 44,44: expected two or more different whole numbers"),
         (["--modes", "44,few"], "--modes 44,few: expected two or more different whole numbers"),
