@@ -1,55 +1,51 @@
-"""Plots to point at that maps of runs and sweeps share: layout, buttons, bars of colours."""
+"""Template, buttons and colour bars of the interactive plots."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any
+
+import plotly.graph_objects as go
 
 from bladewhirl.postprocess.plotting.style import SEQUENTIAL
 
 FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif'
 INK, LINE = "#1c2330", "#dfe3e8"
 
-
-@dataclass(frozen=True, kw_only=True)
-class Plot:
-    """A plot that the program inside a page draws: Plotly's traces and layout, arrays as such."""
-
-    traces: Sequence[Mapping[str, Any]]
-    layout: Mapping[str, Any]
-
-
 COLOUR_SCALE = SEQUENTIAL.capitalize()
-"""The common colour map by its name in Plotly."""
+"""Plotly's name of the common colour map."""
 
-LEGEND_BELOW = {"orientation": "h", "y": -0.16, "yanchor": "top"}
-
-
-def plain_layout(**more: Any) -> dict[str, Any]:
-    """Layout of all plots of a report: fonts, colours, margins."""
-    axis = {"gridcolor": LINE, "zerolinecolor": LINE, "linecolor": INK, "ticks": "outside"}
-    shared: dict[str, Any] = {
+_AXIS = {"gridcolor": LINE, "zerolinecolor": LINE, "linecolor": INK, "ticks": "outside"}
+TEMPLATE = {
+    "layout": {
         "font": {"family": FONT, "size": 13, "color": INK},
         "paper_bgcolor": "#ffffff",
         "plot_bgcolor": "#ffffff",
         "margin": {"l": 64, "r": 16, "t": 48, "b": 52},
         "hoverlabel": {"font": {"family": FONT, "size": 13}},
+        "legend": {"orientation": "h", "y": -0.16, "yanchor": "top"},
+        "xaxis": _AXIS,
+        "yaxis": _AXIS,
     }
-    more["xaxis"], more["yaxis"] = axis | more["xaxis"], axis | more["yaxis"]
-    return shared | more | {"template": None}
+}
+"""Fonts, colours, margins and legends of all plots."""
+
+
+def plot(traces: Sequence[Any], **layout: Any) -> go.Figure:
+    """Return a plot of traces in the common template."""
+    return go.Figure(data=list(traces), layout=go.Layout(template=TEMPLATE, **layout))
 
 
 def buttons(labels: Sequence[str], owner: Sequence[int | None]) -> list[dict[str, Any]]:
-    """A row of buttons above a plot, each of which shows its traces; none for a single label.
+    """Return a row of buttons above a plot, each of which shows its traces; none for one label.
 
     Args:
-        labels: of the buttons.
-        owner: number of the button that shows each trace; None for one that is always shown.
+        labels: labels of the buttons.
+        owner: number of the button that shows each trace; None for a trace that is always shown.
     """
     if len(labels) == 1:
         return []
-    shown = [[own in (None, number) for own in owner] for number in range(len(labels))]
+    shown = [[number in (None, button) for number in owner] for button in range(len(labels))]
     return [
         {
             "type": "buttons",
@@ -63,13 +59,13 @@ def buttons(labels: Sequence[str], owner: Sequence[int | None]) -> list[dict[str
             "bordercolor": LINE,
             "font": {"size": 12},
             "buttons": [
-                {"label": label, "method": "restyle", "args": [{"visible": which}]}
-                for label, which in zip(labels, shown, strict=True)
+                {"label": label, "method": "restyle", "args": [{"visible": visible}]}
+                for label, visible in zip(labels, shown, strict=True)
             ],
         }
     ]
 
 
 def colour_bar(title: str) -> dict[str, Any]:
-    """A bar of colours with its title along it."""
+    """Return a colour bar with its title beside it."""
     return {"title": {"text": title, "side": "right"}, "thickness": 14}

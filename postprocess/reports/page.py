@@ -14,6 +14,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, ClassVar
 
+import plotly.graph_objects as go
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -22,7 +23,6 @@ from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
 from bladewhirl.postprocess.plotting.registry import FigureKind
 from bladewhirl.postprocess.plotting.style import styled
-from bladewhirl.postprocess.reports.interactive import Plot
 
 DPI = 200
 """Of the pictures: sharp where a column of 8 cm is shown as wide as half a laptop's screen."""
@@ -78,7 +78,7 @@ class Explorer(Block):
 
     kind = "explorer"
 
-    plots: Sequence[Plot]
+    plots: Sequence[go.Figure]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -48,7 +48,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
     figures = RunFigures(dataset)
     energy = strain_energies(dataset)
     regime = classify(dataset, energy["total"].values)
-    meaning = _sentence(REGIMES[regime.name].meaning)
+    meaning = REGIMES[regime.name].meaning
     classes = contact_classes(_late(dataset))
     reason = str(dataset.attrs.get("end_reason", "completed"))
     ended = reason in ("completed", "divergent", "damped")
@@ -62,8 +62,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
         Section(
             name="verdict",
             title="Regime, and why",
-            words=f"{meaning} The rule below is applied from above; the first line that fits is "
-            "the regime.",
+            words=f"{meaning} In the criterion below, the first line that applies is the regime.",
             blocks=[*_drawn(figures, "verdict"), criterion_table(regime.name)],
         ),
         Section(name="shaft", title="Motion of the shaft", blocks=_drawn(figures, "shaft")),

@@ -26,7 +26,12 @@ from bladewhirl.postprocess.reports.sweep_explorer import (
     points_explorer,
     regime_explorer,
 )
-from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table, headline
+from bladewhirl.postprocess.reports.verdict import (
+    REGIMES,
+    criterion_table,
+    key_heading,
+    regime_table,
+)
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_label
 from bladewhirl.postprocess.sweep.dataset import swept
@@ -71,6 +76,7 @@ def sweep_report(
             blocks=[
                 *_regime_maps(dataset, points),
                 *_drawn(dataset, "regimes"),
+                *([regime_table(points, counts)] if points is not None else []),
                 criterion_table(),
             ],
         ),
@@ -90,7 +96,7 @@ def sweep_report(
         subject=subject(dataset, provenance, name),
         verdict=verdict,
         tone=tone,
-        reason=headline(points, counts, ", ".join(keys)),
+        reason=f"Swept: {', '.join(keys)}. {REGIMES[next(iter(counts))].meaning if counts else ''}",
         warnings=_warnings(state.size, done, failed),
         figures=_glance(dataset, points, counts, done),
         sections=[part for part in sections if part.blocks],
@@ -221,7 +227,7 @@ def _point_table(points: xr.Dataset | None) -> Iterator[Table]:
         caption=f"Growth rates ± {CERTAINTY:g} standard errors."
         + (f" The first {MOST_POINTS}; the others are in the dataset." if left_out > 0 else ""),
         head=(
-            *(_headed(each) for each in (key, *others)),
+            *(key_heading(each) for each in (key, *others)),
             "regime",
             "largest shaft displacement [mm]",
             "growth rate [1/s]",
@@ -232,11 +238,6 @@ def _point_table(points: xr.Dataset | None) -> Iterator[Table]:
         numbers=True,
         folded=True,
     )
-
-
-def _headed(key: xr.DataArray) -> str:
-    name, units = str(key.attrs["long_name"]), str(key.attrs["units"])
-    return name if units == "1" else f"{name} [{units}]"
 
 
 def _case_section(dataset: xr.Dataset, provenance: Provenance) -> Section:

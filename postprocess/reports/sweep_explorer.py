@@ -1,22 +1,21 @@
-"""Maps of a sweep to point at: spectra over a swept key, and every point with its numbers."""
+"""Interactive maps of a sweep: spectra over a swept key, and every point with its details."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import plotly.graph_objects as go
 import xarray as xr
 
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY, rate_text
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.reports.interactive import (
     COLOUR_SCALE,
-    LEGEND_BELOW,
-    Plot,
     buttons,
     colour_bar,
-    plain_layout,
+    plot,
 )
 from bladewhirl.postprocess.reports.page import Explorer
 from bladewhirl.postprocess.shaft.orbits import MILLI
@@ -26,7 +25,7 @@ from bladewhirl.postprocess.sweep.frequency_map import DECADES, LINES
 from bladewhirl.postprocess.sweep.quantities import LINE, cell_edges
 
 MOST_ROWS, MOST_COLUMNS = 500, 500
-"""Frequencies and points of a map at most: of more, each cell is the largest of neighbours."""
+"""Largest numbers of frequencies and points of a map; a cell is the largest of its neighbours."""
 
 SYMBOLS: Mapping[str, str] = {
     "no-contact": "circle-open",
@@ -40,13 +39,13 @@ MODE_DASHES: Mapping[str, str] = {
     "1F k=1": "dash",
     "casing k=1": "dashdot",
 }
-"""Of the lines of modes."""
+"""Dashes of the lines of modes."""
 
 MAP_CAPTION = (
     "Amplitude of the shaft [mm] over the swept key and frequency, forward upwards, rotating "
-    "frame, as colour on a logarithmic scale; dotted: engine orders, broken: modes of one nodal "
-    "diameter. Point at it for the numbers, drag to zoom in, double-click to see all, click names "
-    "to hide lines. Look for a band that leaves an engine order and locks onto a mode."
+    "frame, as colour on a logarithmic scale; dotted: engine orders, dashed: modes with one "
+    "nodal diameter. Point at it for the numbers, drag to zoom in, double-click to reset, click "
+    "names to hide lines. Look for a band that leaves an engine order and locks onto a mode."
 )
 
 POINTS_CAPTION = (
@@ -63,237 +62,209 @@ REGIME_MAP_CAPTION = (
 
 
 def frequency_explorer(maps: xr.Dataset) -> Explorer:
-    """Spectra over the swept key; where other keys are swept too, a button shows another line.
+    """Return spectra over the swept key; if other keys are swept too, a button for each line.
 
     Args:
         maps: from `frequency_map.frequency_map`.
     """
     maps = in_handy_units(maps)
-    in_multiples = maps["frequency"].attrs["units"] == "1"
-    unit = "/ ω₁" if in_multiples else "[Hz]"
+    unit = "/ ω₁" if maps["frequency"].attrs["units"] == "1" else "[Hz]"
     top = np.log10(np.nanmax(MILLI * maps["amplitude"].values, initial=0.0) or 1.0)
-    traces: list[Any] = []
-    owner: list[int] = []
-    for number in range(maps.sizes[LINE]):
-        own = _map_traces(maps.isel({LINE: number}), top, shown=number == 0)
-        traces += own
-        owner += [number] * len(own)
+    lines = [maps.isel({LINE: number}) for number in range(maps.sizes[LINE])]
+    traces = [_map_traces(line, top, shown=number == 0) for number, line in enumerate(lines)]
+    owner = [number for number, group in enumerate(traces) for _ in group]
     limit = float(np.abs(cell_edges(maps["frequency"].values, logarithmic=False)).max())
-    labels = [line_label(maps.isel({LINE: number})) for number in range(maps.sizes[LINE])]
-    key = maps[str(maps.attrs["along"])]
-    layout = plain_layout(
-        xaxis=_key_axis(key),
+    figure = plot(
+        [trace for group in traces for trace in group],
+        xaxis=_key_axis(maps[str(maps.attrs["along"])]),
         yaxis={
-            "title": {"text": f"frequency {unit}, forward positive"},
+            "title_text": f"frequency {unit}, forward positive",
             "range": [-limit, limit],
             "showgrid": False,
         },
-        legend=LEGEND_BELOW,
-        updatemenus=buttons(labels, owner),
+        updatemenus=buttons([line_label(line) for line in lines], owner),
     )
     return Explorer(
-        name="frequency-explorer",
-        title="Frequency map",
-        caption=MAP_CAPTION,
-        plots=[Plot(traces=traces, layout=layout)],
+        name="frequency-explorer", title="Frequency map", caption=MAP_CAPTION, plots=[figure]
     )
 
 
 def points_explorer(points: xr.Dataset) -> Explorer:
-    """Largest displacement of the shaft over the swept key, every point with its numbers.
+    """Return the largest displacement of the shaft over the swept key, with details of each point.
 
     Args:
         points: over (line, key): `regime`, `shaft_radius_max` [m], `growth_rate` and
-            `growth_error` [1/s], `end_time` [s], `touched` [1], as `sweep_report` has them.
+            `growth_error` [1/s], `end_time` [s], `touched` [1], as in `sweep_report`.
     """
     points = in_handy_units(points)
     key = points[str(points.attrs["along"])]
-    regime, words = points["regime"].values, _words(points)
-    place = np.broadcast_to(key.values, regime.shape)
+    regime, texts = points["regime"].values, _texts(points)
+    keys = np.broadcast_to(key.values, regime.shape)
     radius = MILLI * points["shaft_radius_max"].values
     traces = [
-        {
-            "type": "scatter",
-            "x": place[own],
-            "y": radius[own],
-            "mode": "markers",
-            "name": f"{name} ({np.count_nonzero(own)})",
-            "marker": {"color": colour, "symbol": SYMBOLS[name], "size": 9, "line": {"width": 1.5}},
-            "text": words[own],
-            "hovertemplate": "%{text}<extra></extra>",
-        }
+        go.Scatter(
+            x=keys[here],
+            y=radius[here],
+            mode="markers",
+            name=f"{name} ({np.count_nonzero(here)})",
+            marker={"color": colour, "symbol": SYMBOLS[name], "size": 9, "line_width": 1.5},
+            text=texts[here],
+            hovertemplate="%{text}<extra></extra>",
+        )
         for name, colour in REGIME_COLOURS.items()
-        if (own := regime == name).any()
+        if (here := regime == name).any()
     ]
-    spread = radius[radius > 0]
-    wide = spread.size > 0 and is_wide(spread)
-    layout = plain_layout(
+    positive = radius[radius > 0]
+    wide = positive.size > 0 and is_wide(positive)
+    figure = plot(
+        traces,
         xaxis=_key_axis(key),
         yaxis={
-            "title": {"text": "largest shaft displacement [mm]"},
+            "title_text": "largest shaft displacement [mm]",
             "type": "log" if wide else "linear",
-            **({} if wide else {"rangemode": "tozero"}),
+            "rangemode": "normal" if wide else "tozero",
         },
-        legend=LEGEND_BELOW,
         showlegend=True,
     )
     return Explorer(
-        name="points-explorer",
-        title="Every point",
-        caption=POINTS_CAPTION,
-        plots=[Plot(traces=traces, layout=layout)],
+        name="points-explorer", title="Every point", caption=POINTS_CAPTION, plots=[figure]
     )
 
 
 def regime_explorer(points: xr.Dataset, other: str) -> Explorer:
-    """Regime over two swept keys, every point with its numbers.
+    """Return the regime over two swept keys, with details of each point.
 
     Args:
-        points: as `points_explorer` takes it.
+        points: as in `points_explorer`.
         other: the other swept key.
     """
     points = in_handy_units(points)
     key = points[str(points.attrs["along"])]
     names = list(REGIME_COLOURS)
-    regime = points["regime"].values
-    code = np.select([regime == name for name in names], range(len(names)), np.nan)
-    share = np.linspace(0.0, 1.0, len(names) + 1)
-    scale = [
-        [float(edge), colour]
-        for colour, low, high in zip(REGIME_COLOURS.values(), share[:-1], share[1:], strict=True)
-        for edge in (low, high)
-    ]
-    # Heatmaps space their cells by the values; categories would hide how far apart they are.
-    heat = {
-        "type": "heatmap",
-        "x": key.values,
-        "y": points[other].values,
-        "z": code,
-        "zmin": -0.5,
-        "zmax": len(names) - 0.5,
-        "colorscale": scale,
-        "colorbar": {"tickvals": list(range(len(names))), "ticktext": names, "thickness": 14},
-        "text": _words(points),
-        "hovertemplate": "%{text}<extra></extra>",
-        "xgap": 1,
-        "ygap": 1,
-    }
-    layout = plain_layout(
+    code = np.select([points["regime"].values == name for name in names], range(len(names)), np.nan)
+    edges = np.linspace(0.0, 1.0, len(names) + 1).repeat(2)[1:-1].tolist()
+    heat = go.Heatmap(  # categories would hide the distances of the values
+        x=key.values,
+        y=points[other].values,
+        z=code,
+        zmin=-0.5,
+        zmax=len(names) - 0.5,
+        colorscale=[*zip(edges, np.repeat([*REGIME_COLOURS.values()], 2), strict=True)],
+        colorbar={"tickvals": list(range(len(names))), "ticktext": names, "thickness": 14},
+        text=_texts(points),
+        hovertemplate="%{text}<extra></extra>",
+        xgap=1,
+        ygap=1,
+    )
+    figure = plot(
+        [heat],
         xaxis={**_key_axis(key), "showgrid": False},
         yaxis={**_key_axis(points[other]), "showgrid": False},
     )
     return Explorer(
-        name="regime-explorer",
-        title="Regime map",
-        caption=REGIME_MAP_CAPTION,
-        plots=[Plot(traces=[heat], layout=layout)],
+        name="regime-explorer", title="Regime map", caption=REGIME_MAP_CAPTION, plots=[figure]
     )
 
 
-def _map_traces(one: xr.Dataset, top: float, *, shown: bool) -> Sequence[Any]:
-    key = str(one.attrs["along"])
-    place = _thinned(one[key].values, MOST_COLUMNS, np.maximum, 0)
-    frequency = one["frequency"].values
-    starts = _starts(len(frequency), MOST_ROWS)
-    middle = np.add.reduceat(frequency, starts) / np.diff(starts, append=len(frequency))
-    amplitude = _thinned(MILLI * one["amplitude"].values, MOST_COLUMNS, np.fmax, 0)
-    amplitude = np.fmax.reduceat(amplitude, starts, axis=1).T
-    floor = 10.0 ** (top - DECADES)
+def _map_traces(line: xr.Dataset, top: float, *, shown: bool) -> list[go.Heatmap | go.Scatter]:
+    """Heatmap, engine orders and modes of one line of a sweep; `top` is log10 of the maximum."""
+    key = str(line.attrs["along"])
+    rows, columns = (
+        _starts(size, most)
+        for size, most in ((line.sizes["frequency"], MOST_ROWS), (line.sizes[key], MOST_COLUMNS))
+    )
+    frequency = line["frequency"].values
+    amplitude = np.fmax.reduceat(MILLI * line["amplitude"].values, columns, axis=0)
+    amplitude = np.fmax.reduceat(amplitude, rows, axis=1).T.astype(np.float32)
     ticks = np.arange(np.ceil(top - DECADES), np.floor(top) + 1)
-    traces: list[Any] = [
-        {
-            "type": "heatmap",
-            "x": place,
-            "y": middle,
-            "z": np.log10(np.maximum(amplitude, floor)),
-            "zmin": top - DECADES,
-            "zmax": top,
-            "colorscale": COLOUR_SCALE,
-            "colorbar": {
-                **colour_bar("amplitude of the shaft [mm]"),
-                "tickvals": ticks.tolist(),
-                "ticktext": [f"{10.0**tick:g}" for tick in ticks],
-            },
-            "customdata": amplitude,
-            "hoverongaps": False,
-            "hovertemplate": (
-                "%{x:.5g}, frequency %{y:.4g}<br>amplitude %{customdata:.3g} mm<extra></extra>"
-            ),
-            "visible": shown,
-        }
+    heat = go.Heatmap(
+        x=np.maximum.reduceat(line[key].values, columns),
+        y=np.add.reduceat(frequency, rows) / np.diff(rows, append=len(frequency)),
+        z=np.log10(np.maximum(amplitude, np.float32(10.0 ** (top - DECADES)))),
+        zmin=top - DECADES,
+        zmax=top,
+        colorscale=COLOUR_SCALE,
+        colorbar={
+            **colour_bar("amplitude of the shaft [mm]"),
+            "tickvals": ticks.tolist(),
+            "ticktext": [f"{10.0**tick:g}" for tick in ticks],
+        },
+        customdata=amplitude,
+        hoverongaps=False,
+        hovertemplate="%{x:.5g}, frequency %{y:.4g}<br>amplitude %{customdata:.3g} mm"
+        "<extra></extra>",
+        visible=shown,
+    )
+    done = line.isel({key: np.flatnonzero(np.isfinite(line["engine_order"][:, 0].values))})
+    orders, modes = done["engine_order"], done["mode_line"]
+    group = "engine orders"
+    # Name, group, values, look, whether it is in the legend. White lines would not be seen there.
+    curves: list[tuple[str, str, Array, tuple[str, str, float], bool]] = [
+        *(
+            (f"{n:+d} Ω", group, orders.sel(order=n).values, ("#ffffff", "dot", 1), False)
+            for n in done["order"].values
+        ),
+        (group, group, np.full(done.sizes[key], np.nan), ("#5b6575", "dot", 1.5), True),
+        *(
+            (
+                f"{name}, {direction}",
+                name,
+                modes.sel(mode=name, direction=direction).values,
+                (colour, MODE_DASHES[name], 1.5),
+                direction == "forward",
+            )
+            for name, (colour, _) in LINES.items()
+            for direction in ("backward", "forward")
+        ),
     ]
-    known = one.isel({key: np.flatnonzero(np.isfinite(one["engine_order"][:, 0].values))})
-    along = known[key].values
-
-    def line(level: Array, name: str, group: str, look: Mapping[str, Any], legend: bool) -> Any:
-        return {
-            "type": "scatter",
-            "x": along,
-            "y": level,
-            "mode": "lines",
-            "line": look,
-            "name": group,
-            "legendgroup": group,
-            "showlegend": legend,
-            "visible": shown,
-            "hovertemplate": f"{name}: %{{y:.4g}}<extra></extra>",
-        }
-
-    named = "engine orders"
-    for order in known["order"].values:
-        level = known["engine_order"].sel(order=order).values
-        look = {"color": "#ffffff", "dash": "dot", "width": 1}
-        traces.append(line(level, f"{order:+d} Ω", named, look, False))
-    # White lines would not be seen in the legend, which is on white.
-    look = {"color": "#5b6575", "dash": "dot", "width": 1.5}
-    traces.append(line(np.full(len(along), np.nan), named, named, look, True))
-    for name, (colour, _) in LINES.items():
-        for way in ("backward", "forward"):
-            level = known["mode_line"].sel(mode=name, direction=way).values
-            look = {"color": colour, "dash": MODE_DASHES[name], "width": 1.5}
-            traces.append(line(level, f"{name}, {way}", name, look, way == "forward"))
-    return traces
+    return [heat] + [
+        go.Scatter(
+            x=done[key].values,
+            y=values,
+            mode="lines",
+            line={"color": colour, "dash": dash, "width": width},
+            name=family,
+            legendgroup=family,
+            showlegend=in_legend,
+            visible=shown,
+            hovertemplate=f"{name}: %{{y:.4g}}<extra></extra>",
+        )
+        for name, family, values, (colour, dash, width), in_legend in curves
+    ]
 
 
-def _words(points: xr.Dataset) -> Any:
-    """Words for every point, (line, key)."""
+def _texts(points: xr.Dataset) -> Any:
+    """Details of every point, shape (line, key)."""
     key = points[str(points.attrs["along"])]
     names = [line_label(points.isel({LINE: number})) for number in range(points.sizes[LINE])]
     unit = "" if key.attrs["units"] == "1" else f" {key.attrs['units']}"
-    words = np.empty(points["regime"].shape, dtype=object)
-    column = {str(name): points[name].values for name in points.data_vars}
-    for at in np.ndindex(words.shape):
-        own = {name: values[at] for name, values in column.items() if values.ndim == 2}
-        done = own["state"] == "done"
+    texts = np.empty(points["regime"].shape, dtype=object)
+    for at in np.ndindex(texts.shape):
+        point = points.isel({LINE: at[0], str(points.attrs["along"]): at[1]})
+        done = str(point["state"].values) == "done"
         lines = [
-            f"<b>{own['regime'] if done else own['state']}</b>",
+            f"<b>{point['regime' if done else 'state'].values}</b>",
             f"{key.attrs['long_name']} = {key.values[at[1]]:.6g}{unit}",
             names[at[0]],
         ]
         if done:
-            rate, error = float(own["growth_rate"]), float(own["growth_error"])
-            judged = f"{rate_text(rate, error)} 1/s" if np.isfinite(rate) else "not to be judged"
+            rate, error = float(point["growth_rate"]), float(point["growth_error"])
+            growth = f"{rate_text(rate, error)} 1/s" if np.isfinite(rate) else "not to be judged"
             lines += [
-                f"largest shaft displacement {MILLI * own['shaft_radius_max']:.4g} mm",
-                f"growth rate {judged}",
-                f"blades that touched {own['touched']:.0f}",
-                f"end {own['end_time']:.4g} s",
+                f"largest shaft displacement {MILLI * float(point['shaft_radius_max']):.4g} mm",
+                f"growth rate {growth}",
+                f"blades that touched {int(point['touched'])}",
+                f"end {float(point['end_time']):.4g} s",
             ]
-        words[at] = "<br>".join(filter(None, lines))
-    return words
+        texts[at] = "<br>".join(filter(None, lines))
+    return texts
 
 
 def _key_axis(values: xr.DataArray) -> dict[str, Any]:
-    return {
-        "title": {"text": key_label(values)},
-        "type": "log" if is_wide(values.values) else "linear",
-    }
+    axis_type = "log" if is_wide(values.values) else "linear"
+    return {"title_text": key_label(values), "type": axis_type}
 
 
 def _starts(count: int, most: int) -> Any:
-    """First of each of so many groups of neighbours at most."""
+    """First member of each of at most so many groups of neighbours."""
     return np.unique(np.arange(min(count, most)) * count // min(count, most))
-
-
-def _thinned(values: Array, most: int, reduce: np.ufunc, axis: int) -> Array:
-    return np.asarray(reduce.reduceat(values, _starts(values.shape[axis], most), axis=axis))

@@ -1,4 +1,4 @@
-"""Regimes in the words of a report: what each means, by which rule it is told, where it is."""
+"""Regimes in reports: names, meaning, criterion, and where they occur in a sweep."""
 
 from __future__ import annotations
 
@@ -9,53 +9,33 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.energy.regimes import CRITERION
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.reports.page import Table
 from bladewhirl.postprocess.sweep.quantities import other_keys
 
-MOST_PARTS = 3
-"""Parts of a second key that the headline tells apart: of more it gives the extent."""
+MOST_RANGES = 5
+"""Largest number of ranges of a key that are listed."""
 
 
-class RegimeWords(NamedTuple):
-    """A regime in words."""
+class Regime(NamedTuple):
+    """Regime in the words of a report."""
 
     name: str
-    tone: str  #: of the page, see `page.Page`
+    tone: str  #: tone of the page, see `page.Page`
     meaning: str
-    at_points: str  #: of a sweep: "diverges at ..."
 
 
-REGIMES: Mapping[str, RegimeWords] = {
-    "divergent": RegimeWords(
-        name="Divergent",
-        tone="bad",
-        meaning="the motion grows until a linear model has nothing left to say",
-        at_points="diverges",
-    ),
-    "sustained": RegimeWords(
-        name="Sustained contact",
-        tone="fair",
-        meaning="blades and casing go on touching, without growth beyond its uncertainty",
-        at_points="stays in contact",
-    ),
-    "damped": RegimeWords(
-        name="Damped",
-        tone="good",
-        meaning="blades and casing touched, and the motion came free of the casing again",
-        at_points="touches and comes free again",
-    ),
-    "no-contact": RegimeWords(
-        name="No contact",
-        tone="good",
-        meaning="no blade ever touched the casing",
-        at_points="never touches",
-    ),
+REGIMES: Mapping[str, Regime] = {
+    "divergent": Regime("Divergent", "bad", "The motion grows beyond the linear model."),
+    "sustained": Regime("Sustained contact", "fair", "Contact persists without growth."),
+    "damped": Regime("Damped", "good", "Blades touched the casing and came free again."),
+    "no-contact": Regime("No contact", "good", "No blade touched the casing."),
 }
-"""The worst first."""
+"""Regimes, the worst first."""
 
 
 def criterion_table(regime: str = "") -> Table:
-    """The rule by which regimes are told apart: of a run, whose line is marked, or of a sweep."""
+    """Return the criterion of the regimes; the line of the given regime is marked."""
     rules = [rule.partition(": ") for rule in CRITERION.split("; ")]
     rows = [(name, words) for name, colon, words in rules if colon]
     if regime:
@@ -64,59 +44,45 @@ def criterion_table(regime: str = "") -> Table:
     return Table(
         name="criterion",
         title="Criterion of the regimes",
-        caption="Applied from above: the first line that fits is the regime.",
+        caption="The first line that applies is the regime.",
         rows=rows,
         folded=True,
     )
 
 
-def headline(points: xr.Dataset | None, counts: Mapping[str, int], keys: str) -> str:
-    """Which regime is where along the swept keys, in one sentence.
+def regime_table(points: xr.Dataset, counts: Mapping[str, int]) -> Table:
+    """Return the number of points of each regime, and the ranges of the swept keys.
 
     Args:
-        points: over (line, key): `regime`; attribute `along`; None where no point is done.
-        counts: regimes to tell of, with how often each is.
-        keys: names of all swept keys.
+        points: over (line, key): `regime`; attribute `along`.
+        counts: number of points by regime.
     """
-    if points is None:
-        return f"Swept: {keys}. No point is done."
-    words = [f"{REGIMES[name].at_points} at {_places(points, name)}" for name in counts]
-    return f"Swept: {keys}. The stage " + "; ".join(words) + "."
+    key, others = points[str(points.attrs["along"])], other_keys(points)
+    rows = []
+    for name, count in counts.items():
+        here = points["regime"].values == name
+        ranges = [_ranges(key.values, here.any(axis=0))]
+        ranges += [_ranges(other.values, here.any(axis=1)) for other in others]
+        rows.append((REGIMES[name].name, str(count), *ranges))
+    return Table(
+        name="regime-ranges",
+        title="Ranges of the regimes",
+        head=("regime", "points", *(key_heading(each) for each in (key, *others))),
+        rows=rows,
+    )
 
 
-def _places(points: xr.Dataset, name: str) -> str:
-    """Values of the key at which a regime is, and for which values of the others."""
-    key = points[str(points.attrs["along"])]
-    found_at = points["regime"].values == name
-    own = f"{key.attrs['long_name']} {_ranges(key, found_at.any(axis=0))}"
-    others = other_keys(points)
-    if not others:
-        return own
-    if len(others) > 1:
-        return f"{own} (with some values of the other keys)"
-    (other,) = others
-    parts: dict[str, np.ndarray] = {}
-    for line in np.flatnonzero(found_at.any(axis=1)):
-        values = _ranges(key, found_at[line])
-        parts.setdefault(values, np.zeros(len(found_at), dtype=np.bool_))[line] = True
-    if len(parts) > MOST_PARTS:
-        extent = _ranges(other, found_at.any(axis=1))
-        return f"{own} with {other.attrs['long_name']} {extent} (not at every pair of them)"
-    if len(parts) == 1 and found_at.any(axis=1).all():
-        return f"{own} whatever {other.attrs['long_name']}"
-    places = [
-        f"{values.replace(', ', ' and ')} with {_ranges(other, lines)}"
-        for values, lines in parts.items()
-    ]
-    places[0] = places[0].replace("with ", f"with {other.attrs['long_name']} ")
-    return f"{key.attrs['long_name']} " + ", at ".join(places)
+def key_heading(key: xr.DataArray) -> str:
+    """Return the name of a swept key with its unit."""
+    name, units = str(key.attrs["long_name"]), str(key.attrs["units"])
+    return name if units == "1" else f"{name} [{units}]"
 
 
-def _ranges(key: xr.DataArray, chosen: np.ndarray, most: int = 5) -> str:
-    """Runs of neighbouring values, in words, with their unit."""
-    values, units = key.values, str(key.attrs["units"])
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
-    runs = [(values[a], values[b - 1]) for a, b in edges.reshape(-1, 2)]
-    said = [f"{a:.5g}" if a == b else f"{a:.5g} to {b:.5g}" for a, b in runs[:most]]
-    more = f", {len(runs) - most} more ranges" if len(runs) > most else ""
-    return ", ".join(said) + ("" if units == "1" else f" {units}") + more
+def _ranges(values: Array, chosen: Array) -> str:
+    """Ranges of neighbouring values at which something is true."""
+    every = np.unique(values)
+    inside = np.isin(every, values[chosen]).astype(int)
+    edges = np.flatnonzero(np.diff(inside, prepend=0, append=0)).reshape(-1, 2)
+    ranges = [(every[first], every[after - 1]) for first, after in edges]
+    texts = [f"{low:.5g}" if low == high else f"{low:.5g} to {high:.5g}" for low, high in ranges]
+    return ", ".join([*texts[:MOST_RANGES], *(["…"] if len(texts) > MOST_RANGES else [])])

@@ -67,4 +67,4 @@ def _unpacked(found: dict[str, Any]) -> Any:
     if "bdata" not in found:
         return found
     values = np.frombuffer(base64.b64decode(found["bdata"]), dtype=found["dtype"])
-    return values.reshape([int(size) for size in found["shape"].split(",")])
+    return values.reshape([int(size) for size in found.get("shape", "-1").split(",")])

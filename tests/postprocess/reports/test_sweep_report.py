@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +14,9 @@ from typer.testing import CliRunner
 
 import bladewhirl as bw
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
+from bladewhirl.postprocess.reports import page as report_page
 from bladewhirl.postprocess.reports.sweep import sweep_report
-from bladewhirl.postprocess.reports.verdict import headline
+from bladewhirl.postprocess.reports.verdict import regime_table
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
 from bladewhirl.studies.commands.cli import app
 
@@ -55,13 +55,20 @@ def test_it_stands_alone_with_its_figures(page: Parsed) -> None:
 def test_the_verdict_is_of_its_points(page: Parsed) -> None:
     words = re.sub(r"\s+", " ", page.words)
     assert "Sustained contact at 2 of 3 points" in words
-    assert "stays in contact at march.speed 1.2 to 1.4; never touches at march.speed 1." in words
+    assert "Sustained contact 2 1.2 to 1.4" in words
     assert "1 of 4 points failed; the reasons are listed under Points." in words
     assert "march.speed = 1.6 it could not be marched" in words
     assert "unfinished" not in words
 
 
-def test_swept_speeds_are_told_in_multiples_and_in_rpm(tmp_path: Path) -> None:
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave the pictures of figures empty."""
+    monkeypatch.setattr(report_page, "_as_png", lambda figure: "AAAA")
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_swept_speeds_are_given_in_multiples_and_in_rpm(tmp_path: Path) -> None:
     turns = REFERENCE * np.array([1.0, 1.5])
     over, units = {"march.speed": turns.tolist()}, {"march.speed": "rad/s"}
     motions = [{"speed": speed, "shaft_radius": 1e-3} for speed in turns]
@@ -86,6 +93,7 @@ def test_points_and_maps_are_those_of_the_sweep(page: Parsed) -> None:
     np.testing.assert_allclose(told[:, :3].max(axis=0), [0.4, 1.3, 1.2], rtol=0.2)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_two_keys_and_missing_points(tmp_path: Path) -> None:
     import h5py
 
@@ -109,6 +117,7 @@ def test_two_keys_and_missing_points(tmp_path: Path) -> None:
 CASE = "title = 'x'\n\n[casing]\nclearance = 5e-4\n\n[march]\nspeed = 1.2\nduration = 1.0\n"
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_two_keys_have_their_columns_marks_and_window(tmp_path: Path) -> None:
     over = {"march.speed": (1.0, 1.2), "casing.clearance": (5e-4, 1e-3)}
     motions = [{"speed": REFERENCE, "shaft_radius": radius} for radius in (*RADII, RADII[0])]
@@ -128,42 +137,22 @@ def test_two_keys_have_their_columns_marks_and_window(tmp_path: Path) -> None:
     settings = "--set march.speed=VALUE --set casing.clearance=VALUE"
     assert f"{settings} (in SI units, or with a unit) repeats a point" in words
     assert "repeats the run" not in words
-    assert "march.speed 1.2 with casing.clearance 0.5 mm, at 1 with 1 mm; never touches" in words
+    assert "Sustained contact 2 1 to 1.2 0.5 to 1" in words
 
 
-@pytest.mark.parametrize(
-    ("sustained", "expected"),
-    [
-        ({(0, 1)}, "stays in contact at march.speed 1.2 with contact.friction 0"),
-        (
-            {(1, 1), (2, 1), (0, 0), (0, 2)},
-            "at march.speed 1 and 1.4 with contact.friction 0, at 1.2 with 0.1 to 0.2",
-        ),
-        (set(product(range(6), range(3))), "at march.speed 1 to 1.4 whatever contact.friction"),
-        (
-            {(0, 0), (1, 1), (2, 2), (3, 0), (3, 1), (4, 1), (4, 2)},
-            "at march.speed 1 to 1.4 with contact.friction 0 to 0.4 (not at every pair of them)",
-        ),
-    ],
-)
-def test_the_headline_names_the_values_of_the_second_key(
-    sustained: set[tuple[int, int]], expected: str
-) -> None:
-    regime = [
-        ["sustained" if (line, n) in sustained else "damped" for n in range(3)] for line in range(6)
-    ]
+def test_the_ranges_of_a_regime_are_listed_for_every_key() -> None:
+    regime = np.full((6, 3), "damped", dtype=object)
+    regime[0, 1] = regime[0, 2] = regime[2, 0] = "sustained"
     friction = ("line", 0.1 * np.arange(6), {"long_name": "contact.friction", "units": "1"})
-    speed = ("march_speed", [1.0, 1.2, 1.4], {"long_name": "march.speed", "units": "1"})
+    clearance = ("key", [1.0, 1.2, 1.4], {"long_name": "casing.clearance", "units": "mm"})
     points = xr.Dataset(
-        {"regime": (("line", "march_speed"), regime)},
-        coords={"march_speed": speed, "contact_friction": friction},
-        attrs={"along": "march_speed"},
+        {"regime": (("line", "key"), regime)},
+        coords={"key": clearance, "contact_friction": friction},
+        attrs={"along": "key"},
     )
-    assert headline(points, {"sustained": len(sustained)}, "a, b") == (
-        f"Swept: a, b. The stage {expected}."
-        if expected.startswith("stays")
-        else f"Swept: a, b. The stage stays in contact {expected}."
-    )
+    table = regime_table(points, {"sustained": 3})
+    assert table.head == ("regime", "points", "casing.clearance [mm]", "contact.friction")
+    assert table.rows == [("Sustained contact", "3", "1 to 1.4", "0, 0.2")]
 
 
 def test_a_sweep_without_a_point_done(tmp_path: Path) -> None:
