@@ -60,8 +60,8 @@ def test_table_and_figure(place: Path) -> None:
         assert data["energy"].sizes == {"scheme": 3, "time": 201}
         assert np.isfinite(data["energy"]).all()
         printed = next(line for line in lines if line[0] == "normal")[-3:]
-        found = data["impulse"].isel(time=-1).values
-        np.testing.assert_allclose([float(word) for word in printed], found, rtol=1e-3)
+        last = data["impulse"].isel(time=-1).values
+        np.testing.assert_allclose([float(word) for word in printed], last, rtol=1e-3)
     refused = compare(place, "-o", str(place / "out"))
     assert refused.exit_code == 2
     assert refused.stderr == f"{place / 'out'}: already exists; --overwrite writes into it\n"

@@ -55,12 +55,12 @@ def document(command: str, *arguments: str) -> dict[str, Any]:
 
 
 def test_lists_of_the_literature_stage_are_those_of_an_independent_program() -> None:
-    found = document("modes", *LITERATURE, "--count", "92")
-    assert list(found) == ["bladed_disk", "bladed_disk_free", "bladed_disk_clamped", "casing"]
-    assert found["bladed_disk"] == found["bladed_disk_free"]
+    content = document("modes", *LITERATURE, "--count", "92")
+    assert list(content) == ["bladed_disk", "bladed_disk_free", "bladed_disk_clamped", "casing"]
+    assert content["bladed_disk"] == content["bladed_disk_free"]
     for name in ("free", "clamped"):
         expected = oracle("disk_modes")[name]
-        modes = found[f"bladed_disk_{name}"]
+        modes = content[f"bladed_disk_{name}"]
         assert len(modes) == 92
         assert all(
             set(mode) == {"frequency_hz", "normalised", "nodal_diameter", "family", "purity"}
@@ -75,10 +75,10 @@ def test_lists_of_the_literature_stage_are_those_of_an_independent_program() -> 
             [mode["normalised"] for mode in modes], np.array(frequency) / lowest, rtol=1e-8
         )
         assert {mode["purity"] for mode in modes} == {1.0}
-    casing = [mode["frequency_hz"] for mode in found["casing"]]
+    casing = [mode["frequency_hz"] for mode in content["casing"]]
     assert len(casing) == 92
     assert casing == sorted(casing)
-    assert [mode["family"] for mode in found["casing"][:3]] == ["rigid", "rigid", "1F"]
+    assert [mode["family"] for mode in content["casing"][:3]] == ["rigid", "rigid", "1F"]
 
 
 def test_a_clamped_case_lists_its_own_modes_first_and_stays_normalised() -> None:
@@ -174,7 +174,7 @@ def test_a_folder_that_cannot_be_made(case: Path, place: str) -> None:
 
 def test_every_nodal_diameter_and_family_has_its_speed() -> None:
     """Compare with Eq. (14) for the frequencies of `bladewhirl modes`."""
-    found = document("campbell")
+    content = document("campbell")
     modes = document("modes", "--count", "400")
 
     def frequencies(body: str, families: set[str]) -> dict[tuple[int, str], float]:
@@ -193,7 +193,7 @@ def test_every_nodal_diameter_and_family_has_its_speed() -> None:
         )
         if k == wall_k and k > 0
     }
-    rows = found["coincidences"]
+    rows = content["coincidences"]
     speeds = {
         (row["nodal_diameter"], row["rotor_family"], row["casing_family"]): row["speed_rpm"] / 60.0
         for row in rows
@@ -202,7 +202,7 @@ def test_every_nodal_diameter_and_family_has_its_speed() -> None:
     assert speeds == pytest.approx(expected, rel=1e-9)
     assert {row["nodal_diameter"] for row in rows} == set(range(1, 12))
     assert [row["speed"] for row in rows] == sorted(row["speed"] for row in rows)
-    reference = found["reference_frequency_hz"]
+    reference = content["reference_frequency_hz"]
     for row in rows:
         assert row["speed"] * reference == pytest.approx(row["speed_rpm"] / 60.0)
         assert row["in_operating_range"] == (0.6 <= row["speed"] <= 2.0)
@@ -293,13 +293,13 @@ def test_veering_diagrams(case: Path, saved: Figures) -> None:
 
 
 def test_veering_as_one_document() -> None:
-    found = document("veering")
-    assert len(found["modes"]) == 2 * 12 * 12 + 1
-    assert found["modes"][0] == {
+    content = document("veering")
+    assert len(content["modes"]) == 2 * 12 * 12 + 1
+    assert content["modes"][0] == {
         "centre": "free",
         "family": "1F",
         "nodal_diameter": 1,
-        "frequency_hz": pytest.approx(found["reference_frequency_hz"]),
+        "frequency_hz": pytest.approx(content["reference_frequency_hz"]),
         "normalised": 1.0,
     }
 
@@ -339,8 +339,8 @@ BAD_INPUT = {
 
 
 @pytest.mark.parametrize(("words", "line"), BAD_INPUT.items())
-def test_bad_input_is_one_line(case: Path, tmp_path: Path, words: str, line: str) -> None:
-    command, *arguments = shlex.split(words)
+def test_bad_input_is_one_line(case: Path, tmp_path: Path, command_line: str, line: str) -> None:
+    command, *arguments = shlex.split(command_line)
     result = run(command, case, *SMALL, *arguments)
     assert (result.exit_code, result.stdout, result.stderr) == (2, "", f"{line}\n")
     assert [path.name for path in tmp_path.iterdir()] == [case.name]

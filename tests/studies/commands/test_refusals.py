@@ -15,13 +15,9 @@ RUNNER = CliRunner()
     ("command", "file"),
     [
         (["render", "RUN", "--png"], "mine.png"),
-        (["render", "RUN", "--gif"], "mine.gif"),
-        (["render", "RUN", "--html"], "mine.html"),
         (["plot", "RUN", "orbit"], "orbit.png"),
         (["show", "CASE", "--png"], "mine.png"),
         (["export", "RUN", "--frames", "2"], "mesh.vtu"),
-        (["export", "RUN", "--frames", "2"], "view.py"),
-        (["export", "RUN", "--frames", "2"], "frames/casing_00001.vtu"),
     ],
 )
 def test_a_file_that_is_not_listed_stays(

@@ -65,7 +65,7 @@ def test_masses_frequencies_and_speed(derived: Any) -> None:
     assert sorted(lowest) == list(range(12))
     assert min(lowest, key=lambda k: lowest[k]["hz"]) == 1
     assert lowest[1] == reference
-    # What independent trials of this stage found: 1F spans 1.000 to 1.028, suspension 2.527.
+    # Independent computation of this stage: 1F spans 1.000 to 1.028, suspension 2.527.
     assert max(mode["normalised"] for mode in lowest.values()) == pytest.approx(1.028, abs=5e-4)
     assert derived["suspension"]["normalised"] == pytest.approx(2.527, abs=5e-4)
     casing = {mode["nodal_diameter"]: mode["frequency"] for mode in derived["casing"]}
@@ -118,14 +118,16 @@ def test_the_suspension_at_speed_is_the_branch_that_modes_and_campbell_name_so()
     soft = {"shaft.stiffness": 6e6, "rotation.effects": "centrifugal", "march.speed": "2300 rpm"}
     small = {"bladed_disk.blades": 8, "bladed_disk.elements_per_blade": 4}
     case = with_values(Case(), {**small, **soft, "reduction.fixed_interface_modes": 40})
-    found = bw.modes(case).sel(body="bladed-disk", centre="free", nodal_diameter=1)
-    of_it = found.sel(family="suspension").isel(number=0)
-    told = stage_properties(build_stage(case))
-    assert told.suspension is not None
-    assert told.suspension_spring_share is not None
-    assert told.suspension.hz == pytest.approx(float(of_it["frequency"]), rel=1e-3)
-    assert told.suspension_spring_share == pytest.approx(float(of_it["spring_share"]), abs=1e-2)
-    assert float(found.sel(family="1F")["spring_share"].max()) > told.suspension_spring_share
+    modes = bw.modes(case).sel(body="bladed-disk", centre="free", nodal_diameter=1)
+    suspension = modes.sel(family="suspension").isel(number=0)
+    properties = stage_properties(build_stage(case))
+    assert properties.suspension is not None
+    assert properties.suspension_spring_share is not None
+    assert properties.suspension.hz == pytest.approx(float(suspension["frequency"]), rel=1e-3)
+    assert properties.suspension_spring_share == pytest.approx(
+        float(suspension["spring_share"]), abs=1e-2
+    )
+    assert float(modes.sel(family="1F")["spring_share"].max()) > properties.suspension_spring_share
 
 
 def test_the_case_shown_is_the_case(path: Path) -> None:
@@ -219,8 +221,8 @@ def test_a_drawing_of_the_stage(
     reach = [radius[np.all(stage == colour, axis=-1)].max() for colour in (disk, blade, casing)]
     assert reach == sorted(reach)  # rim, blades, casing from the inside out
     assert reach[1] / reach[0] == pytest.approx(0.5 / 0.065, rel=0.03)  # half of the rim's 30 mm
-    for name, wanted in (("blue", blade), ("sky", casing)):
-        assert np.all(image[:, 960:] == wanted, axis=-1).any(), name  # and so in the key
+    for name, part_colour in (("blue", blade), ("sky", casing)):
+        assert np.all(image[:, 960:] == part_colour, axis=-1).any(), name  # and so in the key
 
 
 @pytest.mark.usefixtures("can_draw")

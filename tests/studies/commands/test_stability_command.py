@@ -69,13 +69,13 @@ def test_physical_amplitudes_are_hundreds_of_times_weaker() -> None:
 
 
 def test_speeds_and_springs_beyond_all_frequencies_are_refused() -> None:
-    for given in (
+    for arguments in (
         ["--speed", "1e9", "--kappa", "500"],
         ["--speed", "1.1", "--kappa", "1e29"],
         ["--speeds", "1:1e9:3"],
         ["--kappas", "0:1e29:3"],
     ):
-        result = RUNNER.invoke(app, ["stability", FAN_STAGE, *given, "--json"])
+        result = RUNNER.invoke(app, ["stability", FAN_STAGE, *arguments, "--json"])
         assert (result.exit_code, result.stdout) == (2, "")
         assert "beyond it growth is lost in rounding" in result.stderr
     result = RUNNER.invoke(app, ["stability", FAN_STAGE, "--speed", "1e300", "--kappa", "500"])
@@ -240,11 +240,11 @@ def test_stable_point_has_no_divergent_mode(tmp_path: Path) -> None:
         (["--set", "casing.sport=1"], "casing.sport"),
     ],
 )
-def test_bad_input_is_one_line(arguments: list[str], said: str, tmp_path: Path) -> None:
+def test_bad_input_is_one_line(arguments: list[str], message: str, tmp_path: Path) -> None:
     folder = tmp_path / "none"
     result = RUNNER.invoke(app, ["stability", FAN_STAGE, *arguments, "-o", str(folder)])
     assert result.exit_code == 2
-    assert said in result.stderr
+    assert message in result.stderr
     assert len(result.stderr.splitlines()) == 1
     assert result.stdout == ""
     assert not folder.exists()

@@ -85,37 +85,37 @@ def test_the_order_is_found_whatever_the_steps(size: list[float], order: float) 
 
 
 def test_second_order_without_contact(store: RunStore) -> None:
-    found = time_step_convergence(FREE, STEPS, store)
-    assert found["regime"].values.tolist() == ["no-contact"] * 3
-    assert found.attrs["displacement_order"] == pytest.approx(2.0, abs=0.05)
-    assert found.attrs["free_order"] == found.attrs["displacement_order"]
-    assert found.attrs["free_until"] == pytest.approx(0.02)
-    assert np.isnan(found.attrs["impulse_order"])
-    distance = found["distance"].values
+    data = time_step_convergence(FREE, STEPS, store)
+    assert data["regime"].values.tolist() == ["no-contact"] * 3
+    assert data.attrs["displacement_order"] == pytest.approx(2.0, abs=0.05)
+    assert data.attrs["free_order"] == data.attrs["displacement_order"]
+    assert data.attrs["free_until"] == pytest.approx(0.02)
+    assert np.isnan(data.attrs["impulse_order"])
+    distance = data["distance"].values
     assert distance[2] == 0.0
     assert distance[0] / distance[1] == pytest.approx(5.0, rel=0.05)  # (16 - 1) / (4 - 1)
 
 
 def test_contact_and_what_precedes_it(store: RunStore) -> None:
-    found = time_step_convergence(CLOSE, STEPS, store)
-    assert 0.0 < found.attrs["free_until"] < 5e-3
-    assert found.attrs["free_order"] == pytest.approx(2.0, abs=0.2)
-    impulse = found["impulse"].values
+    data = time_step_convergence(CLOSE, STEPS, store)
+    assert 0.0 < data.attrs["free_until"] < 5e-3
+    assert data.attrs["free_order"] == pytest.approx(2.0, abs=0.2)
+    impulse = data["impulse"].values
     assert (impulse > 0.0).all()
     error = np.abs(impulse - impulse[-1]) / impulse[-1]
-    np.testing.assert_allclose(found["impulse_error"], error)
+    np.testing.assert_allclose(data["impulse_error"], error)
     assert error.max() < 0.05
-    assert set(found["regime"].values) == {"sustained"}
+    assert set(data["regime"].values) == {"sustained"}
 
 
 def test_modes(store: RunStore) -> None:
-    found = mode_convergence(small(), MODES, store)
-    assert found["kept"].values.tolist() == [6, 12, 24]
-    assert found["distance"].values[-1] == 0.0
-    assert (found["distance"].values[:-1] > 0.0).all()
-    assert (np.diff(found["frequency_error"].values) < 0.0).all()
-    assert len(set(found["regime"].values)) == 1
-    assert found.attrs["motion_converged"] == 1
+    data = mode_convergence(small(), MODES, store)
+    assert data["kept"].values.tolist() == [6, 12, 24]
+    assert data["distance"].values[-1] == 0.0
+    assert (data["distance"].values[:-1] > 0.0).all()
+    assert (np.diff(data["frequency_error"].values) < 0.0).all()
+    assert len(set(data["regime"].values)) == 1
+    assert data.attrs["motion_converged"] == 1
 
 
 def test_what_is_looked_at_by_default() -> None:
@@ -175,16 +175,16 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, store: RunStor
         *(f"{name}.{kind}" for name in ("time-step", "modes") for kind in ("png", "pdf", "nc")),
     }
     assert len(list((folder / "runs").glob("*.nc"))) == 3  # 4 us with 12 modes is in both
-    found = json.loads((folder / "convergence.json").read_text())
-    assert found["time_steps"]["time_step"] == [4e-6, 2e-6]
-    assert found["time_steps"]["displacement_order"] is None
-    assert found["modes"]["modes"] == [6, 12]
+    document = json.loads((folder / "convergence.json").read_text())
+    assert document["time_steps"]["time_step"] == [4e-6, 2e-6]
+    assert document["time_steps"]["displacement_order"] is None
+    assert document["modes"]["modes"] == [6, 12]
     with xr.open_dataset(folder / "modes.nc") as data:
-        assert data["regime"].values.tolist() == found["modes"]["regime"]
+        assert data["regime"].values.tolist() == document["modes"]["regime"]
     assert command("small.toml", *options)[0] == 2
     code, out, _ = command("small.toml", *options, "--overwrite", "--json")
     assert code == 0
-    assert json.loads(out) == found
+    assert json.loads(out) == document
 
 
 @pytest.mark.parametrize(

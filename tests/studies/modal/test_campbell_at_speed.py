@@ -54,8 +54,8 @@ def diagram(effects: str = "full") -> xr.Dataset:
 
 
 def test_critical_speeds_and_engine_orders_are_listed() -> None:
-    found = coincidence_list(diagram())
-    (critical,) = found["critical_speeds"]
+    result = coincidence_list(diagram())
+    (critical,) = result["critical_speeds"]
     assert critical["ratio"] == pytest.approx(KNOWN["critical_speed"], rel=1e-7)
     assert critical["rpm"] == pytest.approx(critical["ratio"] * 60.0 * KNOWN["reference_hz"])
     assert (critical["k"], critical["family"]) == (1, "1F")
@@ -65,67 +65,67 @@ def test_critical_speeds_and_engine_orders_are_listed() -> None:
     )
     gained = (stiffer.critical_rpm.item() / critical["rpm"]) ** 2 - 1.0
     assert gained == pytest.approx(0.001 * critical["spring_share"], rel=1e-2)
-    orders = {(row["k"], row["family"]): row["ratio"] for row in found["engine_orders"]}
+    orders = {(row["k"], row["family"]): row["ratio"] for row in result["engine_orders"]}
     for row in KNOWN["engine_orders"]:
         assert orders[row["k"], "1F"] == pytest.approx(row["full"], rel=1e-7)
-    assert found["clearance_gone"]["ratio"] == pytest.approx(KNOWN["growth_of_1mm"], rel=1e-7)
+    assert result["clearance_gone"]["ratio"] == pytest.approx(KNOWN["growth_of_1mm"], rel=1e-7)
 
 
 def test_speeds_are_given_in_any_unit() -> None:
     hertz = diagram().attrs["reference_frequency_hz"]
     limits = ("0 rpm", f"{2.5 * 60.0 * hertz!r} rpm")
-    found = campbell(stage_case(), families=2, speeds=limits, operating=(0.5, "50 Hz"))
-    assert found.attrs["speeds"] == pytest.approx((0.0, 2.5))
-    assert found.attrs["operating_range"] == pytest.approx((0.5, 50.0 / hertz))
-    np.testing.assert_allclose(found.critical_speed, diagram().critical_speed)
+    result = campbell(stage_case(), families=2, speeds=limits, operating=(0.5, "50 Hz"))
+    assert result.attrs["speeds"] == pytest.approx((0.0, 2.5))
+    assert result.attrs["operating_range"] == pytest.approx((0.5, 50.0 / hertz))
+    np.testing.assert_allclose(result.critical_speed, diagram().critical_speed)
     for wrong in (("0 mm", 1), (2.0, 1.0), (-1.0, 1.0), (float("nan"), 1.0)):
         with pytest.raises(UserError, match=r"campbell: speeds \("):
             campbell(stage_case(), speeds=wrong)
 
 
 def test_without_coriolis_forces_waves_do_not_part() -> None:
-    found = diagram("centrifugal")
+    result = diagram("centrifugal")
     orders = {
-        (row["k"], row["family"]): row["ratio"] for row in coincidence_list(found)["engine_orders"]
+        (row["k"], row["family"]): row["ratio"] for row in coincidence_list(result)["engine_orders"]
     }
     for row in KNOWN["engine_orders"]:
         assert orders[row["k"], "1F"] == pytest.approx(row["no_coriolis"], rel=1e-7)
-    backward = found.branch_frequency[(found.branch_direction == "backward").values]
-    forward = found.branch_frequency[(found.branch_direction == "forward").values]
-    stiff = (found.line_speed < 2.1).values
+    backward = result.branch_frequency[(result.branch_direction == "backward").values]
+    forward = result.branch_frequency[(result.branch_direction == "forward").values]
+    stiff = (result.line_speed < 2.1).values
     np.testing.assert_allclose(backward.values[:, stiff], -forward.values[:, stiff], rtol=1e-9)
 
 
 def test_branches_have_the_frequencies_of_the_stage_at_speed() -> None:
-    found = diagram()
+    result = diagram()
     for row in KNOWN["speeds"]:
         if row["ratio"] in (0.5, 2.5):  # which are among the speeds of the lines
-            here = found.sel(line_speed=row["ratio"], method="nearest")
+            here = result.sel(line_speed=row["ratio"], method="nearest")
             for k in (2, 5):
                 for way in ("backward", "forward"):
-                    own = (found.branch_nodal_diameter == k) & (found.branch_direction == way)
-                    own &= found.branch_family == "1F"
-                    (frequency,) = np.abs(here.branch_frequency.values[own.values])
+                    branch = (result.branch_nodal_diameter == k) & (result.branch_direction == way)
+                    branch &= result.branch_family == "1F"
+                    (frequency,) = np.abs(here.branch_frequency.values[branch.values])
                     assert frequency == pytest.approx(row[way][str(k)][0], rel=1e-7)
-            grown = float(here.tip_growth)
-            assert grown == pytest.approx(row["tip_growth_softened"], rel=1e-7)
+            growth = float(here.tip_growth)
+            assert growth == pytest.approx(row["tip_growth_softened"], rel=1e-7)
 
 
 def test_coincidences_lie_on_the_branches() -> None:
     """At k Omega - omega_c, later than at rest: tension stiffens the blades."""
-    found, at_rest = diagram(), campbell(stage_case("none"), families=2)
+    result, at_rest = diagram(), campbell(stage_case("none"), families=2)
     for family, k in (("1F", 1), ("1F", 2), ("1F", 4)):
         casing = "rigid" if k == 1 else "1F"
-        one = found.sel(family=family, casing_family=casing, nodal_diameter=k)
+        one = result.sel(family=family, casing_family=casing, nodal_diameter=k)
         other = at_rest.sel(family=family, casing_family=casing, nodal_diameter=k)
         assert float(one.normalised_speed.item()) > float(other.normalised_speed.item()) * 1.01
         hertz = float(one.speed.item()) / 60.0
         met = k * hertz - float(one.casing_frequency.item())
         assert float(one.rotor_frequency.item()) == pytest.approx(met, rel=1e-12)
-        branch = (found.branch_nodal_diameter == k) & (found.branch_direction == "backward")
-        branch &= found.branch_family == family
-        line = found.branch_frequency.values[branch.values][0]
-        expected = np.interp(one.normalised_speed.item(), found.line_speed.values, line)
+        branch = (result.branch_nodal_diameter == k) & (result.branch_direction == "backward")
+        branch &= result.branch_family == family
+        line = result.branch_frequency.values[branch.values][0]
+        expected = np.interp(one.normalised_speed.item(), result.line_speed.values, line)
         assert met == pytest.approx(expected, rel=1e-3)
 
 
@@ -171,19 +171,21 @@ def test_waves_that_have_met_grow_as_a_march_does() -> None:
     soft = {"bladed_disk.blades": 8, "bladed_disk.elements_per_blade": 4, "shaft.stiffness": 6e6}
     turning = {"rotation.effects": "full", "march.speed": 3.6, "damping.ratio": 0.0}
     case = with_values(Case(), {**soft, **turning, "reduction.fixed_interface_modes": 40})
-    found = campbell(case, families=1, speeds=(0.0, 3.6))
-    met, growth = found.attrs["waves_meet"], found["branch_growth"]
+    result = campbell(case, families=1, speeds=(0.0, 3.6))
+    met, growth = result.attrs["waves_meet"], result["branch_growth"]
     one = growth.isel(branch=int(growth[:, -1].values.argmax()))
     assert (one.sel(line_speed=slice(0.0, met)) == 0.0).all()
     assert (one.where(one["line_speed"] > met, drop=True) > 0.0).all()
-    assert found["critical_speed"].max() < met < 3.6
+    assert result["critical_speed"].max() < met < 3.6
     stage = build_stage(case)
     rate = float(one[-1])
     (hint,) = [line for line in stage_hints(stage) if "have met" in line]
     assert float(hint.partition("growing by ")[2].split()[0]) == pytest.approx(rate, rel=0.01)
-    given = replace(contact_problem(stage), displacement_limit=1e9)
-    given = replace(given, casing=replace(given.casing, clearance=1e9 + given.casing.clearance))
-    chunk = marched(thrown(given, 1e-3, spread=0.5), 1e-6, 160_000, every=100)
+    problem = replace(contact_problem(stage), displacement_limit=1e9)
+    problem = replace(
+        problem, casing=replace(problem.casing, clearance=1e9 + problem.casing.clearance)
+    )
+    chunk = marched(thrown(problem, 1e-3, spread=0.5), 1e-6, 160_000, every=100)
     late = slice(chunk.records // 2, None)
     size = np.log(np.linalg.norm(chunk.rotor_displacement[late], axis=1))
     assert np.polyfit(chunk.time[late], size, 1)[0] == pytest.approx(rate, rel=0.03)
@@ -198,8 +200,8 @@ def test_unlike_sectors_are_refused() -> None:
 def test_contact_scenarios_are_of_the_wave_where_it_meets_the_casing() -> None:
     """The backward wave of 1F, slow in static axes there, hardly moves the shaft."""
     stage = modal_stage(with_values(stage_case(), {"casing.support": 1508.0}))
-    found = campbell(stage, families=1, speeds=(0.0, 2.5))["normalised_speed"]
-    met = found.values[[(row[0], row[2]) == ("1F", 1) for row in found["coincidence"].values]]
+    result = campbell(stage, families=1, speeds=(0.0, 2.5))["normalised_speed"]
+    met = result.values[[(row[0], row[2]) == ("1F", 1) for row in result["coincidence"].values]]
     for name, share in CASING_SHARES.items():
         modes = whirling_modes(stage, casing_share=share)
         assert modes.speed / stage.reference_frequency == pytest.approx(met[0], rel=1e-9)

@@ -28,7 +28,7 @@ def case(**changes: float) -> bw.Case:
 
 
 @cache
-def found() -> dict[str, xr.Dataset]:
+def studies() -> dict[str, xr.Dataset]:
     stage = modal_stage(case())
     return {
         "modes": bw.modes(stage),
@@ -38,7 +38,7 @@ def found() -> dict[str, xr.Dataset]:
 
 
 def test_modes_are_selected_by_their_coordinates() -> None:
-    modes = found()["modes"]
+    modes = studies()["modes"]
     free = modes.sel(body="bladed-disk", centre="free")
     pair = free.frequency.sel(family="1F", nodal_diameter=1)
     assert pair["pattern"].values.tolist() == ["cosine", "sine"]
@@ -46,37 +46,37 @@ def test_modes_are_selected_by_their_coordinates() -> None:
     assert free.sel(family="1F", nodal_diameter=0)["pattern"].values.tolist() == ["single"]
     np.testing.assert_array_equal(np.diff(free.number), 1)
     assert (np.diff(free.frequency) >= 0.0).all()
-    own = modal_stage(case())
+    stage = modal_stage(case())
     np.testing.assert_array_equal(
-        modes.sel(body="casing").frequency, own.casing_modes.frequency / (2 * np.pi)
+        modes.sel(body="casing").frequency, stage.casing_modes.frequency / (2 * np.pi)
     )
 
 
 def test_a_suspension_is_what_springs_hold_and_clamping_ends_it() -> None:
-    disk = found()["modes"].sel(body="bladed-disk")
+    disk = studies()["modes"].sel(body="bladed-disk")
     assert float(disk.spring_share.sel(family="suspension").min()) > 0.5
     assert "suspension" not in disk.sel(centre="clamped")["family"].values
 
 
 def test_a_diagram_drawn_is_drawn_again_the_same() -> None:
-    once = drawn_part(found()["campbell"])
-    assert once.sizes["mode"] < found()["campbell"].sizes["mode"]
+    once = drawn_part(studies()["campbell"])
+    assert once.sizes["mode"] < studies()["campbell"].sizes["mode"]
     assert drawn_part(once).identical(once)
 
 
 def test_veering_holds_the_modes_of_both_centres_once() -> None:
-    modes, veering = found()["modes"], found()["veering"]
+    modes, veering = studies()["modes"], studies()["veering"]
     for centre in ("free", "clamped"):
         one = veering.frequency.sel(centre=centre, family="2F", nodal_diameter=1)
-        own = modes.sel(body="bladed-disk", centre=centre)
-        pair = own.frequency.sel(family="2F", nodal_diameter=1)
+        disk = modes.sel(body="bladed-disk", centre=centre)
+        pair = disk.frequency.sel(family="2F", nodal_diameter=1)
         np.testing.assert_array_equal(pair, float(one))
     assert veering.branch_spring_share.sel(stiffness=1e6, branch=0).ndim == 0
 
 
 @pytest.mark.parametrize("name", ["modes", "campbell", "veering"])
 def test_every_variable_says_its_unit_and_goes_into_a_file(name: str, tmp_path: Path) -> None:
-    data = found()[name]
+    data = studies()[name]
     silent = {str(key) for key, values in data.items() if "units" not in values.attrs}
     assert silent <= {"in_operating_range"}
     index = "coincidence" if name == "campbell" else "mode"
@@ -86,19 +86,19 @@ def test_every_variable_says_its_unit_and_goes_into_a_file(name: str, tmp_path: 
 
 
 def test_a_case_and_its_reduced_stage_have_the_same_modes() -> None:
-    assert bw.modes(case()).identical(found()["modes"])
-    assert bw.modes(build_stage(case())).identical(found()["modes"])
+    assert bw.modes(case()).identical(studies()["modes"])
+    assert bw.modes(build_stage(case())).identical(studies()["modes"])
     clamped = bw.modes(case(**{"shaft.clamped": True}))
     assert clamped.attrs["centre"] == "clamped"
-    np.testing.assert_array_equal(clamped.frequency, found()["modes"].frequency)
+    np.testing.assert_array_equal(clamped.frequency, studies()["modes"].frequency)
 
 
 def test_the_front_door_draws_them() -> None:
     frames: tuple[Literal["rotating", "static"], ...] = ("rotating", "static")
     for frame in frames:
-        (axes,) = bw.plot.campbell(found()["campbell"], frame).axes
+        (axes,) = bw.plot.campbell(studies()["campbell"], frame).axes
         assert axes.get_ylabel() == f"frequency / ω₁, {frame} frame [–]"
         upper, right = axes.child_axes
         assert (upper.get_xlabel(), right.get_ylabel()) == ("speed [rpm]", "frequency [Hz]")
-    assert len(bw.plot.veering(found()["veering"], families=2).axes) == 3
-    assert bw.plot.shaft_veering(found()["veering"]).axes[0].get_xscale() == "log"
+    assert len(bw.plot.veering(studies()["veering"], families=2).axes) == 3
+    assert bw.plot.shaft_veering(studies()["veering"]).axes[0].get_xscale() == "log"

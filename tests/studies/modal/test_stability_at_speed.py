@@ -1,4 +1,4 @@
-"""Stability of coupled modes on a bladed disk that feels that it turns."""
+"""Stability of coupled modes on a bladed disk with rotation effects."""
 
 from __future__ import annotations
 
@@ -53,10 +53,10 @@ def test_the_frame_at_half_speed_agrees_with_real_matrices_over_a_turn(
     fields = system.stage.modal.disk_modes.fields(numbers)
     assert system.rotation is not None
     damping, softening = np.diag(modes.damping_rate[modes.entry]), np.zeros((modes.size,) * 2)
-    among, found = np.ix_(rotor, rotor), system.rotation
-    softening[among] = omega**2 * (fields.T @ (found.geometric - found.mass) @ fields)
+    among, matrices = np.ix_(rotor, rotor), system.rotation
+    softening[among] = omega**2 * (fields.T @ (matrices.geometric - matrices.mass) @ fields)
     if effects == "full":
-        damping[among] += 2.0 * omega * (fields.T @ found.coriolis @ fields)
+        damping[among] += 2.0 * omega * (fields.T @ matrices.coriolis @ fields)
     turn = floquet(
         lambda times: softening + periodic_stiffness(modes, kappa=400.0, angle=omega * times),
         period=2.0 * np.pi / abs(omega),
@@ -64,8 +64,8 @@ def test_the_frame_at_half_speed_agrees_with_real_matrices_over_a_turn(
     )
     growth = growth_rate(modes, speed=omega, kappa=400.0)
     assert float(growth) == pytest.approx(float(turn.growth), rel=1e-7, abs=1e-6)
-    (own,) = coupled_floquet(modes, speed=omega, kappa=400.0).values()
-    np.testing.assert_allclose(own.monodromy, turn.monodromy, atol=1e-7 * abs(omega))
+    (rotating,) = coupled_floquet(modes, speed=omega, kappa=400.0).values()
+    np.testing.assert_allclose(rotating.monodromy, turn.monodromy, atol=1e-7 * abs(omega))
 
 
 def test_blades_of_one_hand_have_complex_matrices() -> None:
@@ -85,11 +85,11 @@ def test_more_modes_at_rest_come_nearer_to_waves_at_speed() -> None:
         part = system.modes.harmonic(1)
         assert part.turning is not None
         rotor, omega = np.flatnonzero(~part.on_casing), 1.05 * system.reference
-        found = rotor_waves(part.turning.take(rotor), part.frequency[rotor], omega).real
+        computed = rotor_waves(part.turning.take(rotor), part.frequency[rotor], omega).real
         assert system.rotation is not None
         exact = -waves(system.rotation, 1, "full").frequencies(omega).real
         lowest = exact[np.argsort(np.abs(exact))[:2]]
-        errors.append(max(np.abs(found - each).min() / abs(each) for each in lowest))
+        errors.append(max(np.abs(computed - rate).min() / abs(rate) for rate in lowest))
     assert errors[0] < 1e-2
     assert errors[1] < 3e-4
 
@@ -112,9 +112,11 @@ def test_zones_at_speed_are_where_growth_is(modes: str) -> None:
     speeds = np.linspace(low, high, 1500)
     for kappa in kappas:
         growing = is_unstable(growth_rate(system.modes, speed=speeds, kappa=kappa), speeds)
-        own = zones.kappa == kappa
-        inside = (speeds[:, None] > zones.lower[own]) & (speeds[:, None] < zones.upper[own])
-        away = np.abs(speeds[:, None] - np.append(zones.lower[own], zones.upper[own])).min(axis=1)
+        border = zones.kappa == kappa
+        inside = (speeds[:, None] > zones.lower[border]) & (speeds[:, None] < zones.upper[border])
+        away = np.abs(speeds[:, None] - np.append(zones.lower[border], zones.upper[border])).min(
+            axis=1
+        )
         sure = away > 1e-3 * low
         np.testing.assert_array_equal(growing[sure], inside.any(axis=1)[sure])
 
@@ -140,21 +142,21 @@ def test_internal_damping_grows_as_known_and_bearings_hold_it() -> None:
     matrices = rotation_matrices(disk)
     for ratio, growth, _ in row["growth_rates_xi_0.005"]:
         omega = 2.0 * np.pi * row["reference_hz"] * ratio
-        found = internal_growth(disk, matrices, omega, "full", damping_ratio=0.005)
+        computed = internal_growth(disk, matrices, omega, "full", damping_ratio=0.005)
         if growth < 0.0:  # known of k = 1; others may decay more slowly
-            assert growth - 1e-6 < found.rate < 0.0
-            assert found.holding == 0.0
+            assert growth - 1e-6 < computed.rate < 0.0
+            assert computed.holding == 0.0
             continue
-        assert found.rate == pytest.approx(growth, abs=1e-6)
-        assert found.nodal_diameter == 1
-        assert found.holding is not None
+        assert computed.rate == pytest.approx(growth, abs=1e-6)
+        assert computed.nodal_diameter == 1
+        assert computed.holding is not None
         layout = matrices.structure.layout
         assert layout is not None
         assert 1 in nodal_diameters(layout.sectors)
         centre = np.asarray(layout.basis(1).conj().T[:, disk.centre].toarray())
         block = DampedWaves(own=waves(matrices, 1, "full"), damping_ratio=0.005, omega=omega)
-        assert block.growth(centre, found.holding) == pytest.approx(0.0, abs=1e-7)
-        assert block.growth(centre, 1.1 * found.holding) < 0.0 < block.growth(centre, 0.0)
+        assert block.growth(centre, computed.holding) == pytest.approx(0.0, abs=1e-7)
+        assert block.growth(centre, 1.1 * computed.holding) < 0.0 < block.growth(centre, 0.0)
 
 
 def test_internal_damping_destabilises_the_bladed_disk_alone_past_its_critical_speed() -> None:
