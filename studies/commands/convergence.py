@@ -13,6 +13,7 @@ from bladewhirl.studies.commands.options import (
     AsJson,
     CaseFile,
     Changes,
+    Overwrite,
     Workers,
     output_option,
     parse_number,
@@ -58,12 +59,7 @@ def convergence(
         Path | None,
         output_option("Folder to make; CASE-convergence by default."),
     ] = None,
-    overwrite: Annotated[
-        bool,
-        typer.Option(
-            "--overwrite", help="Write into a folder that exists; its marches are used again."
-        ),
-    ] = False,
+    overwrite: Overwrite = False,
     workers: Workers = None,
     json: AsJson = False,
     overrides: Changes = None,

@@ -69,22 +69,22 @@ def plot(
     from bladewhirl.postprocess.plotting.style import save_figure
 
     of_sweep = _is_sweep(directory)
-    known = SWEEP_FIGURES if of_sweep else RUN_FIGURES
+    figure_names = SWEEP_FIGURES if of_sweep else RUN_FIGURES
     if not names:
-        typer.echo("\n".join(captions(known)))
+        typer.echo("\n".join(captions(figure_names)))
         return
-    unknown = [name for name in names if name not in (*known, ALL)]
+    unknown = [name for name in names if name not in (*figure_names, ALL)]
     for name in unknown:
-        if REPLACED.get(name) in known:
+        if REPLACED.get(name) in figure_names:
             raise UserError(f"{name}: expected {REPLACED[name]}, which replaces it")
     if unknown:
         kind = "a sweep has" if of_sweep else "a run has"
-        raise UserError(f"{', '.join(unknown)}: {kind} {', '.join(known)}; or {ALL}")
+        raise UserError(f"{', '.join(unknown)}: {kind} {', '.join(figure_names)}; or {ALL}")
     if of_sweep and (start is not None or end is not None):
         raise UserError(f"{directory}: expected no --from and --to with a sweep")
     folder = output or (directory if directory.is_dir() else directory.parent) / PLOTS
     with options_of_window(), _opened(directory, start, end) as figures:
-        for name in known if ALL in names else dict.fromkeys(names):
+        for name in figure_names if ALL in names else dict.fromkeys(names):
             try:
                 figure, drawn = figures.draw(name)
             except ViewError as error:

@@ -96,10 +96,10 @@ def render(
         typer.Option(help="Factor on displacements and clearance; 1 is true; chosen by default."),
     ] = None,
     frame: Annotated[
-        FrameOfView, typer.Option(help="Whose axes the picture is drawn in.")
+        FrameOfView, typer.Option(help="Axes in which the picture is drawn.")
     ] = FrameOfView.static,
     colour: Annotated[
-        FieldOfColour, typer.Option(help="What beams and wall are coloured by.")
+        FieldOfColour, typer.Option(help="Field that colours beams and wall.")
     ] = FieldOfColour.displacement,
     orbit: Annotated[
         bool, typer.Option("--orbit", help="Show the shaft's orbit in an inset.")
@@ -119,24 +119,22 @@ def render(
 
     flags = {"gif": gif, "mp4": mp4, "png": png, "sheet": sheet, "html": page}
     targets = _targets(directory, output, [kind for kind, flag in flags.items() if flag])
-    times = time or []
+    times: list[Any] = time or []
     window = {"frames": frames, "start": start, "end": end}
     _check_options(set(targets), times, {"--frames": frames, "--from": start, "--to": end})
     pictures: list[tuple[Path, dict[str, Any]]] = []
     for kind, path in targets.items():
         if kind == "png":
-            instants: list[float | None] = [*times] or [None]
-            pictures += [(_numbered(path, i, times), {"time": t}) for i, t in enumerate(instants)]
+            several = len(times) > 1
+            for number, instant in enumerate(times or [None], 1):
+                name = f"{path.stem}_{number}{path.suffix}" if several else path.name
+                pictures.append((path.with_name(name), {"time": instant}))
         elif kind == "sheet":
             sheet_window = window | {"frames": frames or SHEET_PICTURES}
             pictures.append((path, {"time": times} if times else sheet_window))
         else:
             pictures.append((path, window))
-    look: dict[str, Any] = {
-        "exaggeration": exaggeration,
-        "frame": frame.value,
-        "colour": colour.value,
-    }
+    look: dict[str, Any] = {"frame": frame.value, "colour": colour.value, "orbit": orbit}
     with options_of_window(), open_result(directory) as result:
         for instant in times:
             check_inside(result, instant)
@@ -145,7 +143,7 @@ def render(
                 check_file(path, overwrite=overwrite)
         for path, chosen in pictures:
             with progress_bar(path.name) as update:
-                draw(result, path, **chosen, **look, progress=update)
+                draw(result, path, **chosen, **look, exaggeration=exaggeration, progress=update)
             if "time" in chosen:
                 typer.echo(f"Wrote {path}.")
             else:
@@ -207,8 +205,3 @@ def _check_options(kinds: set[str], times: list[float], window: Mapping[str, obj
     for name, value in window.items():
         if unused and value is not None:
             raise UserError(f"{name}: not for what is to be drawn; a still has --time")
-
-
-def _numbered(path: Path, index: int, times: list[float]) -> Path:
-    """Return the file of a still, numbered from 1 if there are several."""
-    return path if len(times) < 2 else path.with_name(f"{path.stem}_{index + 1}{path.suffix}")

@@ -8,7 +8,13 @@ from typing import Annotated
 import typer
 
 from bladewhirl.studies.commands.exits import interruptible
-from bladewhirl.studies.commands.options import Scheduler, Workers, output_option, refuse_both
+from bladewhirl.studies.commands.options import (
+    AsJson,
+    Scheduler,
+    Workers,
+    output_option,
+    refuse_both,
+)
 from bladewhirl.studies.commands.progress import progress_bar
 
 FOLDER = Path("reproduction")
@@ -44,9 +50,7 @@ def reproduce(
     ] = None,
     workers: Workers = None,
     scheduler: Scheduler = None,
-    json: Annotated[
-        bool, typer.Option("--json", help="Print the scorecard as one JSON document.")
-    ] = False,
+    json: AsJson = False,
 ) -> None:
     """Judge what the source paper claims, from marches and sweeps made here.
 
@@ -77,11 +81,11 @@ def reproduce(
         repeats=repeats or (1 if quick else REPEATS),
         speed_step=speed_step,
     )
-    goes_on = f"the same command goes on with what is in {output}"
+    remedy = f"the same command continues with the marches in {output}"
     with (
         progress_bar("marches") as marches,
         progress_bar("sweep over speed") as points,
-        interruptible(goes_on),
+        interruptible(remedy),
     ):
         watch = Watch(progress=lambda done, failed, total: points(done + failed, total))
         told = Told(marches=marches, sweep=watch)

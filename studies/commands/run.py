@@ -10,7 +10,15 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands.exits import INTERRUPTED
-from bladewhirl.studies.commands.options import Changes, End, Rotating, Start, output_option
+from bladewhirl.studies.commands.options import (
+    AsJson,
+    Changes,
+    End,
+    Overwrite,
+    Rotating,
+    Start,
+    output_option,
+)
 from bladewhirl.studies.commands.progress import progress_bar
 
 if TYPE_CHECKING:
@@ -29,9 +37,7 @@ def run(
         output_option("Folder to make; runs/NAME of the case if none.", "DIR"),
     ] = None,
     overrides: Changes = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace the run in an existing folder.")
-    ] = False,
+    overwrite: Overwrite = False,
     frames: Annotated[
         int, typer.Option(help="Frames of the ParaView series; 0 for no series.")
     ] = 300,
@@ -45,9 +51,7 @@ def run(
             help="Go on with the run in this folder; --set march.duration=6 makes it longer.",
         ),
     ] = None,
-    json: Annotated[
-        bool, typer.Option("--json", help="Print the summary as one JSON document.")
-    ] = False,
+    json: AsJson = False,
 ) -> None:
     """March a case in time.
 

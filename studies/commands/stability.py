@@ -106,10 +106,10 @@ def stability(
     """Chart growth rates over speed and coupling stiffness, or look at one point.
 
     Frame and bearings couple bladed disk and casing by springs of stiffness κ. A chart shows the
-    unstable zones, their borders found by root finding, the eigenvalues along --line and, for
+    unstable zones, their borders by root finding, the eigenvalues along --line and, for
     other modes than the six of the paper, what those six hide. One point (--speed and --kappa)
     gives growth rate and eigenvalues and, with -o, the divergent mode in time. With --json and no
-    -o nothing is written. Where blades differ, growth rates are found by dense matrices: this
+    -o nothing is written. Where blades differ, growth rates are computed with dense matrices: this
     takes --physical, "six" is 1F,suspension,casing:1 with all modes of these families, and a chart
     has no borders of zones. Uneven casings, unequal bearings and, with --damped, dampers are
     looked at one point at a time, by the monodromy matrix of a turn.

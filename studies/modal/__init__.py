@@ -1,1 +1,1 @@
-"""Modes, Campbell and veering diagrams, stability, contact scenarios: found, listed, drawn."""
+"""Modes, Campbell and veering diagrams, stability and contact scenarios."""

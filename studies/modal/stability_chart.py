@@ -107,13 +107,13 @@ def _ranges(system: System, omegas: FloatArray, kappas: FloatArray) -> xr.Datase
     )
 
 
-def truncation(whole: xr.Dataset, few: xr.Dataset) -> xr.Dataset:
+def truncation(complete: xr.Dataset, few: xr.Dataset) -> xr.Dataset:
     """Return zones of all modes and of a few of them, labelled "all" or "few" by `zone_of`."""
     parts = [
         data[[str(name) for name in data.data_vars if str(name).startswith("zone_")]].assign(
             zone_of=("zone", np.full(data.sizes["zone"], label))
         )
-        for label, data in (("all", whole), ("few", few))
+        for label, data in (("all", complete), ("few", few))
     ]
     return xr.concat(parts, dim="zone").assign_attrs(title="what truncation hides")
 

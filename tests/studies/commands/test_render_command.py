@@ -1,6 +1,7 @@
 """`bladewhirl render`: which files it writes, what it says, what it refuses."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from PIL import Image
@@ -96,6 +97,19 @@ def test_what_is_refused(
     assert len(done.stderr.splitlines()) == 1
     assert sorted(run.iterdir()) == before
     assert list(tmp_path.iterdir()) == []
+
+
+def test_options_of_the_view(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[dict[str, Any]] = []
+    monkeypatch.setattr(
+        "bladewhirl.studies.runs.render.render", lambda _, path, **options: calls.append(options)
+    )
+    options = ["--time", "0.1", "--orbit", "--colour", "gap", "--exaggeration", "5"]
+    assert RUNNER.invoke(app, ["render", str(run), "--png", *options]).exit_code == 0
+    [view] = calls
+    assert view.pop("progress")
+    look = {"exaggeration": 5.0, "frame": "static", "colour": "gap", "orbit": True}
+    assert view == {"time": 0.1, **look}
 
 
 @pytest.mark.usefixtures("can_draw")
