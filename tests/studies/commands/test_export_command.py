@@ -38,10 +38,7 @@ def test_surfaces_in_a_named_folder(run: Path, tmp_path: Path) -> None:
     ("arguments", "message"),
     [
         (["--from", "0.3", "--to", "0.1"], "--from, --to: window [0.3, 0.1] s must be ordered"),
-        (["--from", "7"], "window [7, "),
         (["--exaggeration", "-2"], "exaggeration must be a positive number"),
-        (["--exaggeration", "1e300"], "exaggeration must be a positive number, 1e-09 to 1e+09"),
-        (["--to", "soon"], "--to soon: expected a time in seconds"),
         (["-o", "file/series"], "file/series: cannot be written"),
     ],
 )

@@ -73,7 +73,6 @@ def test_a_window_and_a_folder(directory: Path, tmp_path: Path) -> None:
             "--from, --to: window [0.3, 0.1] s must be ordered",
         ),
         (["energy-cyclic"], "energy-cyclic: expected energy-families, which replaces it"),
-        (["orbit", "--to", "soon"], "--to soon: expected a time"),
     ],
 )
 def test_what_cannot_be_drawn_is_said_in_one_line(

