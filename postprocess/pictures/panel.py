@@ -239,7 +239,7 @@ def write_symbols(scene: StageScene, top: float) -> int:
     """Name the symbols of springs, dampers and struts that are drawn, below `top`; how many."""
     drawn = scene.drawing.picture(0).symbols
     left, right, number = 0.018, 0.06, 0
-    for kind, (name, _) in KINDS.items():
+    for kind, name in KINDS.items():
         if len(getattr(drawn, kind)):
             height = top - KEY_STEP * number - 0.012
             start, end = (scene.place(SQUARE + across, height) for across in (left, right))
