@@ -1,4 +1,4 @@
-"""Options that several commands share, and the numbers, ranges and times that they take."""
+"""Shared options of the commands, and parsers of their values."""
 
 from __future__ import annotations
 
@@ -67,9 +67,11 @@ def parse_speed(option: str, text: str) -> Speed:
 def _speed(text: str) -> Speed:
     from bladewhirl.models.inputs.units import Speed
 
-    with suppress(ValueError):
-        return Speed(float(text))
-    return Speed(text.strip())
+    try:
+        number = float(text)
+    except ValueError:
+        return Speed(text.strip())
+    return Speed(number)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
@@ -11,7 +13,7 @@ from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.solvers.stability.growth import Progress, coincidence_speeds, eigenvalues
 from bladewhirl.solvers.stability.tracking import track
-from bladewhirl.solvers.stability.zones import unstable_zones
+from bladewhirl.solvers.stability.zones import UnstableZones, unstable_zones
 from bladewhirl.studies.modal.coupled_system import EvenSystem, System
 from bladewhirl.studies.modal.modes import quantity
 
@@ -78,19 +80,25 @@ def zones(
     coincidence = MULTIPLES | {"long_name": "coincidence speed, Eq. (14)"}
     starts = [pairs[pair] / unit for pair in zip(borders.casing, borders.rotor, strict=True)]
     return _ranges(system, omegas, kappas).assign(
+        **_zone_variables(borders, names, unit),
         zone_kappa=quantity("zone", borders.kappa, "N/m"),
-        zone_lower=("zone", borders.lower / unit, MULTIPLES),
-        zone_upper=("zone", borders.upper / unit, MULTIPLES),
-        zone_growth=quantity("zone", borders.growth, "1/s"),
         zone_nodal_diameter=("zone", modes.nodal_diameter[borders.casing]),
-        zone_casing=("zone", names[borders.casing]),
-        zone_rotor=("zone", names[borders.rotor]),
         zone_start=("zone", np.array(starts), coincidence),
         coincidence=("pair", np.array([*pairs.values()]) / unit, coincidence),
         coincidence_nodal_diameter=("pair", modes.nodal_diameter[casings]),
         coincidence_casing=("pair", names[casings]),
         coincidence_rotor=("pair", names[rotors]),
     )
+
+
+def _zone_variables(borders: UnstableZones, names: StringArray, unit: float) -> dict[str, Any]:
+    return {
+        "zone_lower": ("zone", borders.lower / unit, MULTIPLES),
+        "zone_upper": ("zone", borders.upper / unit, MULTIPLES),
+        "zone_growth": quantity("zone", borders.growth, "1/s"),
+        "zone_casing": ("zone", names[borders.casing]),
+        "zone_rotor": ("zone", names[borders.rotor]),
+    }
 
 
 def _ranges(system: System, omegas: FloatArray, kappas: FloatArray) -> xr.Dataset:
@@ -134,17 +142,13 @@ def spectrum_along(system: EvenSystem, omegas: FloatArray, kappa: float) -> xr.D
     along = np.unique(np.append(np.linspace(low, high, LINE_SPEEDS), inside))
     spectra = eigenvalues(system.modes, speed=along, kappa=kappa, with_pi=system.with_pi)
     branches, plane = track(along, spectra), ("speed", "branch")
-    names, unit = np.array(system.modes.name), system.reference
+    unit = system.reference
     return xr.Dataset(
         data_vars={
             "real": quantity(plane, branches.real, "1/s", "growth rate"),
             "imaginary": quantity(plane, branches.imag, "rad/s", "frequency"),
             "branch_name": ("branch", _branch_names(system.modes, along[0], branches[0])),
-            "zone_lower": ("zone", borders.lower / unit, MULTIPLES),
-            "zone_upper": ("zone", borders.upper / unit, MULTIPLES),
-            "zone_growth": quantity("zone", borders.growth, "1/s"),
-            "zone_casing": ("zone", names[borders.casing]),
-            "zone_rotor": ("zone", names[borders.rotor]),
+            **_zone_variables(borders, np.array(system.modes.name), unit),
         },
         coords={"speed": ("speed", along / unit, MULTIPLES)},
         attrs=system.attributes()
