@@ -1,7 +1,7 @@
-"""Colouring of the stage in a picture: by any field of a result, or the parts it consists of.
+"""Colouring of the stage in a picture, by a field of a result or by parts.
 
-Values are true, whatever the exaggeration. They are given at both sides of beams and wall, since
-the strain of bending is not the same there.
+Values are true at any exaggeration. They are given on both sides of beams and wall, where bending
+strains differ.
 """
 
 from __future__ import annotations
@@ -44,16 +44,16 @@ Field = Literal[
 ]
 
 DIVERGING = "RdBu_r"
-"""Colour map of signed values, told apart by colour-blind readers."""
+"""Colour map of signed values, distinct for colour-blind readers."""
 
 PART_COLOURS = tuple(
     COLOURS[name] for name in ("k = 0", "other k", "suspension", "k = 1", "contact", "rest")
 )
-"""Of the rotor's parts, in turn; the casing has its own."""
+"""Colours of the parts of the rotor, in turn; the casing has its own."""
 
 
 class Stations(NamedTuple):
-    """Number of pieces that beams and wall are cut into."""
+    """Numbers of pieces of beams and wall."""
 
     per_line: int  #: pieces of a beam
     per_element: int  #: pieces of an element of the casing
@@ -61,15 +61,15 @@ class Stations(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Colouring:
-    """True values of a field in a picture; NaN where it has none."""
+    """True values of a field in a picture; NaN where it has no value."""
 
-    name: str  #: as it is written beside the scale, without unit
-    unit: str  #: in which it is written; "" for parts
-    scale: float  #: how many of it are one in SI
+    name: str  #: label of the scale, without unit
+    unit: str  #: unit of the scale; "" for parts
+    scale: float  #: number of these units in one SI unit
     rotor: Array  #: (record, line, station, side)
     casing: Array  #: (record, station, side), not closed
     signed: bool = False
-    parts: Mapping[str, str] | None = None  #: colours of parts by name; values are their numbers
+    parts: Mapping[str, str] | None = None  #: colours of parts by name; values number them
 
     @property
     def colour_map(self) -> str | list[str]:
@@ -79,7 +79,7 @@ class Colouring:
         return DIVERGING if self.signed else SEQUENTIAL
 
     def colours(self, levels: int) -> list[str]:
-        """Colours of the map in so many steps, or those of the parts, as #rrggbb."""
+        """Return the colours of the map in steps, or those of the parts, as #rrggbb."""
         if isinstance(self.colour_map, str):
             shades = matplotlib.colormaps[self.colour_map](np.linspace(0.0, 1.0, levels))
             return [to_hex(shade) for shade in shades]
@@ -103,11 +103,11 @@ class Colouring:
 def colouring(
     dataset: xr.Dataset, field: Field, records: IntArray, stations: Stations, rotating: bool
 ) -> Colouring:
-    """A field at the given records, seen from the rotor or standing still.
+    """Return the values of a field at records, in rotating or static axes.
 
     Raises:
         ViewError: no such field.
-        ResultError: strain or stress of an old result that knows no sections.
+        ResultError: strain or stress of an old result without sections.
     """
     if field not in get_args(Field):
         raise ViewError(f"colour must be one of {', '.join(get_args(Field))}, got {field!r}")
@@ -129,8 +129,8 @@ def _magnitude(
     stations: Stations,
     rotating: bool = False,
 ) -> Colouring:
-    """Magnitude of displacement, of what it is beyond the body's mean motion, or of its rate in
-    the axes of the picture.
+    """Magnitude of displacement, of deformation without the mean motion of the body, or of velocity
+    in the axes of the picture.
     """
     _, rows = line_rows(dataset, stations.per_line)
     beams = rows.reshape(-1, 2, rows.shape[-1])
@@ -144,10 +144,10 @@ def _magnitude(
         ("rotor", beams, centre, 0.0 if rotating else speed),
         ("casing", ring, ring.mean(axis=0), -speed if rotating else 0.0),
     ):
-        own = shape - mean if field == "deformation" else shape
-        values = combine(history(dataset, f"{body}_displacement", records), own)
+        rows_shown = shape - mean if field == "deformation" else shape
+        values = combine(history(dataset, f"{body}_displacement", records), rows_shown)
         if field == "velocity":
-            rate = combine(history(dataset, f"{body}_velocity", records), own)
+            rate = combine(history(dataset, f"{body}_velocity", records), rows_shown)
             values = rate + spin * rotate(values, np.pi / 2)
         seen.append(np.linalg.norm(values, axis=-1))
     rotor, casing = seen
@@ -163,7 +163,7 @@ def _magnitude(
 
 
 def _strained(dataset: xr.Dataset, field: str, records: IntArray, stations: Stations) -> Colouring:
-    """Axial or bending strain, or the stress at the surface."""
+    """Axial or bending strain, or surface stress."""
     rotor = Strains.of(
         history(dataset, "rotor_displacement", records),
         rotor_strain_rows(dataset, stations.per_line),
@@ -200,7 +200,7 @@ def _at_surfaces(strains: Strains, field: str, modulus: Array) -> Array:
 
 
 def _gap(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colouring:
-    """The gap at its tip for every blade."""
+    """Gap at the tip of every blade."""
     gap, blade = history(dataset, "gap", records), line_blades(dataset)
     values = np.where(blade >= 0, gap[:, blade], np.nan)
     rotor = np.repeat(values[:, :, None], stations.per_line + 1, axis=2)
@@ -216,7 +216,7 @@ def _gap(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colourin
 
 
 def _parts(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colouring:
-    """Numbers of parts: those of the rotor in the order of the mesh, then the casing."""
+    """Numbers of parts: parts of the rotor in the order of the mesh, then the casing."""
     part = dataset["rotor_part"].values.astype(str)
     names = list(dict.fromkeys(part))
     number = np.array([names.index(name) for name in part], dtype=np.float64)
@@ -239,7 +239,7 @@ def _on_both_sides(values: Array) -> Array:
 
 
 def scale_end(largest: float) -> float:
-    """The end of a colour scale from 0 that holds a value and whose quarters are short numbers."""
+    """Return the round end of a colour scale from 0 whose quarters are short numbers."""
     if largest == 0:
         return 1.0
     decade = 10.0 ** np.floor(np.log10(largest))

@@ -1,6 +1,6 @@
 """Geometry of a picture of the stage: beams and wall as filled ribbons, contact as arrows.
 
-Places are those of `EnlargedStage`, turned into the axes of the picture.
+Points are those of `EnlargedStage`, turned into the axes of the picture.
 """
 
 from dataclasses import dataclass
@@ -22,39 +22,42 @@ from bladewhirl.postprocess.pictures.symbols import StageSymbols, Symbols
 
 Frame = Literal["static", "rotating"]
 
-BEAM_STATIONS = 6  #: a beam is drawn as this many straight pieces
-RING_STATIONS = 720  #: and the casing as at least this many
-MARK = 0.7  #: where the first blade is marked, as a share of its tip's radius
+BEAM_STATIONS = 6  #: straight pieces of a beam
+RING_STATIONS = 720  #: smallest number of straight pieces of the casing
+MARK = 0.7  #: radius of the mark on the first blade, relative to the tip radius
 
 
 @dataclass(frozen=True, kw_only=True)
 class Ribbon:
-    """A strip of quads along lines, `sides` (line, station, side, 2) with sides 0 and 1."""
+    """Strip of quads along lines."""
 
-    sides: Array  #: (line, station, 2, 2) [m]
-    values: Array  #: of the field that colours it, true, at its sides (line, station, 2)
+    sides: Array  #: points on both sides (line, station, side, 2) [m]
+    values: Array  #: true values of the field at the sides (line, station, side)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Picture:
-    """The stage at one record. Lengths are as drawn, values are true."""
+    """Stage at one record. Lengths are as drawn, values are true."""
 
     time: float  #: [s]
     rotor: Ribbon
     casing: Ribbon
     shaft: Array  #: drawn centre (2,) [m]
     tips: Array  #: drawn tips (blade, 2) [m]
-    mark: Array  #: a drawn point of the first blade (2,) [m], by which a turn can be followed
+    mark: Array  #: drawn mark on the first blade (2,) [m], which shows the rotation
     symbols: Symbols  #: springs, supports, masses
-    forces: Array  #: contact force on each tip (blade, 2) [N], true size, in the picture's axes
+    forces: Array  #: true contact force on each tip (blade, 2) [N], in the axes of the picture
 
 
 class Drawing:
-    """The stage at chosen records, ready to be drawn.
+    """Stage at chosen records.
 
-    `exaggeration` multiplies displacements and clearance (`EnlargedStage`, which chooses a round
-    number for None). `colour` is the field that colours beams and wall (`colouring`). `frame` is
-    the observer's: "static" shows a turning rotor, "rotating" holds it and turns the casing back.
+    Args:
+        dataset: a result.
+        records: numbers of the records.
+        exaggeration: factor of displacements and clearance; a round number is chosen when None.
+        frame: in "static" the rotor turns, in "rotating" the casing turns back.
+        colour: field that colours beams and wall, see `colouring`.
     """
 
     def __init__(
@@ -101,17 +104,13 @@ class Drawing:
         return float(np.linalg.norm(self._forces, axis=-1).max())
 
     def linear_limit(self) -> float | None:
-        """Displacement [m] from which a linear model is off by a tenth or more, if blades bend
-        further.
-        """
+        """Displacement [m] from which a linear model is wrong by a tenth, if exceeded."""
         bent = self._stage.rotor_displacement - self._stage.centre[:, None]
         limit = LARGE_DISPLACEMENT * self._stage.tip_radius
         return limit if np.linalg.norm(bent, axis=-1).max() > limit else None
 
     def reach(self) -> tuple[float, float]:
-        """Largest distances from the origin [m], over all records, of the drawn stage and of a
-        tip in contact (0 if there is none).
-        """
+        """Largest distances from the origin [m] of the drawn stage and of tips in contact."""
         stage = contact = 0.0
         for index in range(len(self)):
             seen = self.picture(index)
@@ -125,7 +124,7 @@ class Drawing:
         return len(self.records)
 
     def picture(self, index: int) -> Picture:
-        """The stage at the index-th of the chosen records."""
+        """Return the stage at the index-th of the chosen records."""
         stage, turned = self._stage, self._rotor_turn[index]
         line, nodes, wall = stage.rotor_line(index), stage.rotor_nodes(index), stage.wall(index)
         centre = stage.factor * stage.centre[index]
@@ -150,7 +149,7 @@ class Drawing:
         )
 
     def _casing_ribbon(self, index: int, sides: Array) -> Ribbon:
-        """The wall, from the surface that is rubbed outward; the line is closed by repetition."""
+        """Wall from the inner surface outward; the first station is repeated at the end."""
         closed = np.append(np.arange(len(sides)), 0)
         return Ribbon(
             sides=rotate(sides[closed], self._casing_turn[index])[None],
@@ -159,7 +158,7 @@ class Drawing:
 
 
 def arrows(tips: Array, forces: Array, length_per_newton: float, width: float) -> Array:
-    """Outlines (blade, 7, 2) of arrows that end on the tips and point along the forces.
+    """Return outlines (blade, 7, 2) of arrows that end on the tips and point along the forces.
 
     Corners 0, 1, 5, 6 are the shaft and 2, 3, 4 the head, up to five widths long. A blade without
     contact has an arrow of no size.
@@ -178,7 +177,7 @@ def arrows(tips: Array, forces: Array, length_per_newton: float, width: float) -
 
 
 def widened(sides: Array, right: float, left: float) -> Array:
-    """Ribbon sides (line, station, 2, 2) with a margin [m] on the right and one on the left."""
+    """Return ribbon sides (line, station, 2, 2) with margins [m] on the right and on the left."""
     span = sides[:, :, 1] - sides[:, :, 0]
     across = span / np.linalg.norm(span, axis=-1)[..., None]
     return np.stack([sides[:, :, 0] - right * across, sides[:, :, 1] + left * across], axis=2)

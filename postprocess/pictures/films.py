@@ -16,12 +16,14 @@ from bladewhirl.postprocess.pictures.offscreen import Pixels
 FRAME_RATE = 25  #: pictures a second; 40 ms are a whole number of a GIF's ticks
 
 Progress = Callable[[int, int], None]
-"""Told pictures done and pictures in all."""
+"""Called with the numbers of pictures done and in total."""
 
 
 def write_gif(path: Path, pictures: Iterable[Pixels], palette: Image.Image) -> None:
-    """A GIF that loops. All pictures share one palette and are not dithered: colours don't
-    flicker, and the file is half as large as with a palette for each picture.
+    """Write a GIF that loops.
+
+    All pictures have one palette and are not dithered: colours do not flicker, and the file is half
+    as large as with a palette for each picture.
     """
     frames = (
         Image.fromarray(pixels).quantize(palette=palette, dither=Image.Dither.NONE)
@@ -33,19 +35,23 @@ def write_gif(path: Path, pictures: Iterable[Pixels], palette: Image.Image) -> N
         first.save(file, "GIF", save_all=True, append_images=frames, duration=duration, loop=0)
 
 
-def shared_palette(meant: Array, sample: Pixels, colours: int = 256) -> Image.Image:
-    """Colours of a GIF: those meant (colour, 3), between 0 and 1, exactly; the rest for the edges
-    between them as a sample has them.
+def shared_palette(exact: Array, sample: Pixels, colours: int = 256) -> Image.Image:
+    """Return the palette of a GIF.
+
+    Args:
+        exact: colours that are kept exactly (colour, 3), between 0 and 1.
+        sample: picture from which the other colours are taken.
+        colours: number of colours.
     """
-    exact = np.round(255 * meant).astype(np.uint8).ravel().tolist()
-    edges = Image.fromarray(sample).quantize(colours - len(meant)).getpalette() or []
+    kept = np.round(255 * exact).astype(np.uint8).ravel().tolist()
+    edges = Image.fromarray(sample).quantize(colours - len(exact)).getpalette() or []
     palette = Image.new("P", (1, 1))
-    palette.putpalette((exact + edges)[: 3 * colours])
+    palette.putpalette((kept + edges)[: 3 * colours])
     return palette
 
 
 def write_mp4(path: Path, pictures: Iterable[Pixels]) -> None:
-    """An MP4 (H.264) that browsers and slides play."""
+    """Write an MP4 (H.264) that browsers and slides play."""
     # Any: imageio declares its writers without their methods.
     writer: Any = imageio.get_writer(path, fps=FRAME_RATE, codec="libx264", quality=7)
     with writer as film:

@@ -1,5 +1,4 @@
-"""The stage as pixels, drawn without a display; whether that is possible is asked before VTK is
-loaded, which would crash."""
+"""Stage as pixels, drawn without a display, if the system can do so: otherwise VTK would crash."""
 
 from __future__ import annotations
 
@@ -33,12 +32,12 @@ _MOST_DEVICES = 16
 
 
 class OffScreenError(UserError):
-    """The system lacks what drawing without a display needs; the message says what to install."""
+    """A library for drawing without a display is missing; the message names packages to install."""
 
 
 @functools.cache
 def require_off_screen() -> None:
-    """Make VTK draw off-screen through EGL, or raise OffScreenError in one line.
+    """Make VTK draw off-screen through EGL, or raise OffScreenError.
 
     On Linux VTK loads OpenGL when the first window opens and dies by a segmentation fault where
     libEGL or a driver is missing, so the same steps are tried here. Other systems bring
@@ -59,11 +58,13 @@ def require_off_screen() -> None:
 
 @contextmanager
 def off_screen_plotter(size: tuple[int, int]) -> Iterator[pyvista.Plotter]:
-    """A white plotter for pictures of that size in pixels, without a display; OffScreenError where
-    there can be none. pyvista is loaded here, since it must not be before that is known.
+    """Yield a white plotter for pictures of a size in pixels, without a display.
 
-    The plotter is `FINER` times as wide and high, which `pixels_of` takes back: a software driver
-    smooths edges so in two thirds of the time of its multi-sampling.
+    The plotter is `FINER` times as wide and high, and `pixels_of` reduces the picture: this smooths
+    edges in two thirds of the time of multi-sampling. pyvista is imported here, after the check.
+
+    Raises:
+        OffScreenError: the system can't draw.
     """
     require_off_screen()
     import pyvista
@@ -78,7 +79,7 @@ def off_screen_plotter(size: tuple[int, int]) -> Iterator[pyvista.Plotter]:
 
 
 def pixels_of(plotter: pyvista.Plotter) -> Pixels:
-    """The picture of a plotter from `off_screen_plotter`."""
+    """Return the picture of a plotter from `off_screen_plotter`."""
     plotter.render()
     return np.array(Image.fromarray(plotter.screenshot(return_img=True)).reduce(FINER))
 
@@ -93,9 +94,9 @@ def stage_view(
     trail: IntArray | None = None,
     sheet: bool = False,
 ) -> Iterator[Callable[[int | None], Pixels]]:
-    """An off-screen stage: a function that gives the pixels of the index-th record, or, for None,
-    of the one before with what holds for all records written instead of its own. See `Panel` for
-    the stage of a `sheet`.
+    """Yield a function that returns the pixels of the index-th record.
+
+    For None it returns the record before, with the panel of all records. See `Panel` for `sheet`.
     """
     with off_screen_plotter(size) as plotter:
         from bladewhirl.postprocess.pictures.panel import Panel
@@ -117,17 +118,17 @@ def stage_view(
         yield picture
 
 
-def _missing(what: str) -> OffScreenError:
+def _missing(library: str) -> OffScreenError:
     return OffScreenError(
-        f"drawing without a display needs {what}, which was not found; "
+        f"drawing without a display needs {library}, which was not found; "
         f"on Debian or Ubuntu: apt-get install {PACKAGES}"
     )
 
 
 def _has_driver(egl: ctypes.CDLL) -> bool:
-    """See if EGL starts on at least one device, a graphics card or a software driver.
+    """Return whether EGL starts on a device, a graphics card or a software driver.
 
-    Displays are left open: ending them would end those that VTK may hold in this process.
+    Displays are left open: closing them would close those of VTK in this process.
     """
     pointer, integer = ctypes.c_void_p, ctypes.c_int
     egl.eglGetProcAddress.restype = pointer
@@ -140,8 +141,8 @@ def _has_driver(egl: ctypes.CDLL) -> bool:
     )(query_address)
     open_display = ctypes.CFUNCTYPE(pointer, ctypes.c_uint, pointer, pointer)(display_address)
     egl.eglInitialize.argtypes = [pointer, pointer, pointer]
-    devices, found = (pointer * _MOST_DEVICES)(), integer(0)
-    if not query(_MOST_DEVICES, devices, ctypes.byref(found)):
+    devices, count = (pointer * _MOST_DEVICES)(), integer(0)
+    if not query(_MOST_DEVICES, devices, ctypes.byref(count)):
         return False
-    displays = (open_display(_PLATFORM_DEVICE, device, None) for device in devices[: found.value])
+    displays = (open_display(_PLATFORM_DEVICE, device, None) for device in devices[: count.value])
     return any(display and egl.eglInitialize(display, None, None) for display in displays)

@@ -1,7 +1,7 @@
-"""Stills and animations of a run, drawn off-screen: what the stage did, in a file anyone opens.
+"""Stills, sheets of stills and animations of a run, drawn off-screen.
 
-pyvista and the scene are imported where they are used (`offscreen`): loading VTK takes longer than
-a march needs to start, and it must not happen before it is known that VTK can draw here.
+pyvista and the scene are imported where they are used (`offscreen`): importing VTK takes long, and
+must wait until it is checked that VTK can draw.
 """
 
 from collections.abc import Iterator, Mapping
@@ -10,7 +10,7 @@ from pathlib import Path
 import imageio.v2 as imageio
 import numpy as np
 import xarray as xr
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
 
 from bladewhirl.meshes.files.drafts import replacing
 from bladewhirl.postprocess.fields.kinematics import (
@@ -21,7 +21,7 @@ from bladewhirl.postprocess.fields.kinematics import (
     frame_records,
     nearest_records,
 )
-from bladewhirl.postprocess.pictures.appearance import scene_colours
+from bladewhirl.postprocess.pictures.appearance import FONT, INK, SQUARE, scene_colours
 from bladewhirl.postprocess.pictures.colouring import Field
 from bladewhirl.postprocess.pictures.drawing import Drawing, Frame
 from bladewhirl.postprocess.pictures.films import (
@@ -34,8 +34,10 @@ from bladewhirl.postprocess.pictures.films import (
 from bladewhirl.postprocess.pictures.offscreen import Pixels, stage_view
 from bladewhirl.postprocess.plotting.files import checked_target
 
-WINDOW = (1280, 960)  #: pixels; multiples of 16, as video codecs want
-GIF_WINDOW = (960, 720)  #: smaller, since a GIF compresses badly
+WINDOW = (1280, 960)  #: [pixels]; multiples of 16, for video codecs
+GIF_WINDOW = (960, 720)  #: [pixels]; smaller, since a GIF compresses badly
+CELL = 480  #: width and height of a picture of a sheet [pixels]
+PANEL_HEIGHT = 960  #: smallest height of a sheet, for a legible panel [pixels]
 FRAMES = 120
 MOST_FRAMES = 600
 FRAMES_PER_BLADE = 3  #: fewer pictures per passing blade make the wheel seem to turn backward
@@ -48,20 +50,19 @@ def animation_records(
     start: float | None = None,
     end: float | None = None,
 ) -> IntArray:
-    """Records of an animation that shows a smooth turn.
+    """Return the records of an animation in which the rotation is smooth.
 
-    Pictures are a whole number of records apart, so close that a revolution gets at least 24 and
-    a blade three on its way to the next one's place. Without a window, `frames` (120) of them are
-    put where contact was strongest, at the end of the run if there was none; with one end of the
-    window they start or end there. With both, the window is filled, by at most 600 pictures or by
-    `frames`, which may be too few for a smooth turn (see `sampling_hint`). ViewError as for
-    `frame_records`.
+    Pictures are a whole number of records apart, with at least 24 in a revolution and three in a
+    blade passage. Without a window there are `frames` (120) of them about the strongest contact,
+    or at the end of a run without contact; with one end of the window they start or end there.
+    With both, they fill the window: at most 600, or `frames`, which may be too few for a smooth
+    rotation (see `sampling_hint`). Raises ViewError as `frame_records`.
     """
     window = frame_records(dataset, dataset.sizes["time"], start, end)
     if start is not None and end is not None:
         chosen = window[:: _stride(dataset)]
-        wanted = min(len(chosen), MOST_FRAMES) if frames is None else frames
-        return chosen if wanted == len(chosen) else frame_records(dataset, wanted, start, end)
+        count = min(len(chosen), MOST_FRAMES) if frames is None else frames
+        return chosen if count == len(chosen) else frame_records(dataset, count, start, end)
     if frames is not None and frames < 1:
         raise ViewError(f"number of frames must be at least 1, got {frames}")
     stride = _stride(dataset)
@@ -77,10 +78,10 @@ def animation_records(
 def sheet_records(
     dataset: xr.Dataset, frames: int, *, start: float | None = None, end: float | None = None
 ) -> IntArray:
-    """Records of a sheet, evenly spread over its window.
+    """Return equidistant records for a sheet.
 
-    Without a window that is the revolution in which contact was strongest, the last one if there
-    was none; all of the run where nothing turns. ViewError as for `frame_records`.
+    Without a window they cover the revolution of the strongest contact, the last revolution
+    without contact, or the run at zero speed. Raises ViewError as `frame_records`.
     """
     speed, step = abs(float(dataset.attrs["speed"])), float(dataset.attrs["record_step"])
     span = 1 + round(2 * np.pi / speed / step) if speed else dataset.sizes["time"]
@@ -90,7 +91,7 @@ def sheet_records(
 
 
 def strongest_contact(dataset: xr.Dataset) -> int:
-    """Record with the largest contact impulse on one blade, the last one if none was touched."""
+    """Return the record of the largest contact impulse on a blade; the last without contact."""
     largest = _contact_impulse(dataset).max(axis=1)
     return int(np.argmax(largest)) if largest.any() else len(largest) - 1
 
@@ -106,12 +107,14 @@ def render_still(
     orbit: bool = False,
     size: tuple[int, int] = WINDOW,
 ) -> Path:
-    """A PNG of the stage at the record nearest to `time` [s]; returns its path.
+    """Draw the stage at the record nearest to `time` [s] as PNG; return the path.
 
-    Without a time, the record of the strongest contact is shown. Exaggeration, frame and colour
-    are those of `Drawing`; with `orbit` an inset shows the way of the shaft since the revolution
-    before. ViewError for a time outside the run or another kind of file, OffScreenError
-    where the system can't draw.
+    Without a time, the record of the strongest contact is drawn. See `Drawing` for exaggeration,
+    frame and colour; with `orbit` an inset shows the orbit of the shaft in the revolution before.
+
+    Raises:
+        ViewError: a time outside the run, or another suffix.
+        OffScreenError: the system can't draw.
     """
     target = checked_target(path, ".png")
     if time is None:
@@ -138,13 +141,15 @@ def render_animation(
     size: tuple[int, int] | None = None,
     progress: Progress | None = None,
 ) -> Path:
-    """A GIF or MP4 of the given records (see `animation_records`), 25 a second; returns its path.
+    """Draw records (see `animation_records`) as GIF or MP4, 25 a second; return the path.
 
-    Exaggeration, frame and colour are those of `Drawing`; colours and arrows keep one scale
-    throughout. With `orbit` an inset shows the way of the shaft.
-    `size` in pixels is 960 x 720 for a GIF and 1280 x 960 for an MP4 by default. `progress` is
-    told pictures done and pictures in all. ViewError for another kind of file,
-    OffScreenError where the system can't draw.
+    See `Drawing` for exaggeration, frame and colour; colours and arrows have one scale. With
+    `orbit` an inset shows the orbit of the shaft. The size is 960 x 720 pixels for a GIF and 1280 x
+    960 for an MP4 by default. `progress` is called with the numbers of pictures done and in total.
+
+    Raises:
+        ViewError: another suffix.
+        OffScreenError: the system can't draw.
     """
     target = checked_target(path, ".gif", ".mp4")
     gif = target.suffix.lower() == ".gif"
@@ -173,15 +178,63 @@ def render_animation(
     return target
 
 
+def render_sheet(
+    dataset: xr.Dataset,
+    path: str | Path,
+    records: IntArray,
+    *,
+    exaggeration: float | None = None,
+    frame: Frame = "static",
+    colour: Field = "displacement",
+    columns: int | None = None,
+    cell: int = CELL,
+) -> Path:
+    """Draw the stage at each record, row by row, beside one panel as PNG; return the path.
+
+    All pictures have one scale of colours, forces and displacements. `columns` is chosen by
+    default, `cell` is the width of a picture in pixels. Raises errors as `render_still`.
+    """
+    target = checked_target(path, ".png")
+    drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
+    wide = columns or int(np.ceil(np.sqrt(len(records))))
+    rows = -(-len(records) // wide)
+    size = (round(cell / SQUARE), cell)
+    sheet = np.full((rows * cell, wide * cell, 3), 255, dtype=np.uint8)
+    with stage_view(dataset, drawing, size, sheet=True) as picture:
+        for index in range(len(records)):
+            row, column = divmod(index, wide)
+            place = (slice(row * cell, (row + 1) * cell), slice(column * cell, (column + 1) * cell))
+            sheet[place] = _labelled(picture(index)[:, :cell], float(drawing.times[index]))
+    height = max(len(sheet), PANEL_HEIGHT)
+    with stage_view(dataset, drawing, (round(height / SQUARE), height), sheet=True) as picture:
+        picture(0)
+        beside = picture(None)[:, height:]
+    image = np.full((height, sheet.shape[1] + beside.shape[1], 3), 255, dtype=np.uint8)
+    image[: len(sheet), : sheet.shape[1]] = sheet
+    image[:, sheet.shape[1] :] = beside
+    with replacing(target) as draft:
+        imageio.imwrite(draft, image)
+    return target
+
+
+def _labelled(pixels: Pixels, time: float) -> Pixels:
+    """Picture with its time [s] in the upper left corner."""
+    image = Image.fromarray(pixels)
+    font = ImageFont.truetype(FONT, round(0.045 * image.height))
+    inset = round(0.015 * image.height)
+    ImageDraw.Draw(image).text((inset, inset), f"{1e3 * time:.4g} ms", fill=INK, font=font)
+    return np.asarray(image)
+
+
 def _palette(drawing: Drawing, samples: list[Pixels]) -> Image.Image:
-    """The 256 colours of a GIF: those of the scene, and what lies between them in samples."""
+    """Palette of a GIF: colours of the scene, and those between them in samples."""
     seen = np.vstack(samples).reshape(1, -1, 3)
     drawn = seen[:, np.any(seen[0] < 240, axis=1)]  # a near-white would be taken for white
     return shared_palette(scene_colours(drawing.colouring, 90), drawn)
 
 
 def _revolution_before(dataset: xr.Dataset, record: int) -> IntArray:
-    """Records of the last revolution up to one; of all the time before it where nothing turns."""
+    """Records of the revolution before a record; all earlier records at zero speed."""
     speed = abs(float(dataset.attrs["speed"]))
     time = dataset["time"].values
     begin = time[record] - 2 * np.pi / speed if speed else time[0]
@@ -189,7 +242,7 @@ def _revolution_before(dataset: xr.Dataset, record: int) -> IntArray:
 
 
 def check_inside(dataset: xr.Dataset, time: float) -> None:
-    """See that a time [s] lies in the run; else ViewError."""
+    """Check that a time [s] lies in the run; raise ViewError otherwise."""
     first, last = dataset["time"].values[[0, -1]]
     step = float(dataset.attrs["record_step"])  # the last record may fall short of the end
     if not first - step <= time <= last + step:
@@ -197,7 +250,7 @@ def check_inside(dataset: xr.Dataset, time: float) -> None:
 
 
 def _stride(dataset: xr.Dataset) -> int:
-    """Records from one picture to the next."""
+    """Number of records from one picture to the next."""
     speed = abs(float(dataset.attrs["speed"]))
     if speed == 0:
         return 1
@@ -207,14 +260,14 @@ def _stride(dataset: xr.Dataset) -> int:
 
 
 def _busiest(dataset: xr.Dataset, span: int) -> int:
-    """First of `span` records with the largest contact impulse in all; the last ones if none."""
+    """First of `span` records with the largest total contact impulse; the last without contact."""
     total = np.concatenate([[0.0], np.cumsum(_contact_impulse(dataset).sum(axis=1))])
     within = total[span:] - total[:-span]
     return int(np.argmax(within)) if total[-1] > 0 else len(within) - 1
 
 
 def _contact_impulse(dataset: xr.Dataset) -> Array:
-    """Contact impulse since the record before (time, blade) [N s]; zero of a mode in time."""
+    """Contact impulse since the record before (time, blade) [N s]; zero for a mode."""
     if "contact_impulse" in dataset:
         return np.asarray(dataset["contact_impulse"].values)
     return np.zeros((dataset.sizes["time"], dataset.sizes["blade"]))

@@ -1,9 +1,9 @@
-"""A picture of a stage before any run: what it consists of, what holds it, and its named sets."""
+"""Picture of a stage before any run: parts, supports and named sets."""
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,15 +29,15 @@ if TYPE_CHECKING:
     from bladewhirl.postprocess.pictures.scene import StageScene
 
 SET_COLOURS = ("#ffffff", "#20262e", "#f0e442", "#cc79a7", "#56b4e9", "#009e73")
-"""Of the dots that mark the nodes of sets, in turn."""
+"""Colours of the dots at the nodes of sets, in turn."""
 
-DOT = 0.011  #: radius of the first set's dots, as a share of the picture's; others are smaller
+DOT = 0.011  #: radius of the dots of the first set, relative to the picture; others are smaller
 
 
 def stage_at_rest(
     arrays: StageArrays, *, title: str, tip_radius: float, casing_radius: float, clamped: bool
 ) -> xr.Dataset:
-    """A stage at one instant, at which nothing moves."""
+    """Return a stage at rest, at one instant."""
     motion = {
         "time": np.zeros(1),
         "rotor_displacement": np.zeros((1, len(arrays.rotor_frequency))),
@@ -60,17 +60,17 @@ def draw_stage(
     exaggeration: float | None = None,
     size: tuple[int, int] = WINDOW,
 ) -> Path:
-    """A PNG of a stage with its parts, sets and supports named; returns its path.
+    """Draw a stage with its parts, sets and supports as PNG; return the path.
 
     Args:
         dataset: from `stage_at_rest`, or a result, of which the first record is drawn.
-        path: of the file.
-        node_sets: nodes of the rotor by the name of their set.
-        exaggeration: of the clearance; None for a round number that shows it (`Drawing`).
-        size: [pixels].
+        path: target.
+        node_sets: nodes of the rotor by the name of the set.
+        exaggeration: factor of the clearance; chosen when None, see `Drawing`.
+        size: width and height [pixels].
 
     Raises:
-        ViewError: a name that does not end in .png, or a bad factor.
+        ViewError: the name does not end in .png, or the factor is invalid.
         OffScreenError: the system can't draw.
     """
     target = checked_target(path, ".png")
@@ -89,16 +89,15 @@ def draw_stage(
 
 
 def _mark_sets(scene: StageScene, node_sets: Mapping[str, IntArray]) -> None:
-    """Dots at the nodes of every set; where sets share a node they are rings in each other."""
+    """Dots at the nodes of every set, concentric where sets share a node."""
     for number, (nodes, colour) in enumerate(zip(node_sets.values(), SET_COLOURS, strict=False)):
         size = DOT * (1.0 - number / (len(SET_COLOURS) + 1))
         scene.dots(scene.drawing.nodes[nodes], size, colour, layer=8 + 2 * number)
 
 
 def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, IntArray]) -> None:
-    """Parts and sets with their colours, symbols, and what else there is to say."""
+    """Write title, sizes, keys of parts, sets and symbols, and numbers of supports."""
     from bladewhirl.postprocess.pictures.panel import (
-        KEY_LETTERS,
         KEY_STEP,
         LINE_LETTERS,
         draw_scale_bar,
@@ -110,31 +109,26 @@ def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, In
 
     plotter, drawing = scene.plotter, scene.drawing
     write_title(plotter, dataset)
-    write(scene.plotter, draw_scale_bar(scene, "clearance"), 0.085, 11, indent=-SQUARE)
-    write(plotter, "\n".join(size_words(dataset)), 0.885, 13)
+    write(plotter, draw_scale_bar(scene, "clearance"), 0.085, 11, indent=-SQUARE)
+    write(plotter, "\n".join(size_lines(dataset)), 0.885, 13)
     parts = drawing.colouring.parts or {}
-    top = 0.76
-    told = [f"{name}, {thickness_words(dataset, name)}" for name in parts]
-    thick = " thick" if max(map(len, told)) + len(" thick") <= KEY_LETTERS else ""
-    key = {words + thick: colour for words, colour in zip(told, parts.values(), strict=True)}
-    write_key(plotter, key, top)
-    top -= KEY_STEP * len(key) + 0.03
-    sets = [f"set “{name}”, {count(len(nodes), 'node')}" for name, nodes in node_sets.items()]
-    if max(map(len, sets), default=0) > KEY_LETTERS:
-        sets = [f"set “{name}”: {len(nodes)}" for name, nodes in node_sets.items()]
+    key = {f"{name}, {thickness(dataset, name)}": colour for name, colour in parts.items()}
+    sets = [f"set “{name}”: {len(nodes)}" for name, nodes in node_sets.items()]
     dots = dict(zip(sets, SET_COLOURS, strict=False))
-    write_key(plotter, dots, top, sign="\N{BLACK CIRCLE}")
-    top -= KEY_STEP * len(dots) + 0.03
+    top = 0.76
+    for entries, sign in ((key, "\N{BLACK SQUARE}"), (dots, "\N{BLACK CIRCLE}")):
+        write_key(plotter, entries, top, sign=sign)
+        top -= KEY_STEP * len(entries) + 0.03
     symbols = write_symbols(scene, top)
     top -= KEY_STEP * symbols + 0.03 * (symbols > 0)
-    notes = [textwrap.fill(each, LINE_LETTERS) for each in holding_words(dataset)]
+    notes = [textwrap.fill(line, LINE_LETTERS) for line in support_lines(dataset)]
     if drawing.exaggeration != 1:
         notes.append(f"clearance drawn\n{drawing.exaggeration:g} times as large")
     write(plotter, "\n".join(notes), top, 13, color=FAINT)
 
 
-def size_words(dataset: xr.Dataset) -> list[str]:
-    """Number of blades, radius and clearance, in words."""
+def size_lines(dataset: xr.Dataset) -> list[str]:
+    """Return number of blades, tip radius and clearance, a line each."""
     clearance = dataset["clearance"].values[:, None] + dataset["tip_recess"].values
     return [
         f"{dataset.sizes['blade']} blades",
@@ -143,73 +137,55 @@ def size_words(dataset: xr.Dataset) -> list[str]:
     ]
 
 
-def thickness_words(dataset: xr.Dataset, part: str) -> str:
-    """Thickness of a part, or the range of it."""
+def thickness(dataset: xr.Dataset, part: str) -> str:
+    """Return the thickness of a part, or its range."""
     if part == "casing":
         return _range(dataset["casing_thickness"].values)
     names = dataset["rotor_part"].values.astype(str)
-    own = names == ("" if part == "other beams" and part not in names else part)
-    return _range(rotor_sections(dataset, "thickness", 1)[own])
+    members = names == ("" if part == "other beams" and part not in names else part)
+    return _range(rotor_sections(dataset, "thickness", 1)[members])
 
 
-def holding_words(dataset: xr.Dataset) -> list[str]:
-    """Supports and attachments of both bodies in words; springs and dampers as they are drawn,
-    those along the wall beside those across it.
-    """
-    lines = [*_shaft(dataset), "casing: " + (", ".join(_casing(dataset)) or "free")]
-    masses = _numbers(dataset, "point_mass")
-    if len(masses):
-        lines.append(f"{count(len(masses), 'point mass')}, {masses.sum():.4g} kg")
-    for name, what in (("rotor_spring", "spring"), ("rotor_link", "rigid link")):
-        number = len(_numbers(dataset, name))
-        if number:
-            lines.append(f"{count(number, what)} on the bladed disk")
+def support_lines(dataset: xr.Dataset) -> list[str]:
+    """Return the numbers of supports and attachments, a line each; zero is left out."""
+
+    def positive(name: str, which: Any = ...) -> int:
+        return int(np.count_nonzero(_values(dataset, name)[which] > 0))
+
+    strut = _values(dataset, "support_kind").astype(str) == "strut"
+    radial, tangential = (
+        _values(dataset, f"support_{way}_damping") > 0 for way in ("radial", "tangential")
+    )
+    masses, clamped = _values(dataset, "point_mass"), bool(dataset.attrs["clamped"])
+    stiffness = _values(dataset, "shaft_stiffness")
+    sides = ("support_radial_stiffness", "support_tangential_stiffness")
+    counts = {
+        "shaft springs": 0 if clamped else 2,
+        "shaft dampers": 0 if clamped else positive("shaft_damping"),
+        "casing springs": sum(positive(name, ~strut) for name in sides),
+        "casing struts": np.count_nonzero(strut),
+        "casing dampers": np.count_nonzero([radial & ~strut, tangential & ~strut])
+        + np.count_nonzero((radial | tangential) & strut),
+        "springs on the bladed disk": len(_values(dataset, "rotor_spring")),
+        "rigid links": len(_values(dataset, "rotor_link")),
+        f"point masses ({masses.sum():.4g} kg)": len(masses),
+    }
+    lines = [f"{name}: {count}" for name, count in counts.items() if count]
+    if clamped:
+        lines.insert(0, "centre clamped")
+    elif np.unique(stiffness).size > 1:
+        values = " and ".join(handy(value, "N/m", 3) for value in stiffness)
+        lines.insert(1, f"{values}, {dataset['shaft_frame'].values} frame")
+    if float(dataset["casing_foundation"]) > 0:
+        lines.append("elastic support of the casing")
+    elif not (counts["casing springs"] or counts["casing struts"] or counts["casing dampers"]):
+        lines.append("casing free")
     return lines
 
 
-def _shaft(dataset: xr.Dataset) -> Iterator[str]:
-    """Supports of the centre."""
-    if int(dataset.attrs["clamped"]):
-        yield "centre held"
-        return
-    damped = _numbers(dataset, "shaft_damping") > 0
-    yield ", ".join(["shaft: 2 springs", *_some(damped, "damper")])
-    stiffness = _numbers(dataset, "shaft_stiffness")
-    if np.unique(stiffness).size > 1:
-        yield "of " + " and ".join(handy(each, "N/m", 3) for each in stiffness) + ","
-        static = str(dataset["shaft_frame"].values) == "static"
-        yield "standing still" if static else "turning with the disk"
-
-
-def _casing(dataset: xr.Dataset) -> Iterator[str]:
-    """Supports of the casing."""
-    if float(dataset["casing_foundation"]) > 0:
-        yield "elastic support"
-    strut = _numbers(dataset, "support_kind").astype(str) == "strut"
-    sprung, damped = (
-        np.array([_numbers(dataset, f"support_{way}_{what}") for way in ("radial", "tangential")])
-        > 0
-        for what in ("stiffness", "damping")
-    )
-    yield from _some(sprung[:, ~strut], "spring")
-    yield from _some(strut, "strut")
-    yield from _some(np.append(damped[:, ~strut], damped[:, strut].any(axis=0)), "damper")
-
-
-def _numbers(dataset: xr.Dataset, name: str) -> NDArray[Any]:
-    """Values of a variable; none where a stage has none."""
+def _values(dataset: xr.Dataset, name: str) -> NDArray[Any]:
+    """Values of a variable; empty if a stage has none."""
     return dataset[name].values if name in dataset else np.zeros(0)
-
-
-def _some(which: NDArray[np.bool_], what: str) -> list[str]:
-    number = int(np.count_nonzero(which))
-    return [count(number, what)] if number else []
-
-
-def count(number: int, what: str) -> str:
-    """A number of things."""
-    plural = "es" if what.endswith("s") else "s"
-    return f"{number} {what}{plural if number != 1 else ''}"
 
 
 def _range(lengths: Array) -> str:

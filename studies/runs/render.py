@@ -67,7 +67,6 @@ def render(
     from bladewhirl.postprocess.fields.kinematics import ViewError, nearest_records
     from bladewhirl.postprocess.fields.result import opened
     from bladewhirl.postprocess.pictures import render as pictures
-    from bladewhirl.postprocess.pictures.sheet import render_sheet
     from bladewhirl.postprocess.pictures.web_page import render_page
 
     target = Path(path)
@@ -87,7 +86,7 @@ def render(
             else:
                 wanted = frames or SHEET_PICTURES
                 records = pictures.sheet_records(dataset, wanted, start=start, end=end)
-            return render_sheet(dataset, target, records, **look)
+            return pictures.render_sheet(dataset, target, records, **look)
         records = pictures.animation_records(dataset, frames=frames, start=start, end=end)
         if kind == ".html":
             return render_page(dataset, target, records, progress=progress, **look)

@@ -110,7 +110,7 @@ def table(folder: Path, title: str) -> Path:
 @pytest.mark.parametrize(
     ("make", "drawn"),
     [
-        (run_page, ['class="main-svg"', "blades touch, largest force"]),
+        (run_page, ['class="main-svg"', "blades in contact, largest force"]),
         (sweep_page, ['class="main-svg"', "sustained (1)"]),
         (campbell_diagrams, ['class="main-svg"', "Campbell diagram"]),
         (animation, []),

@@ -18,7 +18,7 @@ from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.fields.strains import rotor_strain_rows
 from bladewhirl.postprocess.paraview.boxes import rotor_boxes
 from bladewhirl.postprocess.pictures.drawing import Drawing
-from bladewhirl.postprocess.pictures.stage import thickness_words
+from bladewhirl.postprocess.pictures.stage import thickness as thickness_text
 from bladewhirl.studies.verification.modes import TIP_MASS, by_ritz, cantilever
 
 SPAN, YOUNG, DENSITY = 0.45, 2.1e11, 7800.0
@@ -127,4 +127,4 @@ def test_pictures_and_words_have_the_section_at_the_place() -> None:
     np.testing.assert_allclose(gap[:, [0, 3]], thickness[:, None] * [1.2, 1.0], rtol=1e-9)
     blades = thickness[result["rotor_part"].values.astype(str) == "blades"]
     low, high = 1e3 * 0.8 * blades.min(), 1e3 * 1.2 * blades.max()
-    assert thickness_words(tapered, "blades") == f"{low:.3g} to {high:.3g} mm"
+    assert thickness_text(tapered, "blades") == f"{low:.3g} to {high:.3g} mm"

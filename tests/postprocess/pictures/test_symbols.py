@@ -7,7 +7,7 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture
-from bladewhirl.postprocess.pictures.stage import holding_words
+from bladewhirl.postprocess.pictures.stage import support_lines
 from bladewhirl.postprocess.pictures.symbols import BESIDE, FOUNDATION, HATCHES, TEETH
 
 R = synthetic.TIP_RADIUS
@@ -199,14 +199,17 @@ def test_springs_start_where_the_shaft_is_drawn_whatever_their_frame() -> None:
     np.testing.assert_allclose(start, [seen.shaft] * 2, atol=1e-12)
 
 
-def test_words_count_what_is_drawn() -> None:
+def test_the_lines_count_the_drawn_supports() -> None:
     at_rest = damped(supported()).isel(time=[0])
-    words = holding_words(at_rest)
-    assert words[0] == "shaft: 2 springs, 1 damper"
-    assert words[1:3] == ["of 30 MN/m and 40 MN/m,", "turning with the disk"]
-    assert words[3] == "casing: 2 springs, 1 strut, 3 dampers"
-    still = holding_words(at_rest.assign(shaft_frame=((), "static")))
-    assert still[2] == "standing still"
-    assert holding_words(at_rest.assign_attrs(clamped=1))[0] == "centre held"
-    plain = holding_words(synthetic.synthetic_result(records=1))
-    assert plain == ["shaft: 2 springs", "casing: free"]
+    assert support_lines(at_rest) == [
+        "shaft springs: 2",
+        "30 MN/m and 40 MN/m, rotating frame",
+        "shaft dampers: 1",
+        "casing springs: 2",
+        "casing struts: 1",
+        "casing dampers: 3",
+        "point masses (0.2 kg): 2",
+    ]
+    assert support_lines(at_rest.assign_attrs(clamped=1))[0] == "centre clamped"
+    plain = support_lines(synthetic.synthetic_result(records=1))
+    assert plain == ["shaft springs: 2", "casing free"]
