@@ -98,8 +98,7 @@ def campbell(
     if html is not None:
         study.write_campbell_page(diagram, html, overwrite=overwrite)
     document = study.coincidence_list(diagram)
-    written = [path for path in (folder, html) if path is not None]
-    emit(document, *_tables(document, first, last), json=json, written=written)
+    emit(document, *_tables(document, first, last), json=json, written=[folder, html])
 
 
 def _tables(document: dict[str, Any], first: float, last: float) -> Iterator[Table]:

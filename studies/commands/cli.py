@@ -1,7 +1,7 @@
-"""The command line: registers the commands.
+"""Command line: registers the commands.
 
-A command is a plain function in a module of its own, named after it. At import such a module may
-load the standard library and typer only; what the command needs is imported when it runs, so that
+Each command is a function in a module of the same name. At import such a module may load the
+standard library and typer only; the command imports the rest when it runs, so that
 ``bladewhirl --help`` answers at once.
 """
 
@@ -67,7 +67,7 @@ def bladewhirl(
     version: Annotated[
         bool,
         typer.Option(
-            "--version", callback=_print_version, is_eager=True, help="Print the version and leave."
+            "--version", callback=_print_version, is_eager=True, help="Print the version and exit."
         ),
     ] = False,
 ) -> None:
@@ -82,7 +82,7 @@ short run, because most objects belong to modules, which stay."""
 def main() -> None:
     """Entry point of the command ``bladewhirl``."""
     # Matrices of one sector are small: on a busy machine threads make their products wait for
-    # each other, twenty times as long as one thread needs. NumPy, not loaded yet, heeds this.
+    # each other, twenty times as long as one thread needs. This must precede the import of NumPy.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(GARBAGE_THRESHOLD)
     with robust_output():

@@ -57,5 +57,4 @@ def compare(
         Column("quantity", "quantity"),
         *(Column(scheme["scheme"], scheme["scheme"], ">") for scheme in schemes),
     ]
-    written = [] if output is None else [output]
-    emit(document, table(rows, columns, document["title"]), json=json, written=written)
+    emit(document, table(rows, columns, document["title"]), json=json, written=[output])

@@ -42,7 +42,7 @@ def export(
     ] = None,
     overwrite: Replace = False,
 ) -> None:
-    """Write a series for ParaView: run view.py in it, or open series.pvd and Warp By Vector.
+    """Write a series for ParaView: run its view.py, or open series.pvd and Warp By Vector.
 
     Parts are rotor, casing, contact and supports. Warp By Vector with warp and factor 1 shows the
     stage as bladewhirl render does. Fields: displacement, velocity, radial_displacement, gap, axial

@@ -30,9 +30,9 @@ def mesh(
 ) -> None:
     r"""List the groups of a mesh, and write it in a format of choice.
 
-    Of a case that is the undeformed bladed disk, in metres, with its sets as groups and its
+    The mesh of a case is the undeformed bladed disk, in metres, with its sets as groups and its
     sections, materials, masses, springs and links as data: \[bladed_disk.mesh] reads it back. A
-    mesh file is written as it is, in its own units.
+    mesh file is written unchanged, in its units.
     """
     from bladewhirl.meshes.files.groups import MeshFileError
     from bladewhirl.meshes.files.registry import left_out, write_line_mesh
@@ -55,7 +55,7 @@ def mesh(
 
 
 def _content(source: Path, overrides: list[str]) -> GroupedLines:
-    """Lines of a case or a mesh file."""
+    """Return the lines of a case or a mesh file."""
     from bladewhirl.meshes.files.groups import MeshFileError
     from bladewhirl.meshes.files.registry import READERS, read_line_mesh
     from bladewhirl.models.case.file import faults_from, read_case

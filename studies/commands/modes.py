@@ -29,7 +29,7 @@ DIRECTIONS = (Column("direction", "rotating"), Column("direction_static", "stati
 def modes(
     case: CaseFile,
     count: Annotated[
-        int, typer.Option(help="How many of the lowest modes of each body.", min=1)
+        int, typer.Option(help="Number of the lowest modes of each body.", min=1)
     ] = 60,
     json: AsJson = False,
     output: Annotated[Path | None, output_option("Folder to make for pictures and films.")] = None,
@@ -51,7 +51,7 @@ def modes(
     wave: Annotated[
         str | None,
         typer.Option(
-            help="What films show: standing, forward or backward. By default the wave that"
+            help="Wave of films: standing, forward or backward. By default the wave that"
             " contact feeds: backward on the bladed disk, forward on the casing."
         ),
     ] = None,
@@ -94,5 +94,4 @@ def modes(
     )
     if output is not None:
         draw_modes(stage, plan, output, overwrite=overwrite)
-    written = [] if output is None else [output]
-    emit(lists, *tables, f"ω₁ = {hertz:.6g} Hz", json=json, written=written)
+    emit(lists, *tables, f"ω₁ = {hertz:.6g} Hz", json=json, written=[output])

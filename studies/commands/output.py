@@ -68,31 +68,29 @@ def facts(values: Mapping[str, str]) -> Table:
     return printed
 
 
-def emit(document: Any, *parts: Table | str, json: bool, written: Sequence[Path] = ()) -> None:
+def emit(
+    document: Any, *parts: Table | str, json: bool, written: Sequence[Path | None] = ()
+) -> None:
     """Print one JSON document, or tables and lines; then the names of written files.
 
     Args:
         document: what --json prints. NaN in it is a defect of the program.
         parts: tables and lines that are printed instead without --json.
         json: whether --json is set.
-        written: files and folders, named on standard error beside a JSON document.
+        written: files and folders, None if not written; named on standard error with --json.
     """
+    from json import dumps
+
     from rich.console import Console
 
     if json:
-        print_json(document)
-    else:
-        for part in parts:
-            if isinstance(part, str):
-                typer.echo(part)
-            else:
-                Console().print(part)
+        typer.echo(dumps(document, indent=2, allow_nan=False, ensure_ascii=False))
+        parts = ()
+    for part in parts:
+        if isinstance(part, str):
+            typer.echo(part)
+        else:
+            Console().print(part)
     for path in written:
-        typer.echo(f"Wrote {path}.", err=json)
-
-
-def print_json(document: Any) -> None:
-    """Print one JSON document."""
-    from json import dumps
-
-    typer.echo(dumps(document, indent=2, allow_nan=False, ensure_ascii=False))
+        if path is not None:
+            typer.echo(f"Wrote {path}.", err=json)

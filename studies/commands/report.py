@@ -22,13 +22,13 @@ def report(
 ) -> None:
     """Write a report as one HTML file that any browser shows without a network.
 
-    It holds the regime and why, the figures of `bladewhirl plot` with words, maps to point at, the
-    numbers, the resolved case and what made it. An older report of the folder is replaced.
+    It contains the regime with its reasons, the figures of `bladewhirl plot` with explanations,
+    interactive maps, the numbers, the resolved case and its provenance. An older report of the
+    folder is replaced.
     """
     from bladewhirl.studies.runs.report import report as write_report
     from bladewhirl.studies.runs.report import report_target
 
     target = report_target(directory, output)
     claim_output(target, named=output is not None, overwrite=overwrite)
-    written = write_report(directory, target)
-    typer.echo(f"Wrote {written}.")
+    typer.echo(f"Wrote {write_report(directory, target)}.")

@@ -33,7 +33,7 @@ def reproduce(
         float | None,
         typer.Option(
             "--speed-step",
-            help="Step of all sweeps over speed; the paper's maps have 0.005. Their own is 0.01"
+            help="Step of all sweeps over speed; the paper's maps have 0.005. By default 0.01"
             " under distortion, 0.025 under imbalance, 0.35 for six modes under imbalance.",
         ),
     ] = None,
@@ -52,12 +52,11 @@ def reproduce(
     scheduler: Scheduler = None,
     json: AsJson = False,
 ) -> None:
-    """Judge what the source paper claims, from marches and sweeps made here.
+    """Judge the claims of the source paper from marches and sweeps.
 
-    Each claim is compared with the paper by thresholds in the code: it holds, holds partly, does
-    not hold, or can't be tested. Claims 1 to 15 are judged by the stage for modal work, the others
-    by the two contact cases. DIR keeps all marches: what is there is used again, so an interrupted
-    reproduction goes on where it was.
+    Each claim is compared with the paper by thresholds: it holds, holds partly, does not hold, or
+    can't be tested. Claims 1 to 15 are judged by the stage for modal work, the others by the two
+    contact cases. DIR keeps all marches, so an interrupted reproduction continues with them.
     """
     from rich.console import Console
 

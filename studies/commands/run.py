@@ -57,10 +57,9 @@ def run(
 
     DIR gets the resolved case.toml, provenance.json, result.nc (netCDF, opens with xarray),
     summary.json, orbit.png, energy.png and vtk/series.pvd for ParaView: of all of the run, or of
-    the window of --from and --to. A motion that diverges is a result as any other. Ctrl-C ends the
-    march in order and keeps what was recorded; a run that was killed or had no room is finished by
-    --resume DIR, with the same bits. --overwrite puts the new run in the place of the old one when
-    it is done.
+    the window of --from and --to. A divergent motion is a valid result. Ctrl-C ends the march
+    and keeps its records; a run that was killed, or stopped by a full disk, is finished by --resume
+    DIR, with the same bits. --overwrite replaces the old run when the new one is finished.
     """
     from rich.console import Console
 

@@ -34,10 +34,11 @@ ZONES = (
     Column("casing", "casing"),
     Column("rotor", "bladed disk"),
     Column("coincidence", "coincidence [ω₁]", ".4f"),
-    Column("lower", "unstable from [ω₁]", ".4f"),
+    Column("kappa", "at [N/m]", ".4g"),
+    Column("lower", "from [ω₁]", ".4f"),
     Column("upper", "to [ω₁]", ".4f"),
 )
-"""Columns of the zones at the largest stiffness."""
+"""Columns of the zones."""
 
 
 def stability(
@@ -103,7 +104,7 @@ def stability(
     json: AsJson = False,
     overrides: Changes = None,
 ) -> None:
-    """Chart growth rates over speed and coupling stiffness, or look at one point.
+    """Chart growth rates over speed and coupling stiffness, or compute one point.
 
     Frame and bearings couple bladed disk and casing by springs of stiffness κ. A chart shows the
     unstable zones, their borders by root finding, the eigenvalues along --line and, for
@@ -112,7 +113,7 @@ def stability(
     -o nothing is written. Where blades differ, growth rates are computed with dense matrices: this
     takes --physical, "six" is 1F,suspension,casing:1 with all modes of these families, and a chart
     has no borders of zones. Uneven casings, unequal bearings and, with --damped, dampers are
-    looked at one point at a time, by the monodromy matrix of a turn.
+    analysed at one point only, by the monodromy matrix of a turn.
 
     With rotation effects modes at rest are coupled by tension, softening and Coriolis forces, too;
     "all" comes nearer to the waves at speed than "six". Past a critical speed, the growth of the
@@ -155,8 +156,8 @@ def stability(
                 overwrite=overwrite,
                 progress=progress,
             )
-        parts = [*_chart(document, stiffnesses[-1])]
-    emit(document, *parts, json=json, written=[] if folder is None else [folder])
+        parts = [*_chart(document)]
+    emit(document, *parts, json=json, written=[folder])
 
 
 def _point(point: dict[str, Any]) -> Table:
@@ -175,14 +176,14 @@ def _point(point: dict[str, Any]) -> Table:
     return facts(texts | _rotor_alone(point))
 
 
-def _chart(chart: dict[str, Any], kappa: float) -> Iterator[Table]:
-    """Yield the zones of a chart at its largest stiffness [N/m], and its largest growth rate."""
+def _chart(chart: dict[str, Any]) -> Iterator[Table]:
+    """Yield the zones of a chart at their largest stiffness, and its largest growth rate."""
     if "zones" in chart:
         rows = [
-            zone | {"lower": zone["lower"][-1], "upper": zone["upper"][-1]}
+            zone | {key: zone[key][-1] for key in ("kappa", "lower", "upper")}
             for zone in chart["zones"]
         ]
-        yield table(rows, ZONES, f"Unstable zones at {kappa:.4g} N/m")
+        yield table(rows, ZONES, "Unstable zones")
     place = f"at {chart['at_speed']:.4g} ω₁ and {chart['at_kappa']:.4g} N/m"
     texts = {
         "largest growth rate": f"{chart['largest_growth_rate']:.4g} 1/s {place}",

@@ -61,6 +61,5 @@ def veering(
     diagrams = study.veering(stage, families=families, stiffnesses=springs)
     if folder is not None:
         study.draw_veering(diagrams, folder, overwrite=overwrite)
-    written = [] if folder is None else [folder]
     document = study.veering_document(diagrams)
-    emit(document, facts(study.veering_facts(diagrams)), json=json, written=written)
+    emit(document, facts(study.veering_facts(diagrams)), json=json, written=[folder])

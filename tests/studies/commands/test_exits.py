@@ -1,4 +1,4 @@
-"""What the system refuses ends in one line, whatever it is."""
+"""Errors of the operating system end in one line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files of the user's are never replaced unasked, by no command that writes pictures or series."""
+"""No command that writes pictures or series replaces files of the user without --overwrite."""
 
 from pathlib import Path
 

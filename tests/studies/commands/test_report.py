@@ -1,4 +1,4 @@
-"""`bladewhirl report`: pages that stand alone, with figures and numbers of what they are about."""
+"""`bladewhirl report`: self-contained pages with the figures and numbers of a run."""
 
 from __future__ import annotations
 

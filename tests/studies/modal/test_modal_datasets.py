@@ -1,4 +1,4 @@
-"""`modes`, `campbell` and `veering` as library functions: selectable, with units."""
+"""Datasets of `modes`, `campbell` and `veering`: selection, units, files."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def test_a_case_and_its_reduced_stage_have_the_same_modes() -> None:
     np.testing.assert_array_equal(clamped.frequency, studies()["modes"].frequency)
 
 
-def test_the_front_door_draws_them() -> None:
+def test_bw_plot_draws_them() -> None:
     frames: tuple[Literal["rotating", "static"], ...] = ("rotating", "static")
     for frame in frames:
         (axes,) = bw.plot.campbell(studies()["campbell"], frame).axes

@@ -1,4 +1,4 @@
-"""`stability`: one point and a chart of a case, as Datasets that explain themselves."""
+"""Datasets of `stability`: one point and a chart of a case."""
 
 from __future__ import annotations
 
