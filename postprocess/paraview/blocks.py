@@ -1,4 +1,4 @@
-"""The stage at an instant as pyvista's own objects, for plots of one's own."""
+"""Stage at an instant as pyvista objects, for plots of the user."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ def stage_blocks(
     rotating: bool = False,
     factor: float = 0.0,
 ) -> pyvista.MultiBlock:
-    """Parts of the stage by name, with the fields of `export_vtk`.
+    """Return the parts of the stage by name, with the fields of `export_vtk`.
 
     Args:
         dataset: a result.
-        time: of which the nearest record is taken [s].
-        surface: boxes of true thickness and width, not lines.
-        rotating: seen from the rotor.
-        factor: displacement and clearance are drawn larger by, as `render` does; 0 leaves points
-            undeformed, with `displacement` and, for a factor that suits, `warp` to warp by.
+        time: time of the nearest record [s].
+        surface: boxes of true thickness and width instead of lines.
+        rotating: rotating instead of static axes.
+        factor: exaggeration of displacement and clearance, as in `render`; 0 leaves the points
+            undeformed, with `displacement` and, for a suitable factor, `warp` as vectors.
 
     Raises:
-        ResultError: an old result that knows no sections.
+        ResultError: an old result without sections.
     """
     import pyvista
 

@@ -1,10 +1,9 @@
 """Beams and wall as boxes of their true thickness and width, or as lines.
 
-Every beam, and every element of the casing, is a box swept along a line by stations of its own,
-so that strains, which jump from one element to the next, are kept as they are. A box moves as its
-cross-sections do, which stay plane and normal: a corner at the distance y from the line gets the
-line's displacement minus y times the rotation along it. Lines are boxes without thickness, one
-corner at a station instead of four.
+Every beam and every element of the casing is a box along a line with its own stations, so that
+strains may jump between elements. Cross-sections stay plane and normal: a corner at the distance y
+from the line has the displacement of the line minus y times the rotation along it. Lines are boxes
+without thickness, with one corner at a station instead of four.
 """
 
 from dataclasses import dataclass
@@ -36,19 +35,19 @@ from bladewhirl.postprocess.fields.strains import (
     rotor_strain_rows,
 )
 
-BEAM_PIECES = 2  #: a cubic between two nodes looks smooth, and its strains are linear
-ARC_POINTS = 180  #: the casing is cut into at least this many pieces
+BEAM_PIECES = 2  #: pieces of a beam: a cubic looks smooth, and its strains are linear
+ARC_POINTS = 180  #: smallest number of pieces of the casing
 SIDES = np.array([0, 1, 1, 0])  #: right, left, left, right: the corners of a cross-section
-ENDS = np.array([-0.5, -0.5, 0.5, 0.5])  #: where they are out of the plane, in widths
+ENDS = np.array([-0.5, -0.5, 0.5, 0.5])  #: their heights over the plane, relative to the width
 
-# The same of lines.
+# The same for lines.
 LINE_ARC_POINTS = 360
 LINE = np.zeros(1)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Boxes:
-    """Boxes along lines, at rest, in the axes of their own body."""
+    """Boxes along lines, at rest, in the axes of their body."""
 
     body: str  #: "rotor" or "casing"
     line: Array  #: stations (element, station, 2) [m]
@@ -63,33 +62,31 @@ class Boxes:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Number of elements and of stations along each."""
+        """Numbers of elements, and of stations of an element."""
         return self.line.shape[0], self.line.shape[1]
 
     def points(self) -> Array:
-        """Corners (element * station * 4 or 1, 3) [m]."""
+        """Return the corners (element * station * 4 or 1, 3) [m]."""
         place = self.line[:, :, None] + self._beside()
         ends = ENDS if self.solid else LINE
         height = np.broadcast_to(ends * self.width[..., None], place.shape[:-1])
         return np.concatenate([place, height[..., None]], axis=-1).reshape(-1, 3)
 
     def lines(self) -> IntArray:
-        """Pieces (piece, 2) of bodies drawn as lines, element by element."""
+        """Return the pieces (piece, 2) of bodies drawn as lines, element by element."""
         elements, stations = self.shape
         first = stations * np.arange(elements)[:, None] + np.arange(stations - 1)
         return np.stack([first, first + 1], axis=-1).reshape(-1, 2)
 
     def on_cells(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Values (element,) for every cell of `lines` or `quads`."""
+        """Return values (element,) for every cell of `lines` or `quads`."""
         stations = self.shape[1]
         if not self.solid:
             return np.repeat(values, stations - 1)
         return np.concatenate([np.repeat(values, 4 * (stations - 1)), values, values])
 
     def quads(self) -> IntArray:
-        """Faces (quad, 4), seen from outside counter-clockwise: four along each piece, and one at
-        both ends of a box.
-        """
+        """Return faces (quad, 4), counter-clockwise from outside: sides and ends."""
         elements, stations = self.shape
         first = 4 * (stations * np.arange(elements)[:, None] + np.arange(stations - 1))[..., None]
         corner = np.arange(4)
@@ -104,7 +101,7 @@ class Boxes:
         return quads[:, ::-1] if mirrored else quads
 
     def vectors(self, dataset: xr.Dataset, quantity: Quantity, records: IntArray) -> Array:
-        """Displacement or velocity (record, corner, 2) [m or m/s] in the body's axes."""
+        """Return displacement [m] or velocity [m/s] (record, corner, 2) in body axes."""
         coordinates = history(dataset, f"{self.body}_{quantity}", records)
         count = len(records)
         flat = self.rows.reshape(-1, self.rows.shape[-1])
@@ -115,19 +112,19 @@ class Boxes:
         return np.asarray(moved.reshape(count, -1, 2))
 
     def strains(self, dataset: xr.Dataset, records: IntArray) -> Strains:
-        """Axial and bending strain at the stations (record, element, station) [1]."""
+        """Return axial and bending strain at the stations (record, element, station) [1]."""
         coordinates = history(dataset, f"{self.body}_displacement", records)
         return Strains.of(coordinates, self.strain_rows)
 
     def _beside(self) -> Array:
-        """Corners from the line (element, station, 4 or 1, 2) [m], in the plane."""
+        """Vectors from the line to the corners (element, station, 4 or 1, 2) [m]."""
         if not self.solid:
             return np.zeros((*self.shape, 1, 2))
         return np.asarray(self.offset[:, :, SIDES, None] * self.normal[:, :, None])
 
 
 def rotor_boxes(dataset: xr.Dataset, pieces: int = BEAM_PIECES) -> Boxes:
-    """The beams of the rotor, in rotating axes."""
+    """Return the beams of the rotor, in rotating axes."""
     line, rows = line_rows(dataset, pieces)
     along = (line[:, -1] - line[:, 0])[:, None]
     normal = rotate(along / np.linalg.norm(along, axis=-1)[..., None], np.pi / 2)
@@ -146,7 +143,7 @@ def rotor_boxes(dataset: xr.Dataset, pieces: int = BEAM_PIECES) -> Boxes:
 
 
 def casing_boxes(dataset: xr.Dataset, arc_points: int = ARC_POINTS) -> Boxes:
-    """The wall of the casing, in static axes, from the surface that is rubbed outward."""
+    """Return the wall of the casing, in static axes, from the inner surface outward."""
     pieces = -(-arc_points // dataset.sizes["casing_node"])
     angle = station_angles(dataset, pieces)
     outward = np.stack([np.cos(angle), np.sin(angle)], axis=-1)

@@ -1,4 +1,4 @@
-"""VTK's unstructured grids as .vtu files: arrays go to the file as they lie in memory."""
+"""Unstructured grids of VTK as binary .vtu files."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 
 CELL_TYPES = {"vertex": 1, "line": 3, "quad": 9}
-"""VTK's numbers of cells."""
+"""Cell types of VTK."""
 
 SINGLE, WHOLE = np.dtype("<f4"), np.dtype("<i4")
 TYPES = {"f4": "Float32", "i4": "Int32", "u1": "UInt8"}
@@ -21,7 +21,7 @@ TYPES = {"f4": "Float32", "i4": "Int32", "u1": "UInt8"}
 
 @dataclass(frozen=True, kw_only=True)
 class Grid:
-    """Points, cells of one kind, and data on both; numbers are written with seven digits."""
+    """Points, cells of one kind, and data on both; numbers are written in single precision."""
 
     points: Array  #: (point, 3) [m]
     kind: Literal["vertex", "line", "quad"]
@@ -31,7 +31,7 @@ class Grid:
 
 
 def write_vtu(path: Path, grid: Grid) -> None:
-    """Write a grid as a binary .vtu file; `warp`, if it has one, is what ParaView warps by."""
+    """Write a grid as a binary .vtu file; a field `warp` is the default vector of ParaView."""
     count, corners = grid.cells.shape
     mesh = {
         "connectivity": grid.cells.ravel(),
@@ -48,7 +48,7 @@ def write_vtu(path: Path, grid: Grid) -> None:
         for name, values in arrays.items():
             block = np.ascontiguousarray(values, dtype=_stored(values))
             blocks.append(block)
-            # No word of it where there is one: meshio would add an axis.
+            # Left out for scalars: meshio would add an axis.
             parts = f'NumberOfComponents="{block.shape[1]}" ' if block.ndim > 1 else ""
             lines.append(
                 f'<DataArray type="{TYPES[block.dtype.str[1:]]}" Name="{name}" '
@@ -76,7 +76,7 @@ def write_vtu(path: Path, grid: Grid) -> None:
 
 
 def _stored(values: NDArray[Any]) -> np.dtype[Any]:
-    """The type in which numbers are written."""
+    """Type in which numbers are written."""
     if values.dtype.kind == "f":
         return SINGLE
     return values.dtype if values.dtype.itemsize == 1 else WHOLE

@@ -1,9 +1,9 @@
-"""Parts of a stage as grids at records: the bladed disk, the casing, the tips, what holds them.
+"""Parts of a stage as grids at records: bladed disk, casing, tips and supports.
 
-The same arrays lie on points and on cells of lines and of boxes. Points are where they are at
-rest, turned with their body; `displacement` is true in size. `warp` leads from there to where a
-picture of the stage has them (`EnlargedStage`): clearance and displacement multiplied by one
-factor, so that what touches in ParaView touches in the run.
+Lines and boxes have the same arrays on points and cells. Points are those at rest, turned with the
+body; `displacement` has its true size. `warp` leads to the points of a picture (`EnlargedStage`):
+clearance and displacement are multiplied by one factor, so that bodies touch in ParaView exactly
+when they do in the run.
 """
 
 from __future__ import annotations
@@ -40,25 +40,25 @@ from bladewhirl.postprocess.paraview.grids import Grid
 from bladewhirl.postprocess.pictures.symbols import StageSymbols
 
 HOLDERS = ("springs", "dampers", "struts")
-"""Symbols that are written, struts with rigid links; the ground is left out."""
+"""Symbols that are written, without the ground; struts include rigid links."""
 
-PORTION = 300  #: records whose fields are computed together, at most
-PORTION_POINTS = 1_000_000  #: and points at all of them together, of large stages
+PORTION = 300  #: largest number of records computed together
+PORTION_POINTS = 1_000_000  #: largest number of their points
 
 
 class StageParts:
-    """Grids of a stage's parts, `rotor`, `casing`, `contact` and, if anything holds it, `supports`.
+    """Grids of the parts `rotor`, `casing`, `contact` and, if there are any, `supports`.
 
     Args:
         dataset: a result.
         records: numbers of records.
-        surface: boxes of true thickness and width, not lines.
-        rotating: seen from the rotor.
-        exaggeration: of `warp`; None for that of a picture of these records.
+        surface: boxes of true thickness and width instead of lines.
+        rotating: rotating instead of static axes.
+        exaggeration: factor of `warp`; None for that of a picture of these records.
 
     Raises:
         ViewError: an exaggeration that is not positive.
-        ResultError: an old result that knows no sections.
+        ResultError: an old result without sections.
     """
 
     def __init__(
@@ -111,12 +111,12 @@ class StageParts:
         ]
 
     def _part_names(self) -> list[str]:
-        """Names of the values of `part`: parts of the bladed disk, the casing, what holds them."""
+        """Names of the values of `part`: parts of the bladed disk, casing, supports."""
         rotor = dict.fromkeys(map(str, self._dataset["rotor_part"].values))
         return [*(name or "other beams" for name in rotor), "casing", *HOLDERS]
 
     def grids(self) -> Iterator[dict[str, Grid]]:
-        """The parts by name, record by record."""
+        """Yield the parts by name, record by record."""
         for records in self._portions:
             stage = self._enlarged(records, self.exaggeration)
             ahead = stage.turns
@@ -152,7 +152,7 @@ class StageParts:
         )
 
     def _drawn(self, stage: EnlargedStage, index: int, line: Array, wall: Array) -> list[Array]:
-        """Places of the corners of both bodies (corner, 2) in their own axes [m]."""
+        """Drawn corners of both bodies (corner, 2) in the axes of the body [m]."""
         pieces = np.arange(self._per_element + 1)
         stations = self._per_element * np.arange(self._dataset.sizes["casing_node"])[:, None]
         around = (stations + pieces) % len(wall)
@@ -166,19 +166,19 @@ class StageParts:
     ) -> dict[str, Array]:
         """Arrays on points (record, corner, ...): `displacement` [m], `velocity` [m/s], its rate,
         `radial_displacement` [m], `axial_strain`, `bending_strain` [1], `axial_stress`,
-        `bending_stress` and, at the surface itself, `surface_stress` [Pa]; `gap` [m] of the
-        bladed disk is that at the blade's tip, and the clearance where there is no blade.
+        `bending_stress` and `surface_stress` [Pa]; `gap` [m] of the bladed disk is that at the tip
+        of the blade, and the clearance elsewhere.
         """
         dataset, count = self._dataset, len(records)
         moved = boxes.vectors(dataset, "displacement", records)
-        own = (boxes.body == "rotor") != self._rotating
-        spin = float(dataset.attrs["speed"]) * (1 if boxes.body == "rotor" else -1) * own
+        turning = (boxes.body == "rotor") != self._rotating
+        spin = float(dataset.attrs["speed"]) * (1 if boxes.body == "rotor" else -1) * turning
         rate = boxes.vectors(dataset, "velocity", records) + spin * rotate(moved, np.pi / 2)
         strains, modulus = boxes.strains(dataset, records), boxes.modulus
         bend = strains.bending[..., None] * np.where(
             SIDES == 0, 1.0, -1.0
         )  # that of the right side
-        if not boxes.solid:  # the surface where more is felt
+        if not boxes.solid:  # the surface with the larger stress
             bend = np.copysign(strains.bending, strains.axial)[..., None]
         surface = strains.axial[..., None] + bend
         corners = len(rest) // strains.axial[0].size
@@ -201,7 +201,7 @@ class StageParts:
     def _body(
         self, number: int, drawn: Array, angle: float, fields: dict[str, Array], index: int
     ) -> Grid:
-        """The bladed disk or the casing, whose corners are drawn at places in its own axes."""
+        """Bladed disk or casing; `drawn` are the corners in its axes (corner, 2) [m]."""
         rest = self._rest[number]
         return Grid(
             points=_turned(rest, angle),
@@ -215,7 +215,7 @@ class StageParts:
         )
 
     def _cell_data(self, boxes: Boxes) -> dict[str, NDArray[Any]]:
-        """`part` and `blade`, whole numbers, -1 for none, and `thickness` [m] of every element."""
+        """`part` and `blade` (integers, -1 for none) and `thickness` [m] of every element."""
         dataset = self._dataset
         if boxes.body == "casing":
             elements = dataset.sizes["casing_node"]
@@ -247,9 +247,7 @@ class StageParts:
         }
 
     def _contact(self, nodes: Array, angle: float, fields: dict[str, Array], index: int) -> Grid:
-        """The tips, with what the casing does to them, at the front of the blades: arrows that
-        start inside a blade would not be seen.
-        """
+        """Tips with contact forces, at the front of the blades, where arrows are visible."""
         rest, blade = self._tips_at_rest, np.arange(len(self._tips))
         return Grid(
             points=_turned(rest, angle),
@@ -270,8 +268,9 @@ class StageParts:
         nodes: Array,
         turns: tuple[Array, Array],
     ) -> Grid | None:
-        """Springs, dampers, struts and links as lines, if there are any. Their ends that move with
-        a body have its `displacement`, to first order, and its `warp`.
+        """Springs, dampers, struts and links as lines, if there are any.
+
+        Ends on a body have its `displacement`, to first order, and its `warp`.
         """
         angles = float(turns[1][index]), float(turns[0][index])
         moved = self._symbols.drawn(
@@ -303,10 +302,10 @@ class StageParts:
 
 
 def _turned(points: Array, angle: float) -> Array:
-    """Points (point, 3) turned in the plane."""
+    """Points (point, 3), turned in the plane."""
     return np.column_stack([rotate(points[:, :2], angle), points[:, 2]])
 
 
 def _in_space(vectors: Array) -> Array:
-    """Plane vectors (..., 2) with a zero third component, as VTK wants them."""
+    """Plane vectors (..., 2) with a zero third component, as required by VTK."""
     return np.concatenate([vectors, np.zeros_like(vectors[..., :1])], axis=-1)

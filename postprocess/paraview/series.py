@@ -1,8 +1,8 @@
-"""A run as a ParaView time series: grids of the parts at instants, and their index.
+"""Run as a ParaView time series: grids of the parts at instants, and their index.
 
-The folder holds `series.pvd` (open this), `view.py` (or run this in ParaView), `mesh.vtu` (the
-undeformed mesh with its named sets) and `frames/` (one .vtu per part and instant). The index is
-complete after every instant, so that a killed export leaves a readable series.
+The folder contains `series.pvd` (to open), `view.py` (to run in ParaView), `mesh.vtu` (undeformed
+mesh with named sets) and `frames/` (a .vtu file per part and instant). The index is complete after
+every instant, so that an interrupted export is readable.
 """
 
 import logging
@@ -33,9 +33,9 @@ from bladewhirl.postprocess.paraview.parts import StageParts
 logger = logging.getLogger(__name__)
 
 FILL = "SERIES: dict[str, Any] = {}"
-"""Line of view.py where it is told what the series holds."""
+"""Line of view.py that is replaced by the description of the series."""
 
-EARLY = 100  #: records among which the first is looked for that is not at rest
+EARLY = 100  #: number of records searched for the first motion
 BODIES = ("rotor", "casing")
 
 Progress = Callable[[int, int], None]
@@ -54,7 +54,7 @@ def export_vtk(
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Path:
-    """Write a time series of the run between `start` and `end` [s]; returns series.pvd's path.
+    """Write a time series of the run between `start` and `end` [s]; return the path of series.pvd.
 
     Parts are `rotor`, `casing`, the tips as `contact`, and `supports`: springs, dampers, struts and
     links as lines. Points are undeformed, the rotor's turned by Omega t. Fields are true in size:
@@ -75,16 +75,16 @@ def export_vtk(
     and bodies touch there exactly when they do in the run.
 
     With `surface`, beams and wall are boxes of their true thickness and width, made of quads.
-    With `rotating`, everything is seen from the rotor: its points stay, the casing's turn back,
-    and all vectors are in rotating axes. Without `start`, records before anything moves are left
-    out: ParaView would take their range for the colours. Frames that the manifest of the folder
-    lists go first; other files are replaced with `overwrite` only.
-    `progress` is told frames done and frames in all.
+    With `rotating`, the points of the rotor are fixed, those of the casing turn back, and all
+    vectors are in rotating axes. Without `start`, records before the first motion are left out:
+    ParaView would scale the colours to them. Frames listed in the manifest of the folder are
+    removed; other files are replaced with `overwrite` only. `progress` is called with the numbers
+    of frames done and in total.
 
     Raises:
         ViewError: an empty window or number of frames, or an exaggeration that is not positive.
-        ResultError: an old result that knows no sections.
-        FileExistsError: a file that the manifest does not list is in the way.
+        ResultError: an old result without sections.
+        FileExistsError: a file exists that the manifest does not list.
     """
     records = series_records(dataset, frames, start, end)
     hint = sampling_hint(dataset, records)
@@ -105,9 +105,7 @@ def export_vtk(
 def series_records(
     dataset: xr.Dataset, frames: int, start: float | None = None, end: float | None = None
 ) -> IntArray:
-    """Records of a series, as of `frame_records`; without a start from the first on in which
-    something moves.
-    """
+    """Return the records of a series, see `frame_records`; by default from the first motion on."""
     if start is None:
         early = np.arange(min(EARLY, dataset.sizes["time"]))
         moving = np.any(
@@ -129,7 +127,7 @@ def write_series(
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Path:
-    """Write the series of chosen records, see `export_vtk`; returns series.pvd's path."""
+    """Write the series of chosen records, see `export_vtk`; return the path of series.pvd."""
     parts = StageParts(
         dataset, records, surface=surface, rotating=rotating, exaggeration=exaggeration
     )
@@ -137,7 +135,7 @@ def write_series(
     claimed = {frame_name(part, number) for part in PARTS for number in range(len(records))}
     earlier = [*owned(folder)]
     claim(folder, {"series.pvd", "mesh.vtu", "view.py", *claimed}, overwrite=overwrite)
-    # The index is emptied first: it must never name a frame that is gone.
+    # The index is emptied first: it must not name removed frames.
     series = SeriesWriter(folder=folder)
     for path in earlier:
         if path.parent == folder / "frames":
@@ -158,12 +156,12 @@ PARTS = ("rotor", "casing", "contact", "supports")
 
 
 def frame_name(part: str, number: int) -> str:
-    """File of a part at an instant, seen from the folder of the series."""
+    """Return the file of a part at an instant, relative to the folder of the series."""
     return f"frames/{part}_{number:05d}.vtu"
 
 
 def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts) -> dict[str, Any]:
-    """What view.py is told: the instant to show, ranges, names."""
+    """Description of the series for view.py: instant to show, ranges, names."""
     force = np.linalg.norm(contact_forces(dataset, records), axis=-1).max(axis=1)
     moved = np.linalg.norm(history(dataset, "rotor_displacement", records), axis=1)
     shown = int(np.argmax(force if force.any() else moved))
@@ -183,7 +181,7 @@ FOOT = b"  </Collection>\n</VTKFile>\n"
 
 @dataclass(kw_only=True)
 class SeriesWriter:
-    """Writes one .vtu per part and instant, and keeps `series.pvd` true to what is on disk."""
+    """Writer of one .vtu file per part and instant, and of the index `series.pvd`."""
 
     folder: Path
     frames: int = field(default=0, init=False)  #: number of instants written
@@ -202,7 +200,7 @@ class SeriesWriter:
         return self.folder / "series.pvd"
 
     def add(self, time: float, parts: dict[str, Grid]) -> None:
-        """Write the parts at an instant [s] and enter them in the index under their names."""
+        """Write the parts at an instant [s] and add them to the index."""
         entries = ""
         for number, (name, grid) in enumerate(parts.items()):
             file = frame_name(name, self.frames)
@@ -211,7 +209,7 @@ class SeriesWriter:
                 f'    <DataSet timestep="{time!r}" part="{number}" name={quoteattr(name)} '
                 f"file={quoteattr(file)}/>\n"
             )
-        # In place and at once: a kill leaves an index that ends before this instant or after it.
+        # In place and at once: an interrupted index ends before or after this instant.
         with self.index.open("r+b", buffering=0) as index:
             index.seek(-len(FOOT), 2)
             index.write(entries.encode() + FOOT)
@@ -219,7 +217,7 @@ class SeriesWriter:
 
 
 def undeformed_mesh(dataset: xr.Dataset) -> Grid:
-    """Both bodies as one line mesh at t = 0; named sets are 0/1 arrays on cells and points.
+    """Return both bodies as one line mesh at t = 0; named sets are 0/1 arrays on cells and points.
 
     Cells carry `rotor`, `casing`, each part of the rotor (`blades`, `spokes`, ...) and
     `thickness` [m] in the plane; points carry `rotor`, `casing`, `tips`, `centre` and `blade`,

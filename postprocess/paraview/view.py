@@ -1,4 +1,4 @@
-"""Opens the series beside it in ParaView, drawn and coloured as `bladewhirl render` does.
+"""Open the series beside it in ParaView, drawn and coloured as by `bladewhirl render`.
 
     paraview --script=view.py
     pvbatch view.py PICTURE.png
@@ -18,7 +18,7 @@ SIZE = [1280, 960]  # of a picture [pixels]
 
 
 def main() -> None:
-    """Show the stage at its strongest contact: moved, coloured, with forces on the tips."""
+    """Show the deformed stage at its strongest contact, with forces on the tips."""
     folder = os.path.dirname(os.path.abspath(globals().get("__file__", "view.py")))
     series = simple.PVDReader(
         registrationName="series", FileName=os.path.join(folder, "series.pvd")

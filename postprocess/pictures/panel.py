@@ -1,4 +1,4 @@
-"""The panel beside the stage in a picture: title, time, contact, colour scale, shaft's orbit."""
+"""Panel beside the stage in a picture: title, time, contact, colour scale, orbit of the shaft."""
 
 from __future__ import annotations
 
@@ -33,19 +33,27 @@ from bladewhirl.postprocess.pictures.scene import (
 )
 from bladewhirl.postprocess.pictures.symbols import KINDS, Symbols, sample
 
-SCALE_TOP, SCALE_FOOT = 0.455, 0.05  #: of colour scale or key, as shares of the window
-ORBIT_TOP, ORBIT_SIZE = 0.475, 0.17  #: of the inset; the scale then begins below it
-BAR_SHARE = 0.11  #: longest scale bar, as a share of the window's width
-NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045  #: of a blade's number, in lengths from shaft to tip
-LETTERS = 3.6  #: size of numbers on a picture of a sheet, as against a picture alone
+TOPS = {"title": 0.97, "time": 0.885, "speed": 0.82, "frame": 0.7, "contact": 0.565, "orbit": 0.475}
+"""Upper edges of the texts, relative to the height of the window."""
+
+SCALE_TOP, SCALE_FOOT = 0.455, 0.05  #: edges of colour scale or key, relative to the window
+ORBIT_SIZE = 0.17  #: size of the inset; the scale begins below it
+BAR_SHARE = 0.11  #: longest scale bar, relative to the width of the window
+NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045  #: position of a number, relative to the tip radius
+LETTERS = 3.6  #: size of numbers on a picture of a sheet, relative to a single picture
 KEY_STEP = 0.034
 KEY_LETTERS, LINE_LETTERS, TITLE_LETTERS = 27, 32, 22
 
 
 class Panel:
-    """The picture in words, and the colour scale, right of the stage. With `trail`,
-    consecutive records, an inset shows the shaft's orbit through them. On the stage of a `sheet`,
-    of which there are many, numbers are larger and the scale bar is named in the panel.
+    """Captions and colour scale right of the stage.
+
+    Args:
+        scene: the stage.
+        dataset: a result.
+        note: further line.
+        trail: consecutive records whose orbit of the shaft an inset shows.
+        sheet: larger numbers, and the length of the scale bar in the panel.
     """
 
     def __init__(
@@ -67,10 +75,12 @@ class Panel:
             shown.append(DOTS)
             write(scene.plotter, bar, 0.085, 11, indent=-SQUARE)
         write_title(scene.plotter, dataset)
-        self._time = write(scene.plotter, "", 0.885, 22)
-        write(scene.plotter, f"speed\n{speed_words(dataset)}", 0.82, 13)
-        write(scene.plotter, "\n".join([*shown, note] if note else shown), 0.7, 13, color=FAINT)
-        self._contact = write(scene.plotter, "", 0.565, 14, color=FORCE_COLOUR)
+        self._time = write(scene.plotter, "", TOPS["time"], 22)
+        write(scene.plotter, f"speed\n{speed_words(dataset)}", TOPS["speed"], 13)
+        write(
+            scene.plotter, "\n".join(filter(None, [*shown, note])), TOPS["frame"], 13, color=FAINT
+        )
+        self._contact = write(scene.plotter, "", TOPS["contact"], 14, color=FORCE_COLOUR)
         self._orbit = None if trail is None else Orbit(scene, dataset, trail)
         self._numbers = BladeNumbers(scene, dataset.sizes["blade"], LETTERS if sheet else 1.0)
         limit = drawing.linear_limit()
@@ -78,14 +88,14 @@ class Panel:
             words = f"blades bend by more than\n{handy(limit, 'm', 3)}: a linear model"
             words += "\nis off by a tenth or more"
             write(scene.plotter, words, 0.075, 11, color=FORCE_COLOUR, indent=-0.205)
-        top = SCALE_TOP if trail is None else ORBIT_TOP - 0.06 - ORBIT_SIZE
+        top = SCALE_TOP if trail is None else TOPS["orbit"] - 0.06 - ORBIT_SIZE
         if drawing.colouring.parts is None:
             write_scale(scene, top)
         else:
             write_key(scene.plotter, drawing.colouring.parts, top)
 
     def show(self, picture: Picture) -> None:
-        """Bring time, contacts and orbit up to date."""
+        """Update time, contact and orbit."""
         self._time.input = f"t = {1e3 * picture.time:.1f} ms"
         self._contact.input = contact_words(picture.forces)
         self._numbers.show(picture)
@@ -93,7 +103,7 @@ class Panel:
             self._orbit.show(picture.time)
 
     def show_all(self) -> None:
-        """Say which times are shown, where they are many, and how large the largest arrow is."""
+        """Show the time window of all pictures, and the largest force."""
         first, last = 1e3 * self._drawing.times[[0, -1]]
         largest = self._drawing.largest_force
         self._time.input = f"{first:.4g} to {last:.4g} ms"
@@ -102,16 +112,16 @@ class Panel:
 
 
 class Orbit:
-    """The way of the shaft's centre through records, and how far it has come."""
+    """Inset with the orbit of the shaft through records, up to the time of the picture."""
 
     def __init__(self, scene: StageScene, dataset: xr.Dataset, records: IntArray) -> None:
         drawing = scene.drawing
         self._time = dataset["time"].values[records]
         trail = shaft_trail(dataset, records, drawing.frame)
-        write(scene.plotter, trail.title, ORBIT_TOP, 13)
+        write(scene.plotter, trail.title, TOPS["orbit"], 13)
         width, height = scene.plotter.window_size
-        low = scene.place(SQUARE + 0.02, ORBIT_TOP - 0.045 - ORBIT_SIZE)
-        high = scene.place(SQUARE + 0.02 + ORBIT_SIZE * height / width, ORBIT_TOP - 0.045)
+        low = scene.place(SQUARE + 0.02, TOPS["orbit"] - 0.045 - ORBIT_SIZE)
+        high = scene.place(SQUARE + 0.02 + ORBIT_SIZE * height / width, TOPS["orbit"] - 0.045)
         self._middle, half = (low + high) / 2, (high[1] - low[1]) / 2
         self._way = self._middle + half * trail.places
         angle = np.linspace(0.0, 2 * np.pi, 73)
@@ -128,7 +138,7 @@ class Orbit:
         scene.plotter.add_mesh(self._dot, color=INK, lighting=False)
 
     def show(self, time: float) -> None:
-        """Bring the trail to a time [s]."""
+        """Show the orbit up to a time [s]."""
         past = int(np.searchsorted(self._time, time, side="right"))
         seen = self._way.copy()
         seen[past:] = self._way[past - 1]
@@ -146,12 +156,12 @@ class Orbit:
 
 
 class BladeNumbers:
-    """Numbers beside the blades, of as many as can be read."""
+    """Numbers beside the blades, as many as are legible."""
 
     def __init__(self, scene: StageScene, blades: int, letters: float = 1.0) -> None:
         steps = (1, 2, 5, 10, 20, 50, 100, 200, 500)
-        each = next(step for step in steps if letters * blades <= 25 * step)
-        self._blades = np.arange(0, blades, each)
+        stride = next(step for step in steps if letters * blades <= 25 * step)
+        self._blades = np.arange(0, blades, stride)
         self._corner, far = scene.place(0.0, 0.0), scene.place(1.0, 1.0)
         self._pixels = np.array(scene.plotter.window_size) / (far - self._corner)
         self._actors = [
@@ -165,7 +175,7 @@ class BladeNumbers:
             actor.prop.SetBackgroundOpacity(0.8)
 
     def show(self, picture: Picture) -> None:
-        """Bring them to their blades."""
+        """Move the numbers to their blades."""
         span = picture.tips[self._blades] - picture.shaft
         aside = rotate(span / np.linalg.norm(span, axis=1)[:, None], np.pi / 2)
         beside = picture.shaft + NUMBER_PLACE * span + NUMBER_ASIDE * np.abs(span).max() * aside
@@ -174,9 +184,7 @@ class BladeNumbers:
 
 
 def draw_scale_bar(scene: StageScene, enlarged: str) -> str:
-    """Draw a bar of a round length into the lower left corner; what it is of the stage and, where
-    that is drawn larger, of what is `enlarged`.
-    """
+    """Draw a scale bar in the lower left corner; return the text for it."""
     (left, foot), (right, _) = scene.place(0.02, 0.03), scene.place(0.02 + BAR_SHARE, 0.03)
     decade = 10.0 ** np.floor(np.log10(right - left))
     length = decade * max(step for step in (1, 2, 5) if step * decade <= right - left)
@@ -195,12 +203,13 @@ def _on_plane(points: Array) -> Array:
 
 
 def write_title(plotter: pyvista.Plotter, dataset: xr.Dataset) -> None:
-    """Put the case's title on top."""
-    write(plotter, textwrap.fill(str(dataset.attrs["title"]), TITLE_LETTERS, max_lines=2), 0.97, 16)
+    """Write the title of the case on top."""
+    title = textwrap.fill(str(dataset.attrs["title"]), TITLE_LETTERS, max_lines=2)
+    write(plotter, title, TOPS["title"], 16)
 
 
 def write_scale(scene: StageScene, top: float) -> None:
-    """Put the colour scale below `top`."""
+    """Draw the colour scale below `top`."""
     plotter, colouring = scene.plotter, scene.drawing.colouring
     write(plotter, f"{colouring.name} [{colouring.unit}]", top, 13)
     bar = plotter.add_scalar_bar(
@@ -227,7 +236,7 @@ def write_key(
     *,
     sign: str = "\N{BLACK SQUARE}",
 ) -> None:
-    """Name colours below `top`."""
+    """Write the key of colours below `top`."""
     for number, (name, colour) in enumerate(colours.items()):
         height = top - KEY_STEP * number
         write(plotter, sign, height, 19, color=INK, indent=-0.0012)
@@ -236,7 +245,7 @@ def write_key(
 
 
 def write_symbols(scene: StageScene, top: float) -> int:
-    """Name the symbols of springs, dampers and struts that are drawn, below `top`; how many."""
+    """Write the key of the drawn symbols below `top`; return their number."""
     drawn = scene.drawing.picture(0).symbols
     left, right, number = 0.018, 0.06, 0
     for kind, name in KINDS.items():
@@ -258,7 +267,16 @@ def write(
     color: str = INK,
     indent: float = 0.0,
 ) -> pyvista.Text:
-    """Put text into the panel, its upper edge at a share of the window's height."""
+    """Write text into the panel.
+
+    Args:
+        plotter: window.
+        text: the text.
+        top: upper edge, relative to the height of the window.
+        size: font size at a height of 960 pixels.
+        color: colour.
+        indent: distance from the left edge of the panel, relative to the width.
+    """
     width, height = plotter.window_size
     actor: pyvista.Text = plotter.add_text(
         text,
@@ -274,5 +292,5 @@ def write(
 
 
 def _short(name: str) -> str:
-    """A name that fits into a line of the key."""
+    """Name shortened to a line of the key."""
     return name if len(name) <= KEY_LETTERS else name[: KEY_LETTERS - 1] + "\N{HORIZONTAL ELLIPSIS}"

@@ -1,4 +1,4 @@
-"""The stage in a pyvista plotter: actors that are made once and moved from record to record."""
+"""Stage in a pyvista plotter: actors that are created once and moved from record to record."""
 
 import numpy as np
 import pyvista
@@ -33,11 +33,10 @@ CIRCLE = np.column_stack(
 
 
 class StageScene:
-    """A drawing of the stage in a plotter, moved in place by `show`.
+    """Drawing of the stage in a `pyvista.Plotter`, on a screen or off it.
 
-    Works in any `pyvista.Plotter`, on a screen or off it. Colours are true values of the drawing's
-    field in its unit. Without `marks`, shaft and first blade have no dots. Layers are a hair apart
-    in z, so look along z, as `aim` does.
+    Colours are true values of the field of the drawing. Without `marks`, shaft and first blade have
+    no dots. Layers have small distances in z, so the view must be along z, see `aim`.
     """
 
     def __init__(self, plotter: pyvista.Plotter, drawing: Drawing, *, marks: bool = True) -> None:
@@ -55,7 +54,7 @@ class StageScene:
             self._outlines.append(self._add(ribbon.values.size, outline, layer=0, color=INK))
             halves = _strip_quads(lines, stations, 2)
             self._ribbons.append(self._add(2 * ribbon.values.size, halves, layer=1))
-        # Strokes have light edges: they cross parts of any colour.
+        # Strokes have light edges, since they cross parts of any colour.
         self._edges, self._strokes = (
             {
                 name: self._add(
@@ -95,9 +94,9 @@ class StageScene:
         self.show(first)
 
     def show(self, picture: Picture) -> None:
-        """Move everything to where it is in the picture; points and colours change in place."""
+        """Move all actors to the picture; points and colours change in place."""
         circle = self._size * CIRCLE
-        # The outline of the wall's inner surface lies inside it: what is drawn apart is apart.
+        # The outline of the inner surface lies inside the wall, so that gaps keep their size.
         edge = OUTLINE * self._size
         for outline, mesh, ribbon, inner in zip(
             self._outlines, self._ribbons, (picture.casing, picture.rotor), (0.0, edge), strict=True
@@ -124,20 +123,20 @@ class StageScene:
         _move(self._arrows, arrows(picture.tips, picture.forces, self._metres_per_newton, width))
 
     def dots(self, middles: Array, size: float, colour: str, *, layer: int) -> None:
-        """Add outlined discs that stay, at points (dot, 2) [m], as large as a share of all."""
+        """Add outlined discs at points (dot, 2) [m]; the size is relative to the stage."""
         faces = disc_triangles(len(middles))
         for step, share, shade in ((0, size + OUTLINE, INK), (1, size, colour)):
             mesh = self._add(len(middles) * DISC_CORNERS, faces, layer=layer + step, color=shade)
             _move(mesh, middles[:, None] + share * self._size * CIRCLE)
 
     def symbols(self, symbols: Symbols) -> None:
-        """Add symbols that stay."""
+        """Add symbols that do not move."""
         for _, width, colour, strokes in strokes_of(symbols):
             mesh = self._add(4 * len(strokes), _stroke_quads(len(strokes)), layer=2, color=colour)
             _move(mesh, stroke_corners(strokes, width * self._size))
 
     def aim(self) -> None:
-        """Look along the axis, the stage in the left part of the window, at a fixed scale."""
+        """Set the view along the axis, with the stage in the left part of the window."""
         aside = self.place(0.5, 0.5)[0]
         self.plotter.enable_parallel_projection()
         self.plotter.camera_position = [(aside, 0, 10 * self._size), (aside, 0, 0), (0, 1, 0)]
@@ -145,7 +144,7 @@ class StageScene:
         self.plotter.reset_camera_clipping_range()
 
     def place(self, across: float, up: float) -> Array:
-        """The point of the plane [m] that `aim` shows at these shares of the window."""
+        """Return the point of the plane [m] at a relative position in the window."""
         width, height = self.plotter.window_size
         half = self._half_height * width / height
         middle = (1 - SQUARE) * half
@@ -153,7 +152,7 @@ class StageScene:
 
     @property
     def _half_height(self) -> float:
-        """Half of the window's height in the plane [m]."""
+        """Half of the height of the window in the plane [m]."""
         width, height = self.plotter.window_size
         return float(MARGIN * self._size * max(1.0, height / (SQUARE * width)))
 
@@ -165,7 +164,7 @@ class StageScene:
         color: str | None = None,
         shown: bool = True,
     ) -> pyvista.PolyData:
-        """An unlit mesh of polygons, coloured by the field where no colour is given."""
+        """Mesh of polygons without lighting, coloured by the field if no colour is given."""
         space = np.zeros((points, 3))
         space[:, 2] = 1e-3 * layer * self._size
         cells = np.concatenate([np.insert(f, 0, f.shape[1], axis=1).ravel() for f in faces])
@@ -193,8 +192,9 @@ class StageScene:
 
 
 def stroke_corners(strokes: Array, width: float) -> Array:
-    """Corners (stroke, 4, 2) of strokes (stroke, 2, 2) of that width [m]; a stroke is longer by it,
-    so that those of a zigzag meet.
+    """Return corners (stroke, 4, 2) of strokes (stroke, 2, 2) of a width [m].
+
+    Strokes are longer by the width, so that those of a zigzag meet.
     """
     span = strokes[:, 1] - strokes[:, 0]
     length = np.linalg.norm(span, axis=-1, keepdims=True)
@@ -209,9 +209,7 @@ def _stroke_quads(strokes: int) -> IntArray:
 
 
 def _strip_quads(lines: int, stations: int, strips: int) -> IntArray:
-    """Quads (quad, 4) of ribbons of some strips side by side, whose points are ordered (line,
-    station, strip, side).
-    """
+    """Quads (quad, 4) of ribbons of strips; points are ordered (line, station, strip, side)."""
     across = 2 * strips
     start = across * (np.arange(lines)[:, None] * stations + np.arange(stations - 1))
     corners = np.array([0, 1, across + 1, across])
@@ -220,17 +218,16 @@ def _strip_quads(lines: int, stations: int, strips: int) -> IntArray:
 
 
 def _halves(sides: Array) -> Array:
-    """Ribbon sides (line, station, 2, 2) as those of two strips (line, station, 4, 2): each half
-    has the colour of its own surface, which would be a hair's width if it faded to the middle.
+    """Sides of two strips (line, station, 4, 2) of a ribbon (line, station, 2, 2).
+
+    Each half has the colour of its surface, which would not be visible if it faded to the middle.
     """
     middle = sides.mean(axis=2)
     return np.stack([sides[:, :, 0], middle, middle, sides[:, :, 1]], axis=2)
 
 
 def disc_triangles(discs: int) -> IntArray:
-    """Triangles (triangle, 3) of discs. As one polygon each they would be cut into triangles when
-    first shown, which fails for good while a disc has no size.
-    """
+    """Return triangles (triangle, 3) of discs; VTK fails to triangulate a polygon of no size."""
     corner = np.arange(1, DISC_CORNERS - 1)
     fan = np.column_stack([np.zeros_like(corner), corner, corner + 1])
     triangles: IntArray = (DISC_CORNERS * np.arange(discs)[:, None, None] + fan).reshape(-1, 3)

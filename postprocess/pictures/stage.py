@@ -111,6 +111,7 @@ def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, In
     write_title(plotter, dataset)
     write(plotter, draw_scale_bar(scene, "clearance"), 0.085, 11, indent=-SQUARE)
     write(plotter, "\n".join(size_lines(dataset)), 0.885, 13)
+    write(plotter, "parts and their thickness", 0.79, 13, color=FAINT)
     parts = drawing.colouring.parts or {}
     key = {f"{name}, {thickness(dataset, name)}": colour for name, colour in parts.items()}
     sets = [f"set “{name}”: {len(nodes)}" for name, nodes in node_sets.items()]

@@ -1,7 +1,7 @@
-"""A run as one HTML file that any browser plays without a network: zoom, time, values by pointing.
+"""Run as one HTML file that a browser plays offline, with zoom, time and values at the pointer.
 
-The page holds its pictures as places in 16 bits and colours in 8, packed, and the program that
-draws them (`web_page.html`). Everything that can be worked out here is: the page only draws.
+The page contains points in 16 bits, colours in 8 bits, and the program that draws them
+(`web_page.html`).
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ from bladewhirl.postprocess.pictures.films import Progress
 from bladewhirl.postprocess.pictures.symbols import MASS
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
 
-FULL = 32767  #: of a signed number of 16 bits
+FULL = 32767  #: largest signed number of 16 bits
 SHADES = 128
-NONE = 255  #: shade of what has no value
+NONE = 255  #: shade without a value
 
 
 def render_page(
@@ -58,10 +58,13 @@ def render_page(
     colour: Field = "displacement",
     progress: Progress | None = None,
 ) -> Path:
-    """An HTML page of the given records (see `animation_records`); returns its path.
+    """Write an HTML page of records (see `animation_records`); return the path.
 
-    Exaggeration, frame and colour are those of `Drawing`. `progress` is told pictures done and
-    pictures in all. ViewError for another kind of file.
+    See `Drawing` for exaggeration, frame and colour. `progress` is called with the numbers of
+    pictures done and in total.
+
+    Raises:
+        ViewError: another suffix.
     """
     target = checked_target(path, ".html")
     drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
@@ -105,9 +108,7 @@ def render_page(
 def _pack(
     drawing: Drawing, size: float, progress: Progress | None
 ) -> tuple[Array, Array, dict[str, list[int]]]:
-    """Places (record, number) and shades (record, number) of all records, and where in a record
-    what lies: by name the first number and the shape.
-    """
+    """Points and shades (record, number), and by name the offset and shape in a record."""
     places, shades, layout = [], [], dict[str, list[int]]()
     for index in range(len(drawing)):
         shapes = _shapes(drawing, drawing.picture(index), size)
@@ -122,12 +123,12 @@ def _pack(
         shades.append(_shades(drawing.colouring, values))
         if progress is not None:
             progress(index + 1, len(drawing))
-    whole = np.round(FULL / size * np.array(places))
-    return whole.astype("<i2"), np.array(shades), layout
+    scaled = np.round(FULL / size * np.array(places))
+    return scaled.astype("<i2"), np.array(shades), layout
 
 
 def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Array]:
-    """Everything drawn, by name [m]; that of lines (line, station, ...)."""
+    """Points of all drawn shapes by name [m]; lines have shape (line, station, ...)."""
     force = drawing.largest_force
     length = LONGEST_ARROW * size / MARGIN / force if force else 0.0
     return {
@@ -143,7 +144,7 @@ def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Arr
 
 
 def _shades(colouring: Colouring, values: Array) -> Array:
-    """Numbers of the colours of true values."""
+    """Numbers of the colours of values."""
     low, high = colouring.limits
     if colouring.parts is not None:
         low, high = 0.0, len(colouring.parts) - 1.0
@@ -155,17 +156,17 @@ def _shades(colouring: Colouring, values: Array) -> Array:
 
 
 def _instants(drawing: Drawing) -> dict[str, Any]:
-    """Time of each picture, and what touches then."""
+    """Time and contacts of each picture."""
     forces = [drawing.picture(index).forces for index in range(len(drawing))]
     return {
         "times": [f"t = {1e3 * time:.1f} ms" for time in drawing.times],
-        "contact": [contact_words(each) for each in forces],
-        "touching": [np.any(each, axis=1).astype(int).tolist() for each in forces],
+        "contact": [contact_words(force) for force in forces],
+        "touching": [np.any(force, axis=1).astype(int).tolist() for force in forces],
     }
 
 
 def _looks(colouring: Colouring) -> dict[str, Any]:
-    """Colours, and sizes in units of the page's places."""
+    """Colours, and sizes in units of the points."""
     unit = FULL / MARGIN
     return {
         "ink": INK,
@@ -186,7 +187,7 @@ def _looks(colouring: Colouring) -> dict[str, Any]:
 
 
 def _orbit(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
-    """The shaft's way through all records from the first to the last, in units of a circle."""
+    """Orbit of the shaft from the first to the last record, relative to a circle."""
     records = np.arange(drawing.records.min(), drawing.records.max() + 1)
     trail = shaft_trail(dataset, records, drawing.frame)
     return {
@@ -197,6 +198,6 @@ def _orbit(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
 
 
 def _members(dataset: xr.Dataset) -> list[str]:
-    """Name of the blade or part of each beam."""
+    """Blade or part of each beam."""
     names, member = member_names(dataset)
     return [names[number] for number in member]

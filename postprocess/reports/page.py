@@ -1,7 +1,7 @@
-"""Reports as one HTML file: what they are made of, and how that becomes a page.
+"""Reports as one HTML file: content, and conversion to a page.
 
-A page needs no other file and no network, and says so to the browser, which then loads nothing
-else (a content security policy): pictures are inside as PNG, and so is what draws the maps.
+A page needs no other file and no network, and its content security policy forbids to load any:
+pictures are embedded as PNG, and so is the program that draws interactive plots.
 """
 
 from __future__ import annotations
@@ -25,47 +25,47 @@ from bladewhirl.postprocess.plotting.registry import FigureKind
 from bladewhirl.postprocess.plotting.style import styled
 
 DPI = 200
-"""Of the pictures: sharp where a column of 8 cm is shown as wide as half a laptop's screen."""
+"""Resolution of the pictures: a column of 8 cm is as wide as half a screen [1/inch]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Block:
-    """A piece of a section; `kind` is the part of the template that shows it."""
+    """Block of a section; `kind` is the part of the template that shows it."""
 
     kind: ClassVar[str]
 
     name: str
     title: str
     caption: str = ""
-    folded: bool = False  #: opened by a click
-    wide: bool = True  #: across the page, not half of it
+    folded: bool = False  #: closed until clicked
+    wide: bool = True  #: as wide as the page, not half of it
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReportFigure(Block):
-    """A figure, or why there is none."""
+    """Figure, or the reason why there is none."""
 
     kind = "drawing"
 
-    picture: str = ""  #: PNG, as text
-    obstacle: str = ""  #: why there is no picture
+    picture: str = ""  #: PNG in base64
+    obstacle: str = ""  #: reason why there is no picture
 
 
 @dataclass(frozen=True, kw_only=True)
 class Table(Block):
-    """Rows of words."""
+    """Table of texts."""
 
     kind = "table"
 
     rows: Sequence[Sequence[str]]
     head: Sequence[str] = ()
-    numbers: bool = False  #: all but the first column are numbers
-    marked: int | None = None  #: row that stands out
+    numbers: bool = False  #: columns after the first are numbers
+    marked: int | None = None  #: highlighted row
 
 
 @dataclass(frozen=True, kw_only=True)
 class Text(Block):
-    """Words as they are, in type of one width."""
+    """Preformatted text."""
 
     kind = "text"
 
@@ -74,7 +74,7 @@ class Text(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Explorer(Block):
-    """Plots to point at, side by side."""
+    """Interactive plots, side by side."""
 
     kind = "explorer"
 
@@ -83,22 +83,21 @@ class Explorer(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Instants(Explorer):
-    """A machine, an orbit and histories, with a cursor that goes through instants."""
+    """Machine, orbit and histories with a cursor of instants."""
 
     kind = "instants"
 
-    times: Array  #: of the instants [s]
-    first: int  #: number of the instant that is shown first
-    words: Sequence[str]  #: what touches at each
+    times: Array  #: instants [s]
+    first: int  #: number of the instant shown first
+    words: Sequence[str]  #: contacts at each
     places: Sequence[Array]
-    """Of each of the orbit's markers, which are its last traces, at every instant: (instant, 2)."""
-    machine: Sequence[Mapping[str, Any]]  #: outlines, lowest first: `colour`, and `places`
-    """in 16 bits, (instant, outline, point, 2)."""
+    """Positions of the markers of the orbit, its last traces, at every instant (instant, 2)."""
+    machine: Sequence[Mapping[str, Any]]  #: outlines with `colour` and `places`
 
 
 @dataclass(frozen=True, kw_only=True)
 class Section:
-    """A part of a report, with a line in its contents."""
+    """Section of a report."""
 
     name: str
     title: str
@@ -108,26 +107,26 @@ class Section:
 
 @dataclass(frozen=True, kw_only=True)
 class Page:
-    """A report."""
+    """Content of a report."""
 
     title: str
-    subject: str  #: what is reported on, and when and by what it was made
-    verdict: str  #: in a word or two
-    tone: str  #: of the verdict: "good", "fair", "bad" or "open"
+    subject: str  #: name, program and date
+    verdict: str  #: the result in a few words
+    tone: str  #: "good", "fair", "bad" or "open"
     reason: str
     warnings: Sequence[str]
-    figures: Sequence[tuple[str, str, str]]  #: at a glance: name, value, remark
+    figures: Sequence[tuple[str, str, str]]  #: key figures: name, value, remark
     sections: Sequence[Section]
 
 
 def report_figures(
     draw: Callable[[str], tuple[Figure, xr.Dataset]], kinds: Iterable[FigureKind]
 ) -> list[ReportFigure]:
-    """Figures of a result with their words, and why there is none where one can't be had.
+    """Return the figures of a result with captions, or with the reason why there is none.
 
     Args:
-        draw: draws the figure of a name, or raises ViewError.
-        kinds: of figures.
+        draw: function that draws the figure of a name, or raises ViewError.
+        kinds: entries of the registry.
     """
     return [_report_figure(draw, kind) for kind in kinds]
 
@@ -158,7 +157,7 @@ def _as_png(figure: Figure) -> str:
 
 
 def page_html(page: Page) -> str:
-    """The page as HTML."""
+    """Return the page as HTML."""
     draws = any(isinstance(block, Explorer) for part in page.sections for block in part.blocks)
     return filled_template(
         "bladewhirl.postprocess.reports",
@@ -169,16 +168,16 @@ def page_html(page: Page) -> str:
 
 
 def _plotly() -> str:
-    """The program that draws maps: five megabytes; Plotly's Python side is not needed."""
+    """Program that draws interactive plots, five megabytes."""
     return resources.files("plotly").joinpath("package_data/plotly.min.js").read_text("utf-8")
 
 
 def write_page(page: Page, path: str | Path) -> Path:
-    """Write a page, whole or not at all; returns its path.
+    """Write a page as a whole; return the path.
 
     Raises:
         ViewError: the name does not end in .html.
-        OSError: it can't be written.
+        OSError: the file can't be written.
     """
     target = checked_target(path, ".html")
     write_whole(target, page_html(page))

@@ -1,4 +1,4 @@
-"""How a result was made, in a report: its resolved case, program, machine and libraries."""
+"""Provenance in a report: resolved case, program, machine and libraries."""
 
 from __future__ import annotations
 
@@ -9,26 +9,26 @@ import xarray as xr
 from bladewhirl.postprocess.reports.page import Section, Table, Text
 
 Provenance = Mapping[str, object]
-"""Content of provenance.json; empty where that is not told."""
+"""Content of provenance.json; empty if there is none."""
 
 
 def subject(dataset: xr.Dataset, provenance: Provenance, name: str) -> str:
-    """Name, program and date of a result, in words."""
+    """Return name, program and date of a result."""
     date = str(provenance.get("date", ""))[:16].replace("T", " ")
-    made = f"bladewhirl {dataset.attrs.get('version', '')}"
-    return ", ".join(filter(None, [name, made, f"{date} UTC" if date else ""]))
+    program = f"bladewhirl {dataset.attrs.get('version', '')}"
+    return ", ".join(filter(None, [name, program, f"{date} UTC" if date else ""]))
 
 
 def case_section(
     dataset: xr.Dataset, provenance: Provenance, *, text: str, caption: str
 ) -> Section:
-    """The resolved case of a result, and how it was made.
+    """Return the section with the resolved case and the provenance of a result.
 
     Args:
         dataset: a result or a sweep.
-        provenance: of it.
+        provenance: its provenance.
         text: the case.
-        caption: words with the case.
+        caption: caption of the case.
     """
     case = Text(
         name="resolved-case", title="Resolved case", text=text, caption=caption, folded=True
@@ -38,17 +38,17 @@ def case_section(
 
 
 def _tables(dataset: xr.Dataset, provenance: Provenance) -> Iterator[Table]:
-    """Program, machine, and versions of the libraries it uses."""
-    made = {name: value for name, value in provenance.items() if isinstance(value, str)}
-    made.setdefault("bladewhirl", str(dataset.attrs.get("version", "")))
+    """Program, machine, and versions of the libraries."""
+    facts = {name: value for name, value in provenance.items() if isinstance(value, str)}
+    facts.setdefault("bladewhirl", str(dataset.attrs.get("version", "")))
     if dataset.attrs.get("symmetry"):
-        made["symmetry"] = str(dataset.attrs["symmetry"])
-    yield Table(name="provenance", title="Provenance", rows=list(made.items()))
-    used = provenance.get("dependencies")
-    if isinstance(used, Mapping):
+        facts["symmetry"] = str(dataset.attrs["symmetry"])
+    yield Table(name="provenance", title="Provenance", rows=list(facts.items()))
+    libraries = provenance.get("dependencies")
+    if isinstance(libraries, Mapping):
         yield Table(
             name="dependencies",
             title="Versions of the libraries",
-            rows=[(str(name), str(version)) for name, version in used.items()],
+            rows=[(str(name), str(version)) for name, version in libraries.items()],
             folded=True,
         )

@@ -1,4 +1,4 @@
-"""The report of a run: what came out and why, its figures with words, its numbers, its case."""
+"""Report of a run: regime, figures, numbers and case."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
 LATE = "over the last third"
-"""The time of a whirl and a contact scenario."""
+"""Time window of whirl and contact scenario."""
 
 UNKNOWN = ("complementarity residual", "time step / critical", "wall time")
-"""Rows of the summary that a march tells when it ends in order."""
+"""Rows of the summary that only a completed march has."""
 
 
 def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -> Page:
-    """The report of a run, to be written by `page.write_page`.
+    """Return the report of a run, for `page.write_page`.
 
-    A march that was interrupted or killed is reported up to its last record, and said to be so.
+    An interrupted march is reported up to its last record, with a warning.
 
     Args:
         dataset: a result.
-        provenance: of the run.
-        name: of the run, such as its folder.
+        provenance: provenance of the run.
+        name: name of the run, such as its folder.
 
     Raises:
         ViewError: fewer than two records.
@@ -98,12 +98,12 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
 
 
 def _drawn(figures: RunFigures, section: str) -> list[ReportFigure]:
-    own = [kind for kind in RUN_FIGURES.values() if kind.section == section]
-    return report_figures(figures.draw, own)
+    kinds = [kind for kind in RUN_FIGURES.values() if kind.section == section]
+    return report_figures(figures.draw, kinds)
 
 
 def _blades(dataset: xr.Dataset, classes: xr.Dataset) -> Table:
-    """Every blade: how often it touches, and how hard."""
+    """Contact of every blade."""
     late = _late(dataset)
     since = late.isel(time=slice(1, None))
     time = dataset["time"].values
@@ -136,22 +136,22 @@ def _blades(dataset: xr.Dataset, classes: xr.Dataset) -> Table:
 
 
 def _late(dataset: xr.Dataset) -> xr.Dataset:
-    """The last third of the time; all of it where that has not the two records a mean needs."""
+    """Last third of the time, or all of it if that has fewer than two records."""
     late = late_part(dataset)
     return late if late.sizes["time"] > 1 else dataset
 
 
 def _summary(figures: RunFigures) -> Table:
     dataset = figures.result
-    known = {name: dataset.attrs.get(name, math.nan) for name in MARCH_REPORT}
+    reported = {name: dataset.attrs.get(name, math.nan) for name in MARCH_REPORT}
     done = float(dataset["time"].values[-1]) / float(dataset.attrs["time_step"])
-    missing = any(math.isnan(float(known[name])) for name in MARCH_REPORT)
+    missing = any(math.isnan(float(reported[name])) for name in MARCH_REPORT)
     if missing:
-        known |= {"steps": round(done), "unsolved_steps": 0}
-    rows = summary_rows(summarise(dataset, known, figures.stresses))
+        reported |= {"steps": round(done), "unsolved_steps": 0}
+    rows = summary_rows(summarise(dataset, reported, figures.stresses))
     left_out = {"because", *(UNKNOWN if missing else ())}  # the page begins with the reason
-    kept = [row for row in rows.items() if row[0] not in left_out]
-    return Table(name="summary", title="Summary", rows=kept)
+    shown = [row for row in rows.items() if row[0] not in left_out]
+    return Table(name="summary", title="Summary", rows=shown)
 
 
 def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
@@ -162,20 +162,19 @@ def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
     if reason == "damped":
         return [_sentence(message)]
     if reason == "divergent":
-        remedy = message.partition("; ")[2]  # what happened is said beside the regime
+        remedy = message.partition("; ")[2]  # the reason is given beside the regime
         return [_sentence(remedy)] if remedy else []
     if reason == "interrupted":
-        return [f"The march was interrupted: all that follows is up to {end}."]
+        return [f"The march was interrupted at {end}."]
     return [
-        f"The march is unfinished: it was killed, or is still running. All that follows is up to "
-        f"{end}, the last record written."
+        f"The march is unfinished: it was killed, or is still running. The last record is at {end}."
     ]
 
 
 def _glance(
     dataset: xr.Dataset, orbit: xr.Dataset, classes: xr.Dataset
 ) -> list[tuple[str, str, str]]:
-    """The numbers at the top of the page: name, value, remark."""
+    """Key figures: name, value, remark."""
     late = _late(orbit)
     radius = MILLI * float(orbit["radius"].max())
     share = MILLI * float(orbit.attrs["smallest_clearance"])
@@ -215,7 +214,7 @@ def _glance(
 
 
 def _split(label: str) -> tuple[str, str]:
-    """A value and what is in brackets after it."""
+    """Value, and the text in parentheses after it."""
     value, _, rest = label.partition(" (")
     return value, rest.rstrip(")")
 

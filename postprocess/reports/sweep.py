@@ -1,4 +1,4 @@
-"""The report of a sweep: which regimes where, its maps, its points, its case."""
+"""Report of a sweep: regimes, maps, points and case."""
 
 from __future__ import annotations
 
@@ -40,10 +40,10 @@ from bladewhirl.postprocess.sweep.frequency_map import frequency_map
 from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key, other_keys
 
 WINDOWED = ("frequency-map", "energy-families")
-"""Figures over the window that the dataset's `window` names; others are over the last third."""
+"""Figures over the time window of the attribute `window`; others are over the last third."""
 
 MOST_POINTS = 2000
-"""Points in the table of a page: more make it slow, and are in the dataset."""
+"""Largest number of points in the table; more make a page slow."""
 
 
 def sweep_report(
@@ -53,15 +53,15 @@ def sweep_report(
     *,
     name: str = "",
 ) -> Page:
-    """The report of a sweep, to be written by `page.write_page`.
+    """Return the report of a sweep, for `page.write_page`.
 
-    A sweep that is not finished, or has failed points, is reported with what there is.
+    An unfinished sweep is reported with its available points.
 
     Args:
         dataset: from `open_sweep`.
-        provenance: of the sweep.
-        failures: points that failed: their values in words, and why.
-        name: of the sweep, such as its folder.
+        provenance: provenance of the sweep.
+        failures: failed points: values and reason.
+        name: name of the sweep, such as its folder.
     """
     state = dataset["state"].values
     done, failed = int((state == "done").sum()), int((state == "failed").sum())
@@ -104,23 +104,23 @@ def sweep_report(
 
 
 def _points(dataset: xr.Dataset) -> xr.Dataset:
-    """Quantities of every point in maps and tables, over (line, key), keys in handy units."""
+    """Quantities of every point over (line, key), with keys in handy units."""
     names = ["regime", "shaft_radius_max", "growth_rate", "growth_error", "end_time"]
-    found = in_handy_units(along(dataset, main_key(dataset), [*names, "contact_share"]))
-    touched = (found["contact_share"] > 0).sum("blade")
-    regime = found["regime"].where(found["state"] == "done", "no result")
-    return found.assign(touched=touched, regime=regime).drop_vars("contact_share")
+    points = in_handy_units(along(dataset, main_key(dataset), [*names, "contact_share"]))
+    touched = (points["contact_share"] > 0).sum("blade")
+    regime = points["regime"].where(points["state"] == "done", "no result")
+    return points.assign(touched=touched, regime=regime).drop_vars("contact_share")
 
 
 def _counts(points: xr.Dataset | None) -> dict[str, int]:
     if points is None:
         return {}
-    found = {name: int((points["regime"].values == name).sum()) for name in REGIMES}
-    return {name: count for name, count in found.items() if count}
+    counts = {name: int((points["regime"].values == name).sum()) for name in REGIMES}
+    return {name: count for name, count in counts.items() if count}
 
 
 def _verdict(counts: Mapping[str, int], points: int, done: int, failed: int) -> tuple[str, str]:
-    """The worst regime there is, and how often; and its tone."""
+    """Worst regime and its number of points; and its tone."""
     if not counts:
         return "No result yet" if points > failed else "No result", "open"
     worst = next(iter(counts))
@@ -131,15 +131,15 @@ def _verdict(counts: Mapping[str, int], points: int, done: int, failed: int) -> 
 
 def _warnings(points: int, done: int, failed: int) -> list[str]:
     missing = points - done - failed
-    found = []
+    warnings = []
     if missing:
-        found.append(
+        warnings.append(
             f"The sweep is unfinished: {missing} of {points} points are missing; bladewhirl sweep "
             "--resume finishes it."
         )
     if failed:
-        found.append(f"{failed} of {points} points failed; the reasons are listed under Points.")
-    return found
+        warnings.append(f"{failed} of {points} points failed; the reasons are listed under Points.")
+    return warnings
 
 
 def _glance(
@@ -165,19 +165,19 @@ def _glance(
 
 def _drawn(dataset: xr.Dataset, section: str) -> list[ReportFigure]:
     """Figures of a section; maps need two swept keys."""
-    own = [kind for kind in SWEEP_FIGURES.values() if kind.section == section]
+    kinds = [kind for kind in SWEEP_FIGURES.values() if kind.section == section]
     if len(swept(dataset)) == 1:
-        own = [kind for kind in own if kind.name != "maps"]
+        kinds = [kind for kind in kinds if kind.name != "maps"]
     return [
         replace(figure, caption=_windowed(dataset, figure.caption))
         if figure.name in WINDOWED
         else figure
-        for figure in report_figures(SweepFigures(dataset).draw, own)
+        for figure in report_figures(SweepFigures(dataset).draw, kinds)
     ]
 
 
 def _windowed(dataset: xr.Dataset, caption: str) -> str:
-    """A caption, and which time the spectra and the mean energies of a sweep are of."""
+    """Caption with the time window of spectra and mean energies."""
     window = str(dataset.attrs.get("window", ""))
     return f"{caption} {window[:1].upper()}{window[1:]}." if window else caption
 
@@ -193,8 +193,8 @@ def _regime_maps(dataset: xr.Dataset, points: xr.Dataset | None) -> Iterator[Exp
 
 def _frequency_maps(dataset: xr.Dataset, done: int) -> Iterator[Explorer]:
     if done:
-        found = frequency_explorer(frequency_map(dataset, main_key(dataset)))
-        yield replace(found, caption=_windowed(dataset, found.caption))
+        explorer = frequency_explorer(frequency_map(dataset, main_key(dataset)))
+        yield replace(explorer, caption=_windowed(dataset, explorer.caption))
 
 
 def _failures(failures: Sequence[tuple[str, str]]) -> Iterator[Table]:
@@ -241,7 +241,7 @@ def _point_table(points: xr.Dataset | None) -> Iterator[Table]:
 
 
 def _case_section(dataset: xr.Dataset, provenance: Provenance) -> Section:
-    """The resolved case, with a remark where a key is swept."""
+    """Resolved case, with a comment at swept keys."""
     lines, table, marked = [], "", []
     values = {dataset[key].attrs["long_name"]: dataset[key].values for key in swept(dataset)}
     for line in str(dataset.attrs.get("case", "")).strip().splitlines():

@@ -139,8 +139,8 @@ def test_it_begins_with_the_run_at_one_instant(folder: Path, page: Parsed) -> No
 @pytest.mark.parametrize(
     ("reason", "words"),
     [
-        ("interrupted", "The march was interrupted: all that follows is up to 0.4 s."),
-        ("unfinished", "it was killed, or is still running. All that follows is up to 0.4 s"),
+        ("interrupted", "The march was interrupted at 0.4 s."),
+        ("unfinished", "it was killed, or is still running. The last record is at 0.4 s"),
     ],
 )
 def test_a_march_that_did_not_end_is_said_to_be_so(tmp_path: Path, reason: str, words: str) -> None:
