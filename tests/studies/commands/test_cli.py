@@ -92,7 +92,7 @@ def test_a_message_of_many_lines_becomes_one() -> None:
     assert (result.exit_code, result.stderr) == (2, "a b\n")
 
 
-def test_our_own_mistakes_are_not_hidden() -> None:
+def test_defects_of_the_program_are_not_hidden() -> None:
     result = RUNNER.invoke(command_raising(ValueError("ours")), ["fail", "x"])
     assert isinstance(result.exception, ValueError)
 

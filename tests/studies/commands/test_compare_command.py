@@ -67,7 +67,7 @@ def test_table_and_figure(place: Path) -> None:
     assert refused.stderr == f"{place / 'out'}: already exists; --overwrite writes into it\n"
 
 
-def test_what_one_scheme_cannot_do_is_told(place: Path) -> None:
+def test_faults_of_one_scheme_are_reported(place: Path) -> None:
     refused = compare(place, "--set", "contact.penalty_stiffness=1e13")
     assert refused.exit_code == 2
     assert refused.stderr.startswith("--set: contact.penalty_stiffness = 1e13: expected less (")

@@ -42,7 +42,7 @@ def test_surfaces_in_a_named_folder(run: Path, tmp_path: Path) -> None:
         (["-o", "file/series"], "file/series: cannot be written"),
     ],
 )
-def test_what_is_refused(
+def test_bad_input_is_one_line(
     run: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,

@@ -84,7 +84,7 @@ def test_files_are_overwritten_by_force_only(tmp_path: Path) -> None:
     assert len(read_line_mesh(path).lines) == 192
 
 
-def test_what_a_format_does_not_hold_is_said(tmp_path: Path) -> None:
+def test_data_that_a_format_cannot_store_are_listed(tmp_path: Path) -> None:
     sketch = Sketch(3)
     sketch.node("centre", 0.0, shared=True)
     sketch.node("tip", 0.5)

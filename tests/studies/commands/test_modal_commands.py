@@ -54,7 +54,7 @@ def document(command: str, *arguments: str) -> dict[str, Any]:
     return content
 
 
-def test_lists_of_the_literature_stage_are_those_of_an_independent_program() -> None:
+def test_modes_of_the_literature_stage_equal_an_independent_program() -> None:
     content = document("modes", *LITERATURE, "--count", "92")
     assert list(content) == ["bladed_disk", "bladed_disk_free", "bladed_disk_clamped", "casing"]
     assert content["bladed_disk"] == content["bladed_disk_free"]

@@ -75,9 +75,7 @@ def test_a_window_and_a_folder(directory: Path, tmp_path: Path) -> None:
         (["energy-cyclic"], "energy-cyclic: expected energy-families, which replaces it"),
     ],
 )
-def test_what_cannot_be_drawn_is_said_in_one_line(
-    directory: Path, arguments: list[str], complaint: str
-) -> None:
+def test_bad_input_is_one_line(directory: Path, arguments: list[str], complaint: str) -> None:
     result = plot(directory, *arguments)
     assert result.exit_code == 2
     assert result.stderr.startswith(complaint)
@@ -107,6 +105,6 @@ def test_without_a_name_the_names_are_listed(directory: Path) -> None:
     assert [line.partition(":")[0] for line in result.stdout.splitlines()] == [*RUN_FIGURES]
 
 
-def test_a_figure_that_there_is_not_names_those_that_there_are(directory: Path) -> None:
+def test_an_unknown_figure_lists_the_available_ones(directory: Path) -> None:
     with open_result(directory) as result, pytest.raises(ViewError, match="one of orbit, whirl"):
         RunFigures(result).draw("orbt")

@@ -53,7 +53,7 @@ def test_stills_at_times_and_a_sheet(run: Path, tmp_path: Path) -> None:
     }
 
 
-def test_a_page_needs_nothing_to_draw_with(run: Path, tmp_path: Path) -> None:
+def test_a_page_needs_no_display(run: Path, tmp_path: Path) -> None:
     path = tmp_path / "run.html"
     done = RUNNER.invoke(app, ["render", str(run), "-o", str(path), "--frames", "3"])
     assert done.exit_code == 0, done.stderr
@@ -77,7 +77,7 @@ def test_a_page_needs_nothing_to_draw_with(run: Path, tmp_path: Path) -> None:
         (["--gif", "--mp4", "-o", "film.gif"], "asked for by --gif --mp4"),
     ],
 )
-def test_what_is_refused(
+def test_bad_input_is_one_line(
     run: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -124,7 +124,7 @@ def test_no_run_there(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("can_draw")
-def test_from_python_the_name_says_what_is_drawn(run: Path, tmp_path: Path) -> None:
+def test_from_python_the_suffix_decides(run: Path, tmp_path: Path) -> None:
     sheet = bw.render(run, tmp_path / "sheet.png", time=[0.0, 0.1, 0.2, 0.3, 0.4])
     with bw.open_result(run) as result:
         still = bw.render(result, tmp_path / "still.png", time=0.1, colour="stress", orbit=True)
@@ -138,7 +138,7 @@ def test_from_python_the_name_says_what_is_drawn(run: Path, tmp_path: Path) -> N
     ("name", "options"),
     [("film.gif", {"time": 0.1}), ("still.png", {"time": 0.1, "start": 0.0}), ("film.avi", {})],
 )
-def test_from_python_what_makes_no_sense_is_refused(
+def test_from_python_bad_input_is_refused(
     run: Path, tmp_path: Path, name: str, options: dict[str, float]
 ) -> None:
     with pytest.raises(bw.ViewError, match=name):

@@ -143,7 +143,7 @@ def test_it_begins_with_the_run_at_one_instant(folder: Path, page: Parsed) -> No
         ("unfinished", "it was killed, or is still running. The last record is at 0.4 s"),
     ],
 )
-def test_a_march_that_did_not_end_is_said_to_be_so(tmp_path: Path, reason: str, words: str) -> None:
+def test_an_unfinished_march_is_reported(tmp_path: Path, reason: str, words: str) -> None:
     gone = dict.fromkeys(MARCHED) if reason == "unfinished" else {}
     steps = 0 if reason == "unfinished" else 400_000
     run = made(tmp_path / "run", end_reason=reason, steps=steps, **gone)
@@ -160,7 +160,7 @@ def test_a_march_that_did_not_end_is_said_to_be_so(tmp_path: Path, reason: str, 
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_a_march_to_its_limit_says_so_once(tmp_path: Path) -> None:
+def test_the_displacement_limit_is_reported_once(tmp_path: Path) -> None:
     message = "blade 3 passed march.displacement_limit = 0.1 m at 0.4 s; look at its load"
     run = made(tmp_path / "run", end_reason="divergent", end_message=message)
     words = Parsed(bw.report(run).read_text(encoding="utf-8")).words
@@ -169,7 +169,7 @@ def test_a_march_to_its_limit_says_so_once(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["nothing", "no folder", "broken", "foreign", "one record"])
-def test_what_is_no_run_ends_in_one_line(tmp_path: Path, kind: str) -> None:
+def test_invalid_runs_are_one_line(tmp_path: Path, kind: str) -> None:
     place = tmp_path / "place"
     if kind != "no folder":
         place.mkdir()
@@ -187,7 +187,7 @@ def test_what_is_no_run_ends_in_one_line(tmp_path: Path, kind: str) -> None:
     assert not (place / "report.html").exists()
 
 
-def test_files_that_cannot_be(folder: Path, tmp_path: Path) -> None:
+def test_invalid_targets(folder: Path, tmp_path: Path) -> None:
     for target, complaint in (
         (tmp_path / "report.pdf", "must end in .html"),
         (folder / "result.nc" / "report.html", "cannot be written"),
@@ -199,7 +199,7 @@ def test_files_that_cannot_be(folder: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_a_file_of_the_users_is_not_replaced_unasked(tmp_path: Path) -> None:
+def test_files_of_the_user_are_not_replaced(tmp_path: Path) -> None:
     run = made(tmp_path / "run")
     theirs = [run / "report.html", tmp_path / "theirs.html"]
     for path, option in zip(theirs, ([], ["-o", str(tmp_path / "theirs.html")]), strict=True):

@@ -53,7 +53,7 @@ def path(tmp_path: Path) -> Path:
     return path
 
 
-def test_what_a_run_leaves(path: Path) -> None:
+def test_files_of_a_run(path: Path) -> None:
     out = path.parent / "deep" / "down"
     done = RUNNER.invoke(app, ["run", str(path), "-o", str(out), "--frames", "7"])
     assert done.exit_code == 0, done.stderr
@@ -148,7 +148,7 @@ def test_from_python_to_a_dataset(path: Path) -> None:
         assert shaft_orbit(result)["radius"].max() == 0.0  # nobody touched the shaft
 
 
-def test_nothing_recorded_between_is_lost(path: Path) -> None:
+def test_coarse_records_hold_sums_and_minima(path: Path) -> None:
     """Records ten times as far apart hold the sums and minima of the finer ones."""
     coarse_case = read_case(path, ["march.record_step=1e-3"])
     fine = bw.run(read_case(path), path.parent / "fine", frames=0)
@@ -272,7 +272,7 @@ def test_overwriting_replaces_a_run_and_nothing_else(tmp_path: Path) -> None:
     assert (out / "vtk" / "series.pvd").is_file()
 
 
-def test_what_is_no_run_is_not_overwritten(tmp_path: Path) -> None:
+def test_only_runs_are_overwritten(tmp_path: Path) -> None:
     foreign, file, empty = tmp_path / "foreign", tmp_path / "file", tmp_path / "empty"
     foreign.mkdir()
     (foreign / "result.nc").write_text("precious")

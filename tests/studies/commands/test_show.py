@@ -97,7 +97,7 @@ def test_the_distorted_mode_and_its_static_answer(path: Path) -> None:
     assert answer is None or answer["static_displacement"] > 1e3
 
 
-def test_the_suspension_at_speed_is_the_branch_that_modes_and_campbell_name_so() -> None:
+def test_the_suspension_at_speed_is_that_of_modes() -> None:
     # Spin softening: the springs hold more of 1F's strain energy than of the suspension's.
     soft = {"shaft.stiffness": 6e6, "rotation.effects": "centrifugal", "march.speed": "2300 rpm"}
     small = {"bladed_disk.blades": 8, "bladed_disk.elements_per_blade": 4}
@@ -124,7 +124,7 @@ def test_the_case_shown_is_the_case(path: Path) -> None:
     assert case == with_values(Case(), expected)
 
 
-def test_to_read(path: Path) -> None:
+def test_tables(path: Path) -> None:
     table = RUNNER.invoke(app, ["show", str(path)], env={"COLUMNS": "100"}).stdout
     both = RUNNER.invoke(app, ["show", str(path), "--case"], env={"COLUMNS": "100"}).stdout
     assert both.startswith(table)
@@ -144,7 +144,7 @@ def test_to_read(path: Path) -> None:
     assert ["1", "160.93", "3.9999", "1.000"] in rows
 
 
-def test_the_lowest_of_a_stage_without_symmetry_beside_those_of_its_casing(path: Path) -> None:
+def test_lowest_modes_without_symmetry(path: Path) -> None:
     path.write_text("bladed_disk = { blades = 6, mistuning.stiffness_spread = 0.05 }")
     derived = shown(path)["derived"]
     disk = [mode["frequency"]["hz"] for mode in derived["bladed_disk"]]

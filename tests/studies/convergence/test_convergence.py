@@ -96,7 +96,7 @@ def test_second_order_without_contact(store: RunStore) -> None:
     assert distance[0] / distance[1] == pytest.approx(5.0, rel=0.05)  # (16 - 1) / (4 - 1)
 
 
-def test_contact_and_what_precedes_it(store: RunStore) -> None:
+def test_orders_before_and_in_contact(store: RunStore) -> None:
     data = time_step_convergence(CLOSE, STEPS, store)
     assert 0.0 < data.attrs["free_until"] < 5e-3
     assert data.attrs["free_order"] == pytest.approx(2.0, abs=0.2)
@@ -118,7 +118,7 @@ def test_modes(store: RunStore) -> None:
     assert data.attrs["motion_converged"] == 1
 
 
-def test_what_is_looked_at_by_default() -> None:
+def test_default_time_steps_and_modes() -> None:
     case = small()
     assert default_modes(case) == [12, 18, 24, 30, 36]
     assert max(default_time_steps(small("march.time_step=1e-5"))) <= 4e-5

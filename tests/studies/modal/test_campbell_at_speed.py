@@ -71,7 +71,7 @@ def test_critical_speeds_and_engine_orders_are_listed() -> None:
     assert result["clearance_gone"]["ratio"] == pytest.approx(KNOWN["growth_of_1mm"], rel=1e-7)
 
 
-def test_speeds_are_given_in_any_unit() -> None:
+def test_speeds_take_any_unit() -> None:
     hertz = diagram().attrs["reference_frequency_hz"]
     limits = ("0 rpm", f"{2.5 * 60.0 * hertz!r} rpm")
     result = campbell(stage_case(), families=2, speeds=limits, operating=(0.5, "50 Hz"))
@@ -166,7 +166,7 @@ def test_the_command_prints_critical_speeds(
     assert f"{small_diagram('full').attrs['clearance_gone']:.4f} ω₁" in done.stdout
 
 
-def test_waves_that_have_met_grow_as_a_march_does() -> None:
+def test_merged_waves_grow_as_in_a_march() -> None:
     """Ground resonance: undamped, without contact; eigenvalues of the full model, and a march."""
     soft = {"bladed_disk.blades": 8, "bladed_disk.elements_per_blade": 4, "shaft.stiffness": 6e6}
     turning = {"rotation.effects": "full", "march.speed": 3.6, "damping.ratio": 0.0}

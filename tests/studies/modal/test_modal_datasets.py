@@ -52,13 +52,13 @@ def test_modes_are_selected_by_their_coordinates() -> None:
     )
 
 
-def test_a_suspension_is_what_springs_hold_and_clamping_ends_it() -> None:
+def test_the_suspension_has_its_energy_in_the_springs() -> None:
     disk = studies()["modes"].sel(body="bladed-disk")
     assert float(disk.spring_share.sel(family="suspension").min()) > 0.5
     assert "suspension" not in disk.sel(centre="clamped")["family"].values
 
 
-def test_a_diagram_drawn_is_drawn_again_the_same() -> None:
+def test_the_drawn_part_is_idempotent() -> None:
     once = drawn_part(studies()["campbell"])
     assert once.sizes["mode"] < studies()["campbell"].sizes["mode"]
     assert drawn_part(once).identical(once)
@@ -75,7 +75,7 @@ def test_veering_holds_the_modes_of_both_centres_once() -> None:
 
 
 @pytest.mark.parametrize("name", ["modes", "campbell", "veering"])
-def test_every_variable_says_its_unit_and_goes_into_a_file(name: str, tmp_path: Path) -> None:
+def test_every_variable_has_a_unit_and_can_be_saved(name: str, tmp_path: Path) -> None:
     data = studies()[name]
     silent = {str(key) for key, values in data.items() if "units" not in values.attrs}
     assert silent <= {"in_operating_range"}

@@ -94,7 +94,7 @@ def test_more_modes_at_rest_come_nearer_to_waves_at_speed() -> None:
     assert errors[1] < 3e-4
 
 
-def test_an_even_system_without_rotation_is_as_it_was() -> None:
+def test_an_even_system_without_rotation() -> None:
     system = coupled("fan_stage", effects="none")
     assert system.modes.turning is None
     assert system.rotation is None
