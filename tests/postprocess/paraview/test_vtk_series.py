@@ -18,7 +18,7 @@ from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.paraview import parts as vtk_parts
 from bladewhirl.postprocess.paraview import series as vtk_series
 from bladewhirl.postprocess.paraview.grids import Grid, write_vtu
-from bladewhirl.postprocess.paraview.series import SeriesWriter, export_vtk
+from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.pictures.drawing import Drawing, Frame
 
 PARTS = ("rotor", "casing", "contact", "supports")
@@ -77,22 +77,6 @@ class TestIndex:
         assert contact.n_points == 22
         assert np.all(supports.celltypes == pyvista.CellType.LINE)
 
-    def test_parses_after_every_frame(
-        self, result: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        complete = []
-        add = SeriesWriter.add
-
-        def add_and_read(self: SeriesWriter, time: float, parts: dict[str, Grid]) -> None:
-            add(self, time, parts)
-            listed = entries(self.index)
-            complete.append(len(listed))
-            meshio.read(self.folder / listed[-1]["file"])
-
-        monkeypatch.setattr(SeriesWriter, "add", add_and_read)
-        export_vtk(result, tmp_path, frames=6)
-        assert complete == [4, 8, 12, 16, 20, 24]
-
     def test_killed_while_writing_frames(
         self, result: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
@@ -132,27 +116,6 @@ class TestIndex:
 
 
 class TestFrames:
-    def test_a_rigid_translation_is_the_translated_stage(
-        self, result: xr.Dataset, tmp_path: Path
-    ) -> None:
-        moved = result.copy(deep=True)
-        moved["rotor_displacement"][:] = np.array([3e-3, -1e-3, 0, 0, 0])
-        moved["casing_displacement"][:] = np.array([-2e-3, 5e-4, 0, 0])
-        index = export_vtk(moved, tmp_path, frames=5)
-        at_rest = result.rotor_point.values[result.rotor_line.values].reshape(-1, 2)
-        for entry in entries(index):
-            mesh = meshio.read(index.parent / entry["file"])
-            if entry["name"] == "rotor":
-                angle = synthetic.SPEED * float(entry["timestep"])
-                to_static = np.array(
-                    [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
-                )
-                expected = (at_rest + np.array([3e-3, -1e-3])) @ to_static.T
-                np.testing.assert_allclose(place(mesh)[:, :2], expected, atol=SINGLE)
-            elif entry["name"] == "casing":
-                radii = np.linalg.norm(place(mesh) - [-2e-3, 5e-4, 0.0], axis=1)
-                np.testing.assert_allclose(radii, result.attrs["casing_radius"], atol=5e-8)
-
     @pytest.mark.parametrize("surface", [False, True])
     def test_fields_are_complete_finite_and_the_same_for_lines_and_surfaces(
         self, result: xr.Dataset, tmp_path: Path, surface: bool
@@ -338,11 +301,6 @@ class TestUndeformedMesh:
         np.testing.assert_allclose(np.linalg.norm(mesh.points[tips], axis=1), 0.25)
         np.testing.assert_array_equal(mesh.point_data["blade"][tips], np.arange(blades))
         assert np.flatnonzero(mesh.point_data["centre"]) == [int(result.centre_node)]
-
-    def test_pyvista_reads_it(self, series: Path) -> None:
-        mesh = pyvista.read(series.parent / "mesh.vtu")
-        assert mesh.n_cells == 22 * 6 + 40
-        assert "tips" in mesh.point_data
 
 
 def test_portions_do_not_show(

@@ -14,7 +14,6 @@ import synthetic_result as synthetic
 import xarray as xr
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.web_page import FULL, NONE, render_page
 
@@ -109,16 +108,3 @@ def test_it_stands_alone_and_titles_are_text(
     assert unescape(re.search("<h1>(.*)</h1>", text)[1]) == title  # type: ignore[index]
     assert (text.count("<script>"), text.count("</script>"), text.count("<!--")) == (1, 1, 0)
     assert len(page(path)[0]["times"]) == len(RECORDS)
-
-
-def test_another_kind_of_file_is_refused(result: xr.Dataset, tmp_path: Path) -> None:
-    with pytest.raises(ViewError, match=r"must end in \.html"):
-        render_page(result, tmp_path / "a.gif", RECORDS)
-
-
-def test_keys_named_on_the_page_do_something(result: xr.Dataset, tmp_path: Path) -> None:
-    text = render_page(result, tmp_path / "a.html", RECORDS).read_text(encoding="utf-8")
-    keys = text[text.index("const keys = {") : text.index("document.onkeydown")]
-    for key in ('" "', "ArrowLeft", "ArrowRight", "Home", "End", '"+"', '"-"', '"0"'):
-        assert f"  {key}: " in keys
-    assert "max-width: 700px" in text  # one column on a phone

@@ -18,7 +18,7 @@ from bladewhirl.postprocess.plotting import style
 from bladewhirl.postprocess.shaft.orbits import plot_orbit, shaft_orbit
 
 
-@pytest.fixture(params=["orbit", "orbit, growing", "energy", "energy, growing"])
+@pytest.fixture(params=["orbit", "energy, growing"])
 def figure(request: pytest.FixtureRequest) -> Figure:
     """The figures of a run."""
     growing = "growing" in request.param
@@ -88,11 +88,6 @@ class TestSaveFigure:
         media = re.search(rb"/MediaBox \[\s*0 0 ([\d.]+) ([\d.]+)", paths[1].read_bytes())
         assert media is not None
         assert float(media[1]) == pytest.approx(72 * 0.08 / 0.0254)
-
-    def test_a_folder_that_is_missing_is_made(self, tmp_path: Path) -> None:
-        orbit = shaft_orbit(synthetic_result())
-        paths = style.save_figure(style.new_figure(height=0.02), tmp_path / "new" / "one", orbit)
-        assert all(path.stat().st_size for path in paths)
 
     def test_a_dataset_goes_to_netcdf(self, tmp_path: Path) -> None:
         data = strain_energies(synthetic_result(records=9))
