@@ -69,10 +69,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
         Section(
             name="contact",
             title="Contact of blades and casing",
-            blocks=[
-                *_drawn(figures, "contact"),
-                _blades(dataset, classes),
-            ],
+            blocks=[*_drawn(figures, "contact"), _blades(dataset, classes)],
         ),
         Section(name="frequencies", title="Frequencies", blocks=_drawn(figures, "frequencies")),
         Section(name="energy", title="Strain energy and stress", blocks=_drawn(figures, "energy")),
@@ -157,18 +154,15 @@ def _summary(figures: RunFigures) -> Table:
 def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
     end = f"{float(dataset['time'].values[-1]):.6g} s"
     message = str(dataset.attrs.get("end_message", ""))
-    if reason == "completed":
-        return []
-    if reason == "damped":
-        return [_sentence(message)]
-    if reason == "divergent":
-        remedy = message.partition("; ")[2]  # the reason is given beside the regime
-        return [_sentence(remedy)] if remedy else []
-    if reason == "interrupted":
-        return [f"The march was interrupted at {end}."]
-    return [
-        f"The march is unfinished: it was killed, or is still running. The last record is at {end}."
-    ]
+    texts = {
+        "completed": "",
+        "damped": message,
+        "divergent": message.partition("; ")[2],  # the reason is given beside the regime
+        "interrupted": f"The march was interrupted at {end}.",
+    }
+    unfinished = "The march is unfinished: it was killed, or is still running."
+    text = texts.get(reason, f"{unfinished} The last record is at {end}.")
+    return [_sentence(text)] if text else []
 
 
 def _glance(
@@ -177,40 +171,38 @@ def _glance(
     """Key figures: name, value, remark."""
     late = _late(orbit)
     radius = MILLI * float(orbit["radius"].max())
-    share = MILLI * float(orbit.attrs["smallest_clearance"])
+    clearance = MILLI * float(orbit.attrs["smallest_clearance"])
     touched = int((dataset["contact_steps"].sum("time").values > 0).sum())
     counts = {name: int((classes["contact_class"].values == name).sum()) for name in CLASS_COLOURS}
     phases = contact_phase(_late(dataset), late)
-    touches = bool(phases["impulse"].any())
-    found = [
+    in_contact, lead = bool(phases["impulse"].any()), float(phases.attrs["lead"])
+    angle = (
+        [f"shaft leads by {math.degrees(lead):.0f}°"] if in_contact and not math.isnan(lead) else []
+    )
+    whirls = {frame: whirl(late, frame).text.partition(", ") for frame in FRAMES}
+    return [
         ("speed", *_split(speed_label(dataset))),
         ("end of the march", f"{float(dataset['time'].values[-1]):.6g} s", ""),
         (
             "largest shaft displacement",
             f"{radius:.4g} mm",
-            f"{radius / share:.3g} times the clearance" if share else "",
+            f"{radius / clearance:.3g} times the clearance" if clearance else "",
         ),
-    ]
-    for frame in FRAMES:
-        direction, _, rate = whirl(late, frame).text.partition(", ")
-        found.append((f"whirl, {frame} frame", direction, ", ".join(filter(None, [rate, LATE]))))
-    found.append(
+        *(
+            (f"whirl, {frame} frame", direction, ", ".join(filter(None, [rate, LATE])))
+            for frame, (direction, _, rate) in whirls.items()
+        ),
         (
             "blades that touched",
             f"{touched} of {dataset.sizes['blade']}",
             ", ".join(f"{count} {name}" for name, count in counts.items() if count),
-        )
-    )
-    lead = float(phases.attrs["lead"])
-    shows = touches and not math.isnan(lead)
-    found.append(
+        ),
         (
             "contact scenario",
-            str(phases.attrs["scenario"]) if touches else "no contact",
-            (f"shaft leads by {math.degrees(lead):.0f}°, " if shows else "") + LATE,
-        )
-    )
-    return found
+            str(phases.attrs["scenario"]) if in_contact else "no contact",
+            ", ".join([*angle, LATE]),
+        ),
+    ]
 
 
 def _split(label: str) -> tuple[str, str]:

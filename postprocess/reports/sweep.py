@@ -13,6 +13,7 @@ from bladewhirl.postprocess.energy.growth_rates import CERTAINTY, rate_text
 from bladewhirl.postprocess.plotting.axes import SPEED
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.reports.page import (
+    Block,
     Explorer,
     Page,
     ReportFigure,
@@ -69,27 +70,24 @@ def sweep_report(
     counts = _counts(points)
     verdict, tone = _verdict(counts, state.size, done, failed)
     keys = [str(dataset[key].attrs["long_name"]) for key in swept(dataset)]
+    blocks: dict[str, list[Block]] = {
+        name: [*_drawn(dataset, name)] for name in ("regimes", "frequencies", "motion", "points")
+    }
+    if failures:
+        head = ("point", "reason")
+        table = Table(name="failures", title="Failed points", head=head, rows=failures)
+        blocks["points"].append(table)
+    if points is not None:
+        blocks["regimes"][:0] = _regime_maps(dataset, points)
+        blocks["regimes"].append(regime_table(points, counts))
+        blocks["frequencies"].insert(0, _frequency_map(dataset))
+        blocks["points"].append(_point_table(points))
+    blocks["regimes"].append(criterion_table())
+    titles = ("Regimes", "Frequencies", "Motion and contact", "Points")
     sections = [
-        Section(
-            name="regimes",
-            title="Regimes",
-            blocks=[
-                *_regime_maps(dataset, points),
-                *_drawn(dataset, "regimes"),
-                *([regime_table(points, counts)] if points is not None else []),
-                criterion_table(),
-            ],
-        ),
-        Section(
-            name="frequencies",
-            title="Frequencies",
-            blocks=[*_frequency_maps(dataset, done), *_drawn(dataset, "frequencies")],
-        ),
-        Section(name="motion", title="Motion and contact", blocks=_drawn(dataset, "motion")),
-        Section(
-            name="points", title="Points", blocks=[*_failures(failures), *_point_table(points)]
-        ),
-        _case_section(dataset, provenance),
+        Section(name=name, title=title, blocks=parts)
+        for (name, parts), title in zip(blocks.items(), titles, strict=True)
+        if parts
     ]
     return Page(
         title=(str(dataset.attrs.get("title", "")) or "Sweep") + ", sweep",
@@ -99,7 +97,7 @@ def sweep_report(
         reason=f"Swept: {', '.join(keys)}. {REGIMES[next(iter(counts))].meaning if counts else ''}",
         warnings=_warnings(state.size, done, failed),
         figures=_glance(dataset, points, counts, done),
-        sections=[part for part in sections if part.blocks],
+        sections=[*sections, _case_section(dataset, provenance)],
     )
 
 
@@ -145,22 +143,22 @@ def _warnings(points: int, done: int, failed: int) -> list[str]:
 def _glance(
     dataset: xr.Dataset, points: xr.Dataset | None, counts: Mapping[str, int], done: int
 ) -> list[tuple[str, str, str]]:
-    found = [("points done", f"{done} of {dataset['state'].size}", "")]
-    about = {} if points is None else points.attrs
-    keys = in_handy_units(dataset[swept(dataset)].assign_attrs(about))
-    for key in swept(dataset):
-        values = keys[key].values
-        unit = str(keys[key].attrs["units"])
-        words = f"{values.min():.5g} to {values.max():.5g}" if len(values) > 1 else f"{values[0]:g}"
-        remark = f"{len(values)} values" + ("" if unit == "1" else f", {unit}")
-        if key_label(keys[key]) == SPEED and "reference_hz" in about:
-            first, last = (
-                60.0 * float(about["reference_hz"]) * np.array([values.min(), values.max()])
-            )
-            remark += f", Ω/ω₁; {first:.0f} to {last:.0f} rpm"
-        found.append((str(dataset[key].attrs["long_name"]), words, remark))
-    found += [(name, str(count), f"{100 * count / done:.3g} %") for name, count in counts.items()]
-    return found
+    """Key figures: name, value, remark."""
+    rows = [("points done", f"{done} of {dataset['state'].size}", "")]
+    attributes = {} if points is None else points.attrs
+    for key in in_handy_units(dataset[swept(dataset)].assign_attrs(attributes)).coords.values():
+        if "long_name" not in key.attrs:
+            continue
+        first, last, unit = key.values.min(), key.values.max(), str(key.attrs["units"])
+        remark = f"{key.size} values" + ("" if unit == "1" else f", {unit}")
+        if key_label(key) == SPEED and "reference_hz" in attributes:
+            rpm = 60.0 * float(attributes["reference_hz"])
+            remark += f", Ω/ω₁; {rpm * first:.0f} to {rpm * last:.0f} rpm"
+        text = f"{first:.5g} to {last:.5g}" if key.size > 1 else f"{first:g}"
+        rows.append((str(key.attrs["long_name"]), text, remark))
+    return rows + [
+        (name, str(count), f"{100 * count / done:.3g} %") for name, count in counts.items()
+    ]
 
 
 def _drawn(dataset: xr.Dataset, section: str) -> list[ReportFigure]:
@@ -182,29 +180,19 @@ def _windowed(dataset: xr.Dataset, caption: str) -> str:
     return f"{caption} {window[:1].upper()}{window[1:]}." if window else caption
 
 
-def _regime_maps(dataset: xr.Dataset, points: xr.Dataset | None) -> Iterator[Explorer]:
-    if points is None:
-        return
+def _regime_maps(dataset: xr.Dataset, points: xr.Dataset) -> Iterator[Explorer]:
     others = [name for name in swept(dataset) if name != points.attrs["along"]]
     if len(others) == 1 and points.sizes[LINE] > 1:
         yield regime_explorer(points, others[0])
     yield points_explorer(points)
 
 
-def _frequency_maps(dataset: xr.Dataset, done: int) -> Iterator[Explorer]:
-    if done:
-        explorer = frequency_explorer(frequency_map(dataset, main_key(dataset)))
-        yield replace(explorer, caption=_windowed(dataset, explorer.caption))
+def _frequency_map(dataset: xr.Dataset) -> Explorer:
+    explorer = frequency_explorer(frequency_map(dataset, main_key(dataset)))
+    return replace(explorer, caption=_windowed(dataset, explorer.caption))
 
 
-def _failures(failures: Sequence[tuple[str, str]]) -> Iterator[Table]:
-    if failures:
-        yield Table(name="failures", title="Failed points", head=("point", "reason"), rows=failures)
-
-
-def _point_table(points: xr.Dataset | None) -> Iterator[Table]:
-    if points is None:
-        return
+def _point_table(points: xr.Dataset) -> Table:
     key, others = points[str(points.attrs["along"])], other_keys(points)
     column = {str(name): points[name].values for name in points.data_vars}
     rows = [
@@ -221,7 +209,7 @@ def _point_table(points: xr.Dataset | None) -> Iterator[Table]:
         for n, at in enumerate(key.values)
     ]
     left_out = len(rows) - MOST_POINTS
-    yield Table(
+    return Table(
         name="all-points",
         title=f"All points ({len(rows)})",
         caption=f"Growth rates ± {CERTAINTY:g} standard errors."
@@ -242,27 +230,23 @@ def _point_table(points: xr.Dataset | None) -> Iterator[Table]:
 
 def _case_section(dataset: xr.Dataset, provenance: Provenance) -> Section:
     """Resolved case, with a comment at swept keys."""
-    lines, table, marked = [], "", []
-    values = {dataset[key].attrs["long_name"]: dataset[key].values for key in swept(dataset)}
+    lines, table = [], ""
+    sizes = {str(dataset[key].attrs["long_name"]): dataset.sizes[key] for key in swept(dataset)}
     for line in str(dataset.attrs.get("case", "")).strip().splitlines():
         if heading := re.fullmatch(r"\[([^\[\]]+)\]", line):
             table = f"{heading[1]}."
-        own = f"{table}{line.partition(' = ')[0]}" if " = " in line else ""
-        here = [key for key in values if own and f"{key}.".startswith(f"{own}.")]
-        remarks = [f"{key}: {len(values[key])} values" for key in here]
-        lines.append(f"{line}  # swept, {', '.join(remarks)}" if here else line)
-        marked += here
-    unmarked = [key for key in values if key not in marked]
-    settings = " ".join(f"--set {key}=VALUE" for key in values)
+        name, equals, _ = line.partition(" = ")
+        here = [key for key in sizes if equals and f"{key}.".startswith(f"{table}{name}.")]
+        remarks = ", ".join(f"{key}: {sizes[key]} values" for key in here)
+        lines.append(f"{line}  # swept, {remarks}" if here else line)
+    settings = " ".join(f"--set {key}=VALUE" for key in sizes)
     return case_section(
         dataset,
         provenance,
         text="\n".join(lines),
-        caption="All keys with the values used, SI units. Lines marked as swept "
-        f"({', '.join(marked)}) have another value at every point"
-        + (f", and {', '.join(unmarked)} is not among them" if unmarked else "")
-        + f"; bladewhirl run on these lines with {settings} (in SI units, or with a unit) "
-        "repeats a point.",
+        caption="All keys with the values used, SI units. Lines marked as swept have another value "
+        f"at every point; bladewhirl run on these lines with {settings} (in SI units, or with a "
+        "unit) repeats a point.",
     )
 
 
