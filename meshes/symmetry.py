@@ -37,7 +37,7 @@ def rotational_sectors(
         return None
     if not np.array_equal(_sorted(image[lines]), _sorted(lines)):
         return None
-    found: list[IntArray] = []
+    results: list[IntArray] = []
     seen = {centre}
     for node in _from_tip(lines, len(points), int(tips[0])):
         if node in seen:
@@ -48,8 +48,8 @@ def rotational_sectors(
         if len(orbit) != sectors:
             return None
         seen.update(orbit)
-        found.append(np.array(orbit))
-    return np.column_stack(found)
+        results.append(np.array(orbit))
+    return np.column_stack(results)
 
 
 def symmetric_points(points: FloatArray, sectors: IntArray) -> FloatArray:

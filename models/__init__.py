@@ -1,1 +1,1 @@
-"""Cases, finite elements and reduction: what there is before anything moves."""
+"""Cases, finite element models, reduction and the stage that the march starts from."""

@@ -291,8 +291,8 @@ def _section_data(content: _Content, line: Mapping[int, int]) -> dict[str, Float
         return {}
     data = {name: np.full(len(line), np.nan) for name in SECTION}
     for elset, material, width, thickness in content.sections:
-        found = content.materials.get(material.upper(), {})
+        properties = content.materials.get(material.upper(), {})
         numbers = [line[n] for n in content.element_sets.get(elset, []) if n in line]
-        for name, value in {"width": width, "thickness": thickness, **found}.items():
+        for name, value in {"width": width, "thickness": thickness, **properties}.items():
             data[name][numbers] = value
     return data

@@ -88,7 +88,7 @@ def _check_head(path: Path) -> None:
     Raises:
         MeshFileError: it is so.
     """
-    found: dict[str, list[int]] = defaultdict(list)
+    blocks: dict[str, list[int]] = defaultdict(list)
     with readable(path), path.open("rb") as stream:
         for line in stream:
             if line.strip() == b"$MeshFormat":
@@ -101,9 +101,9 @@ def _check_head(path: Path) -> None:
             if line.strip() == b"$PhysicalNames":
                 for _ in range(int(stream.readline())):
                     dimension, _, name = shlex.split(stream.readline().decode())
-                    found[name].append(int(dimension))
+                    blocks[name].append(int(dimension))
                 break
-    for name, dimensions in found.items():
+    for name, dimensions in blocks.items():
         if len(dimensions) > 1:
             kinds = " and ".join(("points", "curves", "surfaces", "volumes")[d] for d in dimensions)
             raise MeshFileError(f"one physical group a name; {kinds} share the name {name!r}")
@@ -137,13 +137,13 @@ def _homes(lines: IntArray, entity: IntArray, group: IntArray) -> IntArray:
     """
     copies: Counter[tuple[int, ...]] = Counter()
     homes: dict[tuple[int, ...], int] = {}
-    found = np.zeros(len(lines), dtype=np.int64)
+    entities = np.zeros(len(lines), dtype=np.int64)
     rows = np.column_stack([lines, entity, group]).tolist()
     for number, (*place, tag) in enumerate(rows):
         repeat = copies[*place, tag]
         copies[*place, tag] += 1
-        found[number] = homes.setdefault((*place, repeat), number)
-    return found
+        entities[number] = homes.setdefault((*place, repeat), number)
+    return entities
 
 
 def _data(size: int, groups: Mapping[str, IntArray]) -> dict[str, FloatArray]:

@@ -18,10 +18,10 @@ FILES = "files written by bladewhirl"
 def listed(folder: Path) -> set[str]:
     """Names that the manifest of a folder lists, with ``/`` below it; none where there is none."""
     try:
-        found = json.loads((folder / MANIFEST_NAME).read_text(encoding="utf-8"))
+        content = json.loads((folder / MANIFEST_NAME).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return set()
-    names = found.get(FILES) if isinstance(found, dict) else None
+    names = content.get(FILES) if isinstance(content, dict) else None
     return {name for name in names if isinstance(name, str)} if isinstance(names, list) else set()
 
 
@@ -73,7 +73,7 @@ def owned(folder: Path) -> Iterator[Path]:
         for name in names:
             path = here / name
             if not path.is_symlink() and any(
-                path.relative_to(root).as_posix() in own for root, own in lists
+                path.relative_to(root).as_posix() in listed_names for root, listed_names in lists
             ):
                 yield path
 
@@ -81,5 +81,5 @@ def owned(folder: Path) -> Iterator[Path]:
 def _refuse_foreign(paths: Iterable[Path], *, overwrite: bool) -> None:
     for path in paths:
         if not overwrite and os.path.lexists(path):
-            told = "it is there, and no manifest says it is bladewhirl's; --overwrite replaces it"
-            raise FileExistsError(errno.EEXIST, told, str(path))
+            reason = "it is there, and no manifest says it is bladewhirl's; --overwrite replaces it"
+            raise FileExistsError(errno.EEXIST, reason, str(path))

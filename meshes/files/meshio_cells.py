@@ -54,10 +54,10 @@ def line_blocks(mesh: meshio.Mesh) -> list[int]:
     """
     for block in mesh.cells:
         check_cells(block.type, len(block.data))
-    found = [n for n, block in enumerate(mesh.cells) if block.type == LINE and len(block.data)]
-    if not found:
+    blocks = [n for n, block in enumerate(mesh.cells) if block.type == LINE and len(block.data)]
+    if not blocks:
         raise MeshFileError("a mesh of lines; it has none")
-    return found
+    return blocks
 
 
 def check_cells(kind: str, count: int) -> None:

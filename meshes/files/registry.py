@@ -69,8 +69,8 @@ def left_out(path: str | PathLike[str], mesh: GroupedLines) -> list[str]:
     """Names of the data that the format of a file does not hold."""
     if _known_suffix(Path(path)) != ".inp":
         return []
-    held = (*SECTION, *POINT_MASSES.values())
-    return [name for name in (*mesh.node_data, *mesh.line_data) if name not in held]
+    stored = (*SECTION, *POINT_MASSES.values())
+    return [name for name in (*mesh.node_data, *mesh.line_data) if name not in stored]
 
 
 def _known_suffix(path: Path) -> str:

@@ -1,1 +1,1 @@
-"""The tables of a case file, how they are read, checked, written and made plausible."""
+"""Tables of a case file: definition, reading, validation, writing and plausibility."""

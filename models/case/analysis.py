@@ -30,7 +30,7 @@ from bladewhirl.models.inputs.units import Speed, handy
 Scheme = Literal["central-difference", "moreau-jean", "penalty"]
 
 MOST_STEPS = 1e12
-"""Longest march: days of computing, and far from where step numbers would overflow."""
+"""Longest march; it takes days, and step numbers stay far from overflow."""
 
 WHOLE = 1e-6
 """Largest relative distance of record_step / time_step from a whole number."""
@@ -40,9 +40,9 @@ class Reduction(Table):
     """Craig-Bampton reduction of the bladed disk on its tips and centre, and modes of both."""
 
     fixed_interface_modes: Annotated[int, count(1)] = 110
-    """Number of fixed-interface modes of all blades together (eta in the paper, Section 2.2).
-    110 are five a blade of the paper's 22, with which 5F is within 1 %: take as many a blade of
-    yours; bladewhirl show prints the errors."""
+    """Number of fixed-interface modes of all blades together (eta in the paper, Section 2.2). 110
+    are five per blade for the paper's 22, with an error of 5F below 1 %; scale it with the number
+    of blades. bladewhirl show prints the errors."""
     modes: Annotated[StrictStr, BeforeValidator(mode_choice)] = "all"
     """Modes that a march keeps: "all"; "six", the paper's truncated space of Eqs (4)-(10),
     "1F:1,suspension:1,casing:1"; or any others by name, FAMILY:k on the bladed disk and
@@ -54,8 +54,8 @@ class Damping(Table):
     """Modal damping of both structures."""
 
     ratio: NumberOrZero = 0.005
-    """Damping ratio xi of every mode (not in the paper; lets suspension transients fade within
-    about 1.1 s)."""
+    """Damping ratio xi of every mode (not in the paper; suspension transients decay within about
+    1.1 s)."""
 
 
 class Contact(Table):
@@ -86,22 +86,22 @@ class Contact(Table):
 
 
 class Initial(Table):
-    """Motion at t = 0, in the rotating frame at angle 0; the casing is at rest.
+    """Motion at t = 0 in the rotating frame at angle 0; the casing is at rest.
 
     Tips and centre move as given; the rest of the bladed disk follows as it would statically.
     """
 
     centre_velocity: VelocityPair = (0.0, 0.0)
-    """Velocity of the centre, x and y [m/s]. All between centre and tips follows as it would
-    statically: that is another motion than one where the centre's mass alone moves (by a factor of
-    4 to 45 in what comes of it)."""
+    """Velocity of the centre, x and y [m/s]. The degrees of freedom between centre and tips follow
+    statically, which differs by a factor of 4 to 45 in its effect from a motion of the centre's
+    mass only."""
     centre_displacement: DisplacementPair = (0.0, 0.0)
     """Displacement of the centre, x and y [m]."""
     tip_velocity: VelocityRows | None = Field(
         default=None, examples=["[[0.0, 0.0], [0.0, 0.0], ...]"]
     )
-    """Velocity of each tip, radial and tangential [m/s], blades x 2; left out: 0. The blade under
-    it follows as it would statically, not as if the tip's mass alone moved."""
+    """Velocity of each tip, radial and tangential [m/s], blades x 2; default 0. The blade follows
+    statically."""
     tip_displacement: DisplacementRows | None = Field(
         default=None, examples=["[[0.0, 0.0], [0.0, 0.0], ...]"]
     )
@@ -133,8 +133,8 @@ class March(Table):
     "42 Hz" (revolutions per second) or "262 rad/s". 0 and negative are allowed (1.05 in the paper,
     Section 4.3)."""
     time_step: Time = 1e-6
-    """Time step [s] (paper, Section 4.2). Free motion is of the second order in it, motion in
-    contact of the first: halve it to see what that changes."""
+    """Time step [s] (paper, Section 4.2). The error is of second order for free motion and of first
+    order in contact: halve the step to see its effect."""
     duration: TimeOrZero = 3.0
     """Simulated time [s] (paper, Table 2)."""
     record_step: Time = 1e-4
@@ -146,9 +146,9 @@ class March(Table):
     (a choice)."""
     scheme: Scheme = "central-difference"
     """Contact law and time integration. "central-difference": Lagrange multipliers and sliding
-    friction, as in the paper; fast. "moreau-jean": impacts with contact.restitution, friction that
-    sticks and slips. "penalty": elastic impacts on contact.penalty_stiffness, friction that creeps
-    below contact.stick_speed. The last two take no notice of contact.sliding."""
+    friction, as in the paper; fast. "moreau-jean": impacts with contact.restitution, friction with
+    stick and slip. "penalty": elastic contact of contact.penalty_stiffness, regularised friction
+    below contact.stick_speed. The last two ignore contact.sliding."""
 
     @property
     def summary(self) -> str:
@@ -165,7 +165,7 @@ class March(Table):
 
     @property
     def timing(self) -> Timing:
-        """When the march steps and records."""
+        """Speed, duration and time steps of the march, and its scheme."""
         return Timing(
             time_step=self.time_step, duration=self.duration, record_step=self.record_step
         )

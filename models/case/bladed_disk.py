@@ -48,18 +48,18 @@ class BladedDisk(Table):
     """Sections of the blades from root to tip at equal distances, linear in between, rows of {
     thickness = "12 mm", width = "0.1 m" }; what is left out is as in blade."""
     centre_line: CentreRows = ()
-    """Points that the blades' smooth centre line goes through after the root, rows of { span = 0.5,
-    angle = "4 deg" }: share of the way to the tip, and angle from the radial line through the root;
-    the last at span = 1. None: straight and radial. The tips stay where they are, the roots lie
-    back."""
+    """Points on the smooth centre line of the blades after the root, rows of { span = 0.5, angle =
+    "4 deg" }: share of the radial distance from root to tip, and angle from the radial line through
+    the root; the last has span = 1. None: straight and radial. The tips keep their position, the
+    roots move."""
     shrouds: ShroudRows = ()
     """Rings of beams from blade to blade, rows of { radius = "0.4 m", width = "20 mm", thickness =
     "5 mm" }; elements = 3 follows the arc with three beams, cuts = [21] leaves the ring open after
     blade 21."""
     disk_kind: Literal["spokes-and-rim", "spokes", "rim", "rigid"] = "spokes-and-rim"
-    """"spokes-and-rim" (the paper), "spokes" alone, "rim": a ring that springs join to the centre,
-    which then needs a point mass, or "rigid". Spokes are a beam from the centre to each root: where
-    they overlap near the centre each keeps its mass and stiffness in full."""
+    """"spokes-and-rim" (the paper), "spokes", "rim": a ring connected to the centre by springs,
+    which needs a point mass there, or "rigid". Spokes are beams from the centre to each root: where
+    they overlap near the centre, each has its full mass and stiffness."""
     disk: DiskSection = DiskSection()
     """Section of spokes and rim [m]; 30 mm in the plane is a choice (the paper has "a dedicated set
     of beams"), which puts the suspension modes at 2.53."""
@@ -67,7 +67,7 @@ class BladedDisk(Table):
     """More rings within the disk, rows of { radius = "25 mm", thickness = "20 mm" }; they cut the
     spokes."""
     web_radial: Stiffness = 1e9
-    """Of each spring from centre to root where the disk is "rim" [N/m]."""
+    """Stiffness of each spring from centre to root for disk = "rim" [N/m]."""
     web_tangential: Stiffness = 1e9
     """The same spring across the radius [N/m]."""
     tip_mass: Mass = 0.0
@@ -76,8 +76,8 @@ class BladedDisk(Table):
     """More point masses, rows of { radius = "0.4 m", mass = "50 g" }, on all blades or with blades
     = [0, 7] on some; with inertia = "2 kg cm2"; radius = 0 is the centre."""
     mistuning: Mistuning = Mistuning()
-    """What makes blades differ: factors of stiffness, mass and length as lists, one a blade, or as
-    the standard deviation of random factors about 1, with a seed. A longer blade takes from its own
+    """Mistuning: factors on stiffness, mass and length as lists with one entry per blade, or the
+    standard deviation of random factors about 1, with a seed. A longer blade has a smaller
     clearance."""
 
     mesh: MeshTable | None = Field(
@@ -96,7 +96,7 @@ class BladedDisk(Table):
         if self.mesh is not None:
             return self.mesh.summary
         mistuning = self.mistuning != Mistuning()
-        told = [
+        parts = [
             f"{self.blades} {'curved ' if self.centre_line else ''}blades",
             f"{handy(self.disk_radius, 'm')} to {handy(self.tip_radius, 'm')}",
             f"{'tapered' if self.taper else self.blade.summary}",
@@ -106,7 +106,7 @@ class BladedDisk(Table):
             *(["point masses"] if self.point_masses or self.tip_mass else []),
             *(["mistuned"] if mistuning else []),
         ]
-        return ", ".join(told)
+        return ", ".join(parts)
 
     @property
     def cut_radii(self) -> list[float]:
@@ -119,12 +119,12 @@ class BladedDisk(Table):
     def _without_keys_of_no_meaning(
         self, serialize: SerializerFunctionWrapHandler
     ) -> dict[str, Any]:
-        """Beside a mesh the other keys say nothing, and are not written."""
+        """Leave the other keys unwritten where a mesh replaces them."""
         tables: dict[str, Any] = serialize(self)
         return tables if self.mesh is None else {"mesh": tables["mesh"]}
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Blades without length, parts where there is nothing, more nodes than can be meant."""
+        """Yield blades without length, parts outside the geometry and too many nodes."""
         if self.mesh is not None:
             for name, field in type(self).model_fields.items():
                 if name != "mesh" and getattr(self, name) != field.default:
@@ -188,7 +188,7 @@ class BladedDisk(Table):
             yield Inconsistency("disk_rings", expected, ("disk_kind",))
 
     def _blade_faults(self) -> Iterator[Inconsistency]:
-        """Blades that there are not, or twice the same."""
+        """Yield mistuned blades that do not exist or are listed twice."""
         for key, chosen in (
             ("shrouds", [shroud.cuts for shroud in self.shrouds]),
             ("point_masses", [mass.blades or () for mass in self.point_masses]),

@@ -74,7 +74,7 @@ class Case(Table):
     sketch: SketchTable | None = Field(
         default=None, examples=["{ sectors = 22, nodes = [...], members = [...], sets = [...] }"]
     )
-    """A bladed disk of its own, drawn in Python, instead of [bladed_disk]."""
+    """A bladed disk drawn in Python, in place of [bladed_disk]."""
     coupling: Coupling = Coupling()
     march: March = March()
 
@@ -95,18 +95,18 @@ class Case(Table):
             "speed": str(self.march.speed),
             "march": f"{self.march.summary}, modes {modes}, damping {100 * damping:g} %",
         }
-        told = [f"{name:<13}{text}" for name, text in lines.items() if text]
-        return "\n  ".join([f'Case "{self.title}"', *told])
+        rows = [f"{name:<13}{text}" for name, text in lines.items() if text]
+        return "\n  ".join([f'Case "{self.title}"', *rows])
 
     def __str__(self) -> str:
-        """The same."""
+        """Return the same text as `__repr__`."""
         return repr(self)
 
     @model_serializer(mode="wrap")
     def _without_blades_beside_a_sketch(
         self, serialize: SerializerFunctionWrapHandler
     ) -> dict[str, Any]:
-        """Beside a sketch the keys of [bladed_disk] say nothing, and are not written."""
+        """Leave the keys of [bladed_disk] unwritten where a sketch replaces them."""
         tables: dict[str, Any] = serialize(self)
         if self.sketch is not None:
             tables.pop("bladed_disk", None)

@@ -38,7 +38,7 @@ class Station(Table):
     """The wall's thickness at an angle."""
 
     angle: Angle
-    """From the x axis [rad]."""
+    """Angle from the x axis [rad]."""
     thickness: Length
     """Size in the plane of motion [m]."""
 
@@ -47,7 +47,7 @@ class SpringSupport(Table):
     """Springs and dampers from the wall to the ground at an angle."""
 
     angle: Angle
-    """From the x axis [rad]."""
+    """Angle from the x axis [rad]."""
     radial: StiffnessOrZero = 0.0
     """Stiffness [N/m]."""
     tangential: StiffnessOrZero = 0.0
@@ -68,7 +68,7 @@ class Strut(BeamSection):
     """A straight strut from the wall to the ground."""
 
     angle: Angle
-    """Of its foot on the wall from the x axis [rad]."""
+    """Angle of the foot on the wall from the x axis [rad]."""
     inclination: Angle = 0.0
     """Angle from the outward normal to the strut, counter-clockwise, less than a quarter turn
     either way [rad]."""
@@ -77,7 +77,7 @@ class Strut(BeamSection):
     ends: Literal["pinned", "built-in"] = "pinned"
     """Pinned: a bar. Built in: a beam."""
     damping: DampingOrZero = 0.0
-    """Of a damper along the strut [N s/m]."""
+    """Damping along the strut [N s/m]."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """A strut that runs inward."""
@@ -90,16 +90,17 @@ class Casing(Table):
     """A ring of curved beams at tip_radius + clearance."""
 
     elements: Annotated[int, count(3)] = 40
-    """Number of curved beam elements (paper, Section 2.1). Four on a wave bring its frequency to
-    0.5 %; twice the number of blades gives as many to all waves that blades tell apart."""
+    """Number of curved beam elements (paper, Section 2.1). Four per wavelength give its frequency
+    to 0.5 %; twice the number of blades gives four to every wave that the blades can distinguish.
+    """
     clearance: LengthOrZero = 1e-3
     """Gap between tips and casing at rest [m] (paper, Table 1); its mean where there are lobes."""
     clearance_lobes: Annotated[
         tuple[Lobe, ...], rows('{ lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }')
     ] = ()
     """Out-of-round clearance, rows of { lobes = 2, amplitude = "0.2 mm", phase = "30 deg" }:
-    amplitude * cos(lobes * (angle - phase)) on top of clearance, fixed in the static frame; 2 lobes
-    make an ellipse. The clearance alone is out of round: the beams stay on a circle."""
+    amplitude * cos(lobes * (angle - phase)) added to clearance, fixed in the static frame; 2 lobes
+    are an ellipse. Only the clearance is out of round: the beams stay on a circle."""
     wall: BeamSection = BeamSection()
     """Section of the wall [m] (paper, Table 1)."""
     thickness_lobes: Annotated[
@@ -130,16 +131,16 @@ class Casing(Table):
         tuple[SpringSupport, ...], rows('{ angle = "90 deg", radial = "1 MN/m" }')
     ] = ()
     """Springs from the wall to the ground, rows of { angle = "90 deg", radial = "1 MN/m",
-    tangential = 0, radial_damping = "2 kN s/m", tangential_damping = 0 }, on top of support; where
-    they or struts hold the rotation, rotation = "free" lets them. Dampers act in a march, where
-    contact is then of the first order in march.time_step; modes are those without."""
+    tangential = 0, radial_damping = "2 kN s/m", tangential_damping = 0 }, in addition to support.
+    With springs or struts that prevent its rotation, rotation = "free" may be used. Dampers act in
+    a march, where contact is then of first order in march.time_step; modes are undamped."""
     struts: Annotated[
         tuple[Strut, ...], rows('{ angle = "90 deg", length = "300 mm", thickness = "8 mm" }')
     ] = ()
     """Straight struts from the wall to the ground, rows of { angle = "90 deg", inclination = 0,
     length = "300 mm", width = "100 mm", thickness = "10 mm", ends = "pinned", damping = 0 }; with
-    ends = "built-in" they bend too, and converge best with feet at nodes. Their mass counts, modes
-    of their own they have none. With damping, contact is of the first order in march.time_step."""
+    ends = "built-in" they also bend, and converge best with feet at nodes. They have mass, but no
+    modes of their own. With damping, contact is of first order in march.time_step."""
     rotation: Literal["free", "fixed"] = "fixed"
     """Rigid rotation of the ring, "free" or "fixed" (not in the paper; free, friction would spin
     the ring up)."""
@@ -149,7 +150,7 @@ class Casing(Table):
         """Its clearance, wall and supports."""
         lobes = " with lobes" if self.clearance_lobes else ""
         varied = self.thickness_lobes or self.thickness_stations or self.stiffened_arcs
-        told = [
+        parts = [
             f"clearance {handy(self.clearance, 'm')}{lobes}",
             f"wall {self.wall.summary}{' that varies' if varied else ''}",
             f"{self.elements} elements",
@@ -158,7 +159,7 @@ class Casing(Table):
             *([f"{len(self.struts)} struts"] if self.struts else []),
             f"rotation {self.rotation}",
         ]
-        return ", ".join(told)
+        return ", ".join(parts)
 
     @property
     def clearance_profile(self) -> RingProfile:

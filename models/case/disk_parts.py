@@ -38,16 +38,16 @@ class TaperStation(Table):
     thickness: Length | None = None
     """Size in the plane [m]."""
     material: StrictStr | None = None
-    """One of material.named."""
+    """Name in material.named."""
 
 
 class CentrePoint(Table):
-    """A point that the centre line of a blade goes through."""
+    """Point on the centre line of a blade."""
 
     span: Annotated[float, number("positive")]
     """Share of the way from root to tip, by radius."""
     angle: Angle
-    """From the radial line through the root [rad]."""
+    """Angle from the radial line through the root [rad]."""
 
 
 class Shroud(BeamSection):
@@ -80,7 +80,7 @@ class PointMass(Table):
     inertia: Inertia = 0.0
     """Rotary inertia, each [kg m2]."""
     blades: Blades | None = None
-    """That have it; all when left out."""
+    """Blades with the mass; all by default."""
 
 
 class Mistuning(Table):
@@ -91,8 +91,8 @@ class Mistuning(Table):
     mass: Factors = ()
     """On the density of each blade."""
     length: Factors = ()
-    """On the length from root to tip. Shrouds and masses along the blade stay at their radius: what
-    lies beyond the last of them is longer or shorter. Sections of a taper stay with their elements.
+    """Factors on the length from root to tip. Shrouds and masses along the blade keep their radius:
+    the part beyond the last of them changes length. Sections of a taper stay with their elements.
     """
     stiffness_spread: NumberOrZero = 0.0
     """Standard deviation of random factors about 1."""
@@ -101,7 +101,7 @@ class Mistuning(Table):
     length_spread: NumberOrZero = 0.0
     """The same for the length."""
     seed: Annotated[int, count(0)] = 0
-    """Of the random factors; each quantity draws from its own stream."""
+    """Seed of the random factors; each quantity has a random stream of its own."""
 
     def factors(self, name: str, blades: int) -> FloatArray:
         """Factors on stiffness, mass or length, (blades,): as listed, drawn, or all one."""
@@ -113,7 +113,7 @@ class Mistuning(Table):
         return np.asarray(1.0 + getattr(self, f"{name}_spread") * drawn)
 
     def faults(self, blades: int) -> Iterator[Inconsistency]:
-        """Lists of another length, spreads beside lists or too large."""
+        """Yield lists of the wrong length and spreads that are too large or given beside lists."""
         for name in ("stiffness", "mass", "length"):
             listed, spread = getattr(self, name), getattr(self, f"{name}_spread")
             key = f"mistuning.{name}"

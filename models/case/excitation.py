@@ -21,10 +21,10 @@ LOWEST_SPEED = Speed(0.95)
 
 
 class NoExcitation(Table):
-    """No load; motion comes from the initial conditions alone."""
+    """No load; motion starts from the initial conditions only."""
 
     type: Literal["none"] = "none"
-    """"none", or "casing-distortion", "imbalance", "harmonic" with their own keys."""
+    """"none", or "casing-distortion", "imbalance" or "harmonic" with their keys."""
 
     @property
     def summary(self) -> str:
@@ -43,7 +43,7 @@ class CasingDistortion(Table):
     modal_force: Annotated[float, quantity("N/kg^0.5", "not negative")] = 3e4
     """Modal force [N/kg^0.5] (30 kN in the paper's Table 2)."""
     duration: TimeOrZero = 0.15
-    """How long it acts [s] (the paper: a "short time interval")."""
+    """Duration of the load [s] (the paper: a "short time interval")."""
     shape: Literal["rectangular", "half-sine"] = "rectangular"
     """Course in time, "rectangular" or "half-sine"."""
 
@@ -66,9 +66,9 @@ class Imbalance(Table):
     """Force m e Omega^2 at the centre along +x of the rotating frame, constant there: along blade 0
     unless a mesh or a sketch has that elsewhere. Give clearance_speed or unbalance, not both."""
     clearance_speed: PositiveSpeed | None = None
-    """Speed at which the static answer just closes the clearance: a number counts multiples of the
-    reference frequency (see march.speed), text as "2500 rpm" is absolute. Without unbalance it is
-    0.95, the lowest speed of the paper's Table 2."""
+    """Speed at which the static response just closes the clearance: a number is in multiples of the
+    reference frequency (see march.speed), text such as "2500 rpm" is absolute. Without unbalance it
+    is 0.95, the lowest speed of the paper's Table 2."""
     unbalance: Annotated[float, quantity("kg m", "not negative")] | None = Field(
         default=None, examples=[0.59]
     )

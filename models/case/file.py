@@ -117,7 +117,7 @@ def with_values(case: Case, values: Mapping[str, Any]) -> Case:
 
 
 def override_values(overrides: Iterable[str]) -> dict[str, Any]:
-    """Values by dotted key, for `with_values`, of "KEY=VALUE" texts as `loads` takes them.
+    """Return the values of "KEY=VALUE" texts by dotted key, for `with_values`.
 
     Raises:
         CaseError: a text that is none.
@@ -142,7 +142,7 @@ def faults_from(file: str | PathLike[str], overrides: Iterable[str]) -> Iterator
 
 
 def case_fault(case: Case, key: str, expected: str) -> Fault:
-    """A fault at a dotted key of a case that only a later stage could see.
+    """Return a fault at a dotted key of a valid case, found at a later stage.
 
     `faults_in` or `faults_from` names the file further up.
     """
@@ -196,7 +196,7 @@ def _checked(tables: dict[str, Any], file: str, overrides: Iterable[str]) -> Cas
 
 
 def _placed(fault: Fault, file: str, overridden: list[str]) -> Fault:
-    """Blame the command line for what it set, the file for the rest."""
+    """Attribute a fault to the command line if it set the key, otherwise to the file."""
     place = f"{fault.key.partition('[')[0]}."
     keys = [f"{key}." for key in overridden]
     set_here = any(place.startswith(key) or key.startswith(place) for key in keys)
@@ -228,15 +228,15 @@ def _set(tables: dict[str, Any], key: str, value: Any) -> None:
     for parent in parents:
         table = table.setdefault(parent, {})
         if not isinstance(table, dict):
-            expected = f"a key of a table; {parent} is none"
+            expected = f"a key of a table; {parent} is not a table"
             raise CaseError([Fault(key=key, value=value, expected=expected)])
     if value is None:
         table.pop(name, None)
     else:
         table[name] = value
     if key == LOAD_TYPE and isinstance(value, str) and value in EXCITATIONS:
-        own = EXCITATIONS[value].model_fields
-        tables[parents[0]] = {each: given for each, given in table.items() if each in own}
+        keys = EXCITATIONS[value].model_fields
+        tables[parents[0]] = {each: given for each, given in table.items() if each in keys}
 
 
 def _keep_one_of_springs(tables: dict[str, Any], changed: Collection[str]) -> None:
@@ -246,5 +246,5 @@ def _keep_one_of_springs(tables: dict[str, Any], changed: Collection[str]) -> No
 
 
 def _comes_later(key: str) -> bool:
-    """A load's keys are given after its type, which drops those of other types."""
+    """Return whether a key is set after excitation.type, which drops the keys of other types."""
     return key != LOAD_TYPE

@@ -34,7 +34,7 @@ SAME_PLACE = 1e-6
 
 
 def _path(value: object) -> str:
-    """An absolute path, so that the case means the same file wherever it is read again."""
+    """Return an absolute path, so that the case names the same file wherever it is read again."""
     if not isinstance(value, str | os.PathLike) or "\0" in os.fspath(value):
         raise expectation('the path of a mesh file such as "stage.msh"')
     return os.path.abspath(value)
@@ -47,7 +47,7 @@ def _metres(unit: str | float) -> float:
 
 
 def _unit(value: Any) -> str | float:
-    """A unit of length as it was given, so that messages and files have it so."""
+    """Unit of length in the spelling of the user, which messages and files repeat."""
     try:
         _metres(value)
     except CaseError as error:
@@ -84,7 +84,7 @@ class MeshTable(Table):
     """Section of each group of lines, { width, thickness, material }, the last where it is one of
     material.named. Lines left out have their sections in the file."""
     tip_radius: Length | None = None
-    """Radius that the clearance counts from [m]; the largest of the tips' own when left out."""
+    """Radius from which the clearance is measured [m]; the largest tip radius by default."""
 
     def __hash__(self) -> int:
         """Hash of the contents: a table with a mapping has none by itself."""
@@ -114,7 +114,7 @@ class MeshTable(Table):
         return ", ".join([f"mesh {self.file_name}", tips, *self.sections])
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """A file that can't be read, or that lacks what the table says of it."""
+        """Yield unreadable files and names in the table that the file does not contain."""
         try:
             lines = self.lines()
             tips = self.tip_nodes(lines)
@@ -154,7 +154,7 @@ class MeshTable(Table):
         nodes = self.group_nodes(mesh, "tips")
         angles = np.arctan2(*(mesh.points[nodes] * self.metres).T[::-1])
         order = np.argsort(angles)
-        # Of two tips as near as each other the one ahead: the small turn decides.
+        # Of two equally near tips the one ahead, by a small rotation.
         first = int(np.argmin(np.abs(angles[order] - SAME_PLACE)))
         return np.asarray(nodes[np.roll(order, -first)])
 
@@ -206,20 +206,20 @@ class MeshTable(Table):
             )
 
     def _one_of(self, kind: str, groups: Mapping[str, IntArray]) -> str:
-        found = ", ".join(shown(name) for name in groups) or "none"
-        return f"a group of {kind} of {self.file_name}: {found}"
+        existing = ", ".join(shown(name) for name in groups) or "none"
+        return f"a group of {kind} of {self.file_name}: {existing}"
 
 
 @lru_cache(maxsize=8)
 def _cached(file: str, stamp: tuple[int, int]) -> GroupedLines:
-    """A mesh, read once for all stages of a sweep; the stamp tells a changed file."""
+    """Read a mesh once for all stages of a sweep; the stamp identifies a changed file."""
     from bladewhirl.meshes.files.registry import read_line_mesh  # here: slow to load
 
     return read_line_mesh(file)
 
 
 def _lines_only(mesh: GroupedLines) -> GroupedLines:
-    """The mesh without nodes that no line leads to, such as centres of arcs."""
+    """Return the mesh without nodes that belong to no line, such as centres of arcs."""
     used = np.unique(mesh.lines)
     number = np.full(len(mesh.points), -1)
     number[used] = np.arange(len(used))

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import Imbalance
 from bladewhirl.models.inputs.errors import Fault
+from bladewhirl.models.sections.materials import Material, NamedMaterial
 
 Bound = tuple[str, float, float, float, str]
 """Key, its value, least and largest plausible value, and their unit or the reason for them."""
@@ -23,11 +24,12 @@ CLEARANCES = (1e-6, 0.1)
 
 
 def _bounds(case: Case) -> Iterator[Bound]:
-    named = {f"material.named[{row}]": material for row, material in enumerate(case.material.named)}
-    for key, material in {"material": case.material, **named}.items():
+    materials: dict[str, Material | NamedMaterial] = {"material": case.material}
+    materials |= {f"material.named[{row}]": named for row, named in enumerate(case.material.named)}
+    for key, material in materials.items():
         yield f"{key}.young_modulus", material.young_modulus, 1e9, 1e12, "Pa for a solid"
         yield f"{key}.density", material.density, 500.0, 25e3, "kg/m3 for a solid"
-    beams = {"casing.wall": case.casing.wall}
+    beams: dict[str, object] = {"casing.wall": case.casing.wall}
     radius = case.tip_radius
     if case.sketch is None and case.bladed_disk.mesh is None:
         yield "bladed_disk.tip_radius", radius, 0.01, 10.0, "m"

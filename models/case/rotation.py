@@ -12,19 +12,20 @@ Effects = Literal["none", "centrifugal", "full"]
 
 
 class Rotation(Table):
-    """Forces that the bladed disk feels because it turns; the paper leaves them out."""
+    """Forces on the bladed disk due to its rotation; the paper leaves them out."""
 
     effects: Effects = "none"
-    """"none", as in the paper; "centrifugal": tension in blades and disk, the stiffness that it
-    gives, spin softening and the growth of the tips; "full": Coriolis forces, too. All at
+    """"none", as in the paper; "centrifugal": tension in blades and disk with its geometric
+    stiffness, spin softening and static growth of the tips; "full": Coriolis forces as well. All at
     march.speed."""
     clearance: Literal["hot", "cold"] = "hot"
-    """State that casing.clearance is measured in: "hot", at march.speed; "cold", at rest, so that
-    the growth of the tips at march.speed is taken off it, which takes effects other than "none"."""
+    """State in which casing.clearance is measured: "hot", at march.speed; "cold", at rest: the
+    static growth of the tips at march.speed is subtracted from it, which needs effects other than
+    "none"."""
 
     @property
     def summary(self) -> str:
-        """Its effects; nothing where there are none."""
+        """Effects and state of the clearance; empty without effects."""
         return "" if self.effects == "none" else f"{self.effects}, {self.clearance} clearance"
 
     def inconsistencies(self) -> Iterator[Inconsistency]:

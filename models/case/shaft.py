@@ -16,34 +16,34 @@ class Shaft(Table):
     """The two springs that carry the centre; it does not rotate in the plane."""
 
     stiffness: Stiffness = 3.4e7
-    """Of each of the two springs, x and y, or of that along x [N/m] (paper, Section 2.1)."""
+    """Stiffness of each of the two springs, x and y, or of the one along x [N/m] (paper, Section
+    2.1)."""
     stiffness_y: Stiffness | None = Field(default=None, examples=["2e7"])
-    """Of the spring along y [N/m], where it differs."""
+    """Stiffness of the spring along y [N/m], if different."""
     suspension_frequency: Annotated[float, quantity("Hz")] | None = Field(
         default=None, examples=["300 Hz"]
     )
-    """Frequency wanted of the suspension pair, of the full bladed disk at rest [Hz], instead of
-    shaft.stiffness; bladewhirl show tells the stiffness that both springs get. Near the first
-    bending family of the blades no springs give it: the message tells the nearest frequencies below
-    and above that some do."""
+    """Required frequency of the suspension pair, of the full bladed disk at rest [Hz], in place of
+    shaft.stiffness; bladewhirl show prints the resulting stiffness of both springs. Frequencies
+    near the first bending family of the blades cannot be reached: the message states the nearest
+    possible frequencies."""
     frame: Literal["rotating", "static"] = "rotating"
-    """Where springs that differ stand: "rotating", they turn with the bladed disk as a shaft does
-    that is not round, along rotating axes, and its matrices are constant; "static", they stand
-    still as unequal bearings do, and its stiffness swings twice a turn about the mean of both.
-    Modes are then those on the mean. With rotation.effects = "full" a round rotor answers them as
-    on bearings that stand still; without Coriolis and centrifugal terms a speed near the suspension
-    frequency excites it by the swing, which it would not."""
+    """Frame of unequal springs: "rotating", fixed in the bladed disk like a shaft that is not
+    round, with constant matrices; "static", fixed in space like unequal bearings, with a stiffness
+    that varies twice per revolution about the mean of both. Modes are then those on the mean. With
+    rotation.effects = "full" the response of a symmetric rotor is that on fixed unequal bearings;
+    without Coriolis and centrifugal terms the variation excites the suspension at speeds near its
+    frequency, an artefact."""
     damping: DampingOrZero = 0.0
-    """Of a damper beside each of the springs, or beside that along x [N s/m]. With dampers, contact
-    is of the first order in march.time_step; with rotation.effects = "full" they feel it within the
-    step."""
+    """Damping parallel to each spring, or to the one along x [N s/m]. With dampers, contact is of
+    first order in march.time_step; with rotation.effects = "full" they act within the step."""
     damping_y: DampingOrZero | None = Field(default=None, examples=["1e3"])
-    """Of the damper along y [N s/m], where it differs."""
+    """Damping along y [N s/m], if different."""
     damping_frame: Literal["rotating", "static"] = "rotating"
-    """Where the dampers stand: "rotating", they turn with the bladed disk, see its velocity in
-    rotating axes, and feed forward whirl above its critical speed; "static", they stand still as
-    those of bearings do, c (v + Omega z x u), and hold it. That takes Coriolis forces,
-    rotation.effects = "full", and dampers that are equal."""
+    """Frame of the dampers: "rotating", internal damping, which acts on the velocity in rotating
+    axes and destabilises forward whirl above its critical speed; "static", bearing damping, c (v +
+    Omega z x u), which stabilises it. "static" needs rotation.effects = "full" and equal dampers.
+    """
     clamped: StrictBool = False
     """Hold the centre instead."""
 
@@ -61,14 +61,14 @@ class Shaft(Table):
 
     @model_serializer(mode="wrap")
     def _springs_in_one_way(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """The keys of the table; a stiffness that a frequency replaces is none of them."""
+        """Return the keys to write: no stiffness where a suspension frequency replaces it."""
         written: dict[str, Any] = handler(self)
         if self.suspension_frequency is not None:
             written.pop("stiffness", None)
         return written
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Dampers that stand still and differ, springs given in two ways."""
+        """Yield unequal dampers in the static frame and springs specified twice."""
         if self.suspension_frequency is not None:
             given = [name for name in ("stiffness_y", "clamped") if getattr(self, name)]
             if "stiffness" in self.model_fields_set:
@@ -97,7 +97,7 @@ class Shaft(Table):
 
     @property
     def springs(self) -> tuple[float, float]:
-        """Stiffness along x and y of the frame that the springs stand in [N/m]."""
+        """Stiffness along x and y of the frame of the springs [N/m]."""
         return self.stiffness, self.stiffness if self.stiffness_y is None else self.stiffness_y
 
     @property

@@ -1,4 +1,4 @@
-"""A bladed disk drawn node by node, as a case holds it, and the checks of its parts together."""
+"""A bladed disk drawn node by node, as a case contains it, with the checks across its parts."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ MOST_NAMES = 6
 """Members that a summary names."""
 
 SHORTEST = 1e-12
-"""Length over the size of a member below which two points of it are alike."""
+"""Distance over the size of a member below which two of its points coincide."""
 
 Part = SketchMember | SketchMass | SketchSpring | SketchLink
 """A part between nodes that a choice of sectors may have."""
@@ -50,7 +50,7 @@ class SketchTable(Table):
     edits: tuple[SketchEdit, ...] = ()
     sets: tuple[SketchSet, ...] = ()
     tip_radius: Length | None = None
-    """Radius that the clearance counts from [m]; the largest of the tips' own when None."""
+    """Radius from which the clearance is measured [m]; the largest tip radius if None."""
 
     @property
     def node_sets(self) -> dict[str, tuple[str, ...]]:
@@ -120,7 +120,7 @@ def _parts(sketch: SketchTable) -> Iterator[tuple[str, Part]]:
 
 
 def _name_faults(sketch: SketchTable) -> Faults:
-    """Names given twice, and sets left out."""
+    """Yield duplicate names and missing sets."""
     for kind, named in (("node", sketch.nodes), ("member", sketch.members), ("set", sketch.sets)):
         for name, times in Counter(one.name for one in named).items():
             if times > 1:
@@ -133,26 +133,26 @@ def _name_faults(sketch: SketchTable) -> Faults:
 
 
 def _reference_faults(sketch: SketchTable) -> Faults:
-    """References to nodes that there are not, and nodes that nothing holds."""
+    """Yield references to unknown nodes, and nodes that no member connects."""
     known = {node.name for node in sketch.nodes}
-    held: set[str] = set()
+    connected: set[str] = set()
     parts = [(place, part.references) for place, part in _parts(sketch)]
     parts += [(f"set {name!r}", references) for name, references in sketch.node_sets.items()]
     for place, references in parts:
         for reference in references:
             name, _ = split_reference(reference)
             if name not in known:
-                found = ", ".join(sorted(known)) or "none"
-                yield place, f"a node of the sketch ({found}), not {reference!r}"
+                existing = ", ".join(sorted(known)) or "none"
+                yield place, f"a node of the sketch ({existing}), not {reference!r}"
             if place.partition(" ")[0] in ("member", "spring", "link"):
-                held.add(name)
+                connected.add(name)
     for node in sketch.nodes:
-        if node.name not in held:
+        if node.name not in connected:
             yield f"node {node.name!r}", "a member, a link or a spring at it"
 
 
 def _sector_faults(sketch: SketchTable) -> Faults:
-    """Sectors that there are not, or given for a part between shared nodes, which is there once."""
+    """Yield sectors that do not exist, or that are given for a part between shared nodes."""
     for place, part in _parts(sketch):
         chosen = part.sectors
         if chosen is None:
@@ -175,7 +175,7 @@ def _section_faults(sketch: SketchTable) -> Faults:
 
 
 def _edit_faults(sketch: SketchTable) -> Faults:
-    """Edits of nothing, that would have no effect, or that undo one another."""
+    """Yield edits of unknown parts, without effect, or that undo one another."""
     nodes = {node.name for node in sketch.nodes}
     members = {member.name: member for member in sketch.members}
     seen: Counter[tuple[int, str]] = Counter()
@@ -199,12 +199,12 @@ def _edit_faults(sketch: SketchTable) -> Faults:
         if references and sketch.is_shared(*references) and edit.sector != 0:
             yield place, "sector 0, which shared parts belong to"
         if member is not None and member.sectors is not None and edit.sector not in member.sectors:
-            found = ", ".join(map(str, member.sectors)) or "none"
-            yield place, f"a sector that has it ({found})"
+            existing = ", ".join(map(str, member.sectors)) or "none"
+            yield place, f"a sector that has it ({existing})"
 
 
 def _length_faults(sketch: SketchTable) -> Faults:
-    """Members of no length, in sector 0 or where an edit makes them so."""
+    """Yield members of zero length, in sector 0 or after an edit."""
     nodes = {node.name: node for node in sketch.nodes}
     moved = {(e.sector, e.node): e.at for e in sketch.edits if e.node and e.at is not None}
     changed = {(e.sector, e.member): e.path for e in sketch.edits if e.member}

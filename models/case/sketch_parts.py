@@ -1,4 +1,4 @@
-"""The parts of a sketch, gathered by Python's `Sketch` and held by a case file.
+"""Parts of a sketch: collected by Python's `Sketch`, written to case files.
 
 Nodes are named within a sector: "root" is the node of the sector that a part belongs to, "root+1"
 and "root-1" those of its neighbours. Shared nodes, such as the centre, are one for all sectors.
@@ -130,7 +130,7 @@ class SketchLink(Table):
 
 
 class SketchEdit(Table):
-    """A difference of one sector: where a node is, or how a member is made."""
+    """Difference of one sector: the position of a node, or the properties of a member."""
 
     sector: Annotated[int, count(0)]
     node: Name | None = None  #: to move

@@ -25,7 +25,8 @@ def dumps_case(case: Case) -> str:
 
 
 def template() -> str:
-    """A case file with every key at its default and what it means, for `bladewhirl new`."""
+    """Return a case file with all keys at their defaults and their descriptions, for `bladewhirl
+    new`."""
     return _comment(_HEAD) + "\n" + _document(Case(), commented=True)
 
 
@@ -50,7 +51,7 @@ def _keys(table: Table, *, commented: bool) -> Iterator[str]:
         if name not in written:
             continue
         if isinstance(table, Case) and isinstance(value, Table):
-            continue  # has a heading of its own; tables further down are written inline
+            continue  # has its own heading; nested tables are written inline
         if commented:
             yield _comment(descriptions[name])
         if value is not None:

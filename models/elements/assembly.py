@@ -43,7 +43,7 @@ class LineAssembler:
         skew: bool = False,
         **coefficients: FloatArray,
     ) -> sp.csr_array:
-        """Assemble ``form``; coefficients hold a value an element or a quadrature point.
+        """Assemble ``form``; coefficients have one value per element or quadrature point.
 
         The former are (elements,), the latter (elements, points), see `points`.
 

@@ -41,13 +41,13 @@ def node_expansion(model: BeamModel, node_dofs: IntArray) -> sp.csr_array:
 
     Args:
         model: with its rigid links.
-        node_dofs: free DoF of each node, -1 where held or led, (nodes, 3).
+        node_dofs: free DoF of each node, -1 if fixed or tied, (nodes, 3).
     """
     mesh, links = model.mesh, model.links
     size = int(node_dofs.max()) + 1
-    own = np.flatnonzero(node_dofs.ravel() >= 0)
+    free = np.flatnonzero(node_dofs.ravel() >= 0)
     shape = (node_dofs.size, size)
-    direct = sp.csr_array((np.ones(len(own)), (own, node_dofs.ravel()[own])), shape=shape)
+    direct = sp.csr_array((np.ones(len(free)), (free, node_dofs.ravel()[free])), shape=shape)
     if not links.led.size:
         return direct
     arms = sp.lil_array((node_dofs.size, node_dofs.size))

@@ -29,7 +29,7 @@ FIRST, SECOND, ROTATION = range(COMPONENTS)
 class BladedDiskModel:
     """A bladed disk in its rotating frame: straight Bernoulli beams with rods, 3 DoF a node.
 
-    The centre node stands on a spring in x and one in y and does not rotate; clamped, it is held.
+    Springs in x and y carry the centre node, which does not rotate; clamped, it does not move.
     """
 
     model: BeamModel
@@ -69,7 +69,7 @@ class BladedDiskModel:
         return np.asarray(np.mod(np.arctan2(points[:, 1], points[:, 0]), 2.0 * np.pi))
 
     def blade_columns(self, column: IntArray) -> IntArray:
-        """DFT columns over the blades of modes whose columns over the sectors are given, (modes,).
+        """Return the DFT columns over the blades for given columns over the sectors, (modes,).
 
         They are the same where each sector has one blade, else there are none.
         """
@@ -116,13 +116,13 @@ def assemble_bladed_disk(
     )
     inertial = assembler.matrix(mass, transform, rho_A=sections.line_mass)
     centre = assembler.node_dofs[model.centre]
-    held = centre if clamped else centre[ROTATION:]
+    fixed = centre if clamped else centre[ROTATION:]
     spring = np.zeros(inertial.shape[0])
     spring[centre[:ROTATION]] = shaft_stiffness
     shaft = sp.csr_array(sp.diags_array(spring))
 
     led = assembler.node_dofs[model.links.led].ravel()
-    _, node_dofs = keep_free(assembler.node_dofs, np.union1d(held, led))
+    _, node_dofs = keep_free(assembler.node_dofs, np.union1d(fixed, led))
     expansion = node_expansion(model, node_dofs)
     unknowns = expansion[np.argsort(assembler.node_dofs.ravel())]
 
@@ -136,13 +136,13 @@ def assemble_bladed_disk(
         springs=reduced(shaft),
         node_dofs=node_dofs,
         layout=_sector_layout(mesh, node_dofs),
-        held=np.zeros((unknowns.shape[1], 0)),
+        constraints=np.zeros((unknowns.shape[1], 0)),
     )
     return BladedDiskModel(model=model, structure=structure, expansion=expansion)
 
 
 def nodal_to_line_axes(mesh: LineMesh) -> FloatArray:
-    """Matrix of each line that takes nodal axes to its own, (lines, 6, 6)."""
+    """Matrix of each line from nodal axes to its own axes, (lines, 6, 6)."""
     transform = np.zeros((len(mesh.lines), 6, 6))
     for end in range(2):
         turn = mesh.line_axes - mesh.node_axes[mesh.lines[:, end]]
@@ -155,7 +155,7 @@ def nodal_to_line_axes(mesh: LineMesh) -> FloatArray:
 
 
 def _sector_layout(mesh: LineMesh, node_dofs: IntArray) -> SectorLayout | None:
-    """Sectors of the free DoF; None where nodes are led or held in some sectors only."""
+    """Sectors of the free DoF; None where nodes are tied or fixed in some sectors only."""
     if mesh.sectors is None:
         return None
     dofs = node_dofs[mesh.sectors].reshape(len(mesh.sectors), -1)
@@ -170,7 +170,7 @@ def _sector_layout(mesh: LineMesh, node_dofs: IntArray) -> SectorLayout | None:
 
 
 def _rounding(mesh: LineMesh) -> float:
-    """Bound of what the rounding of points does to entries of matrices, over those beside them.
+    """Bound on the effect of rounded coordinates on matrix entries, relative to neighbouring ones.
 
     An angle of a point, 2 pi n / N, is right to 2 pi eps, so a point at radius R to 2 pi eps R,
     and the length L of a line and its direction to d = 4 pi eps R / L. A line's matrix has powers

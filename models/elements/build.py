@@ -1,4 +1,4 @@
-"""From a case to its finite element models: the bladed disk and the casing in full."""
+"""Full finite element models of a case: bladed disk and casing."""
 
 from __future__ import annotations
 
@@ -50,15 +50,15 @@ def case_beam_model(case: Case) -> BeamModel:
         model = mesh_beam_model(mesh, case.material)
     else:
         model = build_sketch(case_sketch(case).table if case.sketch is None else case.sketch)
-    room = case.casing.clearance_profile.smallest + model.tip_recess
-    tight = int(room.argmin())
-    if room[tight] < 0.0:
+    smallest_gap = case.casing.clearance_profile.smallest + model.tip_recess
+    tight = int(smallest_gap.argmin())
+    if smallest_gap[tight] < 0.0:
         reach = float(model.tip_radius - model.tip_recess[tight])
         outside = reach > model.tip_radius + case.casing.clearance
         expected = (
             f"tips inside the casing: that of blade {tight}, at radius {reach:.6g} m, "
             + ("is outside" if outside else "reaches into its lobes")
-            + f" by {-room[tight]:.3g} m where the casing is narrowest"
+            + f" by {-smallest_gap[tight]:.3g} m where the casing is narrowest"
         )
         raise CaseError([case_fault(case, "casing.clearance", expected)])
     beyond = part_outside(model, model.tip_radius + case.casing.clearance_profile.smallest)
@@ -69,7 +69,7 @@ def case_beam_model(case: Case) -> BeamModel:
 
 
 def case_sketch(case: Case) -> Sketch:
-    """The sketch that the `[bladed_disk]` table of a case stands for."""
+    """Return the sketch equivalent to the `[bladed_disk]` table of a case."""
     return bladed_disk_sketch(case.bladed_disk, lambda section: _section(case, section))
 
 

@@ -31,7 +31,7 @@ class CasingModel:
     """A casing in the static frame: Hermite in both fields, 4 DoF a node."""
 
     mesh: RingMesh
-    properties: WallProperties  #: means of each element, (elements,)
+    properties: WallProperties  #: mean properties of each element, (elements,)
     curvature: Literal["exact", "shallow"]  #: bending strain, see `elements`
     foundation: float  #: uniform elastic support [N/m per metre of circumference]
     supports: tuple[Support, ...]  #: springs and struts at angles
@@ -92,16 +92,16 @@ def assemble_casing(
     springs = springs + feet.T @ at_feet(each.stiffness for each in supports) @ feet
     total_mass = assembler.matrix(mass, rho_A=properties.line_mass)
     total_mass = total_mass + feet.T @ at_feet(each.mass for each in supports) @ feet
-    held = np.zeros((node_dofs.size, 1 if rotation == "fixed" else 0))
+    constraints = np.zeros((node_dofs.size, 1 if rotation == "fixed" else 0))
     if rotation == "fixed":
-        held[node_dofs[:, TANGENTIAL], 0] = 1.0
+        constraints[node_dofs[:, TANGENTIAL], 0] = 1.0
     structure = Structure(
         mass=total_mass,
         stiffness=sp.csr_array(elastic + springs),
         springs=springs,
         node_dofs=node_dofs,
         layout=SectorLayout(sector_dofs=node_dofs, centre_dofs=np.full(3, -1)),
-        held=held,
+        constraints=constraints,
     )
     return CasingModel(
         mesh=mesh,

@@ -1,4 +1,4 @@
-"""What a stage will take before anything of it is assembled: memory and time, in round numbers."""
+"""Estimated memory and time of a stage, known before anything is assembled."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ DENSE_BYTES, DENSE_SECONDS = 70, 1e-9
 """The same without symmetry, for the size of the whole."""
 
 LARGE_BYTES, LARGE_SECONDS = 2e9, 30.0
-"""From here on a stage is told to be large."""
+"""Size from which a stage is reported as large."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cost:
-    """Least that a stage takes; rotation effects, and blades that differ, take more."""
+    """Lower bound of the cost of a stage; rotation effects and mistuned blades increase it."""
 
     dofs: int  #: of the full bladed disk
-    modes: int  #: that are found of it
+    modes: int  #: modes computed of it
     memory: float  #: [bytes]
     time: float  #: of the processor [s]
 
@@ -55,7 +55,7 @@ class Cost:
 
 
 def stage_cost(case: Case) -> Cost:
-    """Cost of the reduced stage of a case as if all its blades were alike.
+    """Return the cost of the reduced stage of a case, assuming identical blades.
 
     Raises:
         CaseError: parts of the bladed disk that do not fit together.
@@ -86,7 +86,7 @@ def modal_cost(structure: Structure) -> Cost:
 
 
 def tell_cost(cost: Cost) -> None:
-    """Log what a large stage takes, before it is made.
+    """Log the cost of a large stage before it is built.
 
     Raises:
         CaseError: this machine has not the memory for it.
@@ -99,7 +99,7 @@ def tell_cost(cost: Cost) -> None:
 
 
 def memory() -> float:
-    """Memory of this machine [bytes]; infinite where the system does not tell."""
+    """Return the memory of this machine [bytes]; infinite if the system does not report it."""
     try:
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     except (AttributeError, ValueError, OSError):

@@ -22,11 +22,11 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 
 SYMMETRY_TOLERANCE = 1e-12
-"""Largest change of a matrix under a turn by one sector that still counts as symmetric: of each
-entry over the largest in its row and column, so that a soft spring beside stiff beams is seen."""
+"""Largest change of a matrix under a rotation by one sector that counts as symmetric, relative to
+the largest entry of its row and column, so that a soft spring beside stiff beams is detected."""
 
 NO_COLUMN = -1
-"""DFT column of a mode found without cyclic symmetry."""
+"""DFT column of a mode computed without cyclic symmetry."""
 
 
 def real_dft(sectors: int) -> FloatArray:
@@ -55,7 +55,7 @@ def nodal_diameters(sectors: int) -> range:
 
 
 def is_pair(k: int, sectors: int) -> bool:
-    """Whether nodal diameter k has a cosine and a sine (False for k = 0 and k = N/2)."""
+    """Return whether nodal diameter k has a cosine and a sine (False for k = 0 and k = N/2)."""
     return 0 < 2 * k < sectors
 
 
@@ -79,7 +79,7 @@ def wave_parts(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatArray:
 
 
 def evenly_spaced(angles: FloatArray) -> bool:
-    """Whether angles step by a full turn over their number, in order, from any start."""
+    """Return whether angles increase by 2 pi over their number, starting anywhere."""
     steps = np.mod(
         angles - angles[0] - 2.0 * np.pi * np.arange(len(angles)) / len(angles), 2 * np.pi
     )
@@ -91,8 +91,8 @@ class SectorLayout:
     """Places of the degrees of freedom of each sector and of the centre in a structure."""
 
     sector_dofs: IntArray  #: (sectors, DoF a sector), the same order in every sector, polar axes
-    centre_dofs: IntArray  #: x, y, rotation of the centre node, (3,); -1 where there is none
-    rounding: float = 0.0  #: largest change under a turn that comes of the points' last digits
+    centre_dofs: IntArray  #: x, y, rotation of the centre node, (3,); -1 if there is none
+    rounding: float = 0.0  #: largest change under a rotation due to rounded coordinates
 
     @property
     def sectors(self) -> int:
@@ -148,7 +148,7 @@ class SectorLayout:
         return sp.csr_array(entries, shape=(self.size, self.size))
 
     def is_symmetry_of(self, *matrices: sp.csr_array) -> bool:
-        """Whether the matrices stay the same under a turn by one sector."""
+        """Return whether the matrices are invariant under a rotation by one sector."""
         turn, tolerance = self.turn(), max(SYMMETRY_TOLERANCE, self.rounding)
         for matrix in matrices:
             change = (turn @ matrix @ turn.T - matrix).tocoo()
@@ -173,7 +173,8 @@ class SectorLayout:
             yield k, tuple(blocks)
 
     def _mean_sector(self, matrix: sp.csr_array) -> tuple[FloatArray, IntArray]:
-        """What a sector has with itself and others, mean over all of them.
+        """Return the blocks that couple a sector with itself and the others, averaged over the
+        sectors.
 
         Returns:
             values (entries,) and, of each, sectors on, row and column within them (3, entries).

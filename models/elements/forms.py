@@ -1,4 +1,4 @@
-"""Weak forms of the straight and the curved beam, alone.
+"""Weak forms of the straight and the curved beam.
 
 Straight beam (Bernoulli): axial displacement u(s), transverse displacement w(s).
 Curved beam: tangential displacement u(s), radial displacement w(s), outward positive; with

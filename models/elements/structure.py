@@ -19,16 +19,16 @@ class Structure:
     mass: sp.csr_array  #: [kg, kg m, kg m2], (size, size)
     stiffness: sp.csr_array  #: springs included [N/m, N, N m], (size, size)
     springs: sp.csr_array  #: the springs' part of the stiffness, (size, size)
-    node_dofs: IntArray  #: DoF of each node, (nodes, components); -1 where held
+    node_dofs: IntArray  #: DoF of each node, (nodes, components); -1 if fixed
     layout: SectorLayout | None  #: its sectors; None where it has none
-    held: FloatArray  #: fields v held at rest, v^T M x = 0, (size, constraints), often none
+    constraints: FloatArray  #: constrained fields v, v^T M x = 0, (size, constraints), often none
     at_rest: Structure | None = None  #: where it turns: itself without rotation effects
     gyroscopic: sp.csr_array | None = None
     """Coriolis forces 2 Omega G by velocity, skew [N s/m, N s, N m s], (size, size)."""
 
     @property
     def elastic(self) -> sp.csr_array:
-        """Stiffness of strain alone, positive definite where the structure stands on springs."""
+        """Stiffness without rotation effects, positive definite if the structure is supported."""
         return self.stiffness if self.at_rest is None else self.at_rest.stiffness
 
     @property
@@ -38,14 +38,14 @@ class Structure:
 
     @cached_property
     def is_cyclic(self) -> bool:
-        """Whether mass and stiffness repeat from sector to sector; found, not assumed."""
+        """Whether mass and stiffness are identical in all sectors; measured, not assumed."""
         return self.layout is not None and self.layout.is_symmetry_of(
             self.mass, self.stiffness, self.springs
         )
 
     @property
     def symmetry(self) -> str:
-        """Symmetry found, and the path that modes and reduction take."""
+        """Symmetry of the matrices and the resulting method for modes and reduction."""
         if self.layout is None:
             return "no sectors: dense path"
         if not self.is_cyclic:
@@ -55,18 +55,18 @@ class Structure:
         return f"{self.layout.sectors} equal sectors: cyclic path"
 
 
-def keep_free(node_dofs: IntArray, held: IntArray) -> tuple[IntArray, IntArray]:
+def keep_free(node_dofs: IntArray, fixed: IntArray) -> tuple[IntArray, IntArray]:
     """Number the free degrees of freedom anew.
 
     Args:
         node_dofs: DoF of each node in the unconstrained structure, (nodes, components).
-        held: numbers of the DoF held at zero.
+        fixed: numbers of the DoF fixed at zero.
 
     Returns:
-        the old numbers of the free DoF, and the table with new numbers, -1 where held.
+        the old numbers of the free DoF, and the table with new numbers, -1 if fixed.
     """
     total = node_dofs.size
-    free = np.setdiff1d(np.arange(total), held)
+    free = np.setdiff1d(np.arange(total), fixed)
     renumbered = np.full(total, -1, dtype=np.int64)
     renumbered[free] = np.arange(len(free))
     return free, renumbered[node_dofs]

@@ -1,4 +1,4 @@
-"""Springs and struts that hold a casing at chosen angles.
+"""Springs and struts that support a casing at given angles.
 
 A support acts on what the wall does at its foot, on the ring's line: the radial and tangential
 displacement w and u, and the rotation of the section phi = u/R - w', counter-clockwise. The foot
@@ -31,7 +31,7 @@ OUTWARD, ALONG, ROTATION = range(3)
 
 @dataclass(frozen=True, kw_only=True)
 class Support:
-    """Spring or strut that holds the wall at an angle."""
+    """Spring or strut that supports the wall at an angle."""
 
     kind: Literal["spring", "strut"]
     angle: float  #: of the foot from +x [rad]
@@ -51,7 +51,7 @@ def spring(
     radial_damping: float = 0.0,
     tangential_damping: float = 0.0,
 ) -> Support:
-    """Two springs to the ground, each with a damper beside it.
+    """Return a support of two springs to the ground, each with a parallel damper.
 
     Args:
         angle: of the foot [rad].

@@ -17,7 +17,7 @@ GROUND = -1
 """Other end of a spring that leads to the rotating frame itself."""
 
 ROUNDING = 1e-13
-"""Relative differences of lengths below this come from rounding."""
+"""Relative differences of lengths below this are rounding errors."""
 
 
 def _ints(values: Any = ()) -> IntArray:
@@ -53,7 +53,7 @@ class NodeSprings:
 
 @dataclass(frozen=True, kw_only=True)
 class RigidLinks:
-    """Nodes that another node leads as if on a rigid arm; a leader is itself led by none."""
+    """Nodes that another node leads as if on a rigid arm; a leader is not tied itself."""
 
     led: IntArray = field(default_factory=_ints)  #: (links,)
     leader: IntArray = field(default_factory=_ints)  #: (links,)
@@ -100,7 +100,7 @@ class BeamModel:
 
     @property
     def tip_recess(self) -> FloatArray:
-        """How much nearer to the centre than `tip_radius` each tip ends [m], (blades,)."""
+        """Distance of each tip inward from `tip_radius` [m], (blades,)."""
         radii = np.linalg.norm(self.mesh.points[self.tips], axis=1)
         recess = self.tip_radius - radii
         return np.where(np.abs(recess) <= ROUNDING * self.tip_radius, 0.0, recess)
@@ -108,8 +108,8 @@ class BeamModel:
     @property
     def blade_length(self) -> float:
         """Mean length of a blade's beams [m]; the tip radius where no lines are called blades."""
-        own = self.mesh.line_sets.get("blades", _ints())
-        length = float(self.mesh.lengths[own].sum()) / len(self.tips)
+        blade_lines = self.mesh.line_sets.get("blades", _ints())
+        length = float(self.mesh.lengths[blade_lines].sum()) / len(self.tips)
         return length or self.tip_radius
 
     @property
@@ -119,9 +119,9 @@ class BeamModel:
 
     @property
     def part_masses(self) -> dict[str, float]:
-        """Mass of the beams of each part, and of the point masses where there are any [kg]."""
-        own = self.properties.mean_line_mass * self.mesh.lengths
+        """Mass of the beams of each part and of the point masses, if any [kg]."""
+        line_mass = self.properties.mean_line_mass * self.mesh.lengths
         parts = np.array(self.mesh.line_parts)
-        found = {str(name): float(own[parts == name].sum()) for name in dict.fromkeys(parts)}
+        masses = {str(name): float(line_mass[parts == name].sum()) for name in dict.fromkeys(parts)}
         hung = float(self.masses.mass.sum())
-        return found | ({"point masses": hung} if hung else {})
+        return masses | ({"point masses": hung} if hung else {})

@@ -1,4 +1,4 @@
-"""Faults of a beam model, wherever it comes from: parts that hang on nothing, unusable sets."""
+"""Faults of a beam model of any origin: unconnected parts, unusable sets."""
 
 from __future__ import annotations
 
@@ -62,16 +62,16 @@ def _links(model: BeamModel, key: str) -> Iterator[Fault]:
     for node in np.flatnonzero(np.bincount(led, minlength=1) > 1):
         yield Fault(key=key, expected=f"one leader for {_node(model, int(node))}, not several")
     for node in np.intersect1d(led, model.links.leader):
-        expected = f"a leader that is led by none; {_node(model, int(node))} is"
+        expected = f"a leader that is not tied itself; {_node(model, int(node))} is"
         yield Fault(key=key, expected=expected)
     for name in ("tips", "centre"):
         for node in np.intersect1d(led, model.mesh.node_sets[name])[:1]:
-            expected = f'{_node(model, int(node))}, of the set "{name}", to be led by none'
+            expected = f'{_node(model, int(node))}, of the set "{name}", not to be tied'
             yield Fault(key=key, expected=expected)
 
 
 def _massless(model: BeamModel, key: str) -> Iterator[Fault]:
-    """Nodes without a beam that springs alone hold: they need inertia of their own."""
+    """Yield nodes connected by springs only that lack inertia."""
     count = len(model.mesh.points)
     bare = np.ones(count, dtype=np.bool_)
     bare[model.mesh.lines] = bare[model.links.led] = False
@@ -86,16 +86,16 @@ def _massless(model: BeamModel, key: str) -> Iterator[Fault]:
 
 
 def _doubled(model: BeamModel, key: str) -> Iterator[Fault]:
-    """Lines that lie on others: their mass would count twice."""
+    """Yield overlapping lines, whose mass would count twice."""
     parts = np.array(model.mesh.line_parts)
     ends = np.sort(model.mesh.lines, axis=1)
     _, first, number = np.unique(ends, axis=0, return_index=True, return_inverse=True)
-    told: set[tuple[str, str]] = set()
+    reported: set[tuple[str, str]] = set()
     for line in np.flatnonzero(first[number.ravel()] != np.arange(len(ends))):
         names = str(parts[first[number.ravel()[line]]]), str(parts[line])
-        if names in told:
+        if names in reported:
             continue
-        told.add(names)
+        reported.add(names)
         between = " and ".join(_node(model, int(node)) for node in ends[line])
         which = (
             f"parts {names[0]!r} and {names[1]!r} both lie"
@@ -114,22 +114,22 @@ def _loose_parts(model: BeamModel, key: str) -> Iterator[Fault]:
     if groups == 1:
         return
     parts = np.array(mesh.line_parts)
-    told: set[str] = set()
+    reported: set[str] = set()
     for number in range(groups):
         if number == group[model.centre]:
             continue
         names = sorted(set(parts[group[mesh.lines[:, 0]] == number].tolist()))
         first = int(np.flatnonzero(group == number)[0])
         what = f"part {names[0]!r}" if names and names[0] else "node"
-        if what not in told:
-            told.add(what)
+        if what not in reported:
+            reported.add(what)
             where = _node(model, first) if what == "node" else f"{what} at {_at(model, first)}"
             expected = f"all parts joined to the centre; {where} is not"
             yield Fault(key=key, expected=expected)
 
 
 def part_outside(model: BeamModel, radius: float) -> str | None:
-    """The part that reaches farthest beyond a radius [m] and where; None where none does."""
+    """Return the part that exceeds a radius most [m] and its position; None if none does."""
     mesh, away = model.mesh, np.linalg.norm(model.mesh.points, axis=1)
     node = int(away.argmax())
     if away[node] <= radius * (1.0 + ROUNDING):

@@ -74,7 +74,7 @@ def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
             node_axes=axes,
             node_sets=_without(mesh.node_groups, table.tips, table.centre)
             | {"tips": tips, "centre": centre},
-            # Where groups overlap, the part of a line is the group that has its section.
+            # Where groups overlap, a line belongs to the group with its section.
             line_sets=_without(beams.line_groups, *last) | last,
             sectors=sectors,
         ),
@@ -103,10 +103,10 @@ def _double_parts(mesh: GroupedLines) -> Iterator[str]:
         return
     lines, times = np.unique(np.sort(mesh.lines[mesh.is_beam], axis=1), axis=0, return_counts=True)
     loops, twice = lines[lines[:, 0] == lines[:, 1]], lines[times > 1]
-    for what, found in (("lines with a length", loops), ("each line once", twice)):
-        if len(found):
-            x, y = mesh.points[found[0, 0]].tolist()
-            yield f"{what}; {len(found)} are not so, first at ({x:g}, {y:g})"
+    for what, faulty in (("lines with a length", loops), ("each line once", twice)):
+        if len(faulty):
+            x, y = mesh.points[faulty[0, 0]].tolist()
+            yield f"{what}; {len(faulty)} are not so, first at ({x:g}, {y:g})"
 
 
 def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> LineProperties:
@@ -114,8 +114,10 @@ def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> Lin
     values = np.full((len(QUANTITIES), count), np.nan)
     if table.metres == 1.0:  # what else would the file's numbers mean, and its moduli?
         for row, name in zip(values, QUANTITIES, strict=True):
-            own = mesh.line_data.get(name, row)
-            row[:] = np.where(np.isfinite(own), own, getattr(material, name, np.nan))
+            line_values = mesh.line_data.get(name, row)
+            row[:] = np.where(
+                np.isfinite(line_values), line_values, getattr(material, name, np.nan)
+            )
     changes = np.zeros_like(values)
     if table.metres == 1.0:
         for row, name in zip(changes, CHANGES, strict=True):
@@ -142,8 +144,8 @@ def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> Lin
     thin = np.flatnonzero((np.abs(changes) >= 2.0 * values).any(axis=0) & (values > 0).all(axis=0))
     if len(thin):
         quantity = int(np.argmax(np.abs(changes[:, thin[0]]) / values[:, thin[0]]))
-        name, found = CHANGES[quantity], changes[quantity, thin[0]]
-        expected = f"sections above zero all along lines; line {thin[0]} has {name} {found:g}"
+        name, change = CHANGES[quantity], changes[quantity, thin[0]]
+        expected = f"sections above zero all along lines; line {thin[0]} has {name} {change:g}"
         raise CaseError([table.fault("file", expected)])
     bare = np.flatnonzero(~(np.isfinite(values) & (values > 0.0)).all(axis=0))
     if len(bare):

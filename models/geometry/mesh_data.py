@@ -1,4 +1,4 @@
-"""A beam model as lines with groups and data, as mesh files hold them, and back.
+"""Conversion between beam models and lines with groups and data, the content of mesh files.
 
 Lines are beams, with the data ``width``, ``thickness``, ``young_modulus`` and ``density`` at their
 middle and, where sections change along lines, ``width_change`` and so on from the first node of a
@@ -30,7 +30,7 @@ GROUNDED = tuple(name.replace("spring", "ground") for name in SPRING)
 
 
 def grouped_lines(model: BeamModel) -> GroupedLines:
-    """A beam model as a mesh file holds it, its sets as groups, everything else as data."""
+    """Convert a beam model to the content of a mesh file: sets as groups, the rest as data."""
     mesh, springs, links = model.mesh, model.springs, model.links
     acts = springs.stiffness.any(axis=1)
     between, grounded = acts & (springs.other != GROUND), acts & (springs.other == GROUND)
@@ -41,9 +41,9 @@ def grouped_lines(model: BeamModel) -> GroupedLines:
     for name in CHANGES:
         if getattr(model.properties, name).any():
             data[name] = (beams, getattr(model.properties, name))
-    own = len(beams) + np.arange(len(joints))
+    joint_lines = len(beams) + np.arange(len(joints))
     for name, stiffness in zip(SPRING, springs.stiffness[between].T, strict=True):
-        data[name] = (own, stiffness)
+        data[name] = (joint_lines, stiffness)
     data[RIGID] = (len(beams) + len(joints) + np.arange(len(rigid)), np.ones(len(rigid)))
     count = len(beams) + len(joints) + len(rigid)
     on_nodes = {
@@ -101,7 +101,7 @@ def rigid_links(mesh: GroupedLines) -> RigidLinks:
 
 
 def _summed(size: int, places: IntArray, values: FloatArray) -> FloatArray:
-    """One number each, those of one place added up; not a number where there is none."""
+    """Return one number per node, summed over coincident ones; NaN where there is none."""
     data = np.full(size, np.nan)
     data[places] = 0.0
     np.add.at(data, places, values)
@@ -111,11 +111,11 @@ def _summed(size: int, places: IntArray, values: FloatArray) -> FloatArray:
 def _table(
     data: Mapping[str, FloatArray], names: Sequence[str], size: int
 ) -> tuple[IntArray, FloatArray]:
-    """Places at which some of the data are not zero, and all of them there, (names, found)."""
+    """Return the positions with non-zero data and all data there, (names, positions)."""
     rows = [np.nan_to_num(data.get(name, np.zeros(size))) for name in names]
     table = np.stack(rows)
     if table.size and table.min() < 0.0:
         name = names[int(np.unravel_index(table.argmin(), table.shape)[0])]
         raise ValueError(f"{name} of zero or more, not {table.min():g}")
-    found = np.flatnonzero(table.any(axis=0))
-    return found, table[:, found]
+    nonzero = np.flatnonzero(table.any(axis=0))
+    return nonzero, table[:, nonzero]

@@ -66,19 +66,19 @@ class Sketch:
 
     @property
     def table(self) -> SketchTable:
-        """The sketch as a case holds it.
+        """The sketch in the form that a case contains.
 
         Raises:
             CaseError: parts that do not fit together, each named.
         """
         try:
-            parts = {name: tuple(found) for name, found in self._parts.items()}
+            parts = {name: tuple(items) for name, items in self._parts.items()}
             return SketchTable(**self._head, **parts)
         except ValidationError as error:
             raise _case_error("sketch", error) from None
 
     def case(self, **tables: Any) -> Case:
-        """A case with this bladed disk: what everything else of the package works on.
+        """Return a case with this bladed disk, the input of the rest of the package.
 
         Args:
             tables: the other tables of a case, ``march={"speed": 1.2, "duration": "0.5 s"}``, and

@@ -1,4 +1,4 @@
-"""From a sketch to a beam model: sectors repeated, members cut into elements, parts checked."""
+"""Beam model of a sketch: sectors repeated, members divided into elements, parts checked."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from bladewhirl.models.sections.rectangular import (
 )
 
 Key = tuple[str, int]
-"""Node of a sketch: its name, or that of a member with the place along it; see `_Numbering`."""
+"""Node of a sketch: its name, or that of a member with the position along it; see `_Numbering`."""
 
 CENTRE = "centre"
 
@@ -62,7 +62,7 @@ def build_sketch(sketch: SketchTable) -> BeamModel:
 
 
 class _Drawing:
-    """Numbers the nodes of all sectors and says where they are."""
+    """Node numbering over all sectors, with positions."""
 
     def __init__(self, sketch: SketchTable) -> None:
         self._sketch = sketch
@@ -88,37 +88,41 @@ class _Drawing:
                 self._lay(member, sector)
 
     def mesh(self) -> LineMesh:
-        """All nodes and lines, with their sets and, where all are alike, sectors."""
+        """Return all nodes and lines with their sets and, if all sectors are equal, sectors."""
         lines, count = [], 0
         line_sets: dict[str, list[int]] = {}
         for member in self._sketch.members:
-            found = self._lines.get(member.name, [])
-            lines += found
-            line_sets.setdefault(member.line_set, []).extend(range(count, count + len(found)))
-            count += len(found)
+            member_lines = self._lines.get(member.name, [])
+            lines += member_lines
+            line_sets.setdefault(member.line_set, []).extend(
+                range(count, count + len(member_lines))
+            )
+            count += len(member_lines)
         return LineMesh(
             points=np.array(self._point).reshape(-1, 2),
             lines=np.array(lines, dtype=np.int64).reshape(-1, 2),
             node_axes=np.array(self._axis),
             node_sets={name: np.array(self._set(name)) for name in self._sets},
-            line_sets={name: np.array(found) for name, found in line_sets.items()},
+            line_sets={name: np.array(member_lines) for name, member_lines in line_sets.items()},
             sectors=self._alike(),
         )
 
     def properties(self) -> LineProperties:
         """Sections of all lines."""
-        found = [s for member in self._sketch.members for s in self._sections.get(member.name, [])]
+        sections = [
+            s for member in self._sketch.members for s in self._sections.get(member.name, [])
+        ]
         names = (*QUANTITIES, *CHANGES)
-        return LineProperties(**dict(zip(names, np.hstack(found), strict=True)))
+        return LineProperties(**dict(zip(names, np.hstack(sections), strict=True)))
 
     def masses(self) -> PointMasses:
         """Point masses of all sectors."""
-        found = [
+        masses = [
             (self._at_node(mass.node, sector), mass.mass, mass.inertia)
             for mass in self._sketch.masses
             for sector in self._sectors_of(mass)
         ]
-        node, mass, inertia = np.array(found).reshape(-1, 3).T
+        node, mass, inertia = np.array(masses).reshape(-1, 3).T
         return PointMasses(node=node.astype(np.int64), mass=mass, inertia=inertia)
 
     def springs(self) -> NodeSprings:
@@ -134,12 +138,12 @@ class _Drawing:
 
     def links(self) -> RigidLinks:
         """Rigid links of all sectors."""
-        found = [
+        links = [
             (self._at_node(link.led, sector), self._at_node(link.leader, sector))
             for link in self._sketch.links
             for sector in self._sectors_of(link)
         ]
-        led, leader = np.array(found, dtype=np.int64).reshape(-1, 2).T
+        led, leader = np.array(links, dtype=np.int64).reshape(-1, 2).T
         return RigidLinks(led=led, leader=leader)
 
     def _number_sector(self, sector: int) -> None:
@@ -148,12 +152,12 @@ class _Drawing:
             if sector not in self._sectors_of(member):
                 continue
             points = self._line_of(member, sector)
-            own = not self._sketch.is_shared(*member.references)
+            repeated = not self._sketch.is_shared(*member.references)
             ends = (self._place(member.first, sector), self._place(member.second, sector))
             self._meet(ends[0], sector)
             for i, point in enumerate(points[1:-1]):
                 key = (member.name, i + 1)
-                if own:
+                if repeated:
                     self._own[sector].append(key)
                 self._put((sector, key), point)
             self._meet(ends[1], sector)
@@ -225,12 +229,12 @@ class _Drawing:
         return range(self._sketch.sectors) if part.sectors is None else part.sectors
 
     def _set(self, name: str) -> list[int]:
-        found = [
+        nodes = [
             self._at_node(reference, sector)
             for sector in range(self._sketch.sectors)
             for reference in self._sets[name]
         ]
-        return list(dict.fromkeys(found))
+        return list(dict.fromkeys(nodes))
 
     def _alike(self) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]] | None:
         """Nodes of each sector in one order; None where sectors have different nodes."""
@@ -239,7 +243,7 @@ class _Drawing:
         only_centre = shared == [*self._sets[CENTRE]]
         if len(self._own) < 3 or not only_centre or not order:
             return None
-        if any(set(own) != set(order) for own in self._own[1:]):
+        if any(set(numbers) != set(order) for numbers in self._own[1:]):
             return None
         return np.array(
             [[self._number[sector, key] for key in order] for sector in range(len(self._own))]

@@ -18,10 +18,10 @@ FINE = 400
 """Points along a curved centre line between which its angle is interpolated."""
 
 FINE_STATIONS = 32
-"""Stations for each element of a piece of a tapered blade, whose own need not be among them."""
+"""Stations per element of a part of a tapered blade, in addition to those of the taper."""
 
 BETWEEN = np.arange(1, 8) / 8.0
-"""Shares of a curved piece, or of an arc, at which its path is given."""
+"""Shares of a curved part, or of an arc, at which its path is sampled."""
 
 MakeSection = Callable[[BeamSection], Section]
 
@@ -106,16 +106,16 @@ class _Blade:
 
     def node_at(self, radius: float) -> str:
         """Name of the node at a radius of the case."""
-        return next(name for name, own in self._radius.items() if own == radius)
+        return next(name for name, node_radius in self._radius.items() if node_radius == radius)
 
     def polar(self, radius: float, stretch: float = 1.0) -> tuple[float, float]:
         """Radius and angle of the point at a radius, on a blade of another length."""
         return radius, self._angle(min(max((radius - self._root) / (stretch * self._span), 0), 1))
 
     def point(self, radius: float, stretch: float = 1.0) -> tuple[float, float]:
-        """The same as x and y [m]."""
-        own, angle = self.polar(radius, stretch)
-        return own * float(np.cos(angle)), own * float(np.sin(angle))
+        """Return the centre line in Cartesian coordinates x and y [m]."""
+        r, angle = self.polar(radius, stretch)
+        return r * float(np.cos(angle)), r * float(np.sin(angle))
 
     def path(self, ends: tuple[float, float], stretch: float = 1.0) -> list[tuple[float, float]]:
         """Points of a curved piece between two radii; none of a straight one."""
@@ -137,7 +137,7 @@ class _Blade:
         return [(a, b, int(n)) for (a, b), n in zip(pairwise(names), counts, strict=True)]
 
     def radius(self, name: str, stretch: float = 1.0) -> float:
-        """Radius of a node on a blade of another length: its tip alone is elsewhere."""
+        """Return the radius of a node on a blade of different length, which moves the tip only."""
         return self.tip_radius(stretch) if name == "tip" else self._radius[name]
 
     def share(self, name: str) -> float:
@@ -146,7 +146,7 @@ class _Blade:
 
 
 def _draw_blades(sketch: Sketch, given: BladedDisk, blade: _Blade, section: MakeSection) -> None:
-    own = section(given.blade)
+    blade_section = section(given.blade)
     taper = [
         section(given.blade.model_copy(update=row.model_dump(exclude_none=True)))
         for row in given.taper
@@ -159,7 +159,7 @@ def _draw_blades(sketch: Sketch, given: BladedDisk, blade: _Blade, section: Make
             name,
             first,
             second,
-            _piece_of(taper, blade.share(first), blade.share(second), elements) or own,
+            _piece_of(taper, blade.share(first), blade.share(second), elements) or blade_section,
             elements=elements,
             path=blade.path(ends),
             part="blades",
@@ -183,7 +183,8 @@ def _draw_blades(sketch: Sketch, given: BladedDisk, blade: _Blade, section: Make
 
 
 def _piece_of(taper: list[Section], start: float, end: float, elements: int) -> list[Section]:
-    """Stations of a piece: those of the whole blade, or so many that none of them is missed."""
+    """Return the stations of a part of a blade: those of the whole blade, or enough to include
+    each."""
     if not taper or (start, end) == (0.0, 1.0):
         return taper
     shares = np.linspace(start, end, FINE_STATIONS * elements + 1)
@@ -197,7 +198,7 @@ def _draw_disk(sketch: Sketch, given: BladedDisk, blade: _Blade, section: MakeSe
     if given.disk_kind == "rigid":
         sketch.link("centre", "root")
         return
-    own = section(given.disk)
+    disk_section = section(given.disk)
     if given.disk_kind == "rim":
         sketch.spring("root", "centre", radial=given.web_radial, tangential=given.web_tangential)
     else:
@@ -208,11 +209,13 @@ def _draw_disk(sketch: Sketch, given: BladedDisk, blade: _Blade, section: MakeSe
             [at] = _on_circle(ring.radius, np.array([angle]))
             sketch.node(name, *at)
         for i, (first, second) in enumerate(pairwise(chain)):
-            sketch.member(f"spokes {i}" if i else "spokes", first, second, own, part="spokes")
+            sketch.member(
+                f"spokes {i}" if i else "spokes", first, second, disk_section, part="spokes"
+            )
         for name, ring in zip(chain[1:], rings, strict=False):
             sketch.member(f"{name} itself", name, f"{name}+1", section(ring), part="rings")
     if given.disk_kind != "spokes":
-        sketch.member("rim", "root", "root+1", own)
+        sketch.member("rim", "root", "root+1", disk_section)
 
 
 def _on_circle(radius: float, angles: FloatArray) -> list[tuple[float, float]]:

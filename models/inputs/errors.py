@@ -17,22 +17,22 @@ class UserError(Exception):
     """A request that cannot be met; the command line prints `lines`, no traceback."""
 
     def __str__(self) -> str:
-        """One line a fault."""
+        """Return one line per fault."""
         return "\n".join(self.lines)
 
     @property
     def lines(self) -> list[str]:
-        """One line for each argument, a fault each."""
+        """One line per argument, each a fault."""
         return [" ".join(str(fault).split()) for fault in self.args]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fault:
-    """One thing wrong with a case."""
+    """One fault of a case."""
 
     file: str = ""  #: the case file, or "--set"; empty for a case made in Python
     key: str = ""  #: dotted as in the file; empty for the file as a whole
-    value: object = None  #: as in the file; None where there is none
+    value: object = None  #: as in the file; None if there is none
     expected: str  #: completes "expected ..."
 
     def __str__(self) -> str:
@@ -43,7 +43,7 @@ class Fault:
 
 
 class CaseError(UserError):
-    """A case with faults, all that were found."""
+    """A case with one or more faults."""
 
     def __init__(self, faults: Iterable[Fault]) -> None:
         self.faults = tuple(faults)
@@ -51,7 +51,7 @@ class CaseError(UserError):
 
     @property
     def lines(self) -> list[str]:
-        """One line a fault."""
+        """One line per fault."""
         return [str(fault) for fault in self.faults]
 
 

@@ -23,7 +23,7 @@ from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.inputs.units import LARGEST, TURN_PER_S, Speed, finite, rotation, to_si
 
 EXPECTED = "expected"
-"""Type of the errors raised here; their context holds the phrase under the same name."""
+"""Type of the errors raised here; their context contains the phrase under the same name."""
 
 SMALLEST = 1.0 / LARGEST
 """Smallest quantity above zero: squares and ratios of smaller ones leave double precision."""
@@ -61,7 +61,7 @@ _EXAMPLES = {
 
 
 def expectation(phrase: str, reason: object = "") -> PydanticCustomError:
-    """The error that says what was expected, and in brackets why the value was not that."""
+    """Return the error that states the expected value and, in brackets, the reason."""
     phrase = f"{phrase} ({reason})" if reason else phrase
     return PydanticCustomError(EXPECTED, "expected {expected}", {"expected": phrase})
 

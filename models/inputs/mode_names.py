@@ -1,4 +1,4 @@
-"""Modes by name in a case: "all", the paper's "six", or a list such as "1F:1,suspension,casing:1".
+"""Mode names of a case: "all", the paper's "six", or a list such as "1F:1,suspension,casing:1".
 
 A word is FAMILY or FAMILY:k on the bladed disk, casing:FAMILY or casing:FAMILY:k on the casing,
 without k in all nodal diameters; * stands for every family. "casing:k" is the lowest radial mode
@@ -41,7 +41,7 @@ class ModeName:
     nodal_diameter: int | None
 
     def __str__(self) -> str:
-        """As in a case."""
+        """Return the name as written in a case."""
         parts = [CASING if self.on_casing else None, self.family, self.nodal_diameter]
         return ":".join(str(part) for part in parts if part is not None)
 
@@ -54,8 +54,8 @@ class NamedModes:
     nodal_diameter: IntArray  #: (modes,)
 
     def numbers(self, name: ModeName) -> IntArray:
-        """Numbers of the modes that a name means, ascending."""
-        here = np.array([name.family in (EVERY, own) for own in self.family], dtype=np.bool_)
+        """Return the numbers of the modes with a name, ascending."""
+        here = np.array([name.family in (EVERY, family) for family in self.family], dtype=np.bool_)
         if name.nodal_diameter is not None:
             here &= self.nodal_diameter == name.nodal_diameter
         return np.flatnonzero(here)
@@ -86,7 +86,7 @@ def mode_choice(value: Any) -> str:
 def chosen_modes(
     choice: str, rotor: NamedModes, casing: NamedModes, radial: dict[int, IntArray]
 ) -> tuple[IntArray, IntArray]:
-    """Numbers of the modes of bladed disk and casing that a choice means, ascending.
+    """Return the numbers of the selected modes of bladed disk and casing, ascending.
 
     Args:
         choice: as in a case.
@@ -102,12 +102,12 @@ def chosen_modes(
     disk, wall = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
     for name in parse_mode_names(SIX_MODES if choice == SIX else choice):
         if name.family is None:
-            found = _radial(name, radial)
+            numbers = _radial(name, radial)
         else:
-            found = (casing if name.on_casing else rotor).numbers(name)
-        if not found.size:
+            numbers = (casing if name.on_casing else rotor).numbers(name)
+        if not numbers.size:
             raise ValueError(_instead(name, casing if name.on_casing else rotor, radial))
-        (wall if name.on_casing else disk).append(found)
+        (wall if name.on_casing else disk).append(numbers)
     return np.unique(np.concatenate(disk)), np.unique(np.concatenate(wall))
 
 
@@ -134,7 +134,7 @@ def _number(text: str | None) -> int | None:
 
 
 def _instead(name: ModeName, modes: NamedModes, radial: dict[int, IntArray]) -> str:
-    """A message that offers names of modes there are."""
+    """Return a message that lists the available names."""
     families = list(dict.fromkeys(modes.family))
     body = "casing" if name.on_casing else "bladed disk"
     if name.family is None:
@@ -146,8 +146,10 @@ def _instead(name: ModeName, modes: NamedModes, radial: dict[int, IntArray]) -> 
         near = get_close_matches(name.family, families, n=1)
         hint = f", did you mean {near[0]}?" if near else ""
         return f"{name}: families of the {body} are {', '.join(families)}{hint}"
-    own = modes.nodal_diameter[[name.family in (EVERY, family) for family in modes.family]]
-    return f"{name}: {name.family} of the {body} has nodal diameters {_listed(np.unique(own))}"
+    diameters = modes.nodal_diameter[[name.family in (EVERY, family) for family in modes.family]]
+    return (
+        f"{name}: {name.family} of the {body} has nodal diameters {_listed(np.unique(diameters))}"
+    )
 
 
 def _listed(numbers: Sequence[int] | IntArray) -> str:

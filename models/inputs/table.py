@@ -14,7 +14,7 @@ INCONSISTENT = "inconsistent"
 
 
 class Inconsistency(NamedTuple):
-    """Values that are valid one by one but contradict each other; keys are relative to the table."""
+    """Contradiction between values that are valid one by one; keys are relative to the table."""
 
     key: str  #: the key to report
     expected: str  #: completes "expected ..."

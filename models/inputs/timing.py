@@ -1,4 +1,4 @@
-"""When a march steps and when it records."""
+"""Time steps, records and duration of a march."""
 
 from __future__ import annotations
 

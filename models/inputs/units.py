@@ -25,7 +25,7 @@ _LONGEST = 80
 
 _PREFIXED = ("m", "s", "N", "Pa", "N/m")
 _PREFIXES = {"": 0, "u": -6, "µ": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}
-"""Powers of ten of what most cases hold, so that they are read without loading pint."""
+"""Powers of ten of common prefixes, converted without loading pint."""
 
 RAD_PER_S: Final = "rad/s"
 TURN_PER_S: Final = "turn/s"
@@ -141,7 +141,7 @@ class Speed:
 
 
 LARGEST = 1e30
-"""Numbers of a case are smaller: no quantity in SI units comes near, and products stay floats."""
+"""Upper bound of all numbers: SI quantities are far smaller, and products stay finite."""
 
 
 def finite(number: SupportsFloat) -> float:

@@ -1,4 +1,4 @@
-"""From finite element bodies and their modes to the arrays that describe a stage in a result.
+"""Arrays that describe a stage in a result, from the finite element models and their modes.
 
 Apart from `stage_arrays`, which solvers import too: they see no finite elements.
 """

@@ -1,4 +1,4 @@
-"""Lowest frequencies of a finite element structure, and what a reduction makes of them."""
+"""Lowest frequencies of a finite element structure, and their error after reduction."""
 
 from __future__ import annotations
 
@@ -18,12 +18,11 @@ from bladewhirl.models.modal.modes import (
 )
 
 Frequencies = Mapping[int, FloatArray]
-"""Ascending frequencies [rad/s] by nodal diameter, a pair given once; all under -1 without
-symmetry."""
+"""Ascending frequencies [rad/s] by nodal diameter, pairs once; all under -1 without symmetry."""
 
 
 def lowest_frequencies(structure: Structure, count: int) -> Frequencies:
-    """Lowest frequencies of a structure that stands on springs or supports.
+    """Return the lowest frequencies of a supported structure.
 
     Args:
         structure: in full, without constraint fields; sector by sector where it is cyclic.
@@ -50,7 +49,7 @@ def lowest_frequencies(structure: Structure, count: int) -> Frequencies:
 
 
 def family_errors(modes: Modes, family: list[str], full: Frequencies) -> dict[str, float]:
-    """Largest relative error of the frequencies of each family, as far as ``full`` reaches.
+    """Return the largest relative frequency error of each family within the range of ``full``.
 
     Args:
         modes: of a reduced model.

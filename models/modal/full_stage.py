@@ -1,4 +1,4 @@
-"""The full finite element models of a case and their modes: what modal analysis looks at."""
+"""Full finite element models of a case and their modes, for modal analysis."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from bladewhirl.models.rotation.at_speed import TurningDisk, turning_disk
 from bladewhirl.models.rotation.whirl_modes import DENSE_SIZE, WhirlModes, whirl_modes
 
 WHIRL_FAMILIES = 6
-"""Families of whirling modes that are found of a large bladed disk without symmetry."""
+"""Families of whirling modes computed for a large bladed disk without symmetry."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,7 +43,7 @@ class Whirl:
 
     @property
     def nodal_diameter(self) -> IntArray:
-        """That holds most of each, (modes,)."""
+        """Dominant nodal diameter of each mode, (modes,)."""
         return self.modes.nodal_diameter
 
     def find(self, family: str, nodal_diameter: int) -> IntArray:
@@ -70,7 +70,7 @@ class Whirl:
 
 @dataclass(frozen=True, kw_only=True)
 class ModalStage:
-    """Bladed disk, with a free and with a clamped centre, and casing; nothing is reduced.
+    """Bladed disk, with free and with clamped centre, and casing, without reduction.
 
     Where rotation effects are centrifugal, the modes are those at the case's speed; where they are
     full, they are those at rest, beside the whirling modes at that speed.
@@ -99,16 +99,16 @@ class ModalStage:
 
     @cached_property
     def clamped_whirl(self) -> Whirl | None:
-        """The same with a clamped centre."""
+        """Modes of the bladed disk with clamped centre."""
         return self._whirl(1)
 
     @property
     def disk_whirl(self) -> Whirl | None:
-        """The same of the bladed disk as the case has it."""
+        """Modes of the bladed disk with the centre as in the case."""
         return self.clamped_whirl if self.case.shaft.clamped else self.free_whirl
 
     def _whirl(self, centre: int) -> Whirl | None:
-        """Whirling modes, all of them where sectors are alike, else of the lowest families."""
+        """Whirling modes: all of them for equal sectors, otherwise those of the lowest families."""
         if self.at_speed is None or self.case.rotation.effects != "full":
             return None
         structure = self.at_speed[centre].disk.structure
@@ -197,7 +197,7 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
         both: tuple[TurningDisk, TurningDisk] | None = None
         if case.rotation.effects != "none":
             lowest = lowest_frequencies(free.structure, 1)
-            reference = lowest_frequency(free, (found[0] for found in lowest.values()))
+            reference = lowest_frequency(free, (frequencies[0] for frequencies in lowest.values()))
             both = _at_speed(case, free, reference), _at_speed(case, clamped, reference)
             if case.rotation.effects == "centrifugal":
                 free, clamped = both[0].disk, both[1].disk

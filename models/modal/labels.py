@@ -38,7 +38,8 @@ class LabelledModes(ModeTable):
 
     family: tuple[str, ...]  #: "1F", "2F", ..., "suspension", "rigid", (modes,)
     amplitudes: tuple[ComplexArray | FloatArray, ...]
-    """Of each mode [kg^-1/2], in one sector (see `cyclic`); the field where column is -1."""
+    """Radial amplitude of each mode [kg^-1/2], in one sector (see `cyclic`); the field if column is
+    -1."""
     layout: SectorLayout | None  #: sectors of the structure
     size: int  #: number of its free degrees of freedom
 
@@ -99,8 +100,8 @@ def labelled_modes(
         count: how many of the lowest, exactly; all when None.
     """
     if structure.is_cyclic:
-        found = _tuned(structure, reference, body)
-        return found if count is None else found.take(slice(count))
+        labels = _tuned(structure, reference, body)
+        return labels if count is None else labels.take(slice(count))
     modes = structure_modes(structure, reference, count)
     family = mode_families(structure, modes, reference, body)
     return LabelledModes(
@@ -115,7 +116,8 @@ def labelled_modes(
 def mode_families(
     structure: Structure, modes: Modes, reference: tuple[int, int], body: Body
 ) -> tuple[str, ...]:
-    """Family of each mode: by rank where sectors are alike or there are none, else of the twin.
+    """Return the family of each mode: its rank for equal sectors or none, otherwise that of the
+    twin.
 
     Args:
         structure: that they belong to; they may be those of a reduced model.
@@ -129,7 +131,7 @@ def mode_families(
 
 
 def _names(structure: Structure, modes: Modes, reference: tuple[int, int], body: Body) -> list[str]:
-    """Families of modes of alike sectors, or of none.
+    """Return the families of modes for equal sectors, or without sectors.
 
     Those of a structure that turns keep their names at rest, by rank: over the speed, modes of one
     nodal diameter do not cross.
@@ -153,20 +155,20 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
     squares, shares, columns, diameters, amplitudes = [], [], [], [], []
     matrices = (structure.mass, structure.stiffness, structure.springs, structure.elastic)
     for k, (mass, stiffness, springs, elastic) in layout.blocks(*matrices):
-        held = layout.basis(k).conj().T @ structure.held
-        square, vectors = constrained_eigh(stiffness, mass, held)
+        constraints = layout.basis(k).conj().T @ structure.constraints
+        square, vectors = constrained_eigh(stiffness, mass, constraints)
         pair = is_pair(k, layout.sectors)
         vectors = align_phase(vectors, reference, pair=pair)
         strain = square
         if structure.at_rest is not None:
             strain = np.einsum("im,im->m", vectors.conj(), elastic @ vectors).real
         share = _in_springs(springs, vectors) / np.maximum(np.abs(strain), np.finfo(float).tiny)
-        own = [2 * k - 1, 2 * k] if pair else [0 if k == 0 else layout.sectors - 1]
-        squares.append(np.repeat(square, len(own)))
-        shares.append(np.repeat(share, len(own)))
-        columns.append(np.tile(own, len(square)))
-        diameters.append(np.full(len(square) * len(own), k))
-        amplitudes += [vector for vector in vectors.T for _ in own]
+        block_columns = [2 * k - 1, 2 * k] if pair else [0 if k == 0 else layout.sectors - 1]
+        squares.append(np.repeat(square, len(block_columns)))
+        shares.append(np.repeat(share, len(block_columns)))
+        columns.append(np.tile(block_columns, len(square)))
+        diameters.append(np.full(len(square) * len(block_columns), k))
+        amplitudes += [vector for vector in vectors.T for _ in block_columns]
     order = np.argsort(np.concatenate(squares), kind="stable")
     modes = Modes(
         frequency=natural_frequencies(structure, np.concatenate(squares)[order]),
@@ -189,12 +191,14 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
 def _in_springs(springs: ComplexArray, vectors: ComplexArray) -> FloatArray:
     """Twice the energy of the springs in each vector, (m,); few rows of their matrix are full."""
     rows = np.flatnonzero(springs.any(axis=1))
-    held = vectors[rows]
-    return np.asarray(np.sum(held.conj() * (springs[np.ix_(rows, rows)] @ held), axis=0).real)
+    in_springs = vectors[rows]
+    return np.asarray(
+        np.sum(in_springs.conj() * (springs[np.ix_(rows, rows)] @ in_springs), axis=0).real
+    )
 
 
 def _families_of_twin(structure: Structure, modes: Modes, twin: LabelledModes) -> list[str]:
-    """Family of each mode: that of the twin's modes which hold most of it."""
+    """Return the family of each mode: that of the twin's modes with the largest share."""
     layout = structure.layout
     assert layout is not None  # it has a twin
     names = list(dict.fromkeys(twin.family))

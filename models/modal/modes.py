@@ -15,7 +15,7 @@ from bladewhirl.models.elements.cyclic import NO_COLUMN, is_pair, nodal_diameter
 from bladewhirl.models.elements.structure import Structure
 
 DENSE_LIMIT = 3000
-"""Largest structure whose modes are found by a dense solver."""
+"""Largest structure whose modes are computed by a dense solver."""
 
 RIGID_SHARE = 0.99
 """A casing mode is rigid when its support holds at least this share of its strain energy, ..."""
@@ -30,9 +30,9 @@ class ModeTable:
 
     frequency: FloatArray  #: [rad/s], (modes,)
     column: IntArray  #: column of the real DFT over sectors, (modes,); -1 without symmetry
-    nodal_diameter: IntArray  #: that holds most of the mode, (modes,); -1 without sectors
+    nodal_diameter: IntArray  #: dominant nodal diameter of the mode, (modes,); -1 without sectors
     purity: FloatArray  #: its share in the mode, mass-weighted, (modes,)
-    spring_share: FloatArray  #: share of the strain energy held by the springs, (modes,)
+    spring_share: FloatArray  #: share of the strain energy in the springs, (modes,)
 
     @property
     def count(self) -> int:
@@ -57,7 +57,7 @@ class Modes(ModeTable):
 
     @property
     def is_cyclic(self) -> bool:
-        """Whether the modes were found sector by sector."""
+        """Whether the modes were computed sector by sector."""
         return bool(np.all(self.column != NO_COLUMN))
 
     def take(self, chosen: IntArray | slice) -> Modes:
@@ -87,8 +87,8 @@ def _cyclic_modes(structure: Structure, reference: tuple[int, int], count: int |
     assert layout is not None  # is_cyclic
     squares, shapes, columns = [], [], []
     for k, (mass, stiffness) in layout.blocks(structure.mass, structure.stiffness):
-        held = layout.basis(k).conj().T @ structure.held
-        square, vectors = constrained_eigh(stiffness, mass, held, count)
+        constraints = layout.basis(k).conj().T @ structure.constraints
+        square, vectors = constrained_eigh(stiffness, mass, constraints, count)
         vectors = align_phase(vectors, reference, pair=is_pair(k, layout.sectors))
         shape, column = layout.real_shapes(k, vectors)
         squares.append(np.repeat(square, 2 if is_pair(k, layout.sectors) else 1))
@@ -104,14 +104,14 @@ def _cyclic_modes(structure: Structure, reference: tuple[int, int], count: int |
 
 
 def _plain_modes(structure: Structure, count: int | None) -> Modes:
-    if structure.size > DENSE_LIMIT and count is not None and not structure.held.size:
+    if structure.size > DENSE_LIMIT and count is not None and not structure.constraints.size:
         shift = -1e-6 * abs(structure.stiffness).max() / abs(structure.mass).max()
         square, shapes = spla.eigsh(
             structure.stiffness.tocsc(), k=count, M=structure.mass.tocsc(), sigma=shift
         )
     else:
         square, vectors = constrained_eigh(
-            structure.stiffness.toarray(), structure.mass.toarray(), structure.held, count
+            structure.stiffness.toarray(), structure.mass.toarray(), structure.constraints, count
         )
         shapes = vectors.real
     return collect_modes(structure, square, shapes, np.full(len(square), NO_COLUMN), count)
@@ -124,7 +124,7 @@ def collect_modes(
     column: IntArray,
     count: int | None = None,
 ) -> Modes:
-    """Sort modes by frequency, keep the lowest (never cutting a pair) and measure them.
+    """Sort modes by frequency, select the lowest without splitting a pair, and measure them.
 
     Args:
         structure: that they belong to.
@@ -143,9 +143,9 @@ def collect_modes(
     strain = square
     if structure.at_rest is not None:
         strain = np.einsum("im,im->m", shapes, structure.elastic @ shapes)
-    held = np.unique(structure.springs.indices)  # few, on which springs act
+    sprung = np.unique(structure.springs.indices)  # few, on which springs act
     in_springs = np.einsum(
-        "im,im->m", shapes[held], structure.springs[held][:, held] @ shapes[held]
+        "im,im->m", shapes[sprung], structure.springs[sprung][:, sprung] @ shapes[sprung]
     )
     floor = np.finfo(float).tiny
     if structure.layout is None:
@@ -168,7 +168,7 @@ def collect_modes(
 
 
 def natural_frequencies(structure: Structure, squares: FloatArray) -> FloatArray:
-    """Frequencies of given squares [rad/s]; those of a structure that turns keep their sign.
+    """Return the frequencies of squares [rad/s]; with rotation effects they keep the sign.
 
     Squares below zero are rounding at rest. Past a critical speed they belong to modes that
     Coriolis forces alone hold.
@@ -179,7 +179,7 @@ def natural_frequencies(structure: Structure, squares: FloatArray) -> FloatArray
 
 
 def is_first_of_pair(columns: IntArray, position: int) -> bool:
-    """Whether the mode at a position, in sorted order, is a cosine whose sine comes next."""
+    """Return whether the mode at a position in sorted order is a cosine followed by its sine."""
     following = columns[position + 1 : position + 2]
     cosine = columns[position] > 0 and columns[position] % 2 == 1
     return bool(cosine and following.size and following[0] == columns[position] + 1)
@@ -188,23 +188,24 @@ def is_first_of_pair(columns: IntArray, position: int) -> bool:
 def constrained_eigh(
     stiffness: NDArray[np.inexact],
     mass: NDArray[np.inexact],
-    held: NDArray[np.inexact],
+    constraints: NDArray[np.inexact],
     count: int | None = None,
 ) -> tuple[FloatArray, ComplexArray]:
-    """Generalised Hermitian eigenproblem on the fields x with v^H M x = 0 for each held v.
+    """Solve a generalised Hermitian eigenproblem on fields x with v^H M x = 0 for each constraint
+    v.
 
     Args:
         stiffness: (n, n).
         mass: (n, n).
-        held: (n, constraints), columns of order one; those that vanish constrain nothing.
+        constraints: (n, constraints), columns of order one; those that vanish constrain nothing.
         count: how many of the lowest; all when None.
 
     Returns:
         eigenvalues ascending (m,), mass-normalised vectors (n, m).
     """
-    held = held[:, np.linalg.norm(held, axis=0) > 1e-9]
-    if held.size:
-        allowed = la.null_space((mass @ held).conj().T)
+    constraints = constraints[:, np.linalg.norm(constraints, axis=0) > 1e-9]
+    if constraints.size:
+        allowed = la.null_space((mass @ constraints).conj().T)
         square, vectors = constrained_eigh(
             allowed.conj().T @ stiffness @ allowed,
             allowed.conj().T @ mass @ allowed,

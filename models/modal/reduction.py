@@ -30,7 +30,7 @@ DEGENERATE = 1e-6
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedModes:
-    """A reduced structure, given by its modes expanded to the full field.
+    """Reduced structure in terms of its modes, expanded to the full field.
 
     The expansion is exact: x = modes.shapes q, with q the mass-normalised modal coordinates of
     the Craig-Bampton model, so a full field is recovered without a further step.
@@ -38,7 +38,7 @@ class ReducedModes:
 
     modes: Modes  #: of the reduced model, expanded to the full structure
     boundary: IntArray  #: DoF kept as such, (boundary,)
-    kept: int  #: fixed-interface modes kept, at least as many as asked for
+    kept: int  #: fixed-interface modes kept, at least the requested number
 
 
 def craig_bampton(
@@ -49,7 +49,7 @@ def craig_bampton(
     Args:
         structure: to reduce; it must stand on springs or supports.
         boundary: DoF to keep.
-        fixed_interface_modes: number of modes with the boundary held; rounded up to whole pairs.
+        fixed_interface_modes: number of modes with a fixed boundary; rounded up to whole pairs.
         reference: see `structure_modes`.
 
     Raises:
@@ -70,7 +70,7 @@ def craig_bampton(
 
 @dataclass(frozen=True, kw_only=True)
 class _Block:
-    """One block split into boundary and inside, with its fixed-interface modes."""
+    """Block divided into boundary and interior, with its fixed-interface modes."""
 
     mass: ComplexArray
     stiffness: ComplexArray
@@ -80,7 +80,7 @@ class _Block:
     vectors: ComplexArray
 
     def basis(self, kept: int) -> ComplexArray:
-        """Craig-Bampton basis with the lowest ``kept`` fixed-interface modes."""
+        """Return the Craig-Bampton basis with the lowest ``kept`` fixed-interface modes."""
         edge, inside = self.edge, self.inside
         basis = np.zeros((len(self.mass), len(edge) + kept), dtype=self.vectors.dtype)
         basis[edge, np.arange(len(edge))] = 1.0
@@ -95,7 +95,7 @@ class _Block:
 
 
 def craig_bampton_basis(structure: Structure, boundary: IntArray, kept: int) -> FloatArray:
-    """Real shapes that span a reduced structure, (size, boundary + kept).
+    """Return real shapes that span a reduced structure, (size, boundary + kept).
 
     First the static shapes that each boundary DoF gives by one, then the mass-normalised
     fixed-interface modes, lowest first.
@@ -153,7 +153,7 @@ def _cyclic(
 def _cyclic_blocks(
     structure: Structure, boundary: IntArray, count: int
 ) -> tuple[SectorLayout, dict[int, _Block], dict[int, int]]:
-    """Blocks by nodal diameter, and how many fixed-interface modes each of them keeps."""
+    """Return the blocks by nodal diameter and the number of fixed-interface modes of each."""
     layout = structure.layout
     assert layout is not None  # is_cyclic
     blocks = {
@@ -171,13 +171,13 @@ def _edge(layout: SectorLayout, boundary: IntArray, k: int) -> IntArray:
     """Positions in block k of the boundary DoF."""
     members = abs(layout.basis(k)) > 0.0
     kept = np.isin(np.arange(layout.size), boundary).astype(np.int64)
-    found, whole = kept @ members, members.sum(axis=0)
-    if not np.all((found == 0) | (found == whole)):
+    in_edge, whole = kept @ members, members.sum(axis=0)
+    if not np.all((in_edge == 0) | (in_edge == whole)):
         raise ValueError(
             "the boundary DoF of a cyclic structure must be the same in all sectors, and at its "
             "centre both translations or none"
         )
-    return np.flatnonzero(found)
+    return np.flatnonzero(in_edge)
 
 
 def _split(mass: ComplexArray, stiffness: ComplexArray, edge: IntArray, count: int) -> _Block:
@@ -191,7 +191,7 @@ def _split(mass: ComplexArray, stiffness: ComplexArray, edge: IntArray, count: i
 
 
 def _share_out(squares: dict[int, FloatArray], sectors: int, count: int) -> dict[int, int]:
-    """How many of the lowest modes each nodal diameter gets, whole pairs only."""
+    """Return the number of lowest modes in each nodal diameter, in complete pairs."""
     ranked = sorted((square, k) for k, values in squares.items() for square in values)
     kept = dict.fromkeys(squares, 0)
     left = count

@@ -1,4 +1,4 @@
-"""A stage as a result describes it: arrays alone, enough to draw and to measure every motion."""
+"""Arrays of a stage in a result: sufficient to draw and measure every motion."""
 
 from __future__ import annotations
 
@@ -42,8 +42,10 @@ class StageArrays:
     tip_recess: FloatArray  #: radius that the clearance counts from less theirs [m], (blades,)
     tip_growth: FloatArray  #: static, at speed [m], (blades,)
     centre_node: int
-    shaft_frame: str  #: that the shaft's springs stand in, "rotating" or "static"
-    shaft_stiffness: FloatArray  #: of them along its x and y, none at a held centre [N/m], (2,)
+    shaft_frame: str  #: frame of the shaft's springs, "rotating" or "static"
+    shaft_stiffness: (
+        FloatArray  #: their stiffness along its x and y, empty for a clamped centre [N/m], (2,)
+    )
     shaft_damping: FloatArray  #: of dampers along the rotating x and y, likewise [N s/m], (2,)
     casing_angle: FloatArray  #: of each node from +x [rad], (casing nodes,)
     casing_thickness: FloatArray  #: of element i, from node i to the next [m], (casing nodes,)

@@ -1,4 +1,4 @@
-"""Shaft springs sized for a wanted frequency of the suspension pair."""
+"""Shaft springs for a required frequency of the suspension pair."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ KEY = "shaft.suspension_frequency"
 HALVINGS = 12  # of an interval of stiffnesses
 
 AGREE = 0.01
-"""Largest relative difference of the suspension's mean frequency from the one wanted: blades that
-differ split the pair, another family is farther away."""
+"""Largest relative deviation of the suspension's mean frequency from the required one: mistuned
+blades split the pair, another family is farther away."""
 
 
 def with_sized_shaft(case: Case) -> Case:
-    """The case with the shaft.stiffness that `shaft.suspension_frequency` asks for, if it does.
+    """Return the case with the shaft.stiffness for `shaft.suspension_frequency`, if it is set.
 
     Springs k at the centre of a disk that floats, of dynamic stiffness D = K - w^2 M, make w a
     frequency where det(I + k C^T D^-1 C) = 0; C picks the centre's two displacements. Where blades
@@ -36,22 +36,22 @@ def with_sized_shaft(case: Case) -> Case:
         CaseError: no springs do, or the mode that they bring to w belongs to another family; it
             names the nearest frequencies within reach.
     """
-    wanted = case.shaft.suspension_frequency
-    if wanted is None:
+    required = case.shaft.suspension_frequency
+    if required is None:
         return case
     with numbers_within_reach(case):
         structure = (disk := case_bladed_disk(case, clamped=False)).structure
         floating = structure.stiffness - structure.springs
-        dynamic = floating - (2.0 * np.pi * wanted) ** 2 * structure.mass
+        dynamic = floating - (2.0 * np.pi * required) ** 2 * structure.mass
         centre = np.zeros((structure.size, 2))
         centre[disk.centre] = np.eye(2)
         flexibility = centre.T @ spla.splu(sp.csc_array(dynamic)).solve(centre)
         stiffness = -2.0 / float(np.trace(flexibility))
         if np.isfinite(stiffness) and stiffness > 0.0:
             sized = _on_springs(case, stiffness)
-            if abs(_suspension(sized) / wanted - 1.0) <= AGREE:
+            if abs(_suspension(sized) / required - 1.0) <= AGREE:
                 return sized
-        raise CaseError([case_fault(case, KEY, _within_reach(case, wanted, abs(stiffness)))])
+        raise CaseError([case_fault(case, KEY, _within_reach(case, required, abs(stiffness)))])
 
 
 def _on_springs(case: Case, stiffness: float) -> Case:
@@ -61,23 +61,23 @@ def _on_springs(case: Case, stiffness: float) -> Case:
 
 def _suspension(case: Case) -> float:
     """Mean frequency of the suspension pair [Hz], of any stiffness of the springs."""
-    held = case_bladed_disk(case, clamped=False)
-    modes = labelled_modes(held.structure, tip_in_sector(held), "bladed-disk")
+    disk = case_bladed_disk(case, clamped=False)
+    modes = labelled_modes(disk.structure, tip_in_sector(disk), "bladed-disk")
     return float(modes.frequency[modes.find("suspension", 1)].mean() / (2.0 * np.pi))
 
 
-def _within_reach(case: Case, wanted: float, stiffness: float) -> str:
-    """The nearest frequencies that the suspension can have below and above the one wanted."""
+def _within_reach(case: Case, required: float, stiffness: float) -> str:
+    """Return the nearest possible suspension frequencies below and above the required one."""
     springs = stiffness * np.geomspace(1e-4, 1e4, 40)
-    found = np.array([_suspension(_on_springs(case, float(each))) for each in springs])
-    above = int(np.searchsorted(found > wanted, True))
-    if 0 < above < len(found):
+    frequencies = np.array([_suspension(_on_springs(case, float(each))) for each in springs])
+    above = int(np.searchsorted(frequencies > required, True))
+    if 0 < above < len(frequencies):
         soft, stiff = springs[above - 1 : above + 1]
         for _ in range(HALVINGS):
             middle = float(np.sqrt(soft * stiff))
             soft, stiff = (
                 (middle, stiff)
-                if _suspension(_on_springs(case, middle)) < wanted
+                if _suspension(_on_springs(case, middle)) < required
                 else (soft, middle)
             )
         low, high = (_suspension(_on_springs(case, float(each))) for each in (soft, stiff))
@@ -87,6 +87,6 @@ def _within_reach(case: Case, wanted: float, stiffness: float) -> str:
                 " nodal diameter belongs to another family, whatever the springs are; other blades"
                 " or another disk move these limits, and shaft.stiffness takes any springs"
             )
-        return "a frequency that rounding tells from none"
-    nearest = found.min() if above == 0 else found.max()
+        return "a frequency above the rounding error"
+    nearest = frequencies.min() if above == 0 else frequencies.max()
     return f"a frequency that springs can give the suspension, {nearest:.4g} Hz is the nearest"

@@ -1,4 +1,4 @@
-"""Families of whirling modes: those of the branches that they are on at rest."""
+"""Families of whirling modes: those of their branches at rest."""
 
 from __future__ import annotations
 

@@ -110,7 +110,7 @@ def turning_disk(case: Case, at_rest: BladedDiskModel, reference: float) -> Turn
 
 
 def lowest_critical_speed(matrices: RotationMatrices) -> float:
-    """Lowest speed at which K_Omega is singular [rad/s]; inf if there is none."""
+    """Return the lowest speed with singular K_Omega [rad/s]; inf if there is none."""
     pulled = (matrices.mass - matrices.geometric).tocsc()
     (share,) = spla.eigsh(
         pulled,

@@ -40,15 +40,15 @@ def gyroscopic_eigen(
 
 
 def gyroscopic_frequencies(mass: Matrix, stiffness: Matrix, gyroscopic: Matrix) -> ComplexArray:
-    """The w of `gyroscopic_eigen` alone, (2 n,)."""
+    """Return only the eigenvalues w of `gyroscopic_eigen`, (2 n,)."""
     matrix, _, hermitian = _linearised(mass, stiffness, gyroscopic)
     w = la.eigvalsh(matrix) if hermitian else la.eigvals(matrix)
     return np.asarray(w[_descending(w)].astype(np.complex128))
 
 
 def _linearised(mass: Matrix, stiffness: Matrix, gyroscopic: Matrix) -> tuple[Matrix, Matrix, bool]:
-    """Matrix with the eigenvalues w, what gives fields from the first half of its eigenvectors, and
-    whether it is Hermitian: while the stiffness is positive definite. Else signs alone disturb it.
+    """Return a matrix with the eigenvalues w, the map from the first half of its eigenvectors to
+    fields, and whether it is Hermitian, which holds while the stiffness is positive definite.
 
     An eigenvector of w holds p and root(K) p / w, both in the axes of the stiffness.
     """
@@ -74,8 +74,10 @@ def modal_damping(mass: Matrix, stiffness: Matrix, ratio: float) -> Matrix:
         ratio: of each mode.
     """
     squares, modes = la.eigh(stiffness, mass)
-    held = mass @ modes
-    return np.asarray((held * (2.0 * ratio * np.sqrt(np.maximum(squares, 0.0)))) @ held.conj().T)
+    weighted = mass @ modes
+    return np.asarray(
+        (weighted * (2.0 * ratio * np.sqrt(np.maximum(squares, 0.0)))) @ weighted.conj().T
+    )
 
 
 def damped_eigenvalues(
@@ -135,8 +137,8 @@ def positive_speeds(stiffness: Matrix, pulled: Matrix) -> tuple[FloatArray, Comp
         Omega ascending [rad/s] (m,), vectors (n, m).
     """
     share, vectors = la.eigh(_hermitian(pulled), stiffness)
-    found = np.flatnonzero(share > share[-1] * len(share) * np.finfo(np.float64).eps)[::-1]
-    return 1.0 / np.sqrt(share[found]), vectors[:, found]
+    positions = np.flatnonzero(share > share[-1] * len(share) * np.finfo(np.float64).eps)[::-1]
+    return 1.0 / np.sqrt(share[positions]), vectors[:, positions]
 
 
 def _companion(first: Matrix, zeroth: Matrix) -> tuple[ComplexArray, ComplexArray]:

@@ -1,4 +1,4 @@
-"""Growth of a bladed disk under its own centrifugal load, and the clearance that it leaves."""
+"""Static growth of a bladed disk under centrifugal load, and the remaining clearance."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def tip_growth(disk: BladedDiskModel, matrices: RotationMatrices, omega: float) 
 
 
 def speed_of_growth(
-    disk: BladedDiskModel, matrices: RotationMatrices, room: float | FloatArray
+    disk: BladedDiskModel, matrices: RotationMatrices, gap: float | FloatArray
 ) -> float:
     """Speed of rotation at which the first tip has grown by the room it has [rad/s].
 
@@ -43,8 +43,8 @@ def speed_of_growth(
     Args:
         disk: the bladed disk.
         matrices: its.
-        room: of each tip [m], one value or (blades,).
+        gap: of each tip [m], one value or (blades,).
     """
     rate = matrices.growth[disk.tip_radial]
-    squares = np.divide(room, rate, out=np.full(len(rate), np.inf), where=rate > 0.0)
+    squares = np.divide(gap, rate, out=np.full(len(rate), np.inf), where=rate > 0.0)
     return float(np.sqrt(squares.min()))

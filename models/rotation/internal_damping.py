@@ -1,4 +1,4 @@
-"""Growth of a bladed disk that its own damping feeds past a critical speed, and what holds it.
+"""Growth rate due to internal damping beyond a critical speed, and the bearing damping against it.
 
 Damping of the turning structure resists velocities relative to it. Where K_Omega is indefinite, a
 forward wave turns slower than the disk and is drawn along: it grows. A damper of a bearing that
@@ -28,13 +28,13 @@ TRIED = 200
 
 @dataclass(frozen=True, kw_only=True)
 class InternalGrowth:
-    """The fastest growth of a bladed disk alone at a speed."""
+    """Fastest growth of a bladed disk without casing at a speed."""
 
     rate: float  #: [1/s]; negative where everything decays
     nodal_diameter: int
     holding: float | None
-    """Least damping of each of two bearings that stand still, x and y, without which the disk
-    grows [N s/m]; zero where nothing grows, None where bearings cannot hold it."""
+    """Least damping of each of two fixed bearings, x and y, for stability [N s/m]; zero if stable
+    without, None if bearings cannot stabilise it."""
 
 
 def internal_growth(
@@ -45,7 +45,7 @@ def internal_growth(
     *,
     damping_ratio: float,
 ) -> InternalGrowth:
-    """Growth of a bladed disk of equal sectors by the damping of its modes at rest.
+    """Return the growth of a bladed disk of equal sectors due to the modal damping at rest.
 
     Args:
         disk: the bladed disk.
@@ -77,7 +77,7 @@ def internal_growth(
 
 @dataclass(frozen=True, kw_only=True)
 class DampedWaves:
-    """Waves of one nodal diameter with the damping of their modes at rest."""
+    """Waves of one nodal diameter with the modal damping at rest."""
 
     own: Waves
     damping_ratio: float
@@ -102,7 +102,7 @@ class DampedWaves:
 
 
 def _holding(first: DampedWaves, centre: ComplexArray) -> float | None:
-    """Least bearing damping without growth [N s/m]; None if none of those tried holds it."""
+    """Return the least bearing damping without growth [N s/m]; None if no tried value suffices."""
     mass = float(np.trace(centre.conj().T @ first.own.mass @ centre).real)
     from scipy.optimize import brentq  # long to load
 

@@ -75,7 +75,7 @@ class RotationMatrices:
 
 
 def rotation_matrices(disk: BladedDiskModel) -> RotationMatrices:
-    """Assemble what rotation adds to a bladed disk that was assembled at rest."""
+    """Assemble the rotation matrices of a bladed disk that was assembled at rest."""
     model, structure, unknowns = disk.model, disk.structure, disk.expansion
     mesh = model.mesh
     assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
@@ -108,14 +108,14 @@ def rotation_matrices(disk: BladedDiskModel) -> RotationMatrices:
 
 
 def _coordinates(model: BeamModel) -> FloatArray:
-    """Position of every node about the axis in its own axes, its rotation zero, (3 nodes,)."""
+    """Return the position of each node about the axis in nodal axes, rotation zero, (3 nodes,)."""
     x, y = model.mesh.points.T
     cos, sin = np.cos(model.mesh.node_axes), np.sin(model.mesh.node_axes)
     return np.column_stack([cos * x + sin * y, cos * y - sin * x, np.zeros(len(x))]).ravel()
 
 
 def _point_masses(model: BeamModel) -> FloatArray:
-    """Point masses on the translations of the nodes, nothing on rotations, (3 nodes,)."""
+    """Return the point masses on nodal translations, zero on rotations, (3 nodes,)."""
     diagonal = np.zeros((len(model.mesh.points), COMPONENTS))
     np.add.at(diagonal[:, FIRST], model.masses.node, model.masses.mass)
     diagonal[:, SECOND] = diagonal[:, FIRST]

@@ -34,7 +34,7 @@ class Waves:
     springs: ComplexArray  #: the shaft springs' part of K
 
     def frequencies(self, omega: float) -> ComplexArray:
-        """All w at a speed [rad/s], descending: n backward at rest, then n forward, (2 n,)."""
+        """Return w at a speed [rad/s], descending: n backward at rest, then n forward, (2 n,)."""
         stiffness = self.stiffness + omega**2 * self.softening
         return gyroscopic_frequencies(self.mass, stiffness, 2.0 * omega * self.coriolis)
 
@@ -50,7 +50,8 @@ class Waves:
         return (size - 1 - nearest, True) if nearest < size else (nearest - size, False)
 
     def synchronous(self, order: int) -> tuple[FloatArray, FloatArray]:
-        """Speeds at which w = order Omega, and what of the waves there is in the shaft springs.
+        """Return the speeds with w = order Omega and the share of strain energy in the shaft
+        springs.
 
         K p = Omega^2 (m^2 M + M_t - 2 i m G - K_G1) p, a Hermitian eigenproblem. Order 0 gives
         the critical speeds of a load that turns with the disk, as an imbalance does: there the
@@ -62,11 +63,11 @@ class Waves:
         """
         pulled = order**2 * self.mass - 2j * order * self.coriolis - self.softening
         speeds, fields = positive_speeds(self.stiffness, pulled)
-        held, strain = (
+        spring_energy, strain = (
             np.einsum("im,ij,jm->m", fields.conj(), each, fields).real
             for each in (self.springs, self.stiffness)
         )
-        return speeds, held / strain
+        return speeds, spring_energy / strain
 
     def meeting(self, casing_frequency: float, highest: float) -> FloatArray:
         """Speeds at which a backward wave has w = k Omega - omega_c, ascending [rad/s], (waves,).
@@ -89,14 +90,14 @@ class Waves:
             inverse @ each @ inverse.conj().T
             for each in (highest**2 * second, highest * first, zeroth)
         )
-        # For highest / Omega, of which those that are looked at are the largest.
+        # For highest / Omega, the largest of those examined.
         left = np.vstack([np.hstack([-first, -second]), np.eye(size, 2 * size)])
         over, under = la.eigvals(
             left, la.block_diag(zeroth, np.eye(size)), homogeneous_eigvals=True
         )
         sure = np.abs(over) > np.finfo(np.float64).eps * np.abs(under)
-        found = highest * under[sure] / over[sure]
-        speeds = np.sort(found[np.abs(found.imag) <= REAL * np.abs(found)].real)
+        meetings = highest * under[sure] / over[sure]
+        speeds = np.sort(meetings[np.abs(meetings.imag) <= REAL * np.abs(meetings)].real)
         met = (speeds > 0.0) & (speeds <= highest) & (k * speeds > casing_frequency)
         return np.asarray(speeds[met])
 

@@ -26,13 +26,13 @@ Direction = Literal["forward", "backward", "standing"]
 """Way that a wave travels."""
 
 DENSE_SIZE = 800
-"""Largest structure without symmetry all of whose whirling modes are found at once."""
+"""Largest structure without symmetry whose whirling modes are all computed at once."""
 
 TRAVELS = 0.5
 """Share of a mode by which one way has to exceed the other for the mode to travel."""
 
 SLOW = 1e-6
-"""Share of the speed of rotation below which a wave counts as one that stands still."""
+"""Share of the speed of rotation below which a wave counts as standing."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,9 +41,9 @@ class WhirlModes:
 
     frequency: FloatArray  #: positive, or zero where a mode only grows [rad/s], (modes,)
     growth: FloatArray  #: rate [1/s]; zero while K_Omega is positive definite, (modes,)
-    nodal_diameter: IntArray  #: that holds most of it, (modes,); -1 without sectors
+    nodal_diameter: IntArray  #: dominant nodal diameter, (modes,); -1 without sectors
     purity: FloatArray  #: share of the nodal diameter in it, (modes,)
-    spring_share: FloatArray  #: share of the strain energy held by the springs, (modes,)
+    spring_share: FloatArray  #: share of the strain energy in the springs, (modes,)
     direction: tuple[Direction, ...]  #: in the rotating frame, (modes,)
     rank: IntArray
     """Number of its branch among those of its nodal diameter that travel the same way at rest, 0
@@ -101,7 +101,7 @@ class WhirlModes:
 
 
 def directions(signed: FloatArray, omega: float) -> tuple[Direction, ...]:
-    """Ways that waves travel whose frequencies are positive backward [rad/s], zero if they stand.
+    """Return the directions of waves with positive frequency backward [rad/s]; zero if standing.
 
     Args:
         signed: frequencies, (modes,).
@@ -149,7 +149,7 @@ def _block_modes(
     size = len(vectors)
     rank = np.concatenate([np.arange(size)[::-1], np.arange(size)])  # w descends
     ways: list[Direction] = ["backward" if each > 0.0 else "forward" for each in w.real]
-    if not is_pair(k, layout.sectors):  # each comes with w and -w, one motion
+    if not is_pair(k, layout.sectors):  # w and -w describe the same motion
         w, vectors, rank, ways = w[:size], vectors[:, :size], rank[:size], ["standing"] * size
     return WhirlModes(
         frequency=np.abs(w.real),
@@ -165,7 +165,7 @@ def _block_modes(
 
 
 def _plain_modes(structure: Structure, gyroscopic: sp.csr_array, count: int | None) -> WhirlModes:
-    """Modes of a structure without symmetry; each w comes with -w, the same motion."""
+    """Return the modes of a structure without symmetry; w and -w describe the same motion."""
     matrices = structure.mass, structure.stiffness, gyroscopic
     if count is None or structure.size <= DENSE_SIZE:
         w, vectors = gyroscopic_eigen(*(matrix.toarray() for matrix in matrices))
@@ -193,7 +193,7 @@ def _plain_modes(structure: Structure, gyroscopic: sp.csr_array, count: int | No
 def travelling(
     fields: ComplexArray, weights: FloatArray, layout: SectorLayout
 ) -> tuple[IntArray, FloatArray, list[Direction]]:
-    """Nodal diameter that holds most of each field, its share, and the way that the field travels.
+    """Return the dominant nodal diameter of each field, its share, and the direction of travel.
 
     A mode of unlike sectors is made of waves both ways; it stands where neither prevails.
 
@@ -213,13 +213,13 @@ def travelling(
     backward, forward = power[half], power[-half]
     single = ~np.array([is_pair(int(k), count) for k in half])
     forward[single] = backward[single]
-    held = np.where(single[:, None], backward, backward + forward)
-    diameter = held.argmax(axis=0)
+    energy = np.where(single[:, None], backward, backward + forward)
+    diameter = energy.argmax(axis=0)
     modes = np.arange(fields.shape[1])
-    excess = (backward - forward)[diameter, modes] / held[diameter, modes]
+    excess = (backward - forward)[diameter, modes] / energy[diameter, modes]
     return (
         diameter,
-        held[diameter, modes] / held.sum(axis=0),
+        energy[diameter, modes] / energy.sum(axis=0),
         [
             "standing" if abs(share) <= TRAVELS else ("backward" if share > 0.0 else "forward")
             for share in excess
@@ -248,8 +248,8 @@ def _share(
     elastic: ComplexArray | sp.csr_array,
 ) -> FloatArray:
     """Share of the springs in the strain energy of each vector, (modes,)."""
-    held, whole = (
+    in_springs, whole = (
         np.einsum("im,im->m", vectors.conj(), matrix @ vectors).real
         for matrix in (springs, elastic)
     )
-    return np.asarray(held / np.maximum(whole, np.finfo(np.float64).tiny))
+    return np.asarray(in_springs / np.maximum(whole, np.finfo(np.float64).tiny))

@@ -38,21 +38,21 @@ class RingProfile:
     def value(self, angle: ArrayLike) -> FloatArray:
         """Values at angles [rad], of their shape."""
         theta = np.asarray(angle, dtype=np.float64)
-        found = np.full(theta.shape, self.mean)
+        total = np.full(theta.shape, self.mean)
         if self.stations:
             places, values = np.array(self.stations).T
-            found = np.interp(theta, places, values, period=2.0 * np.pi)
+            total = np.interp(theta, places, values, period=2.0 * np.pi)
         for wave in self.lobes:
-            found = found + wave.amplitude * np.cos(wave.lobes * (theta - wave.phase))
-        return np.asarray(found)
+            total = total + wave.amplitude * np.cos(wave.lobes * (theta - wave.phase))
+        return np.asarray(total)
 
     def lobe_slope(self, angle: ArrayLike) -> FloatArray:
         """Derivative of the lobes by the angle, at angles [rad]."""
         theta = np.asarray(angle, dtype=np.float64)
-        found = np.zeros(theta.shape)
+        slope = np.zeros(theta.shape)
         for wave in self.lobes:
-            found -= wave.amplitude * wave.lobes * np.sin(wave.lobes * (theta - wave.phase))
-        return found
+            slope -= wave.amplitude * wave.lobes * np.sin(wave.lobes * (theta - wave.phase))
+        return slope
 
     @property
     def smallest(self) -> float:

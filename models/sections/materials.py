@@ -20,7 +20,7 @@ class BeamSection(Table):
     thickness: Length = 0.01
     """Size in the plane of motion [m]."""
     material: StrictStr | None = None
-    """One of material.named; the material of the case when left out."""
+    """Name in material.named; the material of the case by default."""
 
     @property
     def summary(self) -> str:
@@ -33,7 +33,7 @@ class NamedMaterial(Table):
     """A material that sections may ask for by name."""
 
     name: StrictStr
-    """What sections call it."""
+    """Name for use in sections."""
     young_modulus: Modulus
     """Young's modulus [Pa]."""
     density: Density
@@ -61,7 +61,7 @@ class Material(Table):
     for sections that ask for one: { material = "titanium", ... }."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """One name for two materials."""
+        """Yield names that two materials share."""
         names = [one.name for one in self.named]
         if len(set(names)) < len(names):
             yield Inconsistency("named", "a name of its own for each material", ())
@@ -74,7 +74,7 @@ class Material(Table):
 
     @property
     def lowest_yield_strength(self) -> float | None:
-        """Of all materials that give one [Pa]."""
+        """Lowest yield strength of the materials that specify one [Pa]."""
         given = [self.yield_strength, *(one.yield_strength for one in self.named)]
         return min((value for value in given if value is not None), default=None)
 

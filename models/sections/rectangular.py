@@ -98,7 +98,7 @@ Taper = Sequence[Section]
 QUANTITIES = tuple(each.name for each in fields(Section))
 
 CHANGES = tuple(f"{name}_change" for name in QUANTITIES)
-"""Changes of the quantities along a line, as `LineProperties` and mesh files hold them."""
+"""Changes of the quantities along a line, as in `LineProperties` and mesh files."""
 
 
 def along(sections: Section | Taper, share: FloatArray) -> FloatArray:
@@ -137,8 +137,10 @@ def along_elements(sections: Section | Taper, elements: int) -> tuple[FloatArray
     change = 12.0 * np.add.reduceat((high - low) * moment, starts, axis=1)
     smallest = np.minimum.reduceat(np.minimum(first, second), starts, axis=1)
     largest = np.maximum.reduceat(np.maximum(first, second), starts, axis=1)
-    room = np.where(smallest == largest, 0.0, 2.0 * mean - smallest)  # constant without rounding
-    return np.where(smallest == largest, smallest, mean), np.clip(change, -room, room)
+    largest_end = np.where(
+        smallest == largest, 0.0, 2.0 * mean - smallest
+    )  # constant without rounding
+    return np.where(smallest == largest, smallest, mean), np.clip(change, -largest_end, largest_end)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -67,7 +67,8 @@ class Arc(Table):
             yield Inconsistency("end", expected, ("start",))
 
     def share(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Share of the stretches from ``low`` to ``high`` (within [0, 2 pi]) that lie in it."""
+        """Return the share of the intervals from ``low`` to ``high`` (within [0, 2 pi]) inside the
+        arc."""
         start = np.mod(self.start, TURN)
         inside = np.zeros(np.broadcast_shapes(low.shape, high.shape))
         for turn in (-TURN, 0.0):  # it begins in [0, 2 pi), so it may reach into a second turn

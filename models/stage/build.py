@@ -1,4 +1,4 @@
-"""From a stage to what the contact march is given, with every fault that only shows here."""
+"""Contact problem of a stage, with all faults that only show at this point."""
 
 from __future__ import annotations
 
@@ -50,12 +50,12 @@ def contact_problem(stage: Stage) -> ContactProblem:
 
 
 def marched_bodies(stage: Stage) -> tuple[ReducedRotor, ReducedCasing]:
-    """Bladed disk and casing in the modes that `reduction.modes` keeps."""
+    """Bladed disk and casing in the modes of `reduction.modes`."""
     return stage.rotor.take(stage.kept.rotor), stage.reduced_casing.take(stage.kept.casing)
 
 
 def march_faults(stage: Stage) -> Iterator[Fault]:
-    """Faults of the case that stand in the way of a march."""
+    """Errors that prevent time integration."""
     yield from chain(
         _mode_faults(stage),
         time_step_faults(stage),
@@ -94,14 +94,14 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
 
 
 def _mode_faults(stage: Stage) -> Iterator[Fault]:
-    """A body of which no mode is kept: results hold the motion of both."""
+    """Yield a body without modes: results contain the motion of both."""
     if not len(stage.kept.rotor) or not len(stage.kept.casing):
         expected = "modes of the bladed disk and of the casing"
         yield case_fault(stage.case, "reduction.modes", expected)
 
 
 def _load_faults(stage: Stage) -> Iterator[Fault]:
-    """A load that the modes kept can't feel."""
+    """Yield a load orthogonal to all selected modes."""
     case, kept = stage.case, stage.kept
     loads = excitation_loads(stage)
     felt = [load.take(kept.rotor, kept.casing) for load in loads]
@@ -111,7 +111,7 @@ def _load_faults(stage: Stage) -> Iterator[Fault]:
 
 
 def _start_faults(stage: Stage) -> Iterator[Fault]:
-    """Tips that start inside the casing, displacements that start beyond their limit."""
+    """Yield tips that start inside the casing and displacements that start beyond their limit."""
     case, rows = stage.case, stage.case.initial.tip_displacement or ()
     rotor = stage.rotor
     clearance = case.casing.clearance_profile.value(rotor.tip_angle) + rotor.tip_recess

@@ -25,7 +25,7 @@ class ReducedRotor:
     """A bladed disk in modal coordinates, rotating frame."""
 
     frequency: FloatArray
-    """[rad/s], (modes,); negative where spin softening makes its square negative, see
+    """Frequency [rad/s], (modes,); negative where spin softening makes its square negative, see
     `stiffness`."""
     damping_ratio: FloatArray  #: (modes,)
     tip_radial: FloatArray  #: radial displacement of each tip [kg^-1/2], (tips, modes)
@@ -37,13 +37,13 @@ class ReducedRotor:
     column: IntArray  #: DFT column of each mode over the tips, (modes,); -1 without symmetry
     dampers: FloatArray  #: rows G of the damping G^T G at points [s^-1/2], (dampers, modes)
     anisotropy: float = 0.0
-    """Of springs under the centre that stand still: half of that in x less that in y [N/m]."""
+    """Half the difference of the fixed springs under the centre, x less y [N/m]."""
     by_velocity: FloatArray | None = None
-    """Coriolis forces 2 Omega G and damping of modes that are not these [1/s], (modes, modes); None
-    where Coriolis forces don't count. With them the dampers feel contact within the step."""
+    """Coriolis forces 2 Omega G and non-modal damping [1/s], (modes, modes); None without Coriolis
+    forces. With it, dampers respond to contact within the step."""
     circulation: float = 0.0
-    """Of dampers under the centre that stand still: their strength times the speed [N/m]. In
-    rotating axes a displacement (x, y) gives them a force of it times (y, -x)."""
+    """Strength of the fixed dampers under the centre times the speed [N/m]: in rotating axes a
+    displacement (x, y) gives a force of it times (y, -x)."""
 
     @property
     def stiffness(self) -> FloatArray:
@@ -59,7 +59,7 @@ class ReducedRotor:
 
     @property
     def circulation_stiffness(self) -> FloatArray:
-        """What dampers that stand still add to the stiffness, skew [rad2/s2], (modes, modes)."""
+        """Skew stiffness due to dampers in the static frame [rad2/s2], (modes, modes)."""
         x, y = self.centre
         return np.asarray(self.circulation * (np.outer(y, x) - np.outer(x, y)))
 
@@ -71,7 +71,7 @@ class ReducedRotor:
 
     @property
     def by_harmonics(self) -> bool:
-        """Whether a march goes harmonic by harmonic: not with so few modes that it doesn't pay."""
+        """Whether a march proceeds by harmonics; with few modes dense products are faster."""
         tips = len(self.tip_angle)
         return (
             3 <= tips < len(self.column)
@@ -96,7 +96,8 @@ class ReducedRotor:
         )
 
     def turning_force(self, displacement: FloatArray, velocity: FloatArray) -> FloatArray:
-        """Forces on the modes by `by_velocity`, and of dampers that stand still by displacement.
+        """Forces on the modes due to `by_velocity` and, by displacement, to dampers in the static
+        frame.
 
         Args:
             displacement: of the modes, (modes,).
@@ -125,7 +126,7 @@ class ReducedCasing:
 
     @property
     def by_harmonics(self) -> bool:
-        """Whether a march goes harmonic by harmonic: not with so few modes that it doesn't pay."""
+        """Whether a march proceeds by harmonics; with few modes dense products are faster."""
         return len(self.column) > len(self.nodal) and bool(np.all(self.column >= 0))
 
     def take(self, modes: IntArray) -> ReducedCasing:
@@ -185,7 +186,7 @@ class ContactProblem:
     friction: float  #: Coulomb coefficient
     sliding: Literal["permanent", "signed"]
     tip_rotation: bool  #: whether the angle of a tip follows u_t / R
-    displacement_limit: float  #: beyond it small displacements are no longer meant [m]
+    displacement_limit: float  #: limit of small displacements [m]
     loads: tuple[Load, ...]
     start: Start
     springs: CouplingSprings | None = None  #: between the bodies

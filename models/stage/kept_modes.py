@@ -25,7 +25,7 @@ class KeptModes:
 
 
 def kept_modes(case: Case, rotor: RadialModes, casing: RadialModes) -> KeptModes:
-    """Find the modes that `reduction.modes` asks for and the springs of `coupling`.
+    """Return the modes of `reduction.modes` and the springs of `coupling`.
 
     Args:
         case: the case.
@@ -63,7 +63,7 @@ def _springs(
     kept: tuple[IntArray, IntArray],
     chosen: tuple[IntArray, IntArray],
 ) -> CouplingSprings:
-    """Springs between the chosen modes that are kept, numbered among these.
+    """Return the springs between selected modes, numbered among these.
 
     Raises:
         CaseError: there are none.
@@ -77,7 +77,9 @@ def _springs(
     entries = coupled.take(here)
     if case.coupling.amplitude != "physical":
         entries = entries.with_unit_amplitudes()
-    among = [np.searchsorted(own, entries.number) for own in kept]  # in the rotor's, the casing's
+    among = [
+        np.searchsorted(numbers, entries.number) for numbers in kept
+    ]  # in the rotor's, the casing's
     renumbered = np.where(entries.modes.on_casing, among[1], among[0])
     return replace(entries, number=renumbered).springs(
         case.coupling.stiffness, with_pi=case.coupling.pi

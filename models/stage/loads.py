@@ -47,15 +47,15 @@ def radial_mode(stage: Stage, k: int) -> int:
     modes, nodal = stage.casing_modes, stage.reduced_casing.nodal
     wall = nodal[:, W]
     cosine = np.cos(k * stage.casing.mesh.angles) @ wall
-    found = np.flatnonzero(
+    positions = np.flatnonzero(
         (modes.nodal_diameter == k)
         & is_radial(wall, nodal[:, U])
         & (np.abs(cosine) > 1e-6 * np.linalg.norm(wall, axis=0))  # not the sine of the pair
     )
-    if not found.size:
+    if not positions.size:
         expected = "a nodal diameter of which the casing has a radial mode"
         raise CaseError([case_fault(stage.case, "excitation.nodal_diameter", expected)])
-    return int(found[0])
+    return int(positions[0])
 
 
 def unbalance(stage: Stage) -> float:
@@ -91,11 +91,11 @@ def closing_unbalance(stage: Stage, speed: float) -> float:
     else:
         outward = stage.turning.tip_answer(X, speed)
     recess = tip_recess(stage.case, stage.disk, stage.turning, speed)
-    room = stage.reduced_casing.clearance[:, 0].min() + recess
+    smallest_gap = stage.reduced_casing.clearance[:, 0].min() + recess
     reaching = outward > 0.0
     if not reaching.any() or speed == 0.0:
         return float("inf")
-    return float((room[reaching] / outward[reaching]).min() / speed**2)
+    return float((smallest_gap[reaching] / outward[reaching]).min() / speed**2)
 
 
 def imbalance_force(stage: Stage) -> float:
@@ -138,7 +138,7 @@ def boundary_values(
 
 
 def _static_shape(rotor: ReducedRotor, values: FloatArray) -> FloatArray:
-    """Modal coordinates of least strain energy that move the boundary as given."""
+    """Return the modal coordinates of least strain energy for a displacement of the boundary."""
     rows = np.vstack([rotor.tip_radial, rotor.tip_tangential, rotor.centre])
     free = np.any(rows != 0.0, axis=1)  # a clamped centre has no coordinates
     flexible = rows[free] / rotor.stiffness

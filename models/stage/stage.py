@@ -1,4 +1,4 @@
-"""From a case to a stage: finite elements, reduction, modes and their labels."""
+"""The stage of a case: finite elements, reduction, modes and their labels."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ from bladewhirl.models.stage.reduced import ReducedDisk, reduced_disk
 from bladewhirl.models.stage.whirl import wave_errors, wave_frequencies
 
 FULL_FREQUENCIES = 7
-"""Frequencies of the full model found for each nodal diameter: five families, the suspension
-pair, and one more."""
+"""Frequencies of the full model computed per nodal diameter: five families, the suspension pair,
+and one more."""
 
 ROUNDING = 1e-11
 """Share of a damping matrix's largest entry below which one is rounding."""
@@ -91,8 +91,8 @@ class Stage:
             "marched": f"{len(kept.rotor)} modes of the bladed disk, {len(kept.casing)} of the"
             f" casing{', coupled by springs' if kept.springs else ''}",
         }
-        told = [f"{name:<13}{text}" for name, text in lines.items()]
-        return "\n  ".join([f'Stage "{self.case.title}"', *told])
+        rows = [f"{name:<13}{text}" for name, text in lines.items()]
+        return "\n  ".join([f'Stage "{self.case.title}"', *rows])
 
     def _family(self, name: str) -> str:
         """Frequencies of a family, reduced, and how far from the full model's they are."""
@@ -101,7 +101,7 @@ class Stage:
         low, high = f"{hertz.min():.4g}", f"{hertz.max():.4g}"
         span = f"{low} Hz" if low == high else f"{low} to {high} Hz"
         if hertz.min() < 0.0:
-            span += " (negative squares, held by Coriolis forces)"
+            span += " (negative squares, stabilised by Coriolis forces)"
         error = self.frequency_error.get(name)
         return span if error is None else f"{span}, {100.0 * error:.2g} % off the full model"
 
@@ -122,7 +122,7 @@ class Stage:
 
     @property
     def symmetry(self) -> dict[str, str]:
-        """Symmetry found of each body, and the path that follows from it."""
+        """Symmetry of each body and the resulting method."""
         return {
             "bladed_disk": self.disk.structure.symmetry,
             "casing": self.casing.structure.symmetry,
@@ -130,7 +130,7 @@ class Stage:
 
     @property
     def boundary_sets(self) -> dict[str, IntArray]:
-        """Degrees of freedom of the bladed disk that the reduction keeps, by name."""
+        """Names and numbers of the degrees of freedom of the reduced bladed disk."""
         return boundary_sets(self.disk)
 
     @property
@@ -230,7 +230,7 @@ def _reference_frequency(case: Case, disk: BladedDiskModel, full: Frequencies) -
     if case.shaft.clamped:
         free = case_bladed_disk(case, clamped=False)
         disk, full = free, lowest_frequencies(free.structure, FULL_FREQUENCIES)
-    return lowest_frequency(disk, (found[0] for found in full.values()))
+    return lowest_frequency(disk, (frequencies[0] for frequencies in full.values()))
 
 
 def _reduced_rotor(
@@ -265,7 +265,7 @@ def _reduced_rotor(
 
 
 def _by_velocity(case: Case, disk: BladedDiskModel, modes: Modes) -> FloatArray | None:
-    """Coriolis forces and damping of the modes at rest, on modes at speed, (modes, modes).
+    """Return Coriolis forces and damping of the modes at rest, on modes at speed, (modes, modes).
 
     None where Coriolis forces don't count; damping is then that of the modes themselves.
     """
@@ -286,12 +286,12 @@ def _check_clearance(case: Case, recess: FloatArray) -> None:
     Raises:
         CaseError: by how much.
     """
-    room = case.casing.clearance_profile.smallest + recess
-    if not room.min() > 0.0:
-        blade = int(room.argmin())
+    smallest_gap = case.casing.clearance_profile.smallest + recess
+    if not smallest_gap.min() > 0.0:
+        blade = int(smallest_gap.argmin())
         expected = (
             f"room for the growth of the tips at march.speed: that of blade {blade} is"
-            f" {-room[blade]:.3g} m beyond the casing where it is narrowest"
+            f" {-smallest_gap[blade]:.3g} m beyond the casing where it is narrowest"
         )
         raise CaseError([case_fault(case, "casing.clearance", expected)])
 
@@ -316,11 +316,11 @@ def _check_reduction(case: Case, disk: BladedDiskModel) -> None:
     """
     boundary = sum(map(len, boundary_sets(disk).values()))
     internal = disk.structure.size - boundary
-    key, wanted = "reduction.fixed_interface_modes", case.reduction.fixed_interface_modes
-    if wanted > internal:
+    key, requested = "reduction.fixed_interface_modes", case.reduction.fixed_interface_modes
+    if requested > internal:
         expected = f"at most {internal}, the internal degrees of freedom of the bladed disk"
         raise CaseError([case_fault(case, key, expected)])
-    if disk.structure.size * (boundary + wanted) > MOST_ENTRIES:
+    if disk.structure.size * (boundary + requested) > MOST_ENTRIES:
         expected = (
             f"a bladed disk of fewer degrees of freedom than {disk.structure.size}, or fewer "
             f"fixed-interface modes: at most {MOST_ENTRIES:g} entries in the modes' shapes"

@@ -94,7 +94,9 @@ def test_free_blade_ends_outside_the_set_of_tips(tips: int, ends: float, free: i
     lines = stage_hints(build_stage(case))
     assert len(lines) == (free > 0)
     if free:
-        assert lines[0].startswith("2 free ends as far out as the 3 tips not in their set, first")
+        assert lines[0].startswith(
+            "2 free ends at the radius of the 3 tips not in their set, first"
+        )
         assert "(-0.4045, -0.2939) m" in lines[0]
 
 
@@ -115,7 +117,7 @@ def test_whirl_fed_by_internal_damping(damper: float, hints: int) -> None:
     assert stage.rotor.frequency.min() < 0.0
     lines = stage_hints(stage)
     assert len(lines) == hints
-    assert all(line.startswith("past a critical speed damping that turns") for line in lines)
+    assert all(line.startswith("internal damping destabilises the bladed disk") for line in lines)
 
 
 @pytest.fixture

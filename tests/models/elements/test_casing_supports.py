@@ -153,15 +153,21 @@ def foot_errors(first: float, ends: Literal["pinned", "built-in"]) -> FloatArray
     return np.array(found[:2]) / found[2] - 1.0
 
 
-def test_feet_at_nodes_and_inside_elements_converge() -> None:
-    """Those at nodes as the ring does; a force in an element costs little, a moment a per cent."""
-    for ends in ("pinned", "built-in"):
-        assert observed_order(foot_errors(0.0, ends))[:, 2:].min() > 3.7
-    pinned, built_in = foot_errors(0.123, "pinned"), foot_errors(0.123, "built-in")
-    assert pinned[0].max() < 1e-3
-    assert observed_order(pinned).min() > 1.8
-    assert built_in[0].max() < 1.2e-2
-    assert observed_order(built_in).min() > 0.9
+@pytest.mark.parametrize("ends", ["pinned", "built-in"])
+def test_feet_at_nodes_converge_as_the_ring(ends: Literal["pinned", "built-in"]) -> None:
+    assert observed_order(foot_errors(0.0, ends))[:, 2:].min() > 3.7
+
+
+@pytest.mark.parametrize(
+    ("ends", "largest", "order"), [("pinned", 1e-3, 1.8), ("built-in", 1.2e-2, 0.9)]
+)
+def test_feet_inside_elements_converge(
+    ends: Literal["pinned", "built-in"], largest: float, order: float
+) -> None:
+    """The force of a pinned foot costs little accuracy, the moment of a built-in foot 1 %."""
+    errors = foot_errors(0.123, ends)
+    assert errors[0].max() < largest
+    assert observed_order(errors).min() > order
 
 
 def test_supports_that_repeat_keep_the_cyclic_path() -> None:

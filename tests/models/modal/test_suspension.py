@@ -52,7 +52,7 @@ def test_where_families_repel_no_springs_do(wanted: float) -> None:
 
 
 def test_what_rounding_hides_is_refused() -> None:
-    with pytest.raises(CaseError, match="a frequency that rounding tells from none"):
+    with pytest.raises(CaseError, match="a frequency above the rounding error"):
         with_sized_shaft(with_values(Case(), {KEY: 1e-3}))
 
 

@@ -179,7 +179,7 @@ def test_merged_waves_grow_as_in_a_march() -> None:
     assert result["critical_speed"].max() < met < 3.6
     stage = build_stage(case)
     rate = float(one[-1])
-    (hint,) = [line for line in stage_hints(stage) if "have met" in line]
+    (hint,) = [line for line in stage_hints(stage) if "have coalesced" in line]
     assert float(hint.partition("growing by ")[2].split()[0]) == pytest.approx(rate, rel=0.01)
     problem = replace(contact_problem(stage), displacement_limit=1e9)
     problem = replace(
