@@ -11,7 +11,7 @@ from pathlib import Path
 import bladewhirl as bw
 from bladewhirl.studies.commands.cli import app
 
-LONGEST, FRAMES = 0.6, 30  #: march under a load [s], pictures of the film
+LONGEST, FRAMES = 0.6, 20  #: march under a load [s], pictures of the film
 
 
 def shown(example: Path, folder: Path) -> str:
