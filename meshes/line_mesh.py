@@ -16,10 +16,10 @@ BoolArray = NDArray[np.bool_]
 ComplexArray = NDArray[np.complex128]
 
 REAL = ("points", "node_axes", "node_data", "line_data")
-"""Fields of meshes that hold real numbers; others hold whole ones."""
+"""Fields of meshes with real numbers; the others contain integers."""
 
 SAMPLES = 64
-"""Samples between two given points by which the length of a curve is measured."""
+"""Samples between two points for measuring the length of a curve."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +82,7 @@ class LineMesh:
 
 
 def freeze(mesh: Any) -> None:
-    """Put read-only copies of the arrays into a mesh, a frozen dataclass that is being made."""
+    """Store read-only copies of the arrays in a mesh, a frozen dataclass under construction."""
     for item in fields(mesh):
         value = getattr(mesh, item.name)
         kind = np.float64 if item.name in REAL else np.int64

@@ -1,4 +1,4 @@
-"""Rotational symmetry of a line mesh: found in its points and lines, not assumed."""
+"""Rotational symmetry of a line mesh, detected from its points and lines."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
 TOLERANCE = 1e-6
-"""Largest distance of a turned node from another one, over the radius of the mesh, that counts as
-none: files hold seven digits or more, and meshers place nodes on curves to about nine."""
+"""Largest distance of a rotated node from another one, over the radius of the mesh, that counts as
+zero: files have seven digits or more, and meshers place nodes on curves to about nine."""
 
 
 def rotational_sectors(
@@ -67,7 +67,7 @@ def symmetric_points(points: FloatArray, sectors: IntArray) -> FloatArray:
 
 
 def _image(points: FloatArray, angle: float) -> IntArray | None:
-    """Node that each node is taken to by a turn, (nodes,); None if it is not one to one."""
+    """Return the node that a rotation maps each node to, (nodes,); None if it is not one to one."""
     cos, sin = np.cos(angle), np.sin(angle)
     radius = np.linalg.norm(points, axis=1).max()
     turned = points @ np.array([[cos, sin], [-sin, cos]])

@@ -1,1 +1,1 @@
-"""Mesh files in and out: Gmsh, Abaqus and VTK, and the groups that they hold."""
+"""Mesh files of Gmsh, Abaqus and VTK, with their groups."""

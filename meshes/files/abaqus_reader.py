@@ -25,7 +25,7 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 STRAIGHT = re.compile(r"(T[23]D2|B[23][13]|PIPE[23]1|FRAME[23]D)(OS|R)?H?")
 CURVED = re.compile(r"(T[23]D3|B[23]2|PIPE[23]2)(OS|R)?H?")
 POINT_MASSES = {"MASS": "mass", "ROTARYI": "inertia"}
-"""Elements of one node, and the data that their property of the same name gives."""
+"""Elements of one node, with the names of their properties."""
 
 SECTION = ("width", "thickness", "young_modulus", "density")
 OWN_SETS = re.compile(r"(section|mass|inertia)-\d+", re.I)
@@ -37,10 +37,10 @@ CHANGES_THE_MESH = frozenset(
 
 
 UNSOUND = (ValueError, IndexError, KeyError)
-"""What data raise that are other than their keyword takes."""
+"""Exceptions raised by data that do not match their keyword."""
 
 MOST_MEMBERS = 1_000_000
-"""Of a set that is given by ranges."""
+"""Largest number of members of a set given by ranges."""
 
 
 @dataclass

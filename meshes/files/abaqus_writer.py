@@ -1,4 +1,4 @@
-"""Line meshes written as Abaqus input, .inp; what sets and data mean is said in `abaqus_reader`."""
+"""Line meshes written as Abaqus input, .inp; `abaqus_reader` explains sets and data."""
 
 from __future__ import annotations
 

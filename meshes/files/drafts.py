@@ -1,4 +1,4 @@
-"""Files written whole or not at all, past whatever lies beside them."""
+"""Files that are written completely or not at all, without following planted links."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 PREFIX = ".bladewhirl-"
-"""Of the private folders that drafts lie in; what a kill leaves of them may go."""
+"""Prefix of the private folders of drafts; left-over ones may be removed."""
 
 
 @contextmanager
 def replacing(target: Path) -> Iterator[Path]:
-    """A draft of the target's name that takes its place when complete and goes when it fails.
+    """Yield a draft that replaces the target when complete and is removed on failure.
 
     It lies in a new folder beside the target that is the user's alone, so that no link planted
     there is followed. A target that is a link itself gives way, what it leads to does not change.

@@ -26,7 +26,7 @@ from bladewhirl.meshes.files.meshio_cells import POINT, line_blocks, readable, s
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
 VERSIONS = ("4.1", "2.2")
-"""Versions of the format that are read; meshio does not get through what Gmsh 4 writes as 4.0."""
+"""Supported versions of the format; meshio cannot read 4.0 as Gmsh 4 writes it."""
 
 TAG, ENTITY = "gmsh:physical", "gmsh:geometrical"
 VALUE = re.compile(
@@ -83,7 +83,7 @@ def _read(path: Path) -> meshio.Mesh:
 
 
 def _check_head(path: Path) -> None:
-    """Refuse other versions, and physical groups that share a name: meshio goes by names alone.
+    """Refuse other versions and physical groups of equal name, which meshio cannot tell apart.
 
     Raises:
         MeshFileError: it is so.
@@ -130,7 +130,7 @@ def _nodes_of(mesh: meshio.Mesh, name: str, tag: int) -> Iterator[IntArray]:
 
 
 def _homes(lines: IntArray, entity: IntArray, group: IntArray) -> IntArray:
-    """Number of the line that each one repeats, its own where it repeats none.
+    """Return the number of the line that each line repeats, its own number if it repeats none.
 
     In version 2.2 an element stands once for each of its groups. The same line twice in one group,
     or on two curves, is two lines, for others to complain about.
@@ -147,7 +147,7 @@ def _homes(lines: IntArray, entity: IntArray, group: IntArray) -> IntArray:
 
 
 def _data(size: int, groups: Mapping[str, IntArray]) -> dict[str, FloatArray]:
-    """Data that the names of groups hold, not a number where a member has none."""
+    """Return data encoded in the names of groups, NaN for members without a value."""
     data: dict[str, FloatArray] = {}
     for group, members in groups.items():
         match = VALUE.fullmatch(group)
@@ -174,7 +174,7 @@ def write_msh(path: Path, mesh: GroupedLines) -> None:
         groups[1][ALONE] = alone
     node_entity, node_tags = _entities(len(mesh.points), groups[0], 0)
     line_entity, line_tags = _entities(len(mesh.lines), groups[1], len(groups[0]))
-    # Each node of a group is a geometric point of its own, the others lie on curves.
+    # Each node of a group is a geometric point, the others are on curves.
     grouped = np.flatnonzero([bool(tags) for tags in node_tags[node_entity]])
     curve_of = np.zeros(len(mesh.points), dtype=np.int64)
     curve_of[mesh.lines[::-1].T] = line_entity[::-1]

@@ -19,12 +19,12 @@ RIGID = "rigid"
 
 
 class MeshFileError(ValueError):
-    """A mesh file that can't be read, or whose mesh is none of lines; completes "expected ..."."""
+    """Unreadable mesh file, or a mesh without lines; the text completes "expected ..."."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class GroupedLines:
-    """A mesh of straight two-node lines as a file holds it, in the file's own unit of length.
+    """Content of a mesh file: straight two-node lines, in the file's unit of length.
 
     Groups may overlap and may be empty; their members stand in the order of the file. Data hold
     one number a node or a line.

@@ -1,4 +1,4 @@
-"""Which files of a folder are the program's: those that its manifest lists, and no other may go."""
+"""Files of a folder that belong to the program: its manifest lists them, no others are replaced."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FILES = "files written by bladewhirl"
 
 
 def listed(folder: Path) -> set[str]:
-    """Names that the manifest of a folder lists, with ``/`` below it; none where there is none."""
+    """Return the names listed in the manifest of a folder, with ``/`` in subfolders, if any."""
     try:
         content = json.loads((folder / MANIFEST_NAME).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -26,7 +26,7 @@ def listed(folder: Path) -> set[str]:
 
 
 def claim(folder: Path, names: Iterable[str], *, overwrite: bool = False) -> None:
-    """List files that are about to be written into a folder, which is made if there is none.
+    """List files before they are written into a folder, which is made if it does not exist.
 
     Args:
         folder: that gets them; its manifest too.
@@ -43,7 +43,7 @@ def claim(folder: Path, names: Iterable[str], *, overwrite: bool = False) -> Non
 
 
 def claim_file(path: Path, *, overwrite: bool = False) -> None:
-    """The same of one file; a folder without a manifest does not get one.
+    """Check one file; a folder without a manifest does not get one.
 
     Raises:
         FileExistsError: it is there and not listed.
@@ -55,7 +55,7 @@ def claim_file(path: Path, *, overwrite: bool = False) -> None:
 
 
 def check_file(path: Path, *, overwrite: bool = False) -> None:
-    """See that a file may be written; nothing is listed yet.
+    """Check that a file may be written; nothing is listed yet.
 
     Raises:
         FileExistsError: it is there and not listed.

@@ -77,5 +77,5 @@ def check_cells(kind: str, count: int) -> None:
 
 
 def stacked(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
-    """Arrays one after the other; no numbers when there are none."""
+    """Concatenate arrays; empty if there are none."""
     return np.concatenate(arrays) if len(arrays) else np.zeros(0, dtype=np.int64)

@@ -20,7 +20,7 @@ MOST_BYTES = 100_000_000
 """Largest file that is read."""
 
 MOST_LINES = 100_000
-"""Largest mesh that is read: beyond it a file is not what was meant."""
+"""Largest mesh file that is read."""
 
 
 def read_line_mesh(path: str | PathLike[str]) -> GroupedLines:
@@ -47,7 +47,7 @@ def read_line_mesh(path: str | PathLike[str]) -> GroupedLines:
 
 
 def write_line_mesh(path: str | PathLike[str], mesh: GroupedLines) -> None:
-    """Write a mesh of straight lines with its groups, and its data as far as the format holds them.
+    """Write a mesh of straight lines with its groups and the data that the format supports.
 
     Args:
         path: .vtu (complete), .msh (physical groups) or .inp (sets, sections, masses).
@@ -66,7 +66,7 @@ def write_line_mesh(path: str | PathLike[str], mesh: GroupedLines) -> None:
 
 
 def left_out(path: str | PathLike[str], mesh: GroupedLines) -> list[str]:
-    """Names of the data that the format of a file does not hold."""
+    """Return the names of the data that the format of a file does not support."""
     if _known_suffix(Path(path)) != ".inp":
         return []
     stored = (*SECTION, *POINT_MASSES.values())

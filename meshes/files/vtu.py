@@ -56,9 +56,7 @@ def read_vtu(path: Path) -> GroupedLines:
 
 @contextmanager
 def _bounded() -> Iterator[None]:
-    """meshio with arrays that expand to `MOST_EXPANDED` bytes in all; a few bytes may hold any
-    number of them.
-    """
+    """Reader of meshio for arrays of at most `MOST_EXPANDED` bytes in all after decompression."""
     left = MOST_EXPANDED
 
     def decompressed(worker: Any, block: bytes) -> bytes:  # Any: zlib's and lzma's, without a name

@@ -131,7 +131,8 @@ class CentralDifference:
     def advance(
         self, state: CentralDifferenceState, steps: int, record_every: int | None = None
     ) -> tuple[CentralDifferenceState, Chunk, EndReason | None]:
-        """Do that many steps, recording at multiples of ``record_every`` (its own if None).
+        """Advance by a number of steps, recording at multiples of ``record_every`` (its own if
+        None).
 
         The state given stays as it was.
         """

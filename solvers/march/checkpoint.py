@@ -1,4 +1,4 @@
-"""States of a march on disk, to the last bit, so that a march that was killed goes on."""
+"""States of a march on disk, bit for bit, from which a killed march continues."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ NOTES = ("case", "records", "wall_time")
 
 @dataclass(frozen=True, kw_only=True)
 class Checkpoint:
-    """Where a march was when its records were last flushed."""
+    """State of a march when its records were last flushed."""
 
     case: str  #: digest of all that the march depends on but its duration
     records: int  #: in the result
-    wall_time: float  #: so far [s]
-    state: dict[str, Any]  #: arrays by name, see `state_arrays`
+    wall_time: float  #: elapsed [s]
+    state: dict[str, Any]  #: arrays by name, from `state_arrays`
 
 
 def state_arrays(state: Any, prefix: str = "") -> dict[str, Any]:
     """Numbers and arrays of a scheme's state by name; dataclasses and named tuples are opened."""
-    found: dict[str, Any] = {}
+    arrays: dict[str, Any] = {}
     for name, value in _parts(state).items():
         whole = prefix + name
-        found |= state_arrays(value, f"{whole}.") if _parts(value) else {whole: value}
-    return found
+        arrays |= state_arrays(value, f"{whole}.") if _parts(value) else {whole: value}
+    return arrays
 
 
 def state_from(begin: Any, arrays: dict[str, Any]) -> Any:
@@ -87,16 +87,16 @@ def read_checkpoint(path: Path) -> Checkpoint:
         ValueError: it is none.
     """
     try:
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as found:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as content:
             state = {
-                name.removeprefix("state."): found[name]
-                for name in found.files
+                name.removeprefix("state."): content[name]
+                for name in content.files
                 if name.startswith("state.")
             }
             return Checkpoint(
-                case=str(found["case"]),
-                records=int(found["records"]),
-                wall_time=float(found["wall_time"]),
+                case=str(content["case"]),
+                records=int(content["records"]),
+                wall_time=float(content["wall_time"]),
                 state=state,
             )
     except (KeyError, BadZipFile, EOFError, TypeError) as error:

@@ -41,14 +41,14 @@ SHARE_OF_STIFFEST = 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class DenseState:
-    """State between two steps; modes of the rotor stand before those of the casing."""
+    """State between two steps; the modes of the rotor precede those of the casing."""
 
     step: int  #: n
     displacement: FloatArray  #: x_n, (modes,)
     velocity: FloatArray  #: v_n
     sums: FloatArray  #: smallest gap, impulse, drag, steps touched since the record, (4, tips)
-    works: FloatArray  #: see `dense_step.EXTERNAL`, (5,)
-    counts: FloatArray  #: see `dense_step.RESIDUAL`, (4,)
+    works: FloatArray  #: work of the loads, `dense_step.EXTERNAL`, (5,)
+    counts: FloatArray  #: quality, `dense_step.RESIDUAL`, (4,)
 
     @property
     def statistics(self) -> Statistics:
@@ -113,7 +113,8 @@ class Dense:
     def advance(
         self, state: DenseState, steps: int, record_every: int | None = None
     ) -> tuple[DenseState, Chunk, EndReason | None]:
-        """Do that many steps, recording at multiples of ``record_every`` (its own if None).
+        """Advance by a number of steps, recording at multiples of ``record_every`` (its own if
+        None).
 
         The state given stays as it was.
         """
@@ -125,9 +126,9 @@ class Dense:
                 records.append(state)
                 state = replace(state, sums=np.zeros_like(state.sums))
                 state.sums[dense_step.GAP] = np.inf
-            wanted = min(every - state.step % every, last - state.step)
-            state, done = self._do(state, wanted)
-            if done < wanted:
+            count = min(every - state.step % every, last - state.step)
+            state, done = self._do(state, count)
+            if done < count:
                 if not records or records[-1].step < state.step:
                     records.append(state)
                 ended = EndReason.DIVERGENT
@@ -135,7 +136,7 @@ class Dense:
         return (self._do(state, 0)[0] if steps == 0 else state), self._chunk(records), ended
 
     def _do(self, state: DenseState, steps: int) -> tuple[DenseState, int]:
-        """Steps within the limit of displacements, at most that many."""
+        """Advance up to a number of steps within the displacement limit."""
         names = ("displacement", "velocity", "sums", "works", "counts")
         arrays = {name: getattr(state, name).copy() for name in names}
         done = dense_step.advance(
@@ -161,24 +162,24 @@ class Dense:
             "works": (5,),
             "counts": (4,),
         }
-        found = {
+        values = {
             name: np.reshape([getattr(record, name) for record in records], (len(records), *shape))
             for name, shape in shapes.items()
         }
-        gap, impulse, drag, touched = np.moveaxis(found["sums"], 1, 0)
-        external, normal, friction, damping, turning = found["works"].T
+        gap, impulse, drag, touched = np.moveaxis(values["sums"], 1, 0)
+        external, normal, friction, damping, turning = values["works"].T
         return Chunk(
             step=step,
             time=np.asarray(step * self._dt, dtype=np.float64),
-            rotor_displacement=found["displacement"][:, :rotor],
-            rotor_velocity=found["velocity"][:, :rotor],
-            casing_displacement=found["displacement"][:, rotor:],
-            casing_velocity=found["velocity"][:, rotor:],
+            rotor_displacement=values["displacement"][:, :rotor],
+            rotor_velocity=values["velocity"][:, :rotor],
+            casing_displacement=values["displacement"][:, rotor:],
+            casing_velocity=values["velocity"][:, rotor:],
             gap=gap,
             contact_impulse=impulse,
             friction_impulse=drag,
             contact_steps=touched.astype(np.int64),
-            contacts=found["counts"][:, dense_step.CONTACTS].astype(np.int64),
+            contacts=values["counts"][:, dense_step.CONTACTS].astype(np.int64),
             energy=np.array([self._energy(record) for record in records]),
             external_work=external,
             normal_work=normal,

@@ -1,4 +1,4 @@
-"""One step of the dense schemes, compiled and plain: velocities first, impulses at the tips.
+"""One step of the dense schemes, compiled: velocities first, impulses at the tips.
 
 With theta = 1/2 and unit masses, A = 1 + h C / 2 + h^2 K / 4, velocities without contact are
 
@@ -36,14 +36,14 @@ MOST_ROUNDS, CLOSE = 2000, 1e-12
 
 ENTRY = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 PART = ENTRY | {"cache": False, "no_cpython_wrapper": True}
-"""Options of what Python calls, and of what compiled code alone does."""
+"""Options of functions called from Python, and of functions called from compiled code only."""
 
 LOOK_EVERY = 100
-"""Steps between looks at displacements other than the tips' radial ones."""
+"""Steps between checks of displacements other than the radial ones of the tips."""
 
 
 class Stage(NamedTuple):
-    """What stays the same all march long; modes of the rotor stand before those of the casing."""
+    """Constants of a march; the modes of the rotor precede those of the casing."""
 
     stiffness: FloatArray  #: squared frequencies, (modes,)
     damping: FloatArray  #: diagonal part of C, (modes,)
@@ -51,7 +51,7 @@ class Stage(NamedTuple):
     by_velocity: FloatArray  #: Coriolis forces and the rest of C, (rotor modes, same) or empty
     inverse: FloatArray  #: of A, (modes, modes)
     centre: FloatArray  #: x and y of the rotor's centre, (2, modes)
-    circulation: float  #: of dampers under it that stand still [N/m]
+    circulation: float  #: of fixed dampers under it [N/m]
     coupled: IntArray  #: modes that turning springs join, (coupled,)
     turning_cos: FloatArray  #: their stiffness by harmonics of the rotor's angle, (n, c, c)
     turning_sin: FloatArray
@@ -114,7 +114,7 @@ def load_force(stage: Stage, time: float, out: FloatArray) -> None:
 
 @njit(**PART)
 def tip_place(stage: Stage, tip: int, turn: float, x: FloatArray) -> tuple[int, float]:
-    """Element of the casing that a tip stands under, and where along it, 0 to 1."""
+    """Return the casing element under a tip, and the position along it, 0 to 1."""
     angle = stage.tip_angle[tip] + turn
     if stage.follows:
         moved = np.dot(stage.tip_tangential[tip], x[: stage.tip_radial.shape[1]])
@@ -198,7 +198,7 @@ def sliding(
 
 @njit(**PART)
 def impulses(
-    law: Law, compliance: FloatArray, free: FloatArray, before: FloatArray, found: FloatArray
+    law: Law, compliance: FloatArray, free: FloatArray, before: FloatArray, impulse: FloatArray
 ) -> tuple[float, bool]:
     """Normal and tangential impulses by projected Gauss-Seidel: residual, and whether it ended.
 
@@ -207,7 +207,7 @@ def impulses(
         compliance: velocities by impulses, normal then tangential, (2 tips, 2 tips).
         free: velocities without impulses, (2 tips,).
         before: normal velocities at the start of the step, (tips,).
-        found: impulses to start from and to be filled, (2 tips,).
+        impulse: impulses to start from and to be filled, (2 tips,).
     """
     tips = len(before)
     scale = max(np.abs(free).max(), np.abs(before).max(), 1e-300)
@@ -216,35 +216,35 @@ def impulses(
         rounds, change = rounds + 1, 0.0
         for tip in range(tips):
             if law.penalty == 0.0 and compliance[tip, tip] > 0.0:
-                wanted = -law.restitution * min(before[tip], 0.0)
-                speed = free[tip] + np.dot(compliance[tip], found) - wanted
-                after = max(0.0, found[tip] - speed / compliance[tip, tip])
-                change = max(change, compliance[tip, tip] * abs(after - found[tip]))
-                found[tip] = after
-            most, row = law.friction * found[tip], tips + tip
+                rebound = -law.restitution * min(before[tip], 0.0)
+                speed = free[tip] + np.dot(compliance[tip], impulse) - rebound
+                after = max(0.0, impulse[tip] - speed / compliance[tip, tip])
+                change = max(change, compliance[tip, tip] * abs(after - impulse[tip]))
+                impulse[tip] = after
+            most, row = law.friction * impulse[tip], tips + tip
             if most == 0.0 or compliance[row, row] <= 0.0:
                 after = -most * np.sign(free[row])
             else:
-                speed = free[row] + np.dot(compliance[row], found)
+                speed = free[row] + np.dot(compliance[row], impulse)
                 yielding = law.stick_speed / most
-                after = found[row] - (speed + yielding * found[row]) / (
+                after = impulse[row] - (speed + yielding * impulse[row]) / (
                     compliance[row, row] + yielding
                 )
                 after = min(max(after, -most), most)
-            change = max(change, compliance[row, row] * abs(after - found[row]))
-            found[row] = after
+            change = max(change, compliance[row, row] * abs(after - impulse[row]))
+            impulse[row] = after
     residual = 0.0
     if law.penalty == 0.0:
         for tip in range(tips):
-            left = free[tip] + np.dot(compliance[tip], found)
+            left = free[tip] + np.dot(compliance[tip], impulse)
             left += law.restitution * min(before[tip], 0.0)
-            residual = max(residual, abs(min(left, compliance[tip, tip] * found[tip])) / scale)
+            residual = max(residual, abs(min(left, compliance[tip, tip] * impulse[tip])) / scale)
     return residual, change <= CLOSE * scale
 
 
 @njit(**PART)
 def keeps_limit(stage: Stage, step: int, x: FloatArray) -> bool:
-    """Whether displacements are such as small displacements are meant for."""
+    """Return whether all displacements are within the limit."""
     modes = stage.tip_radial.shape[1]
     for tip in range(len(stage.tip_angle)):
         if not abs(np.dot(stage.tip_radial[tip], x[:modes])) <= stage.limit:
@@ -292,7 +292,7 @@ def advance(
     size, tips = len(x), len(stage.tip_angle)
     load, rows = np.zeros(size), np.zeros((2 * tips, size))
     row, active = np.zeros(size), np.zeros(tips, dtype=np.int64)
-    free, before, found = np.zeros(2 * tips), np.zeros(tips), np.zeros(2 * tips)
+    free, before, impulse = np.zeros(2 * tips), np.zeros(tips), np.zeros(2 * tips)
     for step in range(first, first + steps):
         middle = x + 0.5 * h * v
         load_force(stage, (step + 0.5) * h, load)
@@ -308,7 +308,7 @@ def advance(
         for tip in range(tips):
             gap = look(stage, tip, turn, seen, rows[touching])
             if gap < 0.0:
-                active[touching], found[touching] = tip, -gap
+                active[touching], impulse[touching] = tip, -gap
                 touching += 1
         n = touching
         v_after = v_free.copy()
@@ -320,10 +320,10 @@ def advance(
                 free[n + i] = np.dot(rows[n + i], v_free) - stage.tip_radius * stage.speed
             answers = rows[: 2 * n] @ stage.inverse.T
             compliance = rows[: 2 * n] @ answers.T
-            found[:n] = h * law.penalty * found[:n]
-            found[n : 2 * n] = 0.0
-            residual, ended = impulses(law, compliance, free[: 2 * n], before[:n], found[: 2 * n])
-            v_after += found[: 2 * n] @ answers
+            impulse[:n] = h * law.penalty * impulse[:n]
+            impulse[n : 2 * n] = 0.0
+            residual, ended = impulses(law, compliance, free[: 2 * n], before[:n], impulse[: 2 * n])
+            v_after += impulse[: 2 * n] @ answers
             counts[RESIDUAL] = max(counts[RESIDUAL], residual)
             counts[UNSOLVED] += not ended
         moved = 0.5 * h * (v + v_after)
@@ -333,13 +333,13 @@ def advance(
         counts[CONTACTS] = 0.0
         for i in range(n):
             tip = active[i]
-            if found[i] > 0.0:
+            if impulse[i] > 0.0:
                 counts[CONTACTS] += 1
-                sums[IMPULSE, tip] += found[i]
-                sums[DRAG, tip] += found[n + i]
+                sums[IMPULSE, tip] += impulse[i]
+                sums[DRAG, tip] += impulse[n + i]
                 sums[TOUCHED, tip] += 1
-                works[NORMAL] += found[i] / h * np.dot(rows[i], moved)
-                works[FRICTION] += found[n + i] / h * np.dot(rows[n + i], moved)
+                works[NORMAL] += impulse[i] / h * np.dot(rows[i], moved)
+                works[FRICTION] += impulse[n + i] / h * np.dot(rows[n + i], moved)
         counts[CONTACT_STEPS] += counts[CONTACTS] > 0
         at, after = stage.speed * step * h, stage.speed * (step + 1) * h
         works[EXTERNAL] += np.dot(moved, load)

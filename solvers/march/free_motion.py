@@ -13,7 +13,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.march.march import CHUNK_STEPS, Chunk
 
 StopWhen = Literal["damped"]
-"""What a march may end early for."""
+"""Reasons for an early end of a march."""
 
 STOPS: tuple[StopWhen, ...] = get_args(StopWhen)
 
@@ -62,7 +62,7 @@ class FreeMotion:
         compliance = _compliance(rotor.tip_radial, rotor.frequency)
         compliance += _compliance(casing.nodal[:, 0], casing.frequency)
         gap = CLOSING * float(casing.clearance[:, 0].min() + rotor.tip_recess.min())
-        # What the scheme keeps is less than the energy by this, at the highest frequency.
+        # The invariant of the scheme is smaller than the energy by this, at the highest frequency.
         share = 1.0 - (time_step / problem.critical_time_step) ** 2
         turn = 2.0 * np.pi / abs(problem.speed) if problem.speed else np.inf
         return cls(

@@ -23,7 +23,7 @@ class EndReason(Enum):
 
     COMPLETED = "completed"
     DIVERGENT = "divergent"
-    DAMPED = "damped"  #: nothing can touch any more, see `FreeMotion`
+    DAMPED = "damped"  #: no further contact is possible, see `FreeMotion`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +46,9 @@ class Chunk:
     normal_work: FloatArray  #: of the normal contact forces [J]
     friction_work: FloatArray  #: of the friction forces [J]
     damping_work: FloatArray  #: lost to damping [J]
-    coupling_work: FloatArray  #: of turning the rotor against springs that stand still [J]
+    coupling_work: (
+        FloatArray  #: work on the rotor due to its rotation relative to fixed springs [J]
+    )
 
     @property
     def records(self) -> int:
@@ -68,17 +70,17 @@ def joined(chunks: Sequence[Chunk]) -> Chunk:
 
 @dataclass(frozen=True, kw_only=True)
 class Statistics:
-    """What a march knows of its own quality."""
+    """Quality measures of a march."""
 
     steps: int  #: steps done
     contact_steps: int  #: of these, with contact
-    complementarity_residual: float  #: largest of all steps (see `CentralDifference`)
+    complementarity_residual: float  #: largest of all steps (`CentralDifference`)
     pivots: int  #: changes of the active set after the first guess
     lcp_failures: int  #: steps whose complementarity problem no exact method solved
 
 
 class MarchState(Protocol):
-    """State of a march between two steps; what it holds is the scheme's."""
+    """State of a march between two steps; its content belongs to the scheme."""
 
     @property
     def step(self) -> int:
@@ -103,7 +105,8 @@ class Scheme(Protocol[StateT]):
     def advance(
         self, state: StateT, steps: int, record_every: int | None = None
     ) -> tuple[StateT, Chunk, EndReason | None]:
-        """Do that many steps, recording at multiples of ``record_every`` (its own if None).
+        """Advance by a number of steps, recording at multiples of ``record_every`` (its own if
+        None).
 
         The state given stays as it was.
         """
@@ -140,7 +143,7 @@ def march(
     if state is None:
         state = scheme.init()
     per_chunk = max(1, CHUNK_STEPS // timing.record_every) * timing.record_every
-    # A record at step n is complete with x_{n+1}: the last one asks for one step more.
+    # A record at step n needs x_{n+1}: the last one takes one more step.
     last, whole = timing.steps + 1, timing.whole_steps + 1
     while state.step < last:
         within_whole = state.step < whole

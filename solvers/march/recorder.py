@@ -1,4 +1,4 @@
-"""Records of a march on disk: `result.nc`, netCDF-4 that grows as the march goes on.
+"""Records of a march on disk: `result.nc`, netCDF-4 that grows during the march.
 
 Every variable has named dimensions, units and a long name. What has been flushed survives a kill:
 h5py flushes, h5netcdf does not, so the file is opened with the one and handed to the other. Records
@@ -43,7 +43,7 @@ STORAGE_BYTES = 2**16
 little lost where a run is short."""
 
 STRUCTURE_BYTES = 100_000
-"""About what names, attributes and the places of pieces take in a result."""
+"""Approximate size of names, attributes and chunk indices in a result."""
 
 
 class NonFiniteError(ArithmeticError):
@@ -51,11 +51,11 @@ class NonFiniteError(ArithmeticError):
 
 
 class Record(Protocol):
-    """What the records of a march are put into."""
+    """Protocol of a record sink."""
 
     @property
     def records(self) -> int:
-        """Number of records taken."""
+        """Number of records."""
 
     @property
     def steps(self) -> int:
@@ -211,7 +211,7 @@ def result_bytes(rotor_modes: int, casing_modes: int, blades: int, records: int)
 
 
 def description_bytes(stage: StageArrays) -> int:
-    """Size of what a result holds beside its histories [bytes], the same however long it is.
+    """Return the size of a result without its histories [bytes], independent of its duration.
 
     Args:
         stage: arrays that describe the stage.
@@ -231,7 +231,7 @@ def _rows_stored(widths: tuple[int, ...]) -> int:
 
 
 def sizes_of(stage: StageArrays) -> dict[str, int]:
-    """Length of each dimension, found from the arrays that have it."""
+    """Return the length of each dimension, from the arrays that have it."""
     sizes: dict[str, int] = {}
     for name, variable in STATIC.items():
         for dimension, size in zip(

@@ -1,4 +1,4 @@
-"""Records of a march kept in memory, for marches whose histories nobody keeps."""
+"""Records of a march in memory, for marches whose histories are not written."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from bladewhirl.solvers.march.schema import HISTORY
 
 
 class Records:
-    """Takes the records of a march as `Recorder` does; nothing is written.
+    """Record sink in memory, with the interface of `Recorder`.
 
     Args:
         stage: arrays that describe the stage.
@@ -43,8 +43,8 @@ class Records:
         sizes = sizes_of(stage)
         self._room: dict[str, Values] = {} if room is None else room
         for name, variable in HISTORY.items():
-            widths, held = tuple(widths_of(variable, sizes)), self._room.get(name)
-            if held is None or len(held) < most or held.shape[1:] != widths:
+            widths, stored = tuple(widths_of(variable, sizes)), self._room.get(name)
+            if stored is None or len(stored) < most or stored.shape[1:] != widths:
                 self._room[name] = np.empty((most, *widths), dtype=variable.kind)
 
     @property

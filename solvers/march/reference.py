@@ -29,11 +29,11 @@ from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
 
 CHECK_EVERY = 100
-"""Steps between looks at displacements other than the tips' radial ones."""
+"""Steps between checks of displacements other than the radial ones of the tips."""
 
 
 class Step(NamedTuple):
-    """What leads to x_{n+1}; forces are modal, (modes,)."""
+    """Terms of x_{n+1}; forces are modal, (modes,)."""
 
     after: FloatArray  #: x_{n+1}
     gap: FloatArray  #: at x_{n+1} [m], (tips,)
@@ -42,14 +42,14 @@ class Step(NamedTuple):
     force: FloatArray  #: f_n
     pressed: FloatArray  #: B_N^T lambda
     dragged: FloatArray  #: mu B_T^T S lambda
-    circulated: FloatArray  #: of dampers that stand still, by x_n
+    circulated: FloatArray  #: of fixed dampers, by x_n
     damped: FloatArray  #: of the dampers at points
-    residual: float  #: of complementarity, see `CentralDifference`
+    residual: float  #: of complementarity (`CentralDifference`)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReferenceState:
-    """State between two steps; modes of the rotor stand before those of the casing."""
+    """State between two steps; the modes of the rotor precede those of the casing."""
 
     step: int  #: n
     before: FloatArray  #: x_{n-1}, (modes,)
@@ -97,7 +97,9 @@ class Reference:
         dampers = [body.dampers.T @ body.dampers for body in (rotor, casing)]
         feel = turning or dampers_feel_contact, dampers_feel_contact
         self._felt = la.block_diag(*(d * feels for d, feels in zip(dampers, feel, strict=True)))
-        self._late = la.block_diag(*dampers) - self._felt  # dampers that feel contact a step late
+        self._late = (
+            la.block_diag(*dampers) - self._felt
+        )  # dampers that respond to contact one step late
         if rotor.by_velocity is not None:
             self._felt[: self._rotor_modes, : self._rotor_modes] += rotor.by_velocity
         self._by_velocity = self._felt + self._late
@@ -133,7 +135,8 @@ class Reference:
     def advance(
         self, state: ReferenceState, steps: int, record_every: int | None = None
     ) -> tuple[ReferenceState, Chunk, EndReason | None]:
-        """Do that many steps, recording at multiples of ``record_every`` (its own if None).
+        """Advance by a number of steps, recording at multiples of ``record_every`` (its own if
+        None).
 
         The state given stays as it was.
         """
@@ -159,8 +162,8 @@ class Reference:
         force, circulated = self._force(n), self._circulation(x)
         restoring = self._stiffness * x + self._spring_force(n, x)
         inertia = 2.0 / dt**2 * x + (self._damping / (2.0 * dt) - 1.0 / dt**2) * before
-        held = self._by_velocity @ before / (2.0 * dt)
-        free = self._inverse @ (force + circulated - restoring + inertia + held)
+        drag = self._by_velocity @ before / (2.0 * dt)
+        free = self._inverse @ (force + circulated - restoring + inertia + drag)
         normal, tangential, clearance = self._rows(free, n + 1)
         slides = self._problem.friction * self._sliding(tangential, x - before)
         free_gap = clearance + normal @ free
@@ -228,7 +231,7 @@ class Reference:
         return total
 
     def _circulation(self, x: FloatArray) -> FloatArray:
-        """Force of dampers under the centre that stand still, by x."""
+        """Return the force of fixed dampers under the centre due to displacement."""
         rotor = self._problem.rotor
         skew = rotor.circulation * np.array([[0.0, 1.0], [-1.0, 0.0]])
         force = rotor.centre.T @ (skew @ (rotor.centre @ x[: self._rotor_modes]))
@@ -280,12 +283,12 @@ class Reference:
         return np.asarray(np.sign(speed))
 
     def _keeps_limit(self, x: FloatArray, n: int) -> bool:
-        """Whether displacements at step n are such as small displacements are meant for."""
+        """Return whether all displacements at step n are within the limit."""
         rotor, limit = self._problem.rotor, self._problem.displacement_limit
-        own, casing = np.split(x, [self._rotor_modes])
-        looked_at = [rotor.tip_radial @ own]
+        disk, casing = np.split(x, [self._rotor_modes])
+        looked_at = [rotor.tip_radial @ disk]
         if n % CHECK_EVERY == 0:
-            looked_at += [rotor.tip_tangential @ own, self._problem.casing.nodal[:, 0] @ casing]
+            looked_at += [rotor.tip_tangential @ disk, self._problem.casing.nodal[:, 0] @ casing]
         return bool(np.all(np.abs(np.concatenate(looked_at)) <= limit))  # False for NaN
 
     def _chunk(self, records: list[tuple[ReferenceState, FloatArray, float]]) -> Chunk:
@@ -339,12 +342,12 @@ def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
         ArithmeticError: no active set is complementary.
     """
     tips, tolerance = len(gap), 1e-12 * np.abs(gap).max()
-    held = gap < 0.0
+    active = gap < 0.0
     for _ in range(2 * tips):
-        multiplier, after, complete = _closed(gap, delassus, np.flatnonzero(held), tolerance)
+        multiplier, after, complete = _closed(gap, delassus, np.flatnonzero(active), tolerance)
         if complete:
             return multiplier
-        held = np.where(held, multiplier >= 0.0, after < -tolerance)
+        active = np.where(active, multiplier >= 0.0, after < -tolerance)
     for size in range(tips + 1):
         for subset in combinations(range(tips), size):
             chosen = np.array(subset, dtype=np.int64)

@@ -29,12 +29,12 @@ that they were given in; 3 and 4 lack what is marked later. They can be read, bu
 TIME = "time"
 
 OPTIONAL_DIMENSIONS = frozenset({"support", "rotor_link", "rotor_spring", "mass"})
-"""What a stage may have none of. It is left out of a file then: netCDF takes a dimension of length
-zero for one that grows."""
+"""Dimensions that may be zero. Their variables are left out of a file: netCDF treats a dimension of
+length zero as unlimited."""
 
 
 class Variable(NamedTuple):
-    """One variable of a file."""
+    """Variable of a file."""
 
     dimensions: tuple[str, ...]  #: in a sweep they follow those of the swept keys
     kind: str  #: dtype, or "str"

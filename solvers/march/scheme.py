@@ -1,4 +1,4 @@
-"""The scheme that a march is made with: the one its case names, or a reference of the fast one.
+"""Choice of the time integration scheme: the one of the case, or the reference.
 
 `BLADEWHIRL_KERNEL=reference bladewhirl run ...` marches in plain NumPy, several hundred times
 slower and without anything compiled: to tell a fault of the compiled march from one of the model.
@@ -19,7 +19,7 @@ KERNEL = "BLADEWHIRL_KERNEL"
 
 
 SchemeName = Literal["central-difference", "moreau-jean", "penalty"]
-"""As cases name them."""
+"""Names as in cases."""
 
 
 def make_scheme(
@@ -37,7 +37,7 @@ def make_scheme(
     kernel = os.environ.get(KERNEL, "compiled")
     if kernel not in ("compiled", "reference"):
         raise UserError(f"{KERNEL}: expected compiled or reference, got {kernel!r}")
-    # numba takes its time to be loaded, and the reference does without.
+    # numba is slow to import, and the reference does not need it.
     if name != "central-difference":
         from bladewhirl.solvers.march.dense import Dense
 

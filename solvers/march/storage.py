@@ -14,11 +14,11 @@ CLAIMED = 2**40
 """Bytes that a cut-off file claims to have more than it has."""
 
 SMALL = 4096
-"""Bytes of a read of HDF5's own structure, at most, which may reach past what it looks for."""
+"""Largest read of HDF5's own structures [bytes], which may exceed the data it needs."""
 
 
 class GuardedFile(io.RawIOBase):
-    """A new file; once the system refuses a write, this and all later ones are kept in memory.
+    """New file that collects this and later writes in memory once the system refuses one.
 
     Raises:
         OSError: it can't be made.
@@ -41,12 +41,12 @@ class GuardedFile(io.RawIOBase):
         return self._at
 
     def readinto(self, buffer: Any) -> int:
-        """Fill the buffer with what was written, zeros where nothing was."""
+        """Fill the buffer with written data, zeros elsewhere."""
         view = memoryview(buffer).cast("B")
         self._file.seek(self._at)
-        found = self._file.read(len(view))
-        view[: len(found)] = found
-        view[len(found) :] = bytes(len(view) - len(found))
+        count = self._file.read(len(view))
+        view[: len(count)] = count
+        view[len(count) :] = bytes(len(view) - len(count))
         for start, content in self._kept:
             first = max(start, self._at)
             last = min(start + len(content), self._at + len(view))
@@ -57,7 +57,7 @@ class GuardedFile(io.RawIOBase):
         return len(view)
 
     def write(self, data: Any) -> int:
-        """Write all of it, or keep it in memory."""
+        """Write all data to the file or, after a refusal, to memory."""
         view = memoryview(data).cast("B")
         try:
             if self.refusal is None:
@@ -99,7 +99,7 @@ class GuardedFile(io.RawIOBase):
 
 
 class CutFile(io.RawIOBase):
-    """A file to read that may be shorter than its header says: one of a march that was killed."""
+    """Readable file that may be shorter than its header states, as a killed march leaves it."""
 
     mode = "rb"
 
@@ -109,11 +109,11 @@ class CutFile(io.RawIOBase):
         self._size = os.fstat(self._file.fileno()).st_size
 
     def readable(self) -> bool:
-        """It is."""
+        """Return True."""
         return True
 
     def seekable(self) -> bool:
-        """It is."""
+        """Return True."""
         return True
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
@@ -136,9 +136,9 @@ class CutFile(io.RawIOBase):
         at = self._file.tell()
         if at >= self._size or (at + len(view) > self._size and len(view) > SMALL):
             raise OSError(f"the file ends at byte {self._size}, before what its header promises")
-        found = self._file.read(len(view))
-        view[: len(found)] = found
-        view[len(found) :] = bytes(len(view) - len(found))
+        count = self._file.read(len(view))
+        view[: len(count)] = count
+        view[len(count) :] = bytes(len(view) - len(count))
         return len(view)
 
     def close(self) -> None:

@@ -37,7 +37,7 @@ class Coincidences:
         return len(self.speed)
 
     def between(self, lowest: float, highest: float) -> Coincidences:
-        """Those with a speed from ``lowest`` to ``highest`` [rad/s], ends included."""
+        """Return the coincidences from ``lowest`` to ``highest`` [rad/s], limits included."""
         return self.take(np.flatnonzero((self.speed >= lowest) & (self.speed <= highest)))
 
     def take(self, chosen: IntArray) -> Coincidences:

@@ -24,11 +24,11 @@ from bladewhirl.models.coupling.springs import CouplingModes
 
 @dataclass(frozen=True, kw_only=True)
 class CoupledMode:
-    """One mode of the autonomous system: q = Re(shape exp(eigenvalue t))."""
+    """Mode of the autonomous system: q = Re(shape exp(eigenvalue t))."""
 
     modes: CouplingModes  #: the modes coupled; `shape` is zero outside one nodal diameter
     speed: float  #: Omega [rad/s]
-    nodal_diameter: int  #: k of the entries that take part
+    nodal_diameter: int  #: k of the participating entries
     eigenvalue: complex  #: [1/s]
     shape: ComplexArray  #: in the invariant coordinates q, largest entry one, (modes.size,)
 
@@ -46,7 +46,7 @@ class RadialShapes:
 
 @dataclass(frozen=True, kw_only=True)
 class CoupledMotion:
-    """A coupled mode in time, as large as makes tip and casing touch at the last instant."""
+    """Coupled mode in time, scaled so that tip and casing touch at the last instant."""
 
     time: FloatArray  #: [s], (times,)
     nodal_diameter: int  #: k of the motion
@@ -117,7 +117,7 @@ def coupled_modes(
         kappa: spring stiffness [N/m].
         with_pi: keep the factor pi of Eq. (8).
     """
-    found = []
+    result = []
     for k in modes.harmonics:
         chosen = np.flatnonzero(modes.nodal_diameter == k)
         part = modes.take(chosen)
@@ -129,7 +129,7 @@ def coupled_modes(
             shape = np.zeros(modes.size, dtype=np.complex128)
             vector = vectors[: part.size, i]
             shape[coordinates] = vector / vector[np.argmax(np.abs(vector))]
-            found.append(
+            result.append(
                 CoupledMode(
                     modes=modes,
                     speed=speed,
@@ -138,7 +138,7 @@ def coupled_modes(
                     shape=shape,
                 )
             )
-    return sorted(found, key=lambda mode: (-mode.eigenvalue.real, mode.eigenvalue.imag))
+    return sorted(result, key=lambda mode: (-mode.eigenvalue.real, mode.eigenvalue.imag))
 
 
 def modal_response(mode: CoupledMode, time: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -119,7 +119,7 @@ def floquet(
 def coupled_floquet(
     modes: CouplingModes, *, speed: float, kappa: float, with_pi: bool = True
 ) -> dict[int, Floquet]:
-    """Integrate the coupled rotor and casing over one turn, each nodal diameter apart.
+    """Integrate the coupled rotor and casing over one revolution, each nodal diameter separately.
 
     Args:
         modes: the coupled modes.
@@ -163,14 +163,14 @@ def wave_exponents(
         with_pi: keep the factor pi of Eq. (8).
     """
     if waves.turning is not None or speed == 0.0:
-        found = np.linalg.eigvals(waves.state_matrix(speed, kappa, with_pi=with_pi))
+        exponents = np.linalg.eigvals(waves.state_matrix(speed, kappa, with_pi=with_pi))
     else:
-        found = floquet(
+        exponents = floquet(
             lambda times: waves.stiffness(speed * times, kappa, with_pi=with_pi),
             period=2.0 * np.pi / abs(speed),
             damping=waves.damping,
         ).exponents
-    return np.asarray(np.sort_complex(found)[::-1], dtype=np.complex128)
+    return np.asarray(np.sort_complex(exponents)[::-1], dtype=np.complex128)
 
 
 def _propagate(
@@ -219,10 +219,10 @@ def exponentials(matrices: FloatArray) -> FloatArray:
     even = sixth @ (b[12] * sixth + b[10] * fourth + b[8] * second) + (
         b[6] * sixth + b[4] * fourth + b[2] * second + b[0] * unit
     )
-    found = np.linalg.solve(even - odd, even + odd)
+    result = np.linalg.solve(even - odd, even + odd)
     for _ in range(halvings):
-        found = found @ found
-    return np.asarray(found)
+        result = result @ result
+    return np.asarray(result)
 
 
 def _state_matrices(stiffness: FloatArray, damping: FloatArray, unit: float) -> FloatArray:

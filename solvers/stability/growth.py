@@ -48,7 +48,7 @@ Progress = Callable[[int, int], None]  #: called with the points done and the po
 
 
 def is_unstable(growth: ArrayLike, speed: ArrayLike) -> BoolArray:
-    """Whether growth [1/s] exceeds `UNSTABLE_GROWTH` times the speed [rad/s]."""
+    """Return whether growth [1/s] exceeds `UNSTABLE_GROWTH` times the speed [rad/s]."""
     limit = UNSTABLE_GROWTH * np.abs(np.asarray(speed))
     return np.asarray(np.asarray(growth) > limit, dtype=np.bool_)
 
@@ -144,29 +144,29 @@ def coincidence_speeds_at_speed(
     With nu = omega_casing - k Omega put in, waves of a turning rotor are a quadratic eigenvalue
     problem in Omega. A wave that is left out never meets the casing's.
     """
-    found: dict[tuple[int, int], float] = {}
+    lowest: dict[tuple[int, int], float] = {}
     for casing in np.flatnonzero(modes.on_casing & (modes.nodal_diameter > 0)).tolist():
-        k, own = int(modes.nodal_diameter[casing]), float(modes.frequency[casing])
+        k, frequency = int(modes.nodal_diameter[casing]), float(modes.frequency[casing])
         rotor = np.flatnonzero(~modes.on_casing & (modes.nodal_diameter == k))
         part = turning.take(rotor)
         rank = np.argsort(np.argsort(modes.frequency[rotor], kind="stable"), kind="stable")
         identity, square = np.eye(len(rotor)), modes.frequency[rotor] ** 2
         second = part.softening - k**2 * identity - 2j * k * part.coriolis
-        first = 2.0 * own * (k * identity + 1j * part.coriolis)
-        zeroth = np.diag(square) - own**2 * identity
+        first = 2.0 * frequency * (k * identity + 1j * part.coriolis)
+        zeroth = np.diag(square) - frequency**2 * identity
         unit = float(modes.frequency.max())
         companion = np.block(
             [[np.zeros_like(second), identity], [-zeroth / unit**2, -first / unit]]
         )
         speeds = la.eigvals(companion, la.block_diag(identity, second)) * unit
         real = np.abs(speeds.imag) <= REAL * np.abs(speeds)
-        for speed in np.sort(speeds.real[real & (k * speeds.real > own)]).tolist():
+        for speed in np.sort(speeds.real[real & (k * speeds.real > frequency)]).tolist():
             waves = np.sort(rotor_waves(part, modes.frequency[rotor], speed).real)
-            behind = len(rotor) - 1 - int(np.abs(waves - (own - k * speed)).argmin())
+            behind = len(rotor) - 1 - int(np.abs(waves - (frequency - k * speed)).argmin())
             if behind >= 0:  # it travels backward at rest
                 met = rotor[np.flatnonzero(rank == behind)[0]]
-                found.setdefault((casing, int(met)), speed)
-    return dict(sorted(found.items()))
+                lowest.setdefault((casing, int(met)), speed)
+    return dict(sorted(lowest.items()))
 
 
 def rotor_waves(
@@ -175,7 +175,8 @@ def rotor_waves(
     speed: float,
     damping: FloatArray | None = None,
 ) -> ComplexArray:
-    """All nu of waves exp(i nu t) of a rotor alone, positive forward, (2 entries,) [rad/s].
+    """Return all nu of waves exp(i nu t) of the rotor without casing, positive forward [rad/s], (2
+    entries,).
 
     Args:
         turning: matrices over its entries, of one nodal diameter.
@@ -194,7 +195,7 @@ def rotor_waves(
 def whirl_matrix(
     modes: CouplingModes, speed: FloatArray, kappa: FloatArray, *, with_pi: bool
 ) -> FloatArray | ComplexArray:
-    """Matrix of half size with eigenvalues mu, for pairs of one nodal diameter (see the module).
+    """Return a matrix of half size with eigenvalues mu, for pairs of one nodal diameter.
 
     Returns:
         (..., 2 entries, 2 entries) [rad/s after scaling], real without damping, but for a rotor
@@ -227,7 +228,7 @@ def whirl_matrix(
 def _spectrum(
     modes: CouplingModes, speed: FloatArray, kappa: FloatArray, with_pi: bool
 ) -> ComplexArray:
-    """Spectrum of one nodal diameter [1/s]: the half i mu where it holds pairs only, or all."""
+    """Return the spectrum of one nodal diameter [1/s]: one half, i mu, if it has pairs only."""
     if np.all(modes.paired):
         return np.asarray(
             1j * np.linalg.eigvals(whirl_matrix(modes, speed, kappa, with_pi=with_pi))

@@ -1,4 +1,4 @@
-"""Modes with one nodal diameter as the springs of the shaft get stiffer.
+"""Modes with one nodal diameter over the stiffness of the shaft springs.
 
 The shaft springs add kappa s s^H, of rank one, to the stiffness of the block k = 1 (s is the
 displacement of the centre). Each frequency therefore rises with kappa, up to the frequency of the
@@ -58,8 +58,8 @@ def shaft_veering(
         frequency[i] = np.sqrt(squares)
         in_springs = kappa * np.abs(centre.conj() @ vectors) ** 2
         share[i] = in_springs / np.maximum(squares, np.finfo(float).tiny)
-    held = np.flatnonzero(np.abs(centre) < 0.5)
-    inside = np.ix_(held, held)
+    at_rest = np.flatnonzero(np.abs(centre) < 0.5)
+    inside = np.ix_(at_rest, at_rest)
     clamped = la.eigvalsh(stiffness[inside], mass[inside], subset_by_index=(0, branches - 1))
     return ShaftVeering(
         stiffness=springs,
@@ -78,7 +78,7 @@ def whirl_veering(
     springs: FloatArray,
     branches: int,
 ) -> ShaftVeering:
-    """The same at speed, of waves that travel backward and of those that travel forward.
+    """Compute the families at speed, for waves that travel backward and forward.
 
     Signed frequencies rise with kappa backward, and fall forward; neither cross.
 
@@ -102,9 +102,9 @@ def whirl_veering(
         w, vectors = gyroscopic_eigen(mass, stiffness + kappa * unit, coriolis)
         kept = vectors[:, chosen(size)]
         frequency[i] = np.abs(w[chosen(size)].real)
-        held = kappa * np.abs(centre.conj() @ kept) ** 2
+        spring_energy = kappa * np.abs(centre.conj() @ kept) ** 2
         material = np.einsum("im,ij,jm->m", kept.conj(), elastic, kept).real
-        share[i] = held / np.maximum(held + material, np.finfo(float).tiny)
+        share[i] = spring_energy / np.maximum(spring_energy + material, np.finfo(float).tiny)
     free = np.flatnonzero(np.abs(centre) < 0.5)
     w = gyroscopic_frequencies(*(each[np.ix_(free, free)] for each in (mass, stiffness, coriolis)))
     return ShaftVeering(

@@ -25,7 +25,7 @@ from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, growth_rate, whirl_matrix
 
 SAMPLES = 400
-"""Speeds at which the sign of the growth is first looked at, where it has to be sampled."""
+"""Number of speeds at which the sign of the growth is sampled first."""
 
 INSIDE = 9
 """Further speeds sampled inside each undamped zone."""
@@ -42,7 +42,7 @@ class UnstableZones:
     lower: FloatArray  #: speed at which the zone begins [rad/s], (rows,)
     upper: FloatArray  #: speed at which it ends [rad/s], (rows,)
     growth: FloatArray  #: growth rate in the middle [1/s], (rows,)
-    casing: IntArray  #: casing entry that takes the largest part in the growing mode, (rows,)
+    casing: IntArray  #: casing entry with the largest share of the growing mode, (rows,)
     rotor: IntArray  #: rotor entry that does, (rows,)
 
 
@@ -68,7 +68,7 @@ def unstable_zones(
     """
     kappas = np.asarray(kappas, dtype=np.float64)
     kappas = kappas[kappas > 0.0]
-    found: list[UnstableZones] = []
+    zones: list[UnstableZones] = []
     for k in modes.harmonics if kappas.size else ():
         chosen = np.flatnonzero((modes.nodal_diameter == k) & (modes.amplitude != 0.0))
         bodies = np.unique(modes.on_casing[chosen])
@@ -82,7 +82,7 @@ def unstable_zones(
             chosen[np.argmax(np.where(part.on_casing == body, leading, -1.0), axis=-1)]
             for body in (True, False)
         )
-        found.append(
+        zones.append(
             UnstableZones(
                 kappa=kappas[row],
                 lower=lower,
@@ -92,7 +92,7 @@ def unstable_zones(
                 rotor=rotor,
             )
         )
-    return _join(found)
+    return _join(zones)
 
 
 def exchanges(
@@ -115,7 +115,7 @@ def exchanges(
         return _exchanges_of_vectors(undamped, speed, kappa, with_pi=with_pi)
     mu = np.asarray(np.linalg.eigvals(whirl_matrix(undamped, speed, kappa, with_pi=with_pi)))
     nu = mu[..., None] + np.multiply.outer(speed, modes.frame_rate)[:, None, :]
-    with np.errstate(divide="ignore"):  # a wave that stays alone has an infinite share: its sign
+    with np.errstate(divide="ignore"):  # an isolated wave has an infinite share: its sign
         shares = nu.real * (modes.amplitude / np.abs(modes.frequency**2 - nu**2)) ** 2
     return _count_exchanges(mu, shares.sum(axis=-1))
 
@@ -123,7 +123,7 @@ def exchanges(
 def _exchanges_of_vectors(
     modes: CouplingModes, speed: FloatArray, kappa: FloatArray, *, with_pi: bool
 ) -> tuple[IntArray, IntArray]:
-    """Count exchanges as `exchanges` does where Coriolis forces take part in the signature.
+    """Count exchanges as `exchanges` does, where Coriolis forces enter the signature.
 
     It is that of sum_i nu_i |X_i|^2 - i Omega X^H G X, which needs the eigenvectors X.
     """
@@ -169,24 +169,24 @@ def _intervals(
         np.unique(np.append(np.linspace(low, high, SAMPLES), inside[:, row == i]))
         for i in range(len(kappas))
     ]
-    own = np.repeat(np.arange(len(kappas)), [len(speeds) for speeds in line])
+    owner = np.repeat(np.arange(len(kappas)), [len(speeds) for speeds in line])
     speeds = np.concatenate(line)
-    there = excess(speeds, kappas[own]) > 0.0
-    changes = np.flatnonzero((there[1:] != there[:-1]) & (own[1:] == own[:-1]))
-    border = _border(excess, speeds[changes], speeds[changes + 1], kappas[own[changes]])
+    there = excess(speeds, kappas[owner]) > 0.0
+    changes = np.flatnonzero((there[1:] != there[:-1]) & (owner[1:] == owner[:-1]))
+    border = _border(excess, speeds[changes], speeds[changes + 1], kappas[owner[changes]])
     begins = there[changes + 1]
-    edges = np.diff(own, prepend=-1, append=len(kappas)) > 0
+    edges = np.diff(owner, prepend=-1, append=len(kappas)) > 0
     begun, ended = np.flatnonzero(there & edges[:-1]), np.flatnonzero(there & edges[1:])
-    rows, starts = _ascending(own, speeds, begun, changes[begins], border[begins])
-    _, ends = _ascending(own, speeds, ended, changes[~begins], border[~begins])
+    rows, starts = _ascending(owner, speeds, begun, changes[begins], border[begins])
+    _, ends = _ascending(owner, speeds, ended, changes[~begins], border[~begins])
     return rows, starts, ends
 
 
 def _ascending(
-    own: IntArray, speeds: FloatArray, cut: IntArray, changes: IntArray, border: FloatArray
+    owner: IntArray, speeds: FloatArray, cut: IntArray, changes: IntArray, border: FloatArray
 ) -> tuple[IntArray, FloatArray]:
     """Rows and speeds of one side of all zones: at the range's end, where cut, or at a border."""
-    row, speed = np.append(own[cut], own[changes]), np.append(speeds[cut], border)
+    row, speed = np.append(owner[cut], owner[changes]), np.append(speeds[cut], border)
     order = np.lexsort((speed, row))
     return row[order], speed[order]
 
@@ -264,13 +264,13 @@ def _merged(
     row: IntArray, lower: FloatArray, upper: FloatArray
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Intervals of each row, joined where they touch or overlap, ascending."""
-    found: list[tuple[int, float, float]] = []
+    merged: list[tuple[int, float, float]] = []
     for i in np.lexsort((lower, row)):
         here = int(row[i]), float(lower[i]), float(upper[i])
-        if found and found[-1][0] == here[0] and found[-1][2] >= here[1]:
-            here = here[0], found[-1][1], max(found.pop()[2], here[2])
-        found.append(here)
-    table = np.array(found).reshape(-1, 3)
+        if merged and merged[-1][0] == here[0] and merged[-1][2] >= here[1]:
+            here = here[0], merged[-1][1], max(merged.pop()[2], here[2])
+        merged.append(here)
+    table = np.array(merged).reshape(-1, 3)
     return table[:, 0].astype(np.int64), table[:, 1], table[:, 2]
 
 
@@ -284,9 +284,9 @@ def _border(
 
     Where it is positive at both ends the lower one, where it is negative the upper one.
     """
-    found = find_root(excess, (low, high), args=arguments)
-    end = np.where(np.asarray(found.f_bracket[0]) > 0.0, low, high)
-    return np.asarray(np.where(found.success, found.x, end))
+    root = find_root(excess, (low, high), args=arguments)
+    end = np.where(np.asarray(root.f_bracket[0]) > 0.0, low, high)
+    return np.asarray(np.where(root.success, root.x, end))
 
 
 def _growing_mode(

@@ -89,7 +89,7 @@ def reproduce(
         watch = Watch(progress=lambda done, failed, total: points(done + failed, total))
         told = Told(marches=marches, sweep=watch)
         card, evidence = reproduce_claims(
-            plan, output, workers=workers, scheduler=scheduler, told=told
+            plan, output, workers=workers, scheduler=scheduler, progress=told
         )
     with evidence:
         written = write_scorecard(card, evidence, output)

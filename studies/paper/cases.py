@@ -27,7 +27,7 @@ CASES: Mapping[Scenario, Case] = {
         {**CONTACT, "excitation": {"type": "imbalance", "ramp": 0.1}},
     ),
 }
-"""By scenario."""
+"""Cases by scenario."""
 
 
 def changed(scenario: Scenario, changes: Mapping[str, Any]) -> Case:
@@ -39,11 +39,11 @@ def changed(scenario: Scenario, changes: Mapping[str, Any]) -> Case:
         CaseError: all faults of the new case.
     """
     case = CASES[scenario]
-    own = type(case.excitation).model_fields
+    keys = type(case.excitation).model_fields
     prefix = "excitation."
     values = {
         key: value
         for key, value in changes.items()
-        if not key.startswith(prefix) or key.removeprefix(prefix) in own
+        if not key.startswith(prefix) or key.removeprefix(prefix) in keys
     }
     return with_values(case, values)

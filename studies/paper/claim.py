@@ -24,11 +24,11 @@ VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 
 @dataclass(frozen=True, kw_only=True)
 class Check:
-    """One comparison."""
+    """Comparison of a number with a criterion."""
 
     text: str  #: what was compared with which threshold, with our number
     met: bool
-    essential: bool = False  #: without it the claim does not hold, whatever else does
+    essential: bool = False  #: the claim does not hold without it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +41,7 @@ class Finding:
 
     @property
     def verdict(self) -> Verdict:
-        """By the rule at the top of this module."""
+        """Verdict by the rule at the top of this module."""
         if self.obstacle:
             return "not testable"
         if all(check.met for check in self.checks):
@@ -51,7 +51,7 @@ class Finding:
 
     @property
     def why(self) -> str:
-        """One sentence: what failed, or what was met."""
+        """Reason in one sentence: the criteria that failed, or were met."""
         if self.obstacle:
             return f"{self.obstacle}."
         failed = [check.text for check in self.checks if not check.met]
@@ -80,7 +80,7 @@ class Claim:
     evaluate: Evaluator
 
     def judge(self, evidence: Evidence) -> Finding:
-        """Judge it once; what stands in the way becomes part of the finding."""
+        """Judge the claim once; an obstacle becomes part of the finding."""
         try:
             motions = [evidence.motion(name) for name in self.trials]
             sweeps = [evidence.sweep(name) for name in self.sweeps]
@@ -140,7 +140,7 @@ def at_most(name: str, value: float, high: float, unit: str = "") -> Check:
     return Check(text=f"{name} {value:.3g}{unit}, wanted {high:g}{unit} or less", met=value <= high)
 
 
-def equal(name: str, found: object, wanted: object, *, essential: bool = False) -> Check:
+def equal(name: str, ours: object, expected: object, *, essential: bool = False) -> Check:
     """A kind of motion, a direction, and the like."""
-    text = f"{name} {found}" if found == wanted else f"{name} {found}, wanted {wanted}"
-    return Check(text=text, met=found == wanted, essential=essential)
+    text = f"{name} {ours}" if ours == expected else f"{name} {ours}, wanted {expected}"
+    return Check(text=text, met=ours == expected, essential=essential)

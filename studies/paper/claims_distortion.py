@@ -24,7 +24,7 @@ AROUND = (0.95, 1.15)
 """Speeds that count as around the first coincidence, 1.05."""
 
 EARLY = 0.5
-"""End of the transient that the paper looks at [s]."""
+"""End of the transient in the paper [s]."""
 
 
 def _growing(motion: Motion) -> Check:

@@ -38,7 +38,7 @@ def done_points(sweep: xr.Dataset) -> xr.Dataset:
 
 
 def in_contact(motion: Motion) -> Check:
-    """Without late contact nothing can be said of its side or of the blades that touch."""
+    """Judge the side of contact and the blades; not testable without late contact."""
     text = "contact in the last third" if motion.touches_late else "no contact in the last third"
     return Check(text=text, met=motion.touches_late, essential=True)
 
@@ -61,7 +61,7 @@ def smaller_than_distortion(distortion: xr.Dataset, imbalance: xr.Dataset) -> Fi
 
 @evaluates(30)
 def limit_cycle(motion: Motion) -> Finding:
-    """A cycle is one where the ripple has a size of its own, not where the mean radius has."""
+    """Judge a limit cycle by the ripple, not by the mean radius."""
     mean, size = motion.radius_between(*motion.late)
     growth = motion.regime.ripple
     checks = [

@@ -1,4 +1,4 @@
-"""Claims of Section 4.2: convergence in the time step (16) and in the modes kept (17)."""
+"""Claims of Section 4.2: convergence in the time step (16) and in the number of modes (17)."""
 
 from __future__ import annotations
 

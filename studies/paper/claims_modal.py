@@ -1,4 +1,4 @@
-"""Claims of Section 3: modes apart (1 to 9) and coupled through frame and bearings (10 to 15)."""
+"""Claims of Section 3: uncoupled modes (1 to 9), modes coupled by frame and bearings (10 to 15)."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ RANGE, KAPPAS = (0.6, 3.0), np.linspace(50.0, 1000.0, 20)
 """Speeds and spring stiffnesses [N/m] of Fig. 11."""
 
 BESIDE = np.linspace(-0.02, 0.02, 81)
-"""Normalised speeds that are looked at around a coincidence."""
+"""Normalised speeds examined around a coincidence."""
 
 NOTHING = 1e-6
-"""Relative motion or change below which there is none."""
+"""Relative motion or change below which it counts as zero."""
 
 
 @evaluates(1)
@@ -109,17 +109,17 @@ def suspension_coincidence(evidence: Evidence) -> Finding:
 
 @evaluates(8)
 def first_family_crossings(evidence: Evidence) -> Finding:
-    found = evidence.modal.first_family_crossings
-    listed = ", ".join(f"k = {k} at {speed:.3g}" for k, speed in found.items())
-    return Finding(ours=listed or "none", checks=(at_least("crossings", len(found), 3),))
+    crossings = evidence.modal.first_family_crossings
+    listed = ", ".join(f"k = {k} at {speed:.3g}" for k, speed in crossings.items())
+    return Finding(ours=listed or "none", checks=(at_least("crossings", len(crossings), 3),))
 
 
 @evaluates(9)
 def two_contact_scenarios(evidence: Evidence) -> Finding:
-    found = evidence.modal.scenarios
-    lead = {name: abs(float(np.degrees(scenario.lead))) for name, scenario in found.items()}
+    scenarios = evidence.modal.scenarios
+    lead = {name: abs(float(np.degrees(scenario.lead))) for name, scenario in scenarios.items()}
     return Finding(
-        ours=", ".join(f"{found[name].kind}: {lead[name]:.3g}°" for name in found)
+        ours=", ".join(f"{scenarios[name].kind}: {lead[name]:.3g}°" for name in scenarios)
         + ", with the casing's share of the motion chosen",
         checks=(
             near("phase where the casing moves less", lead["standard"], 0.0, 1.0, "°"),
@@ -129,9 +129,9 @@ def two_contact_scenarios(evidence: Evidence) -> Finding:
 
 
 def _zones(evidence: Evidence) -> dict[str, UnstableZones]:
-    """Zones A and B by the rotor mode that takes part: "1F" and "suspension"."""
+    """Return zones A and B by the participating rotor mode: "1F" and "suspension"."""
     system = evidence.system
-    found = unstable_zones(
+    unstable = unstable_zones(
         system.modes,
         kappas=KAPPAS,
         low=RANGE[0] * system.reference,
@@ -140,9 +140,12 @@ def _zones(evidence: Evidence) -> dict[str, UnstableZones]:
     )
     zones = {}
     for name in ("1F", "suspension"):
-        own = [system.modes.name[rotor].startswith(name) for rotor in found.rotor]
+        of_mode = [system.modes.name[rotor].startswith(name) for rotor in unstable.rotor]
         zones[name] = UnstableZones(
-            **{part: getattr(found, part)[own] for part in UnstableZones.__dataclass_fields__}
+            **{
+                part: getattr(unstable, part)[of_mode]
+                for part in UnstableZones.__dataclass_fields__
+            }
         )
     return zones
 
@@ -215,7 +218,7 @@ def coupling_shifts_upward(evidence: Evidence) -> Finding:
 
 @evaluates(14)
 def no_instability_beside_the_zones(evidence: Evidence) -> Finding:
-    """Zones are of waves that travel against each other; nothing else may be unstable.
+    """Judge that only waves of opposite direction become unstable.
 
     Where backward waves on both bodies coincide in static axes, Ω = (ω_r - ω_c) / k, that is
     looked at closely.
@@ -253,17 +256,17 @@ def divergent_mode(evidence: Evidence) -> Finding:
         return Finding(ours="–", obstacle="the paper's example point is stable")
     motion = divergent_motion(system, _example_speed(evidence), EXAMPLE["kappa"])
     lead = abs(float(np.degrees(motion.shaft_lead[-1])))
-    found = {
+    directions = {
         "wave on the bladed disk": (motion.rotor_wave_speed, "backward"),
         "wave on the casing": (motion.casing_wave_speed, "forward"),
         "whirl in rotating axes": (motion.whirl_speed, "backward"),
         "whirl in static axes": (motion.whirl_speed_static, "forward"),
     }
-    ways = {name: "forward" if rate > 0 else "backward" for name, (rate, _) in found.items()}
+    ways = {name: "forward" if rate > 0 else "backward" for name, (rate, _) in directions.items()}
     return Finding(
         ours=", ".join(f"{name} {way}" for name, way in ways.items()) + f", {lead:.2g}° apart",
         checks=(
-            *(equal(name, ways[name], wanted) for name, (_, wanted) in found.items()),
+            *(equal(name, ways[name], expected) for name, (_, expected) in directions.items()),
             between("shaft and smallest clearance apart by", lead, 0.0, 20.0, "°"),
         ),
     )

@@ -23,7 +23,7 @@ LIMIT = 1.52
 """Normalised speed above which the paper's truncated space diverges under imbalance."""
 
 ROUNDING = 1e-9
-"""Of normalised speeds, whose differences are compared with a step."""
+"""Rounding of normalised speeds, whose differences are compared with a step."""
 
 
 @evaluates(35)
@@ -80,8 +80,8 @@ def coupling_shifts_the_critical_speed(sweep: xr.Dataset) -> Finding:
 
 def middle_of_divergence(sweep: xr.Dataset, kappa: float) -> float:
     """Mean of the speeds of a sweep that diverge at a coupling stiffness; NaN if none does."""
-    own = sweep.sel(coupling_stiffness=kappa)
-    speeds = own["march_speed"].values[own["regime"].values == "divergent"]
+    points = sweep.sel(coupling_stiffness=kappa)
+    speeds = points["march_speed"].values[points["regime"].values == "divergent"]
     return float(speeds.mean()) if len(speeds) else np.nan
 
 
@@ -108,8 +108,8 @@ def truncated_space_diverges_under_imbalance(motion: Motion, sweep: xr.Dataset) 
     divergent = (sweep["regime"] == "divergent").transpose("march_speed", ...).values
     above = sweep["march_speed"].values > LIMIT
     shares = [float(100 * divergent[chosen].mean()) for chosen in (above, ~above)]
-    held = motion.share(*motion.late)
-    leader = max(held, key=lambda name: held[name])
+    share = motion.share(*motion.late)
+    leader = max(share, key=lambda name: share[name])
     return Finding(
         ours=f"divergent at {shares[0]:.0f} % of the points above {LIMIT:g}, at"
         f" {shares[1]:.0f} % below; {leader} leads at 1.65",

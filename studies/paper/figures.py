@@ -34,7 +34,7 @@ Draw = Callable[[Evidence, Path], None]
 
 @dataclass(frozen=True, kw_only=True)
 class Panel:
-    """One picture of a figure of the paper."""
+    """Part of a figure of the paper."""
 
     caption: str
     folder: str  #: that its pictures are in; all panels of a folder are drawn at once
@@ -52,7 +52,7 @@ class PaperFigure:
 
 @dataclass(frozen=True, kw_only=True)
 class DrawnPanel:
-    """A picture, or why there is none."""
+    """Picture, or the reason for its absence."""
 
     caption: str
     picture: Path | None
@@ -124,7 +124,7 @@ def _draw_chart(evidence: Evidence, folder: Path) -> None:
 
 
 def _draw_coupled_mode(evidence: Evidence, folder: Path) -> None:
-    # This takes long to load.
+    # slow to import
     from bladewhirl.studies.modal.coupled_mode_figures import draw_coupled_mode
 
     system = evidence.system

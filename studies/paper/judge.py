@@ -1,4 +1,4 @@
-"""Reproduction of the paper: which claims there are, what they need, and the judging of them."""
+"""Reproduction of the paper: selection of claims, what they need, and their verdicts."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ CASES_IN_WORDS = "1 to 15: fan_stage; others: casing_distortion, imbalance"
 """Examples that decide each claim; they need not be of one stage."""
 
 SMALLEST_STEP = 1e-4
-"""Of a sweep over speed: 10,500 speeds."""
+"""Smallest step of a sweep over speed: 10,500 speeds."""
 
 REPEATS = 3
-"""How often a claim on a march is judged, each time with a slightly different force."""
+"""Number of repeats of a claim on a march, each with a slightly different force."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +61,7 @@ class Plan:
     changes: Mapping[str, Any]  #: of all cases, by dotted key
     quick: bool
     repeats: int
-    speed_step: float | None = None  #: of all sweeps over speed; their own when None
+    speed_step: float | None = None  #: of all sweeps over speed; if None, their own
 
     def __post_init__(self) -> None:
         """Refuse steps that are none, or wider than the narrowest range.
@@ -78,7 +78,7 @@ class Plan:
 
     @property
     def sweeps(self) -> str:
-        """Sweeps over speed, in words."""
+        """Sweeps over speed, as text."""
         named = []
         for name in needed_sweeps(self.claims):
             speeds, *others = SURVEYS[name].axes(coarse=self.quick, step=self.speed_step).values()
@@ -106,16 +106,16 @@ def reproduce_claims(
     *,
     workers: int | None = None,
     scheduler: str | None = None,
-    told: Told | None = None,
+    progress: Told | None = None,
 ) -> tuple[Scorecard, Evidence]:
-    """Judge claims; marches and sweeps that lie in the folder already are used again.
+    """Judge claims; existing marches and sweeps in the folder are used again.
 
     Args:
         plan: what to judge.
         directory: where marches and sweeps are.
         workers: processes that march; one a core when None.
         scheduler: address of an existing dask scheduler.
-        told: how it goes.
+        progress: how it goes.
 
     Returns:
         the scorecard, and the evidence of the first repeat, still open, for figures.
@@ -123,7 +123,7 @@ def reproduce_claims(
     Raises:
         UserError: the folder can't be written, or the scheduler does not answer.
     """
-    told = told or Told()
+    progress = progress or Told()
     store = RunStore(directory=directory / RUNS_NAME, workers=workers, scheduler=scheduler)
     repeats = [
         Evidence(
@@ -138,10 +138,10 @@ def reproduce_claims(
     ]
     first, *others = repeats
     names = needed_trials(plan.claims)
-    store.make([case for evidence in repeats for case in evidence.cases(names)], told.marches)
+    store.make([case for evidence in repeats for case in evidence.cases(names)], progress.marches)
     for name in needed_sweeps(plan.claims):
-        with suppress(NotTestableError):  # told of by the claims that need it
-            first.sweep(name, told.sweep)
+        with suppress(NotTestableError):  # reported by the claims that need it
+            first.sweep(name, progress.sweep)
     findings = [{claim.number: claim.judge(first) for claim in plan.claims}]
     for evidence in others:
         with evidence:

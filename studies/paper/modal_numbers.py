@@ -1,4 +1,4 @@
-"""The numbers behind what the source paper says of uncoupled modes (Sections 3.1, 3.2, 4.2)."""
+"""Numbers of the source paper on uncoupled modes (Sections 3.1, 3.2, 4.2)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LOOKED_AT = 12
 """Families that the paper's Fig. 7(a) shows."""
 
 PURE = 0.99
-"""Share of its nodal diameter from which a mode found without symmetry counts as its."""
+"""Least share of a nodal diameter with which a mode without symmetry is assigned to it."""
 
 OPERATING = (0.6, 2.0)
 CROSSINGS = (0.7, 1.3)

@@ -1,4 +1,4 @@
-"""The scorecard as a page: claims by section of the paper, and its figures beside each other."""
+"""The scorecard as a page: claims by section of the paper, with its figures side by side."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ COLOURS: Mapping[Verdict, str] = {
     "does not hold": "#D55E00",
     "not testable": "#666666",
 }
-"""Told apart by colour-blind readers, and always beside the words."""
+"""Colours that colour-blind readers can distinguish, always beside the text."""
 
 STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; max-width: 78rem; margin: 2rem auto; padding: 0 1rem;

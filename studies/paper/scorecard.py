@@ -27,22 +27,22 @@ PLURALS: Mapping[str, str] = {"holds": "hold", "does not hold": "do not hold"}
 
 
 def counted(verdict: str, count: int) -> str:
-    """So many claims have a verdict, in words."""
+    """Return the number of claims with a verdict, as text."""
     return f"{count} {verdict if count == 1 else PLURALS.get(verdict, verdict)}"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Score:
-    """A claim and what came out of it, once for each repeat."""
+    """Claim with its findings, one per repeat."""
 
     claim: Claim
     findings: tuple[Finding, ...]
 
     @property
     def verdict(self) -> Verdict:
-        """That of all repeats; "partly" where they differ."""
-        found = {finding.verdict for finding in self.findings}
-        return found.pop() if len(found) == 1 else "partly"
+        """Verdict over all repeats; "partly" if they differ."""
+        verdicts = {finding.verdict for finding in self.findings}
+        return verdicts.pop() if len(verdicts) == 1 else "partly"
 
     @property
     def ours(self) -> str:
@@ -51,7 +51,7 @@ class Score:
 
     @property
     def why(self) -> str:
-        """One sentence; where repeats differ, how they do."""
+        """Reason in one sentence, with the differences between repeats."""
         counts = Counter(finding.verdict for finding in self.findings)
         if len(counts) == 1:
             return self.findings[0].why
@@ -61,25 +61,25 @@ class Score:
 
 @dataclass(frozen=True, kw_only=True)
 class Scorecard:
-    """Scores, and under which conditions they were made."""
+    """Scores and the conditions of the runs."""
 
     scores: tuple[Score, ...]
     conditions: Mapping[str, Any]  #: version, whether quick, repeats, changes of the cases, ...
 
     @property
     def counts(self) -> dict[Verdict, int]:
-        """How many claims got each verdict."""
-        found = Counter(score.verdict for score in self.scores)
-        return {verdict: found[verdict] for verdict in VERDICTS}
+        """Number of claims by verdict."""
+        counts = Counter(score.verdict for score in self.scores)
+        return {verdict: counts[verdict] for verdict in VERDICTS}
 
     @property
     def summary(self) -> str:
-        """The counts in words."""
+        """Counts as text."""
         named = ", ".join(counted(verdict, count) for verdict, count in self.counts.items())
         return f"{len(self.scores)} claims: {named}"
 
     def to_json(self) -> str:
-        """One JSON document."""
+        """Return one JSON document."""
         document = {
             "conditions": self.conditions,
             "counts": self.counts,
@@ -121,7 +121,7 @@ def scorecard_table(card: Scorecard) -> Table:
     table.add_column("ours", ratio=4, overflow="fold")
     table.add_column("verdict", no_wrap=True)
     for score in card.scores:
-        # What was met is in the JSON and on the page.
+        # The met criteria are in the JSON and on the page.
         why = "" if score.verdict == "holds" else f"\n[dim]{escape(score.why)}[/]"
         table.add_row(
             str(score.claim.number),

@@ -1,4 +1,4 @@
-"""The numbers, marches and sweeps that claims are judged by, each made once."""
+"""Numbers, marches and sweeps that claims are judged by, each made once."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ PERTURBATION = 1e-7
 """Relative change of the force between repeats: motions near a threshold are chaotic."""
 
 QUICK_DURATION = 2.5
-"""Of a quick march [s]: the casing distortion at 1.05 diverges within 1.8 to 2.1 s."""
+"""Duration of a quick march [s]: the casing distortion at 1.05 diverges within 1.8 to 2.1 s."""
 
 SIX = {"reduction.modes": "six"}
 """Change of a case that makes its space the paper's truncated one."""
@@ -44,7 +44,7 @@ KAPPAS = (0.0, 500.0, 1000.0)
 
 
 class NotTestableError(Exception):
-    """A claim cannot be judged; the message says why."""
+    """Claim that cannot be judged; the message states the reason."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +56,7 @@ class Survey:
     step: float  #: between speeds
     coarse_step: float  #: where fewer speeds will do
     changes: Mapping[str, Any] = field(default_factory=dict)  #: of the case, by dotted key
-    over: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  #: beside the speed
+    over: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  #: in addition to the speed
 
     def axes(self, *, coarse: bool, step: float | None = None) -> dict[str, list[float]]:
         """Values of all swept keys.
@@ -114,7 +114,7 @@ MODES = (44, 66, 88, 110, 132)
 
 
 def table(name: str) -> list[dict[str, str]]:
-    """Rows of a CSV file beside this module."""
+    """Return the rows of a CSV file beside this module."""
     text = resources.files(__package__).joinpath(f"{name}.csv").read_text(encoding="utf-8")
     return list(csv.DictReader(text.splitlines()))
 
@@ -139,7 +139,7 @@ class Evidence:
     store: RunStore
     changes: Mapping[str, Any] = field(default_factory=dict)  #: of all cases, by dotted key
     quick: bool = False  #: whether marches are short, and sweeps coarse
-    speed_step: float | None = None  #: of all sweeps over speed; their own when None
+    speed_step: float | None = None  #: of all sweeps over speed; if None, their own
     repeat: int = 0  #: number of the repeat, whose force is perturbed
     _open: ExitStack = field(default_factory=ExitStack)
     _motions: dict[str, Motion] = field(default_factory=dict)
@@ -187,7 +187,7 @@ class Evidence:
         return [self.case(name) for name in names]
 
     def motion(self, name: str) -> Motion:
-        """A march, made if it is not there yet.
+        """Return a march, made on first use.
 
         Raises:
             NotTestableError: it failed.
@@ -203,7 +203,7 @@ class Evidence:
         return self._motions[name]
 
     def sweep(self, name: str, watch: Watch | None = None) -> xr.Dataset:
-        """A sweep, made or finished if need be; opened once.
+        """Return a sweep, made or finished on first use and opened once.
 
         Raises:
             NotTestableError: no point of it could be marched.
@@ -240,7 +240,7 @@ class Evidence:
 
 
 def perturbed(case: Case, repeat: int) -> Case:
-    """The case with its force changed by so many times `PERTURBATION`."""
+    """Return the case with its force changed by a multiple of `PERTURBATION`."""
     if repeat == 0:
         return case
     factor = 1.0 + repeat * PERTURBATION
@@ -250,7 +250,7 @@ def perturbed(case: Case, repeat: int) -> Case:
     if load.type == "imbalance" and load.unbalance is not None:
         return with_values(case, {"excitation.unbalance": factor * load.unbalance})
     if load.type == "imbalance" and load.clearance_speed is not None:
-        # The force goes with the inverse square of this speed.
+        # The force varies with the inverse square of this speed.
         speed = load.clearance_speed.value * factor**-0.5
         given = speed if load.clearance_speed.kind == "normalised" else f"{speed!r} rad/s"
         return with_values(case, {"excitation.clearance_speed": given})
@@ -258,7 +258,7 @@ def perturbed(case: Case, repeat: int) -> Case:
 
 
 def is_complete(directory: Path) -> bool:
-    """Whether every point has a result; what failed is tried again."""
+    """Return whether every point has a result; failed points are tried again."""
     if not (directory / SWEEP_NAME).exists():
         return False
     with open_sweep(directory) as dataset:

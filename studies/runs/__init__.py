@@ -1,1 +1,1 @@
-"""One run: from a case to a folder with its result, summary, figures and series."""
+"""Runs: from a case to a folder with result, summary, figures and series."""

@@ -16,7 +16,7 @@ from bladewhirl.studies.runs.folder import FIGURE_ENDS
 
 
 def check_figure_folder(folder: Path | None, *, overwrite: bool) -> None:
-    """See that figures may be written to a folder; nothing is made yet.
+    """Check that figures may be written to a folder; nothing is made yet.
 
     Raises:
         UserError: it exists and is not to be written into, or is a file.

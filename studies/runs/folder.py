@@ -1,4 +1,4 @@
-"""The folder of a run: whether it may be used, and what lies in it."""
+"""The folder of a run: permission to use it, and its content."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def _check_replaceable(directory: Path, *, overwrite: bool) -> None:
 
 
 def is_run(directory: Path) -> bool:
-    """Whether a folder holds what `write_provenance` leaves in it, or a run was begun there."""
+    """Return whether a folder contains the files of `write_provenance`, or the start of a run."""
     if RESULT_NAME in listed(directory):
         return True
     try:
@@ -157,7 +157,7 @@ def read_failures(directory: Path, size: float = float("inf")) -> list[dict[str,
 
 
 def write_provenance(directory: Path, case: Case) -> None:
-    """Write what made the run: versions, date, machine, and the mesh file that was copied."""
+    """Write the provenance of the run: versions, date, machine, and the copied mesh file."""
     mesh = case.bladed_disk.mesh
     provenance = {
         PACKAGE: version(),
@@ -187,7 +187,7 @@ def _dependencies() -> Iterator[tuple[str, str]]:
 
 
 def files_of_run(case: Case) -> tuple[str, ...]:
-    """Files that a run of a case makes, its series aside."""
+    """Return the names of the files that a run of a case makes, besides its series."""
     figures = [
         f"{Path(name).stem}{end}" for name in (ORBIT_NAME, ENERGY_NAME) for end in FIGURE_ENDS
     ]

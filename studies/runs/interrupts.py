@@ -1,4 +1,4 @@
-"""Ctrl-C while something goes on that must end in order."""
+"""Delayed Ctrl-C during operations that must end in order."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def held_back() -> Iterator[None]:
         if asked():
             raise KeyboardInterrupt
         return
-    resource_tracker.ensure_running()  # starting it later would let the signal through again
+    resource_tracker.ensure_running()  # a later start would let the signal through again
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

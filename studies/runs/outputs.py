@@ -1,4 +1,4 @@
-"""Outputs of a run beside its records: summary, figures and the ParaView series."""
+"""Outputs of a run besides its records: summary, figures and the ParaView series."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Window:
-    """Which instants of a run its ParaView series shows.
+    """Instants of a run that its ParaView series shows.
 
     Raises:
         UserError: fewer than no frames, or a window that is empty or begins before the run.
@@ -45,7 +45,7 @@ class Window:
             )
 
     def check_within(self, duration: float) -> None:
-        """See that there is something to show.
+        """Check that the window contains part of the run.
 
         Raises:
             UserError: it begins when the run has ended.
@@ -64,7 +64,7 @@ class Run:
     end_reason: str  #: "completed", "divergent" or "interrupted"
     end_message: str  #: where it did not complete, cause and remedy in one line
     summary: Summary
-    symmetry: str  #: of both bodies, as found, and the path taken
+    symmetry: str  #: symmetry of both bodies and the resulting method
     hints: tuple[str, ...]  #: what may be done better
 
     def __rich__(self) -> Group:
@@ -79,7 +79,7 @@ class Run:
         return Group(summary_table(self.summary), Text(self.symmetry), files)
 
     def __repr__(self) -> str:
-        """The same as plain text, then what stood in the way and what may be done better."""
+        """Return the same as plain text, with reasons for an early end and hints."""
         from rich.console import Console
 
         console = Console(file=StringIO(), width=100, color_system=None)

@@ -1,4 +1,4 @@
-"""Where a run is written: its own folder, or one beside the run whose place it takes."""
+"""Folder for the files of a new run: its own, or a temporary one beside the run it replaces."""
 
 from __future__ import annotations
 
@@ -16,13 +16,12 @@ LOCK_NAME = ".lock"
 """Held by the process that writes a folder; the system frees it when that ends, however it does."""
 
 NEW, OLD = ".new", ".old"
-"""After the name of a folder: the run that will take its place, and what is left of the one that
-was there."""
+"""Suffixes of the folder of a new run, and of the run that it replaces."""
 
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Keep a folder, which is made, to this process.
+    """Lock a folder for this process; it is made if it does not exist.
 
     Raises:
         UserError: another one has it.
@@ -56,7 +55,7 @@ def _lock(file: BinaryIO) -> None:
 
 @contextmanager
 def taking_place(directory: Path) -> Iterator[Path]:
-    """The folder to write a run into; it takes the place of the run in ``directory`` at the end.
+    """Yield the folder to write a run into; at the end it replaces the run in ``directory``.
 
     Where there is none it is ``directory`` itself. Files of the earlier run that its manifests
     list go, others move into the new folder; those with names of the new run stay in one with

@@ -1,4 +1,4 @@
-"""A case made ready to march."""
+"""Preparation of a case for time integration."""
 
 from __future__ import annotations
 

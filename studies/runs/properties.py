@@ -19,7 +19,7 @@ from bladewhirl.solvers.march.recorder import description_bytes, result_bytes
 TURN = 2.0 * np.pi
 
 LOWEST = 12
-"""Frequencies that are told of a body without cyclic symmetry."""
+"""Number of frequencies listed for a body without cyclic symmetry."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +34,7 @@ class Rate:
 
 @dataclass(frozen=True, kw_only=True)
 class Mode:
-    """A natural frequency, the nodal diameter that holds most of its mode, and how much."""
+    """Natural frequency, dominant nodal diameter of its mode, and its share."""
 
     nodal_diameter: int  #: -1 without sectors
     frequency: Rate
@@ -46,9 +46,9 @@ class ReductionFigures:
     """Size and accuracy of the Craig-Bampton reduction of the bladed disk."""
 
     boundary: dict[str, int]  #: degrees of freedom kept, by set
-    fixed_interface_modes: int  #: kept; whole pairs, so perhaps one more than asked for
-    wanted: int  #: fixed-interface modes asked for
-    internal: int  #: degrees of freedom of the full model beside the boundary
+    fixed_interface_modes: int  #: kept; complete pairs, so possibly one more than requested
+    wanted: int  #: requested fixed-interface modes
+    internal: int  #: internal degrees of freedom of the full model
     modes: int  #: of the reduced model
     marched: dict[str, int]  #: modes that a march has, of each body
     frequency_error: dict[str, float]  #: largest relative one against the full model, by family
@@ -64,7 +64,7 @@ class ImbalanceFigures:
 
 
 MARCHES = {True: "harmonic by harmonic", False: "by dense products"}
-"""How a body is marched, by whether the march uses its cyclic symmetry."""
+"""Method of the march for a body, by use of its cyclic symmetry."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +72,7 @@ class DistortionFigures:
     """The casing mode that a distortion loads."""
 
     frequency: Rate
-    static_displacement: float  #: largest radial one under the force held for ever [m]
+    static_displacement: float  #: largest radial one under the constant force [m]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +84,7 @@ class StageProperties:
     casing_mass: float  #: struts included [kg]
     reference_frequency: Rate  #: lowest of the full bladed disk with a free centre, at rest
     speed: Rate
-    rotation_effects: str  #: "none", or those that the frequencies below feel at this speed
+    rotation_effects: str  #: "none", or the effects in the frequencies below
     bladed_disk: tuple[Mode, ...]
     """Lowest of each nodal diameter, full model; of unlike sectors the lowest few."""
     shaft_stiffness: tuple[float, float] | None  #: of its springs along x and y [N/m], or clamped
@@ -94,7 +94,7 @@ class StageProperties:
     suspension_spring_share: float | None  #: share of its strain energy in the shaft springs
     casing: tuple[Mode, ...]  #: lowest of each nodal diameter
     reduction: ReductionFigures
-    symmetry: dict[str, str]  #: found, of each body
+    symmetry: dict[str, str]  #: of each body
     cyclic: dict[str, bool]  #: bodies marched harmonic by harmonic (else by dense products)
     critical_time_step: float  #: [s]
     dt_over_critical: float
@@ -167,13 +167,13 @@ def _rate(stage: Stage, rad_per_s: float) -> Rate:
 
 
 def _lowest_of_disk(stage: Stage) -> tuple[Mode, ...]:
-    """Of the full model; modes of unlike sectors are named as those of the reduced one."""
-    found, modes = stage.disk_frequencies, stage.reduction.modes
-    if NO_COLUMN not in found:
+    """Return the modes of the full model; mistuned modes are named as those of the reduced one."""
+    frequencies, modes = stage.disk_frequencies, stage.reduction.modes
+    if NO_COLUMN not in frequencies:
         return tuple(
-            Mode(nodal_diameter=k, frequency=_rate(stage, own[0])) for k, own in found.items()
+            Mode(nodal_diameter=k, frequency=_rate(stage, values[0])) for k, values in frequencies.items()
         )
-    lowest = found[NO_COLUMN][: min(LOWEST, modes.count)]
+    lowest = frequencies[NO_COLUMN][: min(LOWEST, modes.count)]
     return tuple(
         Mode(
             nodal_diameter=int(modes.nodal_diameter[i]),
@@ -212,7 +212,7 @@ def _imbalance(stage: Stage) -> ImbalanceFigures | None:
 
 
 def _distortion(stage: Stage) -> DistortionFigures | None:
-    """None also for a mode without stiffness, which has no static answer."""
+    """Return the static response; None also for a mode without stiffness."""
     load = stage.case.excitation
     if not isinstance(load, CasingDistortion):
         return None

@@ -1,4 +1,4 @@
-"""The march of a run, recorded as it goes: result and checkpoints, from the start or further on."""
+"""Time integration of a run with its records and checkpoints, from the start or a checkpoint."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def march_to_file(
     checkpoints: Path | None = None,
     begin: Checkpoint | None = None,
 ) -> dict[str, float]:
-    """March and record on disk; returns what the march alone knows of its quality.
+    """March and record on disk; return the quality measures known to the march only.
 
     Args:
         prepared: the case to march.
@@ -223,7 +223,7 @@ def _keep(path: Path, case: str, recorder: Recorder, state: Any, wall_time: floa
 
 
 def check_room(directory: Path, needed: int) -> None:
-    """See that there is room for so many bytes and a little more.
+    """Check that the disk has space for a number of bytes and a little more.
 
     Raises:
         UserError: there is not.
@@ -264,8 +264,8 @@ def _attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
         "record_step": prepared.timing.record_step,
         "clamped": int(case.shaft.clamped),
         "symmetry": "; ".join(
-            f"{body.replace('_', ' ')}: {found}, march {MARCHES[cyclic]}"
-            for (body, found), cyclic in zip(
+            f"{body.replace('_', ' ')}: {symmetry}, march {MARCHES[cyclic]}"
+            for (body, symmetry), cyclic in zip(
                 stage.symmetry.items(), prepared.scheme.cyclic, strict=True
             )
         ),
@@ -274,7 +274,7 @@ def _attributes(prepared: Prepared, case_text: str) -> dict[str, Attribute]:
 
 
 def _divergence(prepared: Prepared, chunk: Chunk) -> str:
-    """Which body went too far, where, how far and when, and what to do.
+    """Return the body, place, size and time of a limit violation, and the remedy.
 
     The last record is the last state within the limit, so what goes beyond it is sought a step on.
     """

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from bladewhirl.postprocess.pictures.drawing import Frame
 
 SHEET_PICTURES = 9
-"""Pictures of a sheet where neither times nor a number are given."""
+"""Default number of pictures of a sheet."""
 
 
 def render(
@@ -35,7 +35,7 @@ def render(
     orbit: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Draw a run without a display; the name of the file says what is drawn.
+    """Draw a run without a display; the suffix of the file selects the kind.
 
     ``.gif`` and ``.mp4`` are films, ``.html`` is one to zoom and to point at in any browser,
     ``.png`` is a still. Several times, a number of frames
@@ -84,8 +84,8 @@ def render(
                     pictures.check_inside(dataset, instant)
                 records = nearest_records(dataset, np.array(time))
             else:
-                wanted = frames or SHEET_PICTURES
-                records = pictures.sheet_records(dataset, wanted, start=start, end=end)
+                count = frames or SHEET_PICTURES
+                records = pictures.sheet_records(dataset, count, start=start, end=end)
             return pictures.render_sheet(dataset, target, records, **look)
         records = pictures.animation_records(dataset, frames=frames, start=start, end=end)
         if kind == ".html":

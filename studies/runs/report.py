@@ -1,4 +1,4 @@
-"""Reports of what lies in a folder: a run or a sweep, finished or not."""
+"""Reports on a folder with a run or a sweep, finished or not."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def _sweep_page(directory: Path) -> Page:
 
 
 def _failures(directory: Path) -> list[tuple[str, str]]:
-    """Points that failed, in words, and why; none where that is not told."""
+    """Return the failed points and the reasons; empty if unknown."""
     rows = []
     for entry in read_failures(directory):
         values = {key: value for key, value in entry.items() if key not in ("point", "reason")}
@@ -88,13 +88,13 @@ def _failures(directory: Path) -> list[tuple[str, str]]:
 
 
 def _provenance(directory: Path) -> Provenance:
-    """How it was made; empty where that is not told."""
+    """Return the provenance; empty if unknown."""
     try:
-        found = json.loads((directory / PROVENANCE_NAME).read_text(encoding="utf-8"))
+        content = json.loads((directory / PROVENANCE_NAME).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return content if isinstance(content, dict) else {}
 
 
 PAGES = {RESULT_NAME: _run_page, SWEEP_NAME: _sweep_page}
-"""What makes the page of a folder, by the file that is in it."""
+"""Functions that make the page of a folder, by its main file."""

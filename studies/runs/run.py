@@ -1,4 +1,4 @@
-"""One run: from a case to a folder with the march's result, its summary, figures and series."""
+"""Runs: from a case to a folder with result, summary, figures and series."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def resume(
             " with; only march.duration may change"
         )
     prepared = prepare(case)
-    state_at(prepared, checkpoint)  # nothing is written if it can't go on
+    state_at(prepared, checkpoint)  # nothing is written if the run cannot continue
     with writing(directory), locked(directory):
         write_whole(path, folder.portable_case(case))
         window = Window(frames=frames, start=None, end=None, rotating=rotating)

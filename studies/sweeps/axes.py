@@ -1,4 +1,4 @@
-"""What a sweep runs over: keys of the case with their values, checked point by point."""
+"""Axes of a sweep: keys of the case with their values, validated point by point."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
 
 Value = int | float | str
-"""A value as a case file holds it: a number, or text with a unit."""
+"""Value as in a case file: a number, or text with a unit."""
 
 OVER = "--over"
 
 ASKED_POINTS = 100_000
-"""Points that a sweep has at most without being asked for more."""
+"""Largest number of points of a sweep without confirmation."""
 
 MOST_POINTS = 10_000_000
 """Points that no sweep has: more is a slip of the pen."""
@@ -42,19 +42,19 @@ _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.
 
 @dataclass(frozen=True, kw_only=True)
 class Axis:
-    """One swept key and the values it takes, in order."""
+    """Swept key and its values, in order."""
 
     key: str  #: dotted, as in the case file
-    values: tuple[Value, ...]  #: as a case file would hold them
+    values: tuple[Value, ...]  #: as in a case file
 
     @property
     def name(self) -> str:
-        """Of the dimension in the sweep's dataset."""
+        """Name of the dimension in the dataset of the sweep."""
         return self.key.replace(".", "_")
 
     @property
     def unit(self) -> str:
-        """Unit that the values were given in; empty where they are bare numbers."""
+        """Unit of the given values; empty for plain numbers."""
         first = self.values[0]
         return first.partition(" ")[2] if isinstance(first, str) else ""
 
@@ -91,7 +91,7 @@ class Grid:
         return {axis.key: axis.values[i] for axis, i in zip(self.axes, position, strict=True)}
 
     def label(self, point: int) -> str:
-        """A point in words, "march.speed = 1.05, contact.friction = 0.1"."""
+        """Return the label of a point, "march.speed = 1.05, contact.friction = 0.1"."""
         return ", ".join(f"{key} = {shown(value)}" for key, value in self.values(point).items())
 
     def cases(self, case: Case) -> Iterator[Case]:
@@ -138,7 +138,7 @@ def make_grid(case: Case, over: Mapping[str, Sequence[Value]], *, large: bool) -
         raise UserError(f"{OVER}: expected at least one key to sweep, march.speed=0.95:2:0.005")
     for key in over:
         check_key(case, key)
-    grid = Grid(axes=tuple(Axis(key=key, values=tuple(found)) for key, found in over.items()))
+    grid = Grid(axes=tuple(Axis(key=key, values=tuple(values)) for key, values in over.items()))
     for axis in grid.axes:
         _check_values(axis)
     if grid.size > MOST_POINTS:
@@ -203,7 +203,7 @@ def value_at(case: Case, key: str) -> Any:
 
 
 def check_key(case: Case, key: str) -> None:
-    """See that a key of the case holds a number.
+    """Check that a key of the case is a number.
 
     Raises:
         UserError: it does not; the message names the nearest that does.
@@ -223,12 +223,12 @@ def check_key(case: Case, key: str) -> None:
 def unit_of(case: Case, key: str) -> str:
     """SI unit of a key, from its description; "1" for pure numbers."""
     description = dict(_numeric_keys(case))[key]
-    found = re.search(r"\[([^\]]+)\]", description)
-    return found[1] if found else "1"
+    match = re.search(r"\[([^\]]+)\]", description)
+    return match[1] if match else "1"
 
 
 def _numeric_keys(table: Table) -> Iterator[tuple[str, str]]:
-    """Dotted keys that hold one number, with their descriptions."""
+    """Return the dotted keys with numerical values, with their descriptions."""
     descriptions = type(table).descriptions()
     for name, field in type(table).model_fields.items():
         value = getattr(table, name)
@@ -289,10 +289,10 @@ def _list(option: str, text: str) -> tuple[Value, ...]:
 
 def _numbers(option: str, parts: Sequence[str]) -> tuple[list[Decimal], str]:
     """Numbers, and the unit that they share; empty where they have none."""
-    found = [_NUMBER.fullmatch(part) for part in parts]
-    matches = [match for match in found if match is not None]
+    parsed = [_NUMBER.fullmatch(part) for part in parts]
+    matches = [match for match in parsed if match is not None]
     if len(matches) < len(parts):
-        bad = parts[found.index(None)].strip()
+        bad = parts[parsed.index(None)].strip()
         raise UserError(f"{OVER} {option}: expected numbers, got {bad!r}")
     units = [match[2] or "" for match in matches]
     if len(set(units)) > 1:
@@ -302,7 +302,7 @@ def _numbers(option: str, parts: Sequence[str]) -> tuple[list[Decimal], str]:
 
 
 def _value(number: Decimal, unit: str) -> Value:
-    """A number as the case file would hold it."""
+    """Return a number in the form of the case file."""
     whole = number == number.to_integral_value() and abs(number) < 2**53
     plain: int | float = int(number) if whole else float(number)
     return f"{plain!r} {unit}" if unit else plain

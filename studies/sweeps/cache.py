@@ -1,4 +1,4 @@
-"""Runs that a study needs, found where they were made before, else marched side by side.
+"""Runs of a study, loaded if they exist, otherwise marched in parallel.
 
 A run is known by its resolved case and the version of the program: a study that is interrupted
 goes on where it was, and one that asks for the same run again gets it.
@@ -44,7 +44,7 @@ class RunStore:
     failures: dict[str, str] = field(default_factory=dict)  #: reason by name of the run
 
     def path(self, case: Case) -> Path:
-        """Where the result of a case is, or will be."""
+        """Return the path of the result of a case."""
         return self.directory / f"{run_key(case)}.nc"
 
     def missing(self, cases: Sequence[Case]) -> list[Case]:
@@ -97,7 +97,7 @@ class RunStore:
         return march_groups(work, groups, scheduler=self.scheduler, workers=self.workers)
 
     def _is_sound(self, case: Case) -> bool:
-        """Whether it can be marched; compiles, so that workers find what they all use."""
+        """Return whether a case can be marched; compiles the kernel for the workers."""
         try:
             prepare_stage(stage_at(case))
         except UserError as error:

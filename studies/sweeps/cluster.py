@@ -1,4 +1,4 @@
-"""Groups of points on dask workers: a few at a time, suspects alone, results as they come."""
+"""Groups of points on dask workers: a few at a time, suspects one by one, results in any order."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from bladewhirl.studies.runs.interrupts import held_back
 from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work, march_group
 
 ENCRYPTION = "distributed.comm.require-encryption"
-"""dask's setting; a scheduler without TLS is used where it is false, as nobody has it by chance."""
+"""Setting of dask: false permits a scheduler without TLS, which nobody sets by accident."""
 
 PATIENCE = 30.0
-"""How long an existing scheduler has to answer [s]."""
+"""Time limit for the answer of an existing scheduler [s]."""
 
 LOCAL: Mapping[str, object] = {
-    # A group that a worker died with is suspect at once: it is then tried alone, see below.
+    # A group whose worker died is suspect at once and then tried alone.
     "distributed.scheduler.allowed-failures": 1,
     # Workers leave with their parent.
     "distributed.worker.daemon": True,
-    # Nobody asks them for a web page, nor the scheduler, unless the user does.
+    # No web page of workers or scheduler unless requested.
     "distributed.worker.http.routes": [],
-    # Counted in hundredths of a second, what dask does beside marches takes some 5 % of their time.
+    # With its defaults of hundredths of a second, dask takes some 5 % of the time of marches.
     "distributed.admin.tick.interval": "500ms",
     "distributed.admin.system-monitor.interval": "5s",
-    # What dask remembers of what it did stays small, however many points there are.
+    # Bounded logs of dask, independent of the number of points.
     "distributed.admin.low-level-log-length": 100,
     "distributed.admin.system-monitor.log-length": 100,
 }
@@ -44,13 +44,13 @@ UNSEEN: Mapping[str, object] = {
     "distributed.scheduler.http.routes": [],
     "distributed.worker.profile.enabled": False,
 }
-"""What only dask's web page shows."""
+"""Settings for data shown only on dask's web page."""
 
 DASHBOARD = "127.0.0.1:8787"
-"""Where dask's web page of a local cluster is, if asked for; on this machine only."""
+"""Address of dask's web page of a local cluster, if requested; local only."""
 
 READY = 1
-"""Groups waiting at a worker beside the one it does, so that it never waits for the next."""
+"""Groups that wait at a worker in addition to the running one, so that it is never idle."""
 
 
 def march_groups(
@@ -61,7 +61,7 @@ def march_groups(
     workers: int | None,
     dashboard: bool = False,
 ) -> Iterator[Mapping[int, Outcome]]:
-    """March groups, yielding the outcomes of each as they come.
+    """March groups and yield the outcomes of each on arrival.
 
     A worker that dies takes down nothing but what it was doing: dask starts another and gives the
     work to the next. A group that was being done when workers died again is put aside and tried
@@ -96,7 +96,7 @@ def march_groups(
 def _in_flight(
     client: Client, work: Work, groups: Iterable[Group], suspects: list[Group]
 ) -> Iterator[Mapping[int, Outcome]]:
-    """March groups with a few of them submitted at a time: none but these take memory."""
+    """March groups with a few submitted at a time, which bounds the memory."""
     waiting, marching = iter(groups), dict[object, Group]()
     results = as_completed(loop=client.loop)
     together = "sweep-" + uuid.uuid4().hex  # one name: the scheduler keeps books on each

@@ -1,4 +1,4 @@
-"""Sizes of what a sweep keeps of each point, chosen once so that all points share them."""
+"""Sizes of the data of each point of a sweep, chosen once for all points."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ REACH = 10.0
 family of the default stage."""
 
 MOST_LINES = 20_001
-"""Frequencies that a spectrum has at most: of a very long march it reaches less far."""
+"""Largest number of frequencies of a spectrum; that of a very long march has a smaller range."""
 
 MOST_SAMPLES = 1000
 """Samples that a thinned history has at most."""
@@ -26,13 +26,13 @@ MOST_SAMPLES = 1000
 
 @dataclass(frozen=True, kw_only=True)
 class Extent:
-    """How long the marches of a sweep are, all points together."""
+    """Duration of the marches of a sweep, all points together."""
 
     shortest: float  #: duration of the shortest march [s]
     record_step: float  #: the longest time between records [s]
     steps: int  #: of all marches
     most_steps: int  #: of the longest march
-    histories: Mapping[tuple[int, int], int]  #: points with so many (blades, records)
+    histories: Mapping[tuple[int, int], int]  #: number of points by (blades, records)
 
     @property
     def blades(self) -> int:
@@ -46,7 +46,7 @@ class Extent:
 
 
 def march_extent(cases: Iterable[Case]) -> Extent:
-    """Go through the cases of a sweep once; none of them is kept."""
+    """Iterate over the cases of a sweep once, without storing them."""
     shortest, record_step, steps, most_steps = np.inf, 0.0, 0, 0
     histories: Counter[tuple[int, int]] = Counter()
     for case in cases:

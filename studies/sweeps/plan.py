@@ -1,4 +1,4 @@
-"""What a sweep is before it runs: its points, checked; what it will take; and how it is kept."""
+"""Plan of a sweep: validated points, their cost, and the layout of the results."""
 
 from __future__ import annotations
 
@@ -37,25 +37,24 @@ from bladewhirl.studies.sweeps.store import Coordinates
 STOP_WHEN = "--stop-when"
 
 PLAN_NAME = "sweep.json"
-"""What a sweep is, so that it can be resumed."""
+"""File with the plan of a sweep, for resuming it."""
 
 GROUP_SIZE = 1
 """Points in a unit of work. Part of the plan: what is marched together must not change on
 resume."""
 
 CHECKED_STAGES = 32
-"""Stages built before a sweep to see whether they can be marched; faults of further ones show
-as failed points."""
+"""Number of stages validated before a sweep; faults of others appear as failed points."""
 
 
 ASKED_STEPS, ASKED_STEPS_IN_ALL = 1_000_000_000, 1_000_000_000_000
-"""Steps that one march and all of a sweep have at most without being asked for more: hours of one
-march, weeks of many cores."""
+"""Largest numbers of steps of one march and of a sweep without confirmation: hours of one march,
+weeks of many cores."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """A sweep that has been checked: its points and what it will take."""
+    """Validated sweep with its points and cost."""
 
     case: Case
     grid: Grid
@@ -113,7 +112,7 @@ def plan_sweep(
     group_size: int = GROUP_SIZE,
     stop_when: StopWhen | None = None,
 ) -> Plan:
-    """Check every point of a sweep and find what it will take.
+    """Validate every point of a sweep and estimate its cost.
 
     Points are looked at one after the other, so that a sweep of any size takes little memory.
 
@@ -172,7 +171,7 @@ def plan_digest(
 
 
 def write_plan(plan: Plan, directory: Path) -> None:
-    """Write the plan of a sweep into its folder, and a copy of its case's mesh file beside it."""
+    """Write the plan of a sweep into its folder, with a copy of the case's mesh file."""
     files = folder.case_files(plan.case)
     document = {
         folder.PACKAGE: folder.version(),
@@ -203,8 +202,8 @@ def read_plan(directory: Path) -> Plan:
         made_by, text = str(document[folder.PACKAGE]), str(document["case"])
         over = {str(key): tuple(values) for key, values in dict(document["over"]).items()}
         histories, group_size = bool(document["histories"]), int(document["group_size"])
-        told = document.get("stop_when")
-        stop_when = None if told is None else STOPS[STOPS.index(told)]
+        stop_rule = document.get("stop_when")
+        stop_when = None if stop_rule is None else STOPS[STOPS.index(stop_rule)]
     except OSError as error:
         raise UserError(f"{path}: expected the plan of a sweep ({error.strerror})") from None
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
@@ -221,10 +220,10 @@ def read_plan(directory: Path) -> Plan:
         )
     case = loads(text, file=str(path))
     try:
-        found = plan_digest(case, over, group_size, stop_when)
+        digest = plan_digest(case, over, group_size, stop_when)
     except OSError as error:  # of the mesh file
         raise UserError(f"{error.filename}: expected a readable file ({error.strerror})") from None
-    if document.get("digest") != found:
+    if document.get("digest") != digest:
         raise UserError(
             f"{path}: expected the plan as the sweep wrote it; it was changed, and points marched"
             " before would not agree with those to come"
@@ -239,12 +238,12 @@ def read_plan(directory: Path) -> Plan:
 
 
 def _coordinates(case: Case, grid: Grid) -> Coordinates:
-    found = {}
+    coordinates = {}
     for axis in grid.axes:
         along = (with_values(case, {**grid.values(0), axis.key: value}) for value in axis.values)
         values, unit = coordinate([value_at(each, axis.key) for each in along])
-        found[axis.key] = (values, unit or unit_of(case, axis.key))
-    return found
+        coordinates[axis.key] = (values, unit or unit_of(case, axis.key))
+    return coordinates
 
 
 def _check_stages(case: Case, grid: Grid) -> None:
@@ -262,8 +261,8 @@ def _check_stages(case: Case, grid: Grid) -> None:
     for point in chosen:
         try:
             at_point = with_values(case, grid.values(point))
-            found = [str(fault) for fault in march_faults(stage_at(at_point))]
+            reasons = [str(fault) for fault in march_faults(stage_at(at_point))]
         except UserError as error:
-            found = error.lines
-        faults += [f"{OVER}, point {grid.label(point)}: {line}" for line in found[:1]]
+            reasons = error.lines
+        faults += [f"{OVER}, point {grid.label(point)}: {line}" for line in reasons[:1]]
     refuse_faulty(faults)

@@ -1,4 +1,4 @@
-"""The unit of work of a sweep: a group of points, marched and reduced to what the sweep keeps.
+"""Unit of work of a sweep: a group of points, marched and reduced to the data of the sweep.
 
 What comes back is a function of the case at each point alone, so that it does not matter which
 worker does a group, when, or how often.
@@ -38,10 +38,11 @@ KEPT_STAGES = 2
 """Stages that a worker keeps: neighbours in a sweep of speeds share theirs."""
 
 IN_MEMORY = 500_000_000
-"""Bytes of a history that a worker holds; a longer one lies in a file until it is reduced."""
+"""Largest history that a worker keeps in memory [bytes]; a longer one is in a file until it is
+reduced."""
 
 _OWN = threading.local()
-"""Of a thread that marches: the room of its records, from point to point."""
+"""Data of a marching thread: memory of its records, reused from point to point."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +66,7 @@ Outcome = Digest | Failure
 
 @dataclass(frozen=True, kw_only=True)
 class Work:
-    """What all groups of a sweep have in common."""
+    """Data common to all groups of a sweep."""
 
     case: str  #: the case that the sweep varies, TOML
     layout: Layout
@@ -122,7 +123,7 @@ def _outcome(work: Work, case: Case, values: Mapping[str, Value], name: str | No
 def _march_point(work: Work, case: Case, name: str | None) -> Digest:
     prepared = prepare_stage(stage_at(case))
     if work.stop_when is not None:
-        with suppress(ValueError):  # where it can't end early it goes on to its end
+        with suppress(ValueError):  # without an early end it runs to its end
             stop = FreeMotion.of(prepared.problem, prepared.timing.time_step)
             prepared = replace(prepared, stop=stop)
     if name is None and expected_bytes(prepared) <= IN_MEMORY:

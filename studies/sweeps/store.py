@@ -1,4 +1,4 @@
-"""The dataset of a sweep on disk: laid out in full before the sweep, filled in place as it goes.
+"""The dataset of a sweep on disk: allocated before the sweep, filled in place.
 
 Every array has its room from the start and is written where it lies, so nothing of the file's
 structure changes while points arrive: a kill leaves a file that opens. A point counts once its
@@ -83,8 +83,8 @@ def create(
             text = np.array(labels, dtype=object)
             file.create_variable(name, (name,), h5py.string_dtype(), data=text)
         for name, variable in SWEEP.items():
-            own = {dimension: layout.sizes[dimension] for dimension in variable.dimensions}
-            made = _reserve(h5, file, name, np.dtype(variable.kind), {**sizes, **own})
+            lengths = {dimension: layout.sizes[dimension] for dimension in variable.dimensions}
+            made = _reserve(h5, file, name, np.dtype(variable.kind), {**sizes, **lengths})
             made.attrs.update(variable.attributes)
             if variable.labels:
                 made.attrs["flag_values"] = np.arange(len(variable.labels), dtype="i1")
@@ -125,10 +125,10 @@ class Store(AbstractContextManager["Store"]):
         except OSError as error:
             raise UserError(f"{path}: expected the dataset of a sweep ({error})") from None
         try:
-            found = self._h5.attrs.get("plan")
+            digest = self._h5.attrs.get("plan")
         except (OSError, RuntimeError, KeyError):
-            found = None
-        if found != plan:
+            digest = None
+        if digest != plan:
             self._h5.close()
             raise UserError(f"{path}: expected the dataset of the plan beside it, found another's")
         names = (*(axis.name for axis in grid.axes), "frequency")
@@ -141,7 +141,7 @@ class Store(AbstractContextManager["Store"]):
             raise UserError(
                 f"{path}: expected point {changed} as it was written; it was changed or damaged"
             )
-        # Kept open: looking one up by its name takes a third of the time of writing a point.
+        # Kept open: a lookup by name takes a third of the time of writing a point.
         self._variables = {name: self._h5[name] for name in SWEEP}
         #: state of every point as written, (points,)
         self.state = np.asarray(self._h5["state"][()], dtype=np.int8).ravel()
@@ -152,7 +152,7 @@ class Store(AbstractContextManager["Store"]):
 
     @property
     def frequency(self) -> FloatArray:
-        """Of the spectra [Hz]."""
+        """Frequencies of the spectra [Hz]."""
         return np.asarray(self._h5["frequency"][()], dtype=np.float64)
 
     @property
@@ -161,7 +161,7 @@ class Store(AbstractContextManager["Store"]):
         return int(np.count_nonzero(self.state == DONE))
 
     def write(self, outcomes: Mapping[int, Outcome]) -> None:
-        """Write the points of a group: all of what they hold first, then their states."""
+        """Write the points of a group: first their data, then their states."""
         for point, outcome in outcomes.items():
             if isinstance(outcome, Failure):
                 self.failures[point] = outcome.reason
@@ -198,9 +198,9 @@ def _reserve(
     kind: np.dtype[Any],
     sizes: Mapping[str, int],
 ) -> Any:
-    """A variable whose room is taken: NaN, or zeros (never masked) where it counts."""
+    """Create an allocated variable: NaN, or zeros (never masked) for integers."""
     empty = kind.type(np.nan) if kind.kind == "f" else None
     made = file.create_variable(name, tuple(sizes), kind, fillvalue=empty)
-    # HDF5 takes the room of a contiguous array with its first value.
+    # HDF5 allocates a contiguous array with its first value.
     h5[name][(0,) * len(sizes)] = kind.type(0 if empty is None else empty)
     return made

@@ -31,7 +31,7 @@ HISTORIES_NAME = "histories"
 
 @dataclass(frozen=True, kw_only=True)
 class Watch:
-    """Who is told how a sweep goes."""
+    """Progress callbacks of a sweep."""
 
     planned: Callable[[Plan], None] = lambda plan: None  #: once, before anything is written
     progress: Callable[[int, int, int], None] = lambda done, failed, points: None
@@ -40,7 +40,7 @@ class Watch:
 
 @dataclass(frozen=True, kw_only=True)
 class Sweep:
-    """What a sweep left."""
+    """Outcome of a sweep."""
 
     directory: Path
     points: int
@@ -70,7 +70,7 @@ def run_sweep(
     dashboard: bool = False,
     watch: Watch | None = None,
 ) -> Sweep:
-    """March a case at every combination of values and keep what matters of each in a dataset.
+    """March a case at every combination of values and collect the results in a dataset.
 
     The folder gets sweep.json (the plan), provenance.json, sweep.nc (open it with `open_sweep`),
     failures.json if points failed, figures, and histories/ if asked for. A call that is
@@ -165,7 +165,7 @@ def _carry_out(
         attributes |= {} if plan.stop_when is None else {"stop_rule": RULE}
         create(directory, plan.grid, plan.coordinates, plan.layout, attributes)
     with Store(directory, plan.grid, plan.digest) as store:
-        # What is kept of a point has to fit the file, whatever this machine would have chosen.
+        # The data of a point must match the file, not the defaults of this machine.
         layout = replace(plan.layout, frequency=store.frequency)
         work = Work(
             case=dumps_case(plan.case),
@@ -201,5 +201,5 @@ def _compile(case: Case, values: Mapping[str, Value]) -> None:
 
     Those that compile side by side may get code that differs in the last bits of a result.
     """
-    with suppress(UserError):  # a point that can't be marched is told of by its worker
+    with suppress(UserError):  # a point that cannot be marched is reported by its worker
         prepare_stage(stage_at(with_values(case, values)))

@@ -95,8 +95,8 @@ def thrown(
 ) -> ContactProblem:
     """The same problem, its tips thrown outward at these speeds [m/s], spread at random."""
     tips = len(given.rotor.tip_angle)
-    wanted = outward * (1.0 + spread * np.random.default_rng(0).normal(size=tips))
-    velocity = np.linalg.lstsq(given.rotor.tip_radial, wanted, rcond=None)[0]
+    expected = outward * (1.0 + spread * np.random.default_rng(0).normal(size=tips))
+    velocity = np.linalg.lstsq(given.rotor.tip_radial, expected, rcond=None)[0]
     start = replace(given.start, rotor_velocity=np.asarray(velocity, dtype=np.float64))
     return replace(given, start=start)
 

@@ -72,8 +72,8 @@ def collision(name: str) -> Collision:
     known, bars, given, dt, steps = bars_in_impact(name)
     chunk = marched(given, dt, steps)
     last = (chunk.rotor_velocity[-1], chunk.casing_velocity[-1])
-    found = [body.rigid @ v / body.mass for body, v in zip(bars, last, strict=False)]
-    return Collision(known, chunk, dt, np.array(found))
+    computed = [body.rigid @ v / body.mass for body, v in zip(bars, last, strict=False)]
+    return Collision(known, chunk, dt, np.array(computed))
 
 
 @verifies(*BARS)
@@ -136,8 +136,8 @@ def impulse_of_a_bouncing_bar() -> Pair:
     """The second after a flight in which it rings."""
     chunk = bouncing_bar()
     impulse, first = chunk.contact_impulse[:, 0], chunk.time < 8.0 / 3.0
-    wanted = reference("published")["bouncing_bar"]["impulse"]
-    return [wanted, wanted], [impulse[first].sum(), impulse[~first].sum()]
+    expected = reference("published")["bouncing_bar"]["impulse"]
+    return [expected, expected], [impulse[first].sum(), impulse[~first].sum()]
 
 
 def first_touch() -> FloatArray:
@@ -203,8 +203,8 @@ def impacts(name: str) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     touching = np.r_[False, impulse > 1e-12 * impulse.max()]
     begins = np.flatnonzero(touching[1:] & ~touching[:-1])
     stopped = np.array([impulse[i : i + 2].sum() for i in begins])  # within two steps
-    times, wanted = (np.array([event[key] for event in exact]) for key in ("time", "impulse"))
-    return times, wanted, chunk.time[begins], stopped
+    times, expected = (np.array([event[key] for event in exact]) for key in ("time", "impulse"))
+    return times, expected, chunk.time[begins], stopped
 
 
 OSCILLATORS = ("C1", "C2", "C3", "C4")
@@ -213,15 +213,15 @@ OSCILLATORS = ("C1", "C2", "C3", "C4")
 @verifies(*OSCILLATORS)
 def times_of_impacts(name: str) -> Pair:
     """Within two steps."""
-    exact, _, found, _ = impacts(name)
-    return exact, found
+    exact, _, computed, _ = impacts(name)
+    return exact, computed
 
 
 @verifies(*OSCILLATORS)
 def impulses_of_impacts(name: str) -> Pair:
     """The stop takes all the momentum."""
-    _, exact, _, found = impacts(name)
-    return exact, found
+    _, exact, _, computed = impacts(name)
+    return exact, computed
 
 
 @verifies()
@@ -312,27 +312,27 @@ def small_marches() -> list[Chunk]:
 @verifies()
 def ledgers() -> Pair:
     """The worst step of each."""
-    found = [ledger_residual(chunk) for chunk in small_marches()]
-    return np.zeros(len(found)), found
+    computed = [ledger_residual(chunk) for chunk in small_marches()]
+    return np.zeros(len(computed)), computed
 
 
 @verifies()
 def gaps_in_contact() -> Pair:
     """The largest of each, and the deepest penetration."""
-    found = [
+    computed = [
         value
         for chunk in small_marches()
         for value in (chunk.gap[chunk.contact_impulse > 0.0].max(), min(0.0, chunk.gap.min()))
     ]
-    return np.zeros(len(found)), found
+    return np.zeros(len(computed)), computed
 
 
 @verifies()
 def unbalance_orbit() -> Pair:
     """Through the resonance; started on the orbit, which harmonic loads in x and y keep up."""
     known = reference("jeffcott")
-    found = [_departure(known["rotor"], row) for row in known["response"]]
-    return np.zeros(len(found)), found
+    computed = [_departure(known["rotor"], row) for row in known["response"]]
+    return np.zeros(len(computed)), computed
 
 
 def _departure(rotor: dict[str, float], row: dict[str, float]) -> float:
@@ -355,6 +355,6 @@ def _departure(rotor: dict[str, float], row: dict[str, float]) -> float:
         "rotor_velocity": root * omega * np.array([-orbit.imag, orbit.real]),
     }
     chunk = marched(problem(body, wall(1.0), start=start, loads=loads), 5e-6, 20_000, every=10)
-    found = chunk.rotor_displacement @ body.centre.T @ [1.0, 1.0j]
-    off = np.abs(found - orbit * np.exp(1j * omega * chunk.time)).max()
+    computed = chunk.rotor_displacement @ body.centre.T @ [1.0, 1.0j]
+    off = np.abs(computed - orbit * np.exp(1j * omega * chunk.time)).max()
     return float(off / row["amplitude"])

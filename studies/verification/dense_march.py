@@ -46,16 +46,16 @@ def dense_march(
         if given.springs is not None:
             place = np.zeros(given.springs.modes.size, dtype=int)
             for on_casing, first in ((False, 0), (True, m)):
-                own, modes = given.springs.coordinates(on_casing=on_casing)
-                place[own] = first + modes
+                coordinates, modes = given.springs.coordinates(on_casing=on_casing)
+                place[coordinates] = first + modes
             force[place] -= given.springs.stiffness(angle=speed * time) @ x[place]
         return np.asarray(force)
 
     start = given.start
     x, v = np.r_[start.rotor, start.casing], np.r_[start.rotor_velocity, start.casing_velocity]
     before = x - dt * v + 0.5 * dt**2 * (pull(0, x) - damping * v)
-    found = np.zeros((3, steps + 1, tips))
-    found[0, 0] = clearance(np.mod(rotor.tip_angle, 2 * np.pi)) + rotor.tip_recess
+    computed = np.zeros((3, steps + 1, tips))
+    computed[0, 0] = clearance(np.mod(rotor.tip_angle, 2 * np.pi)) + rotor.tip_recess
     for n in range(steps):
         inertia = 2.0 * x / dt**2 + (damping / (2.0 * dt) - 1.0 / dt**2) * before
         free = compliance * (pull(n, x) + inertia)
@@ -74,8 +74,8 @@ def dense_march(
         force = complementary(gap, normal @ rows)
         before, x = x, free + rows @ force
         left = clearance(angle) + rotor.tip_recess + normal @ x
-        found[:, n + 1] = left, dt * force, dt * drag * force
-    return found[0], found[1], found[2]
+        computed[:, n + 1] = left, dt * force, dt * drag * force
+    return computed[0], computed[1], computed[2]
 
 
 def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
@@ -86,8 +86,8 @@ def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
     """
     touching = gap < 0.0
     for _ in range(4 * len(gap)):
-        force, own = np.zeros(len(gap)), np.ix_(touching, touching)
-        force[touching] = np.linalg.lstsq(delassus[own], -gap[touching], rcond=None)[0]
+        force, block = np.zeros(len(gap)), np.ix_(touching, touching)
+        force[touching] = np.linalg.lstsq(delassus[block], -gap[touching], rcond=None)[0]
         left = gap + delassus @ force
         better = np.where(touching, force >= 0.0, left < -1e-15)
         if (better == touching).all():

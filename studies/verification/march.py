@@ -133,9 +133,9 @@ def symmetry_at_standstill() -> Pair:
 def oscillations(given: ContactProblem, time: float) -> FloatArray:
     """Modal displacements of the rotor without contact and loads, by superposition."""
     start, ratio, omega = given.start, given.rotor.damping_ratio, given.rotor.frequency
-    rate, own = ratio * omega, omega * np.sqrt(1.0 - ratio**2)
-    sine = (start.rotor_velocity + rate * start.rotor) / own
-    swing = start.rotor * np.cos(own * time) + sine * np.sin(own * time)
+    rate, damped = ratio * omega, omega * np.sqrt(1.0 - ratio**2)
+    sine = (start.rotor_velocity + rate * start.rotor) / damped
+    swing = start.rotor * np.cos(damped * time) + sine * np.sin(damped * time)
     return np.asarray(np.exp(-rate * time) * swing)
 
 

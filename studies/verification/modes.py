@@ -50,8 +50,8 @@ def stage_names(centre: str) -> Pair:
     known = reference("disk_modes")[centre]
     modes = disk_modes(bladed_disk(clamped=centre == "clamped"))
     names = zip(modes.nodal_diameter.tolist(), families(modes, "bladed-disk"), strict=True)
-    wanted = zip(known["nodal_diameter"], known["family"], strict=True)
-    return 0, sum(a != b for a, b in zip(wanted, names, strict=False))
+    expected = zip(known["nodal_diameter"], known["family"], strict=True)
+    return 0, sum(a != b for a, b in zip(expected, names, strict=False))
 
 
 def static(disk: BladedDiskModel, dof: int) -> FloatArray:
@@ -75,8 +75,8 @@ def stage_stiffness(centre: str) -> Pair:
     }
     if centre == "free":
         places["centre_x_stiffness"] = (int(disk.centre[0]), nodes["centre"][0], 0)
-    found = [1.0 / static(disk, dof)[node, axis] for dof, node, axis in places.values()]
-    return [known[name] for name in places], found
+    computed = [1.0 / static(disk, dof)[node, axis] for dof, node, axis in places.values()]
+    return [known[name] for name in places], computed
 
 
 @verifies(*CENTRES)
@@ -85,12 +85,12 @@ def stage_flexibility(centre: str) -> Pair:
     known = reference("disk_static")[centre]
     disk = bladed_disk(clamped=centre == "clamped")
     field, tips = static(disk, int(disk.tip_tangential[0])), disk.mesh.node_sets["tips"]
-    wanted = (
+    expected = (
         known["tip0_rotation_per_tangential_force"],
         *known["tip1_xy_per_tangential_force"],
         known["tip11_y_per_tangential_force"],
     )
-    return wanted, (field[tips[0], 2], *field[tips[1], :2], field[tips[11], 1])
+    return expected, (field[tips[0], 2], *field[tips[1], :2], field[tips[11], 1])
 
 
 @verifies()
@@ -98,16 +98,16 @@ def unbalance_response() -> Pair:
     """(K - Omega^2 M) u = m e Omega^2 at the centre."""
     known, disk = reference("disk_harmonic"), bladed_disk()
     tips, centre = disk.mesh.node_sets["tips"], disk.mesh.node_sets["centre"][0]
-    wanted, found = [], []
+    expected, computed = [], []
     for row in known["response"]:
         square = (2.0 * np.pi * row["f_hz"]) ** 2
         force = np.zeros((disk.structure.size, 1))
         force[disk.centre[0]] = known["unbalance"] * square
         dynamic = disk.structure.stiffness - square * disk.structure.mass
         field = disk.cartesian(spla.splu(dynamic.tocsc()).solve(force))[..., 0]
-        found.append([field[centre, 0], field[tips[0], 0], *field[tips[5], :2]])
-        wanted.append([row[name] for name in ("centre_x", "tip0_x", "tip5_x", "tip5_y")])
-    return wanted, found
+        computed.append([field[centre, 0], field[tips[0], 0], *field[tips[5], :2]])
+        expected.append([row[name] for name in ("centre_x", "tip0_x", "tip5_x", "tip5_y")])
+    return expected, computed
 
 
 def cantilever(
@@ -149,9 +149,9 @@ def order_of_bending() -> Pair:
 def stretching_errors(elements: int) -> FloatArray:
     """Relative errors of the first three frequencies of stretching, of the nearest ones."""
     exact = np.pi * (np.arange(3) + 0.5) / SPAN * np.sqrt(2.1e11 / 7800.0)
-    found = cantilever(steel(0.01), elements)
-    nearest = np.argmin(np.abs(found[:, None] - exact), axis=0)
-    return np.asarray(found[nearest] / exact - 1.0)
+    computed = cantilever(steel(0.01), elements)
+    nearest = np.argmin(np.abs(computed[:, None] - exact), axis=0)
+    return np.asarray(computed[nearest] / exact - 1.0)
 
 
 @verifies()

@@ -42,9 +42,9 @@ def recorded(**changes: Any) -> xr.Dataset:
         changes: of the case, two underscores for a dot.
     """
     push = {"initial.centre_velocity": [1.5, 0.7]}
-    own = {key.replace("__", "."): value for key, value in changes.items()}
+    keys = {key.replace("__", "."): value for key, value in changes.items()}
     with TemporaryDirectory() as folder:
-        run(with_values(Case(), {**SMALL, **push, **own}), Path(folder) / "run", frames=0)
+        run(with_values(Case(), {**SMALL, **push, **keys}), Path(folder) / "run", frames=0)
         with open_result(Path(folder) / "run") as result:
             return result.load()
 
@@ -109,8 +109,8 @@ def torque_on_the_casing() -> Pair:
     result = recorded()
     turning = np.flatnonzero(result["casing_nodal_diameter"].values == 0)
     tangential = result["casing_shape"].values[:, 2][:, turning].mean(axis=0)
-    own = turning[np.argmax(np.abs(tangential))]
-    given = kicks(result, "casing")[:, own].sum() / tangential[np.argmax(np.abs(tangential))]
+    rate = turning[np.argmax(np.abs(tangential))]
+    given = kicks(result, "casing")[:, rate].sum() / tangential[np.argmax(np.abs(tangential))]
     normal = result["contact_impulse"].values[2:].sum()
     radius = result.attrs["casing_radius"]
     return 0.1 * radius * normal, radius * given
@@ -144,20 +144,20 @@ def complementarity() -> Pair:
 @verifies("backward", "forward")
 def circular_whirl(way: str) -> Pair:
     """In the rotating and in the static frame."""
-    found = circle(way)
-    omega = (1.0 if way == "forward" else -1.0) * found.attrs["natural"]
-    rates = [found["rate"].sel(frame=frame).values for frame in ("rotating", "static")]
-    exact = [np.full_like(rates[0], omega), np.full_like(rates[1], omega + found.attrs["speed"])]
+    computed = circle(way)
+    omega = (1.0 if way == "forward" else -1.0) * computed.attrs["natural"]
+    rates = [computed["rate"].sel(frame=frame).values for frame in ("rotating", "static")]
+    exact = [np.full_like(rates[0], omega), np.full_like(rates[1], omega + computed.attrs["speed"])]
     return exact, rates
 
 
 @verifies("backward", "forward")
 def whirl_labels(way: str) -> Pair:
     """In the rotating and in the static frame."""
-    found = circle(way)
+    computed = circle(way)
     sign = 1.0 if way == "forward" else -1.0
-    static = np.sign(sign * found.attrs["natural"] + found.attrs["speed"])
-    labels = [found["direction"].sel(frame=frame).values for frame in ("rotating", "static")]
+    static = np.sign(sign * computed.attrs["natural"] + computed.attrs["speed"])
+    labels = [computed["direction"].sel(frame=frame).values for frame in ("rotating", "static")]
     return [np.full_like(labels[0], sign), np.full_like(labels[1], static)], labels
 
 

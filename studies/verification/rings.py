@@ -83,8 +83,10 @@ def stretching_ring() -> Pair:
     """Those of the spectrum nearest to the closed form."""
     modes = casing_modes(80)
     exact = [row["extensional_hz"] for row in reference("ring")["modes"][:5]]
-    own = [hertz(modes)[modes.nodal_diameter == k] for k in range(5)]
-    return exact, [f[np.argmin(np.abs(f - wanted))] for f, wanted in zip(own, exact, strict=True)]
+    spectra = [hertz(modes)[modes.nodal_diameter == k] for k in range(5)]
+    return exact, [
+        f[np.argmin(np.abs(f - expected))] for f, expected in zip(spectra, exact, strict=True)
+    ]
 
 
 @verifies()

@@ -51,21 +51,21 @@ def modes_at(stage: str, omega: float) -> WhirlModes:
 @verifies(*STAGES)
 def centrifugal_frequencies(stage: str) -> Pair:
     """Six of each nodal diameter; negative where softening has made a wave unstable."""
-    wanted, found = [], []
+    expected, computed = [], []
     for row in known(stage)["speeds"]:
         structure = turning(stage).at_speed(row["omega"], "centrifugal")
         if structure.layout is None:
             raise ValueError("expected a stage of equal sectors")
         for k, (mass, stiffness) in structure.layout.blocks(structure.mass, structure.stiffness):
             square = la.eigvalsh(stiffness, mass, subset_by_index=(0, 5))
-            found.append(np.sign(square) * np.sqrt(np.abs(square)) / (2 * np.pi))
-            wanted.append(row["centrifugal"][str(k)])
-    return wanted, found
+            computed.append(np.sign(square) * np.sqrt(np.abs(square)) / (2 * np.pi))
+            expected.append(row["centrifugal"][str(k)])
+    return expected, computed
 
 
 def travelling(stage: str, ratios: tuple[float, ...]) -> Pair:
     """Six frequencies of each nodal diameter and direction [Hz]."""
-    wanted, found = [], []
+    expected, computed = [], []
     for row in known(stage)["speeds"]:
         if row["ratio"] not in ratios:
             continue
@@ -73,10 +73,10 @@ def travelling(stage: str, ratios: tuple[float, ...]) -> Pair:
         for way in ("backward", "forward"):
             for k in range(12):
                 ways = np.isin(modes.direction, [way, "standing"])
-                own = modes.frequency[(modes.nodal_diameter == k) & ways]
-                found.append(own[:6] / (2 * np.pi))
-                wanted.append(row[way][str(k)])
-    return wanted, found
+                frequencies = modes.frequency[(modes.nodal_diameter == k) & ways]
+                computed.append(frequencies[:6] / (2 * np.pi))
+                expected.append(row[way][str(k)])
+    return expected, computed
 
 
 @verifies(*STAGES)
@@ -95,19 +95,19 @@ def whirling_waves_past_the_critical_speed(stage: str) -> Pair:
 def growth_of_tips(stage: str) -> Pair:
     """Without and with the load that follows."""
     disk, matrices = bladed_disk(disk_thickness=float(stage)), turning(stage)
-    wanted, found = [], []
+    expected, computed = [], []
     for row in known(stage)["speeds"]:
         linear = static_displacement(matrices, row["omega"], follows=False)[disk.tip_radial]
-        found.append([linear, np.broadcast_to(tip_growth(disk, matrices, row["omega"]), 22)])
-        wanted.append([[row["tip_growth"]] * 22, [row["tip_growth_softened"]] * 22])
-    return wanted, found
+        computed.append([linear, np.broadcast_to(tip_growth(disk, matrices, row["omega"]), 22)])
+        expected.append([[row["tip_growth"]] * 22, [row["tip_growth_softened"]] * 22])
+    return expected, computed
 
 
 @verifies(*STAGES)
 def axial_forces(stage: str) -> Pair:
     """Means over each, and the root of a blade, rho A Omega^2 (R^2 - r^2) / 2."""
     disk, matrices = bladed_disk(disk_thickness=float(stage)), turning(stage)
-    sets, wanted, found = disk.mesh.line_sets, [], []
+    sets, expected, computed = disk.mesh.line_sets, [], []
     root = disk.mesh.node_sets["roots"][0]
     for row in known(stage)["speeds"]:
         linear = static_displacement(matrices, row["omega"], follows=False)
@@ -116,23 +116,23 @@ def axial_forces(stage: str) -> Pair:
         )
         mean = force @ np.array([1.0, 4.0, 1.0]) / 6.0
         (line,) = [n for n in sets["blades"] if disk.mesh.lines[n, 0] == root]
-        found.append([*mean[sets["spokes"]], *mean[sets["rim"]], force[line, 0]])
+        computed.append([*mean[sets["spokes"]], *mean[sets["rim"]], force[line, 0]])
         pull = 7800.0 * 1e-3 * row["omega"] ** 2 * (0.5**2 - 0.05**2) / 2.0
-        wanted.append([*[row["spoke_force"]] * 22, *[row["rim_force"]] * 22, pull])
-    return wanted, found
+        expected.append([*[row["spoke_force"]] * 22, *[row["rim_force"]] * 22, pull])
+    return expected, computed
 
 
 @verifies(*STAGES)
 def critical_speeds(stage: str) -> Pair:
     """At rest, with centrifugal effects, and with Coriolis forces."""
     row, matrices = known(stage), turning(stage)
-    wanted = [row["critical_speed"]]
-    found = [waves(matrices, 1, "full").synchronous(0)[0][0]]
+    expected = [row["critical_speed"]]
+    computed = [waves(matrices, 1, "full").synchronous(0)[0][0]]
     for order in row["engine_orders"]:
         for effects, key in KEYS.items():
-            found.append(waves(matrices, order["k"], effects).synchronous(order["k"])[0][0])
-            wanted.append(order[key])
-    return wanted, np.array(found) / (2 * np.pi * row["reference_hz"])
+            computed.append(waves(matrices, order["k"], effects).synchronous(order["k"])[0][0])
+            expected.append(order[key])
+    return expected, np.array(computed) / (2 * np.pi * row["reference_hz"])
 
 
 @verifies(*STAGES)
@@ -153,21 +153,27 @@ def fastest_waves(stage: str) -> FloatArray:
     layout = matrices.structure.layout
     if layout is None:
         raise ValueError("expected a stage of equal sectors")
-    basis, own = layout.basis(1), matrices.structure
+    basis, structure = layout.basis(1), matrices.structure
     mass, stiffness, geometric, translated, coriolis = (
         (basis.conj().T @ each @ basis).toarray()
-        for each in (own.mass, own.stiffness, matrices.geometric, matrices.mass, matrices.coriolis)
+        for each in (
+            structure.mass,
+            structure.stiffness,
+            matrices.geometric,
+            matrices.mass,
+            matrices.coriolis,
+        )
     )
     square, modes = la.eigh(stiffness, mass)
     damping = mass @ modes @ np.diag(0.01 * np.sqrt(square)) @ modes.conj().T @ mass
-    found = []
+    computed = []
     for ratio, _, _ in row["growth_rates_xi_0.005"]:
         omega = 2 * np.pi * row["reference_hz"] * ratio
         at_speed = stiffness + omega**2 * (geometric - translated)
         exponents, _ = damped_eigenvalues(mass, damping + 2 * omega * coriolis, at_speed)
         fastest = exponents[exponents.real.argmax()]
-        found.append([fastest.real, abs(fastest.imag)])
-    return np.array(found).T
+        computed.append([fastest.real, abs(fastest.imag)])
+    return np.array(computed).T
 
 
 @verifies(*STAGES)
@@ -194,13 +200,13 @@ def undamped_waves(stage: str) -> Pair:
 def steady_answer(stage: str) -> Pair:
     """Constant in the rotating frame, as an imbalance is: through the critical speed."""
     row, disk = known(stage), bladed_disk(disk_thickness=float(stage))
-    force, found = np.zeros(disk.structure.size), []
+    force, computed = np.zeros(disk.structure.size), []
     force[disk.centre[0]] = 1.0
     for ratio, _, _ in row["steady_per_newton"]:
         omega = 2 * np.pi * row["reference_hz"] * ratio
         answer = spla.spsolve(turning(stage).stiffness(omega).tocsc(), force)
-        found.append([answer[disk.centre[0]], np.abs(answer[disk.tip_radial]).max()])
-    return [known_answer[1:] for known_answer in row["steady_per_newton"]], found
+        computed.append([answer[disk.centre[0]], np.abs(answer[disk.tip_radial]).max()])
+    return [known_answer[1:] for known_answer in row["steady_per_newton"]], computed
 
 
 HUB = 0.05
@@ -226,7 +232,7 @@ def cantilevers(delta: float, alpha: float, elements: int) -> tuple[BladedDiskMo
 @verifies()
 def flapwise_cantilevers() -> Pair:
     """Out of plane there is no spin softening: w_f^2 = w_c^2 + Omega^2."""
-    rows, found = reference("rotation")["cantilevers"]["flapwise"], []
+    rows, computed = reference("rotation")["cantilevers"]["flapwise"], []
     for row in rows:
         disk, time = cantilevers(row["delta"], 1e3, 12)
         structure = rotation_matrices(disk).at_speed(row["gamma"] / time, "centrifugal")
@@ -236,19 +242,19 @@ def flapwise_cantilevers() -> Pair:
                 6,
             )
         )[:2]
-        found.append(np.sqrt(squares + row["gamma"] ** 2))
-    return [row["flapwise"][:2] for row in rows], found
+        computed.append(np.sqrt(squares + row["gamma"] ** 2))
+    return [row["flapwise"][:2] for row in rows], computed
 
 
 @verifies()
 def coriolis_cantilevers(elements: int = 20) -> Pair:
     """Bending coupled to stretching."""
-    rows, found = reference("rotation")["cantilevers"]["chordwise"], []
+    rows, computed = reference("rotation")["cantilevers"]["chordwise"], []
     for row in rows:
         disk, time = cantilevers(row["delta"], row["alpha"], elements)
         modes = whirl_modes(rotation_matrices(disk).at_speed(row["gamma"] / time, "full"))
-        found.append(modes.frequency[modes.nodal_diameter == 0][:2] * time)
-    return [row["frequencies"][:2] for row in rows], found
+        computed.append(modes.frequency[modes.nodal_diameter == 0][:2] * time)
+    return [row["frequencies"][:2] for row in rows], computed
 
 
 @verifies()
@@ -262,13 +268,13 @@ def rigid_disk() -> Pair:
     sketch.set("centre", "hub")
     sketch.set("tips", "tip")
     disk = assemble_bladed_disk(sketch.build(), shaft_stiffness=2e6, clamped=False)
-    found: list[FloatArray] = []
+    computed: list[FloatArray] = []
     for omega in (30.0, 200.0):
         modes = whirl_modes(rotation_matrices(disk).at_speed(omega, "full"))
         swinging = (modes.nodal_diameter == 1) & (modes.frequency < 1e3)
         chosen = modes.take(np.flatnonzero(swinging))
-        found.append(np.abs(chosen.static_frequency(omega)))
-    return np.full((2, 2), np.sqrt(2e6 / disk.model.mass)), found
+        computed.append(np.abs(chosen.static_frequency(omega)))
+    return np.full((2, 2), np.sqrt(2e6 / disk.model.mass)), computed
 
 
 @verifies()
@@ -284,8 +290,8 @@ def rod() -> Pair:
     disk = assemble_bladed_disk(sketch.build(), shaft_stiffness=3.4e7, clamped=True)
     matrices = rotation_matrices(disk)
     kappa = omega * 0.5 * np.sqrt(section.line_mass / section.axial_stiffness)
-    found = [
+    computed = [
         static_displacement(matrices, omega, follows=follows)[disk.tip_radial[0]] / 0.5
         for follows in (False, True)
     ]
-    return [kappa**2 / 3.0, np.tan(kappa) / kappa - 1.0], found
+    return [kappa**2 / 3.0, np.tan(kappa) / kappa - 1.0], computed

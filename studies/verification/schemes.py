@@ -92,8 +92,8 @@ def extremes_of_a_pad() -> Pair:
     """The last one is where it stays."""
     chunk = sticking_pad()
     at = [round(n * np.pi / 100.0 / 1e-5) for n in range(4)]
-    found = [*chunk.rotor_displacement[at, 1], chunk.rotor_displacement[-1, 1]]
-    return reference("published")["coulomb_pad"]["extremes"], found
+    computed = [*chunk.rotor_displacement[at, 1], chunk.rotor_displacement[-1, 1]]
+    return reference("published")["coulomb_pad"]["extremes"], computed
 
 
 @verifies()

@@ -44,8 +44,10 @@ def mathieu_border(name: str) -> Pair:
     trace, exact = (-2.0 if name[1] == "1" else 2.0), MATHIEU[name]
 
     def excess(a: float) -> float:
-        found = floquet(lambda times: (a - 2.0 * np.cos(2.0 * times))[:, None, None], period=np.pi)
-        return float(np.trace(found.monodromy)) - trace
+        computed = floquet(
+            lambda times: (a - 2.0 * np.cos(2.0 * times))[:, None, None], period=np.pi
+        )
+        return float(np.trace(computed.monodromy)) - trace
 
     return exact, brentq(excess, exact - 0.1, exact + 0.1, xtol=1e-13)
 
@@ -76,11 +78,13 @@ def damped_springs(ratio: str) -> CouplingSprings:
 def monodromy(ratio: str) -> Floquet:
     """Of the example point, by direct integration."""
     given = coupled(ratio)
-    held = springs(given)
+    coupling = springs(given)
     return floquet(
-        lambda times: periodic_stiffness(held.modes, kappa=held.kappa, angle=given.speed * times),
+        lambda times: periodic_stiffness(
+            coupling.modes, kappa=coupling.kappa, angle=given.speed * times
+        ),
         period=2.0 * np.pi / given.speed,
-        damping=np.diag(held.modes.damping_rate[held.modes.entry]),
+        damping=np.diag(coupling.modes.damping_rate[coupling.modes.entry]),
     )
 
 
@@ -94,17 +98,19 @@ def growth_by_monodromy(ratio: str) -> Pair:
 def growth_in_the_invariant_frame(ratio: str) -> Pair:
     """Where the system is autonomous, Eqs (16)-(21)."""
     given = coupled(ratio)
-    held = springs(given)
-    return monodromy(ratio).growth, growth_rate(held.modes, speed=given.speed, kappa=held.kappa)
+    coupling = springs(given)
+    return monodromy(ratio).growth, growth_rate(
+        coupling.modes, speed=given.speed, kappa=coupling.kappa
+    )
 
 
 @verifies()
 def growth_without_pi() -> Pair:
     """As the paper prints the coefficient of Eq. (9)."""
     given = coupled("0.0")
-    held = springs(given)
-    found = growth_rate(held.modes, speed=given.speed, kappa=held.kappa, with_pi=False)
-    return 0.0, found
+    coupling = springs(given)
+    computed = growth_rate(coupling.modes, speed=given.speed, kappa=coupling.kappa, with_pi=False)
+    return 0.0, computed
 
 
 @verifies()
@@ -141,11 +147,11 @@ def growth_of_a_march(ratio: str) -> Pair:
 def growth_of_a_march_at_speed() -> Pair:
     """Inside the zone that begins at 1.055 without them, at 1.39 with them."""
     turned, modes = six_modes_at_speed()
-    held = springs(turned)
+    coupling = springs(turned)
     chunk = marched(turned, 1e-5, 200_000, every=500)
     size, late = np.linalg.norm(chunk.rotor_displacement, axis=1), chunk.time > 1.0
     rate = np.polyfit(chunk.time[late], np.log(size[late]), 1)[0]
-    return growth_rate(modes, speed=turned.speed, kappa=held.kappa), rate
+    return growth_rate(modes, speed=turned.speed, kappa=coupling.kappa), rate
 
 
 def six_modes_at_speed() -> tuple[ContactProblem, CouplingModes]:
@@ -159,16 +165,16 @@ def six_modes_at_speed() -> tuple[ContactProblem, CouplingModes]:
     case = with_values(Case(), changes | {"rotation.effects": "full"})
     system = couple(modal_stage(case), modes="six", damped=True, with_pi=True, physical=False)
     assert isinstance(system, EvenSystem)
-    held, omega = springs(at_rest), at_rest.speed
-    modes = replace(held.modes, turning=system.modes.turning)
+    coupling, omega = springs(at_rest), at_rest.speed
+    modes = replace(coupling.modes, turning=system.modes.turning)
     assert modes.turning is not None
-    own = ~modes.on_casing
-    turning = modes.turning.take(np.flatnonzero(own))
+    on_rotor = ~modes.on_casing
+    turning = modes.turning.take(np.flatnonzero(on_rotor))
     square, axes = np.linalg.eigh(
-        np.diag(modes.frequency[own] ** 2) + omega**2 * turning.softening.real
+        np.diag(modes.frequency[on_rotor] ** 2) + omega**2 * turning.softening.real
     )
     frequency = np.sign(square) * np.sqrt(np.abs(square))
-    damping = axes.T @ np.diag(modes.damping_rate[own]) @ axes
+    damping = axes.T @ np.diag(modes.damping_rate[on_rotor]) @ axes
     coriolis = 2.0 * omega * axes.T @ turning.coriolis.imag @ axes
     by_velocity = np.kron(damping, np.eye(2)) + np.kron(coriolis, [[0.0, -1.0], [1.0, 0.0]])
     rotor = replace(
@@ -178,31 +184,33 @@ def six_modes_at_speed() -> tuple[ContactProblem, CouplingModes]:
         by_velocity=by_velocity,
     )
     both, amplitude = modes.frequency.copy(), modes.amplitude.copy()
-    both[own], amplitude[own] = frequency, axes.T @ amplitude[own]
-    stiff = replace(held, modes=replace(held.modes, frequency=both, amplitude=amplitude))
+    both[on_rotor], amplitude[on_rotor] = frequency, axes.T @ amplitude[on_rotor]
+    stiff = replace(coupling, modes=replace(coupling.modes, frequency=both, amplitude=amplitude))
     return replace(at_rest, rotor=rotor, springs=stiff), modes
 
 
 @verifies()
 def coincidences() -> Pair:
     """With springs of a millionth of a newton per metre."""
-    held = damped_springs("0.0")
+    coupling = damped_springs("0.0")
     unit = coupled("0.0").speed / 1.17
-    zones = unstable_zones(held.modes, kappas=np.array([1e-6]), low=0.6 * unit, high=3.0 * unit)
-    return sorted(coincidence_speeds(held.modes).values()), np.sort(zones.lower)
+    zones = unstable_zones(coupling.modes, kappas=np.array([1e-6]), low=0.6 * unit, high=3.0 * unit)
+    return sorted(coincidence_speeds(coupling.modes).values()), np.sort(zones.lower)
 
 
 @verifies()
 def narrow_zones() -> Pair:
     """To first order in eps = pi kappa."""
-    held, kappa = damped_springs("0.0"), 1e-2
+    coupling, kappa = damped_springs("0.0"), 1e-2
     unit = coupled("0.0").speed / 1.17
-    zones = unstable_zones(held.modes, kappas=np.array([kappa]), low=0.6 * unit, high=3.0 * unit)
-    casing, *rotor = held.modes.frequency[np.argsort(~held.modes.on_casing, kind="stable")]
+    zones = unstable_zones(
+        coupling.modes, kappas=np.array([kappa]), low=0.6 * unit, high=3.0 * unit
+    )
+    casing, *rotor = coupling.modes.frequency[np.argsort(~coupling.modes.on_casing, kind="stable")]
     width = 2.0 * np.pi * kappa / np.sqrt(casing * np.array(rotor))
     order = np.argsort(rotor)
-    found = np.concatenate([zones.upper - zones.lower, zones.growth])
-    return np.concatenate([width[order], 0.25 * width[order]]), found
+    computed = np.concatenate([zones.upper - zones.lower, zones.growth])
+    return np.concatenate([width[order], 0.25 * width[order]]), computed
 
 
 @cache

@@ -55,8 +55,8 @@ class Verification:
         """Numbers of cases, in a sentence."""
         failed = [outcome.name for outcome in self.outcomes if not outcome.passed]
         count, seconds = len(self.outcomes), sum(each.seconds for each in self.outcomes)
-        told = f"{count - len(failed)} of {count} cases pass, {seconds:.0f} s"
-        return f"{told}; failed: {', '.join(failed)}" if failed else told
+        text = f"{count - len(failed)} of {count} cases pass, {seconds:.0f} s"
+        return f"{text}; failed: {', '.join(failed)}" if failed else text
 
     def by_subject(self) -> dict[str, list[Outcome]]:
         """Outcomes of each subject that has some."""
@@ -143,15 +143,15 @@ def cases(subjects: Iterable[str] = (), *, full: bool = False) -> list[Verificat
     Raises:
         UserError: there is no such subject.
     """
-    wanted = list(subjects) or list(SUBJECTS)
-    for subject in wanted:
+    expected = list(subjects) or list(SUBJECTS)
+    for subject in expected:
         if subject not in SUBJECTS:
             raise UserError(f"{subject}: expected a subject, {', '.join(SUBJECTS)}")
     for subject in SUBJECTS:
-        if subject in wanted:
+        if subject in expected:
             import_module(f"bladewhirl.studies.verification.{subject}")
     order = list(SUBJECTS)
-    chosen = [case for case in CASES if case.subject in wanted and (full or not case.long)]
+    chosen = [case for case in CASES if case.subject in expected and (full or not case.long)]
     return sorted(chosen, key=lambda case: order.index(case.subject))
 
 

@@ -58,13 +58,13 @@ def step_of_force(thickness: str) -> Pair:
     given, dt = pulled(stage_at_speed(thickness), 1e3), 4e-6
     rotor, scheme = given.rotor, make_scheme(given, dt, 1)
     rows = np.vstack([rotor.centre, rotor.tip_radial[:1], rotor.tip_tangential[:1]])
-    known, found, state = [], [], scheme.init()
+    known, computed, state = [], [], scheme.init()
     for time, *moved in reference("rotation")["stages"][thickness]["step_1000N_at_1p05"]:
         state, _, _ = scheme.advance(state, round(time / dt) - state.step)
         _, chunk, _ = scheme.advance(state, 1, 1)
         known.append(moved)
-        found.append(rows @ chunk.rotor_displacement[0])
-    return known, found
+        computed.append(rows @ chunk.rotor_displacement[0])
+    return known, computed
 
 
 def jeffcott(
@@ -97,15 +97,15 @@ def jeffcott(
 def unbalance_through_resonance() -> Pair:
     """Size and phase after 4 s from rest under a constant force; above resonance it turns round."""
     known = reference("jeffcott")
-    rotor, wanted, found = known["rotor"], [], []
+    rotor, expected, computed = known["rotor"], [], []
     damping = 2.0 * rotor["damping_ratio"] * np.sqrt(rotor["stiffness"] * rotor["mass"])
     for row in known["response"]:
         given = jeffcott(2.0 * np.pi * row["frequency_hz"], external=damping)
         chunk = marched(given, 1e-4, 40_000, every=40_000)
         x, y = given.rotor.centre @ chunk.rotor_displacement[-1]
-        wanted.append([row["amplitude"], -row["phase_lag"]])
-        found.append([np.hypot(x, y), np.arctan2(y, x)])
-    return wanted, found
+        expected.append([row["amplitude"], -row["phase_lag"]])
+        computed.append([np.hypot(x, y), np.arctan2(y, x)])
+    return expected, computed
 
 
 @verifies(0.8, 0.95, 1.2)
@@ -123,9 +123,9 @@ def unequal_bearings(share: float, steps: int = 200_000) -> Pair:
     x, y = given.rotor.centre @ chunk.rotor_displacement[late].T
     turning = np.exp(2j * omega * chunk.time[late])
     parts = np.column_stack([np.ones_like(turning), turning.conj()])
-    found = np.linalg.lstsq(parts, x + 1j * y, rcond=None)[0]
-    wanted = np.array([(along + across) / 2.0, (along - across).conj() / 2.0])
-    return wanted.view(float), found.view(float)
+    computed = np.linalg.lstsq(parts, x + 1j * y, rcond=None)[0]
+    expected = np.array([(along + across) / 2.0, (along - across).conj() / 2.0])
+    return expected.view(float), computed.view(float)
 
 
 @verifies(0.9, 1.3)
