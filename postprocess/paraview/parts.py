@@ -75,8 +75,8 @@ class StageParts:
         self._per_element = -(-arc_points // dataset.sizes["casing_node"])
         self._per_line = beam_pieces
         rotor, casing = rotor_boxes(dataset, beam_pieces), casing_boxes(dataset, arc_points)
-        self._bodies = [replace(each, solid=surface) for each in (rotor, casing)]
-        self._rest = [each.points() for each in self._bodies]
+        self._bodies = [replace(body, solid=surface) for body in (rotor, casing)]
+        self._rest = [body.points() for body in self._bodies]
         # In portions, so that memory does not grow with the number of records.
         together = max(1, min(PORTION, PORTION_POINTS // sum(map(len, self._rest))))
         self._portions = np.array_split(records, -(-len(records) // together))
@@ -104,7 +104,7 @@ class StageParts:
         still = [self._enlarged(records[:1], factor) for factor in (1.0, self.exaggeration)]
         self._symbols = StageSymbols(dataset, still[0].angle)
         #: symbols at rest, of the true clearance and of the enlarged one
-        self._held = [
+        self._still = [
             self._symbols.drawn(outer, outer, np.zeros(2), stage.nodes)
             for stage in still
             for outer in (stage.wall_at_rest(),)
@@ -281,13 +281,13 @@ class StageParts:
             float(stage.turns[index]),
         )
         rest, enlarged, drawn = (
-            [getattr(self._symbols.together(each, *angles), name) for name in HOLDERS]
-            for each in (*self._held, moved)
+            [getattr(self._symbols.together(symbols, *angles), name) for name in HOLDERS]
+            for symbols in (*self._still, moved)
         )
-        count = [len(each) for each in rest]
+        count = [len(strokes) for strokes in rest]
         if not sum(count):
             return None
-        places = [np.concatenate(each).reshape(-1, 2) for each in (rest, enlarged, drawn)]
+        places = [np.concatenate(strokes).reshape(-1, 2) for strokes in (rest, enlarged, drawn)]
         first = self.names.index(HOLDERS[0])
         return Grid(
             points=_in_space(places[0]),

@@ -60,7 +60,7 @@ def scene_colours(colouring: Colouring, levels: int) -> Array:
     return np.array([to_rgb(colour) for colour in [*fixed, *colouring.colours(levels)]])
 
 
-def contact_words(forces: Array) -> str:
+def contact_text(forces: Array) -> str:
     """Return the number of blades in contact and the largest force, from forces (blade, 2) [N]."""
     size = np.linalg.norm(forces, axis=1)
     touching = int(np.count_nonzero(size))
@@ -70,7 +70,7 @@ def contact_words(forces: Array) -> str:
     return f"{touching} of {len(size)} blades in contact\n{largest}"
 
 
-def speed_words(dataset: xr.Dataset) -> str:
+def speed_text(dataset: xr.Dataset) -> str:
     """Return the speed in three units, a line each."""
     speed = float(dataset.attrs["speed"])
     relative = speed / float(dataset.attrs["reference_frequency"])

@@ -32,7 +32,7 @@ _MOST_DEVICES = 16
 
 
 class OffScreenError(UserError):
-    """A library for drawing without a display is missing; the message names packages to install."""
+    """Missing library for drawing without a display; the message names packages to install."""
 
 
 @functools.cache

@@ -20,10 +20,10 @@ from bladewhirl.postprocess.pictures.appearance import (
     INK,
     NO_VALUE,
     SQUARE,
-    contact_words,
+    contact_text,
     enlargement,
     shaft_trail,
-    speed_words,
+    speed_text,
 )
 from bladewhirl.postprocess.pictures.drawing import Picture
 from bladewhirl.postprocess.pictures.scene import (
@@ -76,7 +76,7 @@ class Panel:
             write(scene.plotter, bar, 0.085, 11, indent=-SQUARE)
         write_title(scene.plotter, dataset)
         self._time = write(scene.plotter, "", TOPS["time"], 22)
-        write(scene.plotter, f"speed\n{speed_words(dataset)}", TOPS["speed"], 13)
+        write(scene.plotter, f"speed\n{speed_text(dataset)}", TOPS["speed"], 13)
         write(
             scene.plotter, "\n".join(filter(None, [*shown, note])), TOPS["frame"], 13, color=FAINT
         )
@@ -97,7 +97,7 @@ class Panel:
     def show(self, picture: Picture) -> None:
         """Update time, contact and orbit."""
         self._time.input = f"t = {1e3 * picture.time:.1f} ms"
-        self._contact.input = contact_words(picture.forces)
+        self._contact.input = contact_text(picture.forces)
         self._numbers.show(picture)
         if self._orbit is not None:
             self._orbit.show(picture.time)

@@ -199,7 +199,7 @@ def _strokes(parts: Iterable[Symbol], masses: Array = NO_MASSES) -> Symbols:
         strokes[kind].append(DRAW[kind](start, end, WIDTHS[kind] * size))
         if grounded is not None:
             strokes["ground"].append(_grounds(end, _unit(grounded), GROUND * size))
-    return Symbols(masses=masses, **{kind: np.concatenate(each) for kind, each in strokes.items()})
+    return Symbols(masses=masses, **{kind: np.concatenate(s) for kind, s in strokes.items()})
 
 
 def _outward(angles: Array) -> Array:

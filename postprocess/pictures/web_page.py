@@ -31,10 +31,10 @@ from bladewhirl.postprocess.pictures.appearance import (
     MASS_COLOUR,
     NO_VALUE,
     OUTLINE,
-    contact_words,
+    contact_text,
     enlargement,
     shaft_trail,
-    speed_words,
+    speed_text,
     strokes_of,
 )
 from bladewhirl.postprocess.pictures.colouring import Colouring, Field
@@ -88,9 +88,7 @@ def render_page(
         "bladewhirl.postprocess.pictures",
         "web_page.html",
         title=str(dataset.attrs["title"]),
-        notes="\n".join(
-            [speed_words(dataset), f"{frame} frame", enlargement(drawing.exaggeration)]
-        ),
+        notes="\n".join([speed_text(dataset), f"{frame} frame", enlargement(drawing.exaggeration)]),
         key=colouring.parts and list(colouring.parts.items()),
         scale=f"{colouring.name} [{colouring.unit}]",
         ticks=[f"{tick:.3g}" for tick in np.linspace(*colouring.limits, 5)],
@@ -160,7 +158,7 @@ def _instants(drawing: Drawing) -> dict[str, Any]:
     forces = [drawing.picture(index).forces for index in range(len(drawing))]
     return {
         "times": [f"t = {1e3 * time:.1f} ms" for time in drawing.times],
-        "contact": [contact_words(force) for force in forces],
+        "contact": [contact_text(force) for force in forces],
         "touching": [np.any(force, axis=1).astype(int).tolist() for force in forces],
     }
 

@@ -1,4 +1,4 @@
-"""Files of pictures and pages: their names and templates."""
+"""Names of output files, and templates of pages."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from bladewhirl.postprocess.fields.kinematics import ViewError
 
 
 def checked_target(path: str | Path, *suffixes: str) -> Path:
-    """The path, if it ends in one of the suffixes; else ViewError."""
+    """Return the path if it ends in one of the suffixes; raise ViewError otherwise."""
     target = Path(path)
     if target.suffix.lower() not in suffixes:
         raise ViewError(f"{target} must end in {' or '.join(suffixes)}")
     return target
 
 
-def filled_template(room: str, name: str, **values: object) -> str:
-    """A page from its template: a file in a package, in the language of jinja2.
+def filled_template(package: str, name: str, **values: object) -> str:
+    """Return a page from its jinja2 template, a file in a package.
 
-    Text is escaped; what goes through `tojson` may stand in a script, arrays in it as `packed`.
+    Text is escaped; values passed through `tojson` are safe in scripts, with arrays as `packed`.
 
     Raises:
-        jinja2.UndefinedError: the template asks for a value that is not given.
+        jinja2.UndefinedError: a value of the template is missing.
     """
-    source = resources.files(room).joinpath(name).read_text("utf-8")
+    source = resources.files(package).joinpath(name).read_text("utf-8")
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
@@ -38,10 +38,10 @@ def filled_template(room: str, name: str, **values: object) -> str:
 
 
 def packed(values: Any) -> Any:
-    """An array as Plotly reads it: its bytes as text, with type and shape.
+    """Return an array in the format of Plotly: bytes in base64, with type and shape.
 
     Args:
-        values: of numbers; whole ones below 2^31; others are of 4 bytes if of two axes or more.
+        values: array; integers must be below 2^31, and arrays of two or more axes become float32.
     """
     if values.dtype.kind not in "fiu":
         return values.tolist()

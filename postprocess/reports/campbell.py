@@ -43,7 +43,7 @@ POINTED = (
 
 @dataclass(frozen=True, kw_only=True)
 class _Wave:
-    """A wave over the speed; frequencies are normalised, positive backward."""
+    """Wave over the speed; frequencies are normalised, positive backward."""
 
     body: str
     family: str

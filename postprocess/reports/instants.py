@@ -1,4 +1,4 @@
-"""A run at one instant: machine, orbit of the shaft, contact and energy with a common cursor."""
+"""Run at one instant: machine, orbit of the shaft, contact and energy with a common cursor."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from bladewhirl.postprocess.pictures.appearance import (
     HUB,
     LONGEST_ARROW,
     MARGIN,
-    contact_words,
+    contact_text,
     enlargement,
 )
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture, arrows
@@ -101,7 +101,7 @@ def instants(
         plots=[_orbit(orbit), _histories(maps, energy)],
         times=drawing.times,
         first=int(np.searchsorted(records, marked)),
-        words=[contact_words(each.forces).replace("\n", ", ") for each in pictures],
+        words=[contact_text(picture.forces).replace("\n", ", ") for picture in pictures],
         places=[MILLI * orbit[frame].values[records] for frame in FRAMES],
         machine=_machine(drawing, pictures),
     )
@@ -119,24 +119,24 @@ def _machine(drawing: Drawing, pictures: list[Picture]) -> list[dict[str, Any]]:
     """Filled outlines of the machine, the lowest first: colour and points, shape (instant, outline,
     point, 2), relative to half the picture.
     """
-    reach = MARGIN * max(float(np.abs(each.casing.sides).max()) for each in pictures)
+    reach = MARGIN * max(float(np.abs(picture.casing.sides).max()) for picture in pictures)
     longest = LONGEST_ARROW * reach / drawing.largest_force if drawing.largest_force else 0.0
     turn = np.linspace(0.0, 2 * np.pi, 13)
     disc = HUB * reach * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
     shapes = [
         {
-            COLOURS["casing"]: _outlines(each.casing.sides[:, :: 2 * PIECE]),
-            INK: _outlines(each.rotor.sides[:, ::PIECE]),
-            "#ffffff": np.stack([each.shaft + 0.6 * disc, each.mark + 0.6 * disc]),
-            FORCE_COLOUR: arrows(each.tips, each.forces, longest, ARROW_WIDTH * reach),
+            COLOURS["casing"]: _outlines(picture.casing.sides[:, :: 2 * PIECE]),
+            INK: _outlines(picture.rotor.sides[:, ::PIECE]),
+            "#ffffff": np.stack([picture.shaft + 0.6 * disc, picture.mark + 0.6 * disc]),
+            FORCE_COLOUR: arrows(picture.tips, picture.forces, longest, ARROW_WIDTH * reach),
         }
-        for each in pictures
+        for picture in pictures
     ]
     return [
         {
             "colour": colour,
             "places": np.clip(
-                np.round(FULL / reach * np.array([each[colour] for each in shapes])), -FULL, FULL
+                np.round(FULL / reach * np.array([shape[colour] for shape in shapes])), -FULL, FULL
             ).astype(np.int16),
         }
         for colour in shapes[0]

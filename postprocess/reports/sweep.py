@@ -146,9 +146,8 @@ def _glance(
     """Key figures: name, value, remark."""
     rows = [("points done", f"{done} of {dataset['state'].size}", "")]
     attributes = {} if points is None else points.attrs
-    for key in in_handy_units(dataset[swept(dataset)].assign_attrs(attributes)).coords.values():
-        if "long_name" not in key.attrs:
-            continue
+    keys = in_handy_units(dataset[swept(dataset)].assign_attrs(attributes))
+    for key in (keys[name] for name in swept(dataset)):
         first, last, unit = key.values.min(), key.values.max(), str(key.attrs["units"])
         remark = f"{key.size} values" + ("" if unit == "1" else f", {unit}")
         if key_label(key) == SPEED and "reference_hz" in attributes:
@@ -215,7 +214,7 @@ def _point_table(points: xr.Dataset) -> Table:
         caption=f"Growth rates ± {CERTAINTY:g} standard errors."
         + (f" The first {MOST_POINTS}; the others are in the dataset." if left_out > 0 else ""),
         head=(
-            *(key_heading(each) for each in (key, *others)),
+            *map(key_heading, (key, *others)),
             "regime",
             "largest shaft displacement [mm]",
             "growth rate [1/s]",

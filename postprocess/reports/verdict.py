@@ -67,7 +67,7 @@ def regime_table(points: xr.Dataset, counts: Mapping[str, int]) -> Table:
     return Table(
         name="regime-ranges",
         title="Ranges of the regimes",
-        head=("regime", "points", *(key_heading(each) for each in (key, *others))),
+        head=("regime", "points", *map(key_heading, (key, *others))),
         rows=rows,
     )
 

@@ -103,7 +103,7 @@ class TestIndex:
         assert len(entries(tmp_path / "series.pvd")) == 16
         assert len(list((tmp_path / "frames").glob("*.vtu"))) == 16
 
-    def test_frames_of_others_stay(self, result: xr.Dataset, tmp_path: Path) -> None:
+    def test_other_files_are_kept(self, result: xr.Dataset, tmp_path: Path) -> None:
         (tmp_path / "frames").mkdir()
         theirs = [tmp_path / "frames" / "wing_00000.vtu", tmp_path / "mesh.vtu"]
         theirs[0].write_text("precious")
@@ -138,8 +138,10 @@ class TestFrames:
             ("supports", moving, {"part"}),
         ):
             mesh = meshio.read(index.parent / "frames" / f"{name}_00001.vtu")
-            found = {key: 1 if a.ndim == 1 else a.shape[1] for key, a in mesh.point_data.items()}
-            assert found == expected
+            components = {
+                key: 1 if a.ndim == 1 else a.shape[1] for key, a in mesh.point_data.items()
+            }
+            assert components == expected
             assert set(mesh.cell_data) == on_cells
             assert all(np.isfinite(array).all() for array in mesh.point_data.values())
         blade = meshio.read(index.parent / "frames" / "rotor_00000.vtu").cell_data["blade"][0]
@@ -233,9 +235,7 @@ class TestFrames:
                 slope /= 2 * synthetic.RECORD_STEP
                 np.testing.assert_allclose(now["velocity"], slope, atol=5e-3 * np.abs(slope).max())
 
-    def test_a_record_at_which_nothing_moves_is_no_frame(
-        self, result: xr.Dataset, tmp_path: Path
-    ) -> None:
+    def test_records_at_rest_are_no_frames(self, result: xr.Dataset, tmp_path: Path) -> None:
         still = result.copy(deep=True)
         for body in ("rotor", "casing"):
             still[f"{body}_displacement"][:2] = 0.0
@@ -276,7 +276,7 @@ class TestFrames:
                 ends = result.rotor_point.values[result.rotor_line.values].reshape(-1, 2)
                 np.testing.assert_allclose(seen.points[:, :2], ends, atol=SINGLE)
 
-    def test_a_hint_where_the_turn_is_not_resolved(
+    def test_a_hint_if_the_rotation_is_not_resolved(
         self, result: xr.Dataset, tmp_path: Path, caplog: pytest.LogCaptureFixture
     ) -> None:
         caplog.set_level(logging.INFO)
@@ -303,7 +303,7 @@ class TestUndeformedMesh:
         assert np.flatnonzero(mesh.point_data["centre"]) == [int(result.centre_node)]
 
 
-def test_portions_do_not_show(
+def test_portions_have_no_effect(
     result: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = export_vtk(result, tmp_path / "whole", frames=20)

@@ -27,20 +27,20 @@ def still(**motion: tuple[float, ...]) -> xr.Dataset:
 
 
 def coloured(result: xr.Dataset, field: Field, *, rotating: bool = True) -> Colouring:
-    found = colouring(result, field, RECORDS, STATIONS, rotating)
+    colours = colouring(result, field, RECORDS, STATIONS, rotating)
     lines, nodes = result.sizes["rotor_line"], result.sizes["casing_node"]
-    assert found.rotor.shape == (2, lines, 3, 2)
-    assert found.casing.shape == (2, nodes * 9, 2)
-    return found
+    assert colours.rotor.shape == (2, lines, 3, 2)
+    assert colours.casing.shape == (2, nodes * 9, 2)
+    return colours
 
 
 def test_magnitudes_of_motion() -> None:
-    found = coloured(
+    colours = coloured(
         still(rotor_velocity=(3.0, 4.0, 0, 0, 0), casing_velocity=(1, 0, 0, 0)), "velocity"
     )
-    np.testing.assert_allclose(found.rotor, 5.0)
-    np.testing.assert_allclose(found.casing, 1.0, rtol=1e-5)
-    assert (found.unit, found.limits, found.signed) == ("m/s", (0.0, 5.0), False)
+    np.testing.assert_allclose(colours.rotor, 5.0)
+    np.testing.assert_allclose(colours.casing, 1.0, rtol=1e-5)
+    assert (colours.unit, colours.limits, colours.signed) == ("m/s", (0.0, 5.0), False)
 
 
 def test_a_velocity_is_the_rate_in_the_axes_of_the_picture() -> None:
@@ -49,31 +49,31 @@ def test_a_velocity_is_the_rate_in_the_axes_of_the_picture() -> None:
     """
     shifted = {"rotor_displacement": (3e-3, 4e-3, 0, 0, 0), "casing_displacement": (1e-3, 0, 0, 0)}
     for rotating, rotor, casing in ((False, 5e-3, 0.0), (True, 0.0, 1e-3)):
-        found = coloured(still(**shifted), "velocity", rotating=rotating)
-        np.testing.assert_allclose(found.rotor, synthetic.SPEED * rotor)
-        np.testing.assert_allclose(found.casing, synthetic.SPEED * casing, rtol=1e-5)
+        colours = coloured(still(**shifted), "velocity", rotating=rotating)
+        np.testing.assert_allclose(colours.rotor, synthetic.SPEED * rotor)
+        np.testing.assert_allclose(colours.casing, synthetic.SPEED * casing, rtol=1e-5)
 
 
 def test_deformation_is_displacement_beyond_a_shift() -> None:
     shift = {"rotor_displacement": (3e-3, 4e-3, 0, 0, 0), "casing_displacement": (1e-3, 0, 0, 0)}
-    found = coloured(still(**shift), "deformation")
-    np.testing.assert_allclose(found.rotor, 0.0, atol=1e-15)
-    np.testing.assert_allclose(found.casing, 0.0, atol=1e-8)  # cubics follow a circle
+    colours = coloured(still(**shift), "deformation")
+    np.testing.assert_allclose(colours.rotor, 0.0, atol=1e-15)
+    np.testing.assert_allclose(colours.casing, 0.0, atol=1e-8)  # cubics follow a circle
     bent = shift | {"rotor_displacement": (3e-3, 4e-3, 0, 1e-4, 0)}
     bent["casing_displacement"] = (1e-3, 0, 2e-4, 0)
-    found = coloured(still(**bent), "deformation")
-    assert (found.rotor.max(), found.casing.max()) == pytest.approx((1e-4, 2e-4), rel=1e-3)
+    colours = coloured(still(**bent), "deformation")
+    assert (colours.rotor.max(), colours.casing.max()) == pytest.approx((1e-4, 2e-4), rel=1e-3)
 
 
 def test_bending_is_opposite_at_the_two_sides() -> None:
     result = still(rotor_displacement=(0, 0, 0, 1e-3, 0))
-    found = coloured(result, "bending-strain")
+    colours = coloured(result, "bending-strain")
     blade = int(np.flatnonzero(result["rotor_part"].values == "blades")[0])  # on +x, to +y
     curvature = 1e-3 * 3 / (synthetic.TIP_RADIUS - synthetic.DISK_RADIUS) ** 2  # at its root
     right = 0.010 / 2 * curvature
-    np.testing.assert_allclose(found.rotor[0, blade, 0], [right, -right], rtol=1e-9)
-    assert found.limits[0] == -found.limits[1]
-    assert found.limits[1] >= found.scale * found.largest
+    np.testing.assert_allclose(colours.rotor[0, blade, 0], [right, -right], rtol=1e-9)
+    assert colours.limits[0] == -colours.limits[1]
+    assert colours.limits[1] >= colours.scale * colours.largest
     stress = coloured(result, "stress")
     np.testing.assert_allclose(stress.rotor[0, blade, 0, 0], synthetic.YOUNG_MODULUS * right)
     np.testing.assert_allclose(coloured(result, "axial-strain").rotor, 0.0, atol=1e-12)
@@ -81,35 +81,35 @@ def test_bending_is_opposite_at_the_two_sides() -> None:
 
 def test_a_ring_that_ovalises_bends_most_at_its_axes() -> None:
     result = still(casing_displacement=(0, 0, 1e-3, 0))  # w = 1 mm cos 2 theta, inextensional
-    found = coloured(result, "bending-strain").casing[0]
+    colours = coloured(result, "bending-strain").casing[0]
     radius = result.attrs["casing_radius"]
     curvature = -1e-3 * (4 - 1) / radius**2  # w'' - u'/R, with u' = -w/R
-    np.testing.assert_allclose(found[0], [0.005 * curvature, -0.005 * curvature], rtol=0.02)
-    assert np.abs(found[:, 0]).max() == pytest.approx(abs(0.005 * curvature), rel=0.02)
+    np.testing.assert_allclose(colours[0], [0.005 * curvature, -0.005 * curvature], rtol=0.02)
+    assert np.abs(colours[:, 0]).max() == pytest.approx(abs(0.005 * curvature), rel=0.02)
 
 
 def test_every_blade_has_the_gap_of_its_tip() -> None:
     result = synthetic.synthetic_result(records=2)
-    found = coloured(result, "gap")
+    colours = coloured(result, "gap")
     part = result["rotor_part"].values
-    blades = found.rotor[:, part == "blades"].reshape(2, 22, -1)
+    blades = colours.rotor[:, part == "blades"].reshape(2, 22, -1)
     np.testing.assert_array_equal(blades, blades[:, :, :1] + 0 * blades)
     np.testing.assert_array_equal(blades[:, :, 0], result["gap"].values)
-    assert np.isnan(found.rotor[:, part != "blades"]).all()
-    assert np.isnan(found.casing).all()
+    assert np.isnan(colours.rotor[:, part != "blades"]).all()
+    assert np.isnan(colours.casing).all()
 
 
 def test_parts_have_colours_of_their_own() -> None:
-    found = coloured(still(), "part")
-    assert found.parts is not None
-    assert list(found.parts) == ["spokes", "rim", "blades", "casing"]
-    assert len({*found.parts.values()}) == 4
-    assert found.colour_map == list(found.parts.values())
-    assert np.unique(found.rotor).tolist() == [0, 1, 2]
-    assert np.unique(found.casing).tolist() == [3]
+    colours = coloured(still(), "part")
+    assert colours.parts is not None
+    assert list(colours.parts) == ["spokes", "rim", "blades", "casing"]
+    assert len({*colours.parts.values()}) == 4
+    assert colours.colour_map == list(colours.parts.values())
+    assert np.unique(colours.rotor).tolist() == [0, 1, 2]
+    assert np.unique(colours.casing).tolist() == [3]
 
 
-def test_what_there_is_not() -> None:
+def test_unknown_fields_are_refused() -> None:
     with pytest.raises(
         ViewError, match="colour must be one of displacement, deformation, velocity"
     ):

@@ -158,7 +158,7 @@ def test_a_short_blade_touches_where_it_does_in_the_run(growth: float) -> None:
     np.testing.assert_allclose(end, touching.tips[blade], atol=SAGITTA)
 
 
-def test_reach_holds_everything() -> None:
+def test_reach_contains_all_points() -> None:
     result = synthetic.synthetic_result(records=60, shaft_radius=1.1e-3)
     drawing = Drawing(result, np.arange(0, 60, 7), exaggeration=50.0)
     stage, contact = drawing.reach()

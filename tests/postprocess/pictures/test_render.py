@@ -116,15 +116,15 @@ class TestStill:
 @pytest.mark.usefixtures("can_draw")
 class TestAnimation:
     def test_gif(self, result: xr.Dataset, tmp_path: Path) -> None:
-        told: list[tuple[int, int]] = []
+        calls: list[tuple[int, int]] = []
         path = render_animation(
             result,
             tmp_path / "run.gif",
             np.arange(100, 140, 5),
             size=SMALL,
-            progress=lambda done, total: told.append((done, total)),
+            progress=lambda done, total: calls.append((done, total)),
         )
-        assert told == [(i, 8) for i in range(1, 9)]
+        assert calls == [(i, 8) for i in range(1, 9)]
         with Image.open(path) as film:
             assert film.format == "GIF"
             assert getattr(film, "n_frames", 1) == 8
@@ -171,7 +171,7 @@ class TestRefusals:
         with pytest.raises(UserError, match=r"time 0\.5 s lies outside the run, \[0, 0\.4\] s"):
             render_still(result, tmp_path / "still.png", time=0.5)
 
-    def test_a_system_without_egl_is_told_what_to_install(
+    def test_without_egl_the_error_names_packages(
         self, result: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         def missing(name: str) -> ctypes.CDLL:

@@ -142,8 +142,8 @@ def test_a_damper_stands_beside_its_spring_and_leads_the_same_way() -> None:
     assert len(dampers) == 3 + 1
     way = (end - start) / np.linalg.norm(end - start, axis=1)[:, None]
     strut = np.array([-0.1, 0.05])
-    wanted = [[1, 0], [-1, 0], strut / np.linalg.norm(strut), [-1, 0]]
-    np.testing.assert_allclose(way, wanted, atol=1e-9)
+    expected = [[1, 0], [-1, 0], strut / np.linalg.norm(strut), [-1, 0]]
+    np.testing.assert_allclose(way, expected, atol=1e-9)
     np.testing.assert_allclose(end[2] - start[2], strut)
     springs = seen.springs.reshape(-1, ZIGZAG, 2, 2)[:2, 0, 0]
     aside = np.linalg.norm(np.vstack([springs, [seen.struts[-1, 0]]]) - start[:3], axis=1)

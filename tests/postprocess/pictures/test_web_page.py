@@ -76,7 +76,7 @@ def test_shades_are_true_values(result: xr.Dataset, tmp_path: Path) -> None:
     assert len(about["members"]) == result.sizes["rotor_line"]
 
 
-def test_what_has_no_value_and_parts(result: xr.Dataset, tmp_path: Path) -> None:
+def test_missing_values_and_parts(result: xr.Dataset, tmp_path: Path) -> None:
     about, _, shades = page(render_page(result, tmp_path / "a.html", RECORDS, colour="gap"))
     assert np.all(shades[:, about["casingShades"] :] == NONE)
     about, _, shades = page(render_page(result, tmp_path / "b.html", RECORDS, colour="part"))

@@ -16,7 +16,7 @@ from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES, FigureKind
 
 
-def test_it_loads_nothing_that_draws() -> None:
+def test_importing_the_registry_imports_no_plotting_library() -> None:
     code = (
         "import sys, bladewhirl.plot\n"
         "assert not {'numpy', 'matplotlib', 'xarray'} & sys.modules.keys()"
@@ -25,14 +25,14 @@ def test_it_loads_nothing_that_draws() -> None:
 
 
 @pytest.mark.parametrize("kind", [*RUN_FIGURES.values(), *SWEEP_FIGURES.values()])
-def test_the_words_of_a_figure_read_well(kind: FigureKind) -> None:
+def test_captions_are_sentences(kind: FigureKind) -> None:
     assert kind.about[0].isupper()
     assert not kind.about.endswith(".")
     assert "\n" not in kind.about
     assert kind.caption.endswith(".")
 
 
-def test_every_figure_has_a_function_with_its_words() -> None:
+def test_every_figure_has_a_documented_function() -> None:
     names = {name.replace("-", "_") for name in (*RUN_FIGURES, *SWEEP_FIGURES)}
     of_modes = {"campbell", "veering", "shaft_veering"}
     assert set(bw.plot.__all__) == names | of_modes
@@ -42,7 +42,7 @@ def test_every_figure_has_a_function_with_its_words() -> None:
         assert function.__doc__
 
 
-def test_a_run_and_a_sweep_are_told_apart(tmp_path: Path) -> None:
+def test_runs_and_sweeps_are_distinguished(tmp_path: Path) -> None:
     run = synthetic_result(shaft_radius=1.2e-3)
     figure = bw.plot.whirl(run, start=0.02)
     assert isinstance(figure, Figure)

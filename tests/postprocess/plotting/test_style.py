@@ -57,7 +57,7 @@ class TestFiguresOfARun:
 
 
 class TestColours:
-    def test_meanings_drawn_together_are_told_apart_without_colour_vision(self) -> None:
+    def test_meanings_drawn_together_are_distinct_without_colour_vision(self) -> None:
         together = ("total", "suspension", "k = 0", "k = 1", "other k", "rest")
         # Dichromats' views of linear RGB after Vienot, Brettel and Mollon (1999).
         protan = np.array([[0.11238, 0.88762, 0], [0.11238, 0.88762, 0], [0.00401, -0.00401, 1]])

@@ -18,7 +18,7 @@ def headed(title: str, *words: str) -> tuple[Figure, list[str]]:
     return figure, figure.get_suptitle().split("\n")
 
 
-def test_speed_in_words() -> None:
+def test_speed_label() -> None:
     assert speed_label(synthetic_result(records=2, speed=78.75)) == "Ω/ω₁ = 1.05 (752 rpm)"
 
 

@@ -52,7 +52,7 @@ def test_it_stands_alone_with_its_figures(page: Parsed) -> None:
     assert set(page.pictures) == set(SWEEP_FIGURES) - {"maps"}
 
 
-def test_the_verdict_is_of_its_points(page: Parsed) -> None:
+def test_the_verdict_counts_points(page: Parsed) -> None:
     words = re.sub(r"\s+", " ", page.words)
     assert "Sustained contact at 2 of 3 points" in words
     assert "Sustained contact 2 1.2 to 1.4" in words
@@ -88,9 +88,9 @@ def test_points_and_maps_are_those_of_the_sweep(page: Parsed) -> None:
     assert shown["sustained (2)"]["text"][0].startswith("<b>sustained</b><br>march.speed = 1.2<br>")
     assert "largest shaft displacement 1.3 mm" in shown["sustained (2)"]["text"][0]
     heat = maps["data"][0]
-    told = heat["customdata"]
-    assert np.isnan(told[:, 3]).all()  # the failed point
-    np.testing.assert_allclose(told[:, :3].max(axis=0), [0.4, 1.3, 1.2], rtol=0.2)
+    values = heat["customdata"]
+    assert np.isnan(values[:, 3]).all()  # the failed point
+    np.testing.assert_allclose(values[:, :3].max(axis=0), [0.4, 1.3, 1.2], rtol=0.2)
 
 
 @pytest.mark.usefixtures("undrawn")
