@@ -120,10 +120,11 @@ def save_figure(figure: Figure, path: str | Path, data: xr.Dataset | None = None
     layout = figure.get_layout_engine()
     if layout is not None and figure.axes:
         layout.execute(figure)  # once, not twice a file
-        figure.set_layout_engine("none")
-    for target in (png, pdf):
-        with replacing(target) as draft:
-            figure.savefig(draft, format=target.suffix[1:])
+        figure.set_layout_engine(None)
+    with replacing(png) as draft:
+        figure.savefig(draft, format="png", pil_kwargs={"compress_level": 3})  # twice as fast
+    with replacing(pdf) as draft:
+        figure.savefig(draft, format="pdf")
     figure.set_layout_engine(layout)
     if data is None:
         return [png, pdf]
