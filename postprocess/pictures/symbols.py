@@ -85,7 +85,7 @@ class StageSymbols:
         count = [len(holder.angles) for holder in self._holders]
         self._feet = np.split(np.argmin(away, axis=1), np.cumsum(count)[:-1])
         springs = 0 if dataset.attrs.get("clamped", 0) else 2
-        self._shaft_springs = (SHAFT_SPRING * SPRING * SMALL * radius * np.eye(2))[:springs]
+        self._shaft_springs = (SHAFT_SPRING * SPRING * (SMALL * radius) * np.eye(2))[:springs]
         self._shaft_dampers = -self._shaft_springs[_positive(dataset, "shaft_damping", springs)]
         frame = dataset["shaft_frame"].values if "shaft_frame" in dataset else "rotating"
         self._static_springs = str(frame) == "static"
