@@ -180,7 +180,7 @@ def test_merged_waves_grow_as_in_a_march() -> None:
     stage = build_stage(case)
     rate = float(one[-1])
     (hint,) = [line for line in stage_hints(stage) if "have coalesced" in line]
-    assert float(hint.partition("growing by ")[2].split()[0]) == pytest.approx(rate, rel=0.01)
+    assert float(hint.partition("growth rate ")[2].split()[0]) == pytest.approx(rate, rel=0.01)
     problem = replace(contact_problem(stage), displacement_limit=1e9)
     problem = replace(
         problem, casing=replace(problem.casing, clearance=1e9 + problem.casing.clearance)
