@@ -1,4 +1,4 @@
-"""How long stages take to build: `python benchmarks/build.py [--against DIR]`.
+"""Time to build stages: `python benchmarks/build.py [--against DIR]`.
 
 Building is all from a case to a stage: drawing, assembly, reduction and modes of both bodies;
 beside it stand all modes of the full bodies. With `--against DIR` another version takes turns with
@@ -60,7 +60,7 @@ def probe(name: str, tries: int) -> dict[str, float]:
             taken.append(time.process_time() - before)
         return min(taken)
 
-    found = {"build": best(lambda: build_stage(case)), "modes": best(lambda: modal_stage(case))}
+    times = {"build": best(lambda: build_stage(case)), "modes": best(lambda: modal_stage(case))}
     structure = case_bladed_disk(case, clamped=False).structure
     assert structure.layout is not None
     frequencies, errors = lowest_frequencies(structure, FEW), []
@@ -71,7 +71,7 @@ def probe(name: str, tries: int) -> dict[str, float]:
             for matrix in (stiffness, mass)
         )
         errors.append(np.abs(frequencies[k] / np.sort(np.sqrt(strain / inertia)) - 1).max())
-    return found | {"error": float(max(errors))}
+    return times | {"error": float(max(errors))}
 
 
 def main() -> None:
@@ -97,10 +97,10 @@ def main() -> None:
                 stdout=subprocess.PIPE,
                 check=True,
             )
-            found = json.loads(answer.stdout)
+            result = json.loads(answer.stdout)
             table.add_row(
-                name, version, f"{found['build']:.2f}", f"{found['modes']:.2f}",
-                f"{found['error']:.0e}",
+                name, version, f"{result['build']:.2f}", f"{result['modes']:.2f}",
+                f"{result['error']:.0e}",
             )  # fmt: skip
     Console(width=100).print(table)
 

@@ -38,7 +38,7 @@ ALONE = ["--nworkers", "1", "--nthreads", "1", "--no-nanny", "--no-dashboard"]
 
 @contextmanager
 def by_hand(folder: Path, workers: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
-    """A scheduler and workers in processes of their own: its address, and the workers."""
+    """Start a scheduler and workers in processes; return its address and the workers."""
     note = folder / f"scheduler-{time.time_ns()}.json"
     with ExitStack() as stack:
 
@@ -63,7 +63,7 @@ def by_hand(folder: Path, workers: int) -> Iterator[tuple[str, list[subprocess.P
 def marched(
     plan: Plan, address: str, after_one: Callable[[], object] = lambda: None
 ) -> tuple[float, dict[int, Outcome]]:
-    """Time of a sweep on the workers of a scheduler [s], and what came of every point."""
+    """Return the time of a sweep on the workers of a scheduler [s] and all outcomes."""
     found: dict[int, Outcome] = {}
     left = plan.left(np.zeros(plan.grid.size, dtype=np.int8))
     began = time.perf_counter()
@@ -75,12 +75,12 @@ def marched(
 
 
 def work_of(plan: Plan) -> Work:
-    """What is sent with every group."""
+    """Return the data sent with every group."""
     return Work(case=dumps_case(plan.case), layout=plan.layout, histories="")
 
 
 def agree(one: Mapping[int, Outcome], other: Mapping[int, Outcome]) -> bool:
-    """Whether all points are there, done, with the same bits."""
+    """Return whether all points are done with identical bits."""
     return one.keys() == other.keys() and all(
         not isinstance(found, Failure)
         and all(

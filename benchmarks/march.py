@@ -61,7 +61,7 @@ class Setting:
         return float(chunk.contact_steps[1:].sum() / whole)
 
     def numpy(self) -> tuple[Reference, ReferenceState]:
-        """The same march in NumPy, and where it begins: a step later."""
+        """Return the march in NumPy and its start, one step later."""
         every = CentralDifference(self.problem, TIME_STEP, 1)
         _, chunk, _ = every.advance(self.state, 2)
         before, now = np.hstack([chunk.rotor_displacement, chunk.casing_displacement])

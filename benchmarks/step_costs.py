@@ -1,4 +1,4 @@
-"""What a step costs by the size of the stage: `python benchmarks/step_costs.py`.
+"""Cost of a step over the size of the stage: `python benchmarks/step_costs.py`.
 
 The imbalance case before contact sets in, with more blades, casing elements or modes than the
 paper's stage, tuned (marched harmonic by harmonic) and with mistuned blades (the bladed disk

@@ -1,4 +1,4 @@
-"""What cores do for sweeps: `python benchmarks/sweep.py [--workers 2]`.
+"""Speed-up of sweeps by cores: `python benchmarks/sweep.py [--workers 2]`.
 
 Points of a sweep of the imbalance case, between 0.95 and 1.15, are marched by the workers that
 `bladewhirl sweep` uses: one of them alone, then all at a time, in turn, in one session. Each turn
@@ -47,14 +47,14 @@ def planned(duration: float, points: int) -> Plan:
 
 
 class Cost(NamedTuple):
-    """What a worker's points cost."""
+    """Cost of the points of a worker."""
 
     wall: float  #: [s]
     processor: float  #: mean of the workers [s]
 
 
 def processor_time(work: Work, group: Group) -> float:
-    """Time of the processor that a group takes [s]."""
+    """Return the processor time of a group [s]."""
     began = time.process_time()
     for outcome in march_group(work, group).values():
         if isinstance(outcome, Failure):
@@ -63,7 +63,7 @@ def processor_time(work: Work, group: Group) -> float:
 
 
 def cost(client: Client, plan: Plan, workers: list[str], points: int) -> Cost:
-    """What these workers take for so many points each, all of them the same ones."""
+    """Return the times of a number of workers for the same points each."""
     work = Work(case=dumps_case(plan.case), layout=plan.layout, histories="")
     began = time.perf_counter()
     futures = []
@@ -82,7 +82,7 @@ FEW_STEPS = 0.002  # s
 
 
 def peak_memory(points: int) -> float:
-    """Most memory that this process takes in a sweep [MB]."""
+    """Return the peak memory of this process in a sweep [MB]."""
     plan = planned(FEW_STEPS, points)
     with TemporaryDirectory() as scratch:
         swept = run_sweep(plan.case, dict(plan.grid.over), Path(scratch) / "sweep", workers=1)
@@ -92,7 +92,7 @@ def peak_memory(points: int) -> float:
 
 
 def print_memory(sizes: list[int]) -> None:
-    """Sweep so many points, each sweep in a process of its own, and print the memory."""
+    """Sweep numbers of points in separate processes and print the memory."""
     table = Table("points", "memory [MB]", box=None)
     for points in sizes:
         command = [sys.executable, __file__, "--peak", str(points)]

@@ -1,4 +1,4 @@
-"""Where the time of a whole run goes: `python benchmarks/whole_run.py [--against DIR]`.
+"""Time of the parts of a whole run: `python benchmarks/whole_run.py [--against DIR]`.
 
 Runs `bladewhirl run examples/imbalance.toml` for 3 s and for 0.02 s of marched time without a
 ParaView series, each in a process of its own, and adds up the processor time of each part, all
@@ -63,7 +63,7 @@ PARTS = {
 
 
 class Clock:
-    """Processor time by part, of every thread; what is inside another part is its own."""
+    """Processor time by part over all threads; nested parts are counted once."""
 
     def __init__(self) -> None:
         self.spent: Counter[str] = Counter()
@@ -71,7 +71,7 @@ class Clock:
 
     @contextmanager
     def charged(self, part: str) -> Iterator[None]:
-        """Charge a part with what goes on in this thread."""
+        """Charge a part with the time of this thread."""
         stack: list[str] = self._running.__dict__.setdefault("stack", [])
         if part == MARCH and stack and stack[-1] == LOADING:
             part = LOADING  # no step yet
@@ -136,7 +136,7 @@ def probe(arguments: list[str], answer: Path) -> None:
 
 
 def parts_of_run(duration: float, frames: int, version: Path | None) -> dict[str, float]:
-    """Processor time of each part of a run in a process of its own [s].
+    """Return the processor time of each part of a run in a separate process [s].
 
     Args:
         duration: of the march [s].
@@ -156,8 +156,8 @@ def parts_of_run(duration: float, frames: int, version: Path | None) -> dict[str
             stderr=subprocess.DEVNULL,
             check=True,
         )
-        found: dict[str, float] = json.loads(answer.read_text(encoding="utf-8"))
-        return found
+        parts: dict[str, float] = json.loads(answer.read_text(encoding="utf-8"))
+        return parts
 
 
 def main() -> None:

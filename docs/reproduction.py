@@ -53,10 +53,10 @@ def replace(path: Path, part: re.Pattern[str], text: str) -> None:
         SystemExit: the file has no such part.
     """
     before = path.read_text(encoding="utf-8")
-    found = part.search(before)
-    if found is None:
+    match = part.search(before)
+    if match is None:
         sys.exit(f"{path}: expected {part.pattern}")
-    path.write_text(before[: found.start()] + text + before[found.end() :], encoding="utf-8")
+    path.write_text(before[: match.start()] + text + before[match.end() :], encoding="utf-8")
 
 
 def commit() -> str:

@@ -115,17 +115,17 @@ def plot_radii(table: list[dict[str, Any]]) -> Figure:
     for column, (case, (title, _)) in enumerate(CASES.items()):
         radius, whirl = axes[:, column]
         for effects, colour in EFFECTS.items():
-            own = [row for row in table if (row["case"], row["effects"]) == (case, effects)]
-            speed = [float(row["speed"]) for row in own]
-            sizes = [float(row["late_radius"]) for row in own]
+            rows = [row for row in table if (row["case"], row["effects"]) == (case, effects)]
+            speed = [float(row["speed"]) for row in rows]
+            sizes = [float(row["late_radius"]) for row in rows]
             radius.plot(speed, sizes, color=colour, linewidth=0.7)
-            turning = [float(row["whirl_frequency"]) for row in own]
+            turning = [float(row["whirl_frequency"]) for row in rows]
             clear = [
                 value if row["whirl_rotating"] != "none" and _is_steady(row) else np.nan
-                for value, row in zip(turning, own, strict=True)
+                for value, row in zip(turning, rows, strict=True)
             ]
             whirl.plot(speed, clear, color=colour, linewidth=0.7)
-            for x, size, rate, row in zip(speed, sizes, clear, own, strict=True):
+            for x, size, rate, row in zip(speed, sizes, clear, rows, strict=True):
                 filled = colour if row["regime"] == "divergent" else "white"
                 style = {"marker": MARKERS[row["regime"]], "markersize": 5, "color": colour}
                 radius.plot(x, size, **style, markerfacecolor=filled, linestyle="")
@@ -195,10 +195,10 @@ def plot_orbits(orbits: dict[tuple[str, str], xr.Dataset]) -> Figure:
     """Ends of the orbits in static axes."""
     figure = Figure(figsize=(FULL_WIDTH / INCH, 4.9), layout="constrained")
     axes = figure.subplots(len(CASES), len(EFFECTS))
-    for panel, ((case, effects), found) in zip(axes.flat, orbits.items(), strict=True):
-        end = float(found["time"][-1])
-        last = found["time"].values > end - TURNS * 2 * np.pi / abs(found.attrs["speed"])
-        x, y = 1e3 * found["static"].values[last].T
+    for panel, ((case, effects), orbit) in zip(axes.flat, orbits.items(), strict=True):
+        end = float(orbit["time"][-1])
+        last = orbit["time"].values > end - TURNS * 2 * np.pi / abs(orbit.attrs["speed"])
+        x, y = 1e3 * orbit["static"].values[last].T
         panel.plot(x, y, color=EFFECTS[effects], linewidth=0.8)
         panel.plot(x[-1], y[-1], "s", color=EFFECTS[effects], markersize=4)
         panel.plot(0, 0, "+", color="grey")

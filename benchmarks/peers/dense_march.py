@@ -1,4 +1,4 @@
-"""The march beside a plain compiled program: `python benchmarks/peers/dense_march.py`.
+"""The march compared with a plain compiled program: `python benchmarks/peers/dense_march.py`.
 
 What one writes who compiles the definition of the scheme with numba and stops there: dense products
 of all modes, numbers where they fall, no symmetry, no records, no ledger of energy. It marches the
@@ -59,7 +59,7 @@ def solved(gap, delassus):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def march(stage, loads, load_times, before, now, first, steps, dt):  # type: ignore[no-untyped-def]
-    """March in place: x_{n-1} and x_n become those after so many steps; contacts of all steps."""
+    """Advance x_{n-1} and x_n in place; return the contacts of all steps."""
     (square, damping, radial, tangential, recess, nodal, clearance, tip_angle) = stage[:8]
     (speed, friction, length, tip_radius, tip_rotation) = stage[8:]
     tips, modes = radial.shape

@@ -1,4 +1,4 @@
-"""Code blocks of a page: found, and run one after the other in a folder of their own.
+"""Code blocks of a page, executed one after the other in a folder.
 
 ```` ```python ```` blocks share one namespace, lines of ```` ```console ```` blocks are commands.
 A comment on the line above changes that:
@@ -48,25 +48,25 @@ class Block:
 
     @property
     def runs(self) -> bool:
-        """Whether it does something: runs, or writes a file."""
+        """Whether the block runs or writes a file."""
         return self.mark == "file" or (self.language in RUN and self.mark != "not run")
 
 
 def blocks(text: str) -> Iterator[Block]:
     """Code blocks of a page in order."""
-    for found in _BLOCK.finditer(text):
+    for match in _BLOCK.finditer(text):
         yield Block(
-            language=found["language"],
-            code=found["code"],
-            mark=found["mark"] or "",
-            argument=found["argument"] or "",
-            start=found.start(),
-            end=found.end(),
+            language=match["language"],
+            code=match["code"],
+            mark=match["mark"] or "",
+            argument=match["argument"] or "",
+            start=match.start(),
+            end=match.end(),
         )
 
 
 class Session:
-    """Blocks of one page at work; the examples lie beside them, as in a checkout.
+    """Execution of the blocks of one page in a folder with the examples, as in a checkout.
 
     Args:
         folder: to work in; made, with a link to the examples.
@@ -81,7 +81,7 @@ class Session:
             examples.symlink_to(ROOT / "examples")
 
     def run(self, block: Block) -> str:
-        """What the block prints.
+        """Return the output of the block.
 
         Raises:
             RuntimeError: a command failed.
@@ -115,7 +115,7 @@ class Session:
 
 
 def _commands(code: str) -> list[str]:
-    """Commands of a block, one a line; a backslash goes on in the next."""
+    """Return the commands of a block, one per line; a backslash continues a line."""
     lines = code.replace("\\\n", " ").splitlines()
     return [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
 

@@ -40,7 +40,7 @@ class Job:
 
 
 def run_pages(app: Sphinx) -> None:
-    """Run what pages need, each in a process of its own, one a core, the longest first."""
+    """Run the jobs of all pages in processes, one per core, the longest first."""
     source, extensions = Path(app.srcdir), Path(blocks.__file__).parent
     verified = "".join((extensions / name).read_text("utf-8") for name in VERIFIED)
     jobs = [Job("verification", extensions / VERIFIED[0], source / "verification.md", verified)]
@@ -83,7 +83,7 @@ def printed(source: Path, name: str) -> list[str]:
 
 
 def _state() -> str:
-    """What tells one state of the package and its examples from another."""
+    """Return a text that identifies the state of the package and its examples."""
     files = (file for layer in _LAYERS for file in (blocks.ROOT / layer).rglob("*.*"))
     sources = (file for file in files if file.suffix in (".py", ".toml", ".csv", ".html"))
     return "\n".join(f"{file} {file.stat().st_mtime_ns}" for file in sorted(sources))
@@ -111,7 +111,7 @@ def put_in_verification(app: Sphinx, document: str, source: list[str]) -> None:
 
 
 def put_in_pictures(app: Sphinx, document: str, source: list[str]) -> None:
-    """Show the pictures that blocks have made."""
+    """Show the pictures made by blocks."""
     folder = f"{'../' * document.count('/')}built/{document}"
     source[0] = _PICTURE.sub(rf"![\2]({folder}/\1)", source[0])
 

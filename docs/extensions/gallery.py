@@ -48,12 +48,12 @@ def _keep(page: Path, text: str) -> None:
 
 
 def _show(example: Path, drawings: Path) -> dict[str, Any]:
-    """The document of `bladewhirl show --json`, kept beside the drawing and the film."""
+    """Return the document of `bladewhirl show --json`, stored beside the drawing and the film."""
     kept = drawings / f"{example.stem}.json"
     if not kept.exists() or kept.stat().st_mtime < example.stat().st_mtime:
         kept.write_text(marched.shown(example, drawings), encoding="utf-8")
-    found: dict[str, Any] = json.loads(kept.read_text(encoding="utf-8"))
-    return found
+    document: dict[str, Any] = json.loads(kept.read_text(encoding="utf-8"))
+    return document
 
 
 def _page(example: Path, numbers: dict[str, Any], drawings: Path) -> str:
@@ -69,7 +69,7 @@ def _page(example: Path, numbers: dict[str, Any], drawings: Path) -> str:
 
 
 def _turns(name: str) -> bool:
-    """Whether an example has rotation effects."""
+    """Return whether an example has rotation effects."""
     return bw.read_case(EXAMPLES / f"{name}.toml").rotation.effects != "none"
 
 
@@ -114,7 +114,7 @@ def _table(values: Iterable[tuple[str, str]]) -> str:
 
 
 def _outcome(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """What came of the march, in handy units."""
+    """Return the outcome of the march in readable units."""
     yield "motion", summary["regime"]
     yield "largest radius of the orbit", f"{1e3 * summary['shaft_radius_max']:.3g} mm"
     yield "blades that touched", str(sum(share > 0 for share in summary["contact_share"]))
@@ -124,18 +124,18 @@ def _outcome(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
             f"largest contact force over {1e3 * force['averaged_over']:.3g} ms",
             f"{force['force'] / 1e3:.3g} kN, blade {force['blade']}",
         )
-    for body, found in summary["stress_max"].items():
+    for body, largest in summary["stress_max"].items():
         name = body.replace("_", " ")
-        yield f"largest stress of the {name}", f"{abs(found['stress']) / 1e6:.3g} MPa"
+        yield f"largest stress of the {name}", f"{abs(largest['stress']) / 1e6:.3g} MPa"
 
 
 def _numbers(numbers: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """What `bladewhirl show` says of the stage, in handy units."""
-    found = numbers["derived"]
-    lowest, speed = found["reference_frequency"], found["speed"]
-    casing = min(found["casing"], key=lambda mode: mode["frequency"]["hz"])
-    yield "mass of the bladed disk", f"{found['bladed_disk_mass']:.4g} kg"
-    yield "mass of the casing", f"{found['casing_mass']:.4g} kg"
+    """Return derived quantities of the stage in readable units."""
+    derived = numbers["derived"]
+    lowest, speed = derived["reference_frequency"], derived["speed"]
+    casing = min(derived["casing"], key=lambda mode: mode["frequency"]["hz"])
+    yield "mass of the bladed disk", f"{derived['bladed_disk_mass']:.4g} kg"
+    yield "mass of the casing", f"{derived['casing_mass']:.4g} kg"
     yield "lowest frequency of the bladed disk", f"{lowest['hz']:.4g} Hz"
     yield (
         f"lowest frequency of the casing, k = {casing['nodal_diameter']}",

@@ -1,4 +1,4 @@
-"""Licences of what is installed with the package, as the metadata tells them."""
+"""Licences of the installed dependencies, from their metadata."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ OTHERS = {"certifi": "Mozilla Public License 2.0"}
 def dependencies() -> dict[str, str]:
     """Licence of each dependency, and of what they depend on, by name."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    waiting, found = [Requirement(each) for each in project["dependencies"]], {}
+    waiting, names = [Requirement(each) for each in project["dependencies"]], {}
     followed: set[tuple[str, frozenset[str]]] = set()
     while waiting:
-        wanted = waiting.pop()
-        name = canonicalize_name(wanted.name)
-        if (name, frozenset(wanted.extras)) not in followed:
-            followed.add((name, frozenset(wanted.extras)))
-            found[name] = _licence(name)
-            waiting += _requirements(name, wanted.extras)
-    return dict(sorted(found.items()))
+        requirement = waiting.pop()
+        name = canonicalize_name(requirement.name)
+        if (name, frozenset(requirement.extras)) not in followed:
+            followed.add((name, frozenset(requirement.extras)))
+            names[name] = _licence(name)
+            waiting += _requirements(name, requirement.extras)
+    return dict(sorted(names.items()))
 
 
 def _requirements(name: str, extras: set[str]) -> Iterator[Requirement]:
-    """Those that hold on this system."""
+    """Return the requirements that apply to this system."""
     for text in distribution(name).requires or ():
         one = Requirement(text)
         if one.marker is None or any(one.marker.evaluate({"extra": e}) for e in ("", *extras)):
@@ -40,9 +40,9 @@ def _requirements(name: str, extras: set[str]) -> Iterator[Requirement]:
 
 
 def _licence(name: str) -> str:
-    told = distribution(name).metadata.json
-    listed = [line for line in told.get("classifier", ()) if line.startswith("License ::")]
-    named = told.get("license_expression") or "; ".join(listed) or told.get("license", "")
+    metadata = distribution(name).metadata.json
+    listed = [line for line in metadata.get("classifier", ()) if line.startswith("License ::")]
+    named = metadata.get("license_expression") or "; ".join(listed) or metadata.get("license", "")
     text = str(named).replace("License :: OSI Approved :: ", "")
     if name in OTHERS and OTHERS[name] in text:
         return text

@@ -20,8 +20,8 @@ ET.register_namespace("", _MATHML[1:-1])
 
 
 def formula(tex: str, *, block: bool) -> str:
-    """MathML of a formula; an index of a dotted symbol stands beside it, not below."""
-    text = _ENTITY.sub(lambda found: html.unescape(found[0]), tex2mathml(tex, as_block=block))
+    """Return the MathML of a formula; the index of a dotted symbol is beside it, not below."""
+    text = _ENTITY.sub(lambda match: html.unescape(match[0]), tex2mathml(tex, as_block=block))
     root = ET.fromstring(text)
     for symbol in list(root.iter(f"{_MATHML}munderover")):
         base, index, accent = symbol
@@ -40,7 +40,7 @@ def visit_math(translator: Any, node: nodes.math) -> None:
 
 
 def visit_math_block(translator: Any, node: nodes.math_block) -> None:
-    """A formula on a line of its own."""
+    """Return a displayed formula."""
     translator.body.append(f'<div class="math">{formula(node.astext(), block=True)}</div>\n')
     raise nodes.SkipNode
 

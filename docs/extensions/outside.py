@@ -45,12 +45,10 @@ def link(
 
 
 def plain(app: Sphinx, *_: object) -> None:
-    """Leave of the types of parameters what Python checks, not what pydantic does with them, and
-    call what NumPy makes arrays of array-like.
-    """
+    """Simplify parameter types to what Python checks, with "array-like" for NumPy's."""
     for types in app.env.current_document.autodoc_annotations.values():
-        for name, told in types.items():
-            short = re.sub(r"Annotated\[((?:[^\[\],]|\[[^\]]*\])*),.*\]", r"\1", told)
+        for name, hint in types.items():
+            short = re.sub(r"Annotated\[((?:[^\[\],]|\[[^\]]*\])*),.*\]", r"\1", hint)
             types[name] = ARRAY_LIKE.sub("array-like", short)
 
 
@@ -63,14 +61,14 @@ def brief(
     arguments: str | None,
     out: str,
 ) -> tuple[str, str] | None:
-    """A long signature without defaults that are objects with values of their own."""
+    """Return a long signature without defaults that are objects."""
     if kind != "class" or arguments is None or len(arguments) < LONGEST:
         return None
     return re.sub(r"=[A-Z]\w*\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\)", "=…", arguments), out
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Answer references that Sphinx itself does not find; keep types short."""
+    """Resolve references that Sphinx does not find; keep types short."""
     app.connect("missing-reference", link)
     app.connect("autodoc-process-signature", brief)
     app.connect("object-description-transform", plain, priority=400)  # before types are listed

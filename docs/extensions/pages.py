@@ -20,7 +20,7 @@ _DRAWING = re.compile(r"^<!-- drawing: (\S+) \| (.*?) -->$", re.MULTILINE)
 
 def fill(app: Sphinx, document: str, source: list[str]) -> None:
     """Put in the parts."""
-    source[0] = _MARK.sub(lambda found: reference.GENERATED[found[1]](), source[0])
+    source[0] = _MARK.sub(lambda match: reference.GENERATED[match[1]](), source[0])
     up = "../" * document.count("/")
     source[0] = _DRAWING.sub(rf"![\2]({up}built/drawings/\1.svg)", source[0])
 

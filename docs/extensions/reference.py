@@ -1,4 +1,4 @@
-"""Reference pages in Markdown, made from what the program itself is made from."""
+"""Reference pages in Markdown, generated from the program."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def _summary(thing: object) -> str:
 
 
 def _words(text: str) -> str:
-    """Text in Markdown: what would be markup there is shown as it is."""
+    """Return text as Markdown with escaped markup."""
     return re.sub(
         r"(?<!`)([*_<>\[\]$#|{}])(?!`)", r"\\\1", " ".join(text.replace(r"\[", "[").split())
     )
@@ -150,44 +150,44 @@ def _command(registered: CommandInfo) -> str:
     arguments: list[Parameter] = []
     options: list[Parameter] = []
     for one in inspect.signature(function).parameters.values():
-        hint, told = get_args(hints[one.name])
-        kind = arguments if isinstance(told, ArgumentInfo) else options
-        kind.append((one, hint, told))
-    usage = "".join(f" {_argument(one, told)}" for one, _, told in arguments)
+        hint, info = get_args(hints[one.name])
+        kind = arguments if isinstance(info, ArgumentInfo) else options
+        kind.append((one, hint, info))
+    usage = "".join(f" {_argument(one, info)}" for one, _, info in arguments)
     return "".join(
         [
             f"## bladewhirl {name}\n\n```text\nbladewhirl {name} [OPTIONS]{usage}\n```\n\n",
             "\n\n".join(_words(part) for part in (registered.help or "").split("\n\n")),
             f"\n\n```{{program}} bladewhirl {name}\n```\n\n",
             *(
-                f"`{_argument(one, told)}`: {_words(told.help or '')}\n\n"
-                for one, _, told in arguments
+                f"`{_argument(one, info)}`: {_words(info.help or '')}\n\n"
+                for one, _, info in arguments
             ),
-            *(_option(one, hint, told) for one, hint, told in options),
+            *(_option(one, hint, info) for one, hint, info in options),
         ]
     )
 
 
-def _argument(one: inspect.Parameter, told: ArgumentInfo) -> str:
-    name = str(told.metavar or one.name.upper())
+def _argument(one: inspect.Parameter, info: ArgumentInfo) -> str:
+    name = str(info.metavar or one.name.upper())
     return name if one.default is one.empty else f"[{name}]"
 
 
-def _option(one: inspect.Parameter, hint: Any, told: OptionInfo) -> str:
+def _option(one: inspect.Parameter, hint: Any, info: OptionInfo) -> str:
     dashed = f"--{one.name.replace('_', '-')}"
-    named = (told.default, *(told.param_decls or ()))  # in an annotation the first name comes so
+    named = (info.default, *(info.param_decls or ()))  # in an annotation the first name comes so
     given = [name for name in named if isinstance(name, str)]
     given = given or [f"{dashed} / --no-{one.name}" if one.default is True else dashed]
     names = [name for decl in given for name in re.split(r" ?/ ?", decl)]
-    value = "" if bool in (hint, *get_args(hint)) else f" {told.metavar or _metavar(hint)}"
+    value = "" if bool in (hint, *get_args(hint)) else f" {info.metavar or _metavar(hint)}"
     known = isinstance(one.default, str | int | float) and not isinstance(one.default, bool)
     default = f" Default: `{one.default}`." if known else ""
     listed = ", ".join(name + value for name in names)
-    return f"```{{option}} {listed}\n\n{_words(told.help or '')}{default}\n```\n\n"
+    return f"```{{option}} {listed}\n\n{_words(info.help or '')}{default}\n```\n\n"
 
 
 def _metavar(hint: Any) -> str:
-    """The word for the value of an option, of its type or of what a list or "or none" holds."""
+    """Return the metavariable of an option from its type."""
     words = {Path: "PATH", str: "TEXT", int: "INTEGER", float: "NUMBER"}
     if get_origin(hint) is Literal:
         return "|".join(get_args(hint))
@@ -235,7 +235,7 @@ _ROOMS = {
 
 
 def api() -> str:
-    """The public names, by the layer that they come from."""
+    """Return the public names by layer."""
     parts = []
     for title, room in _ROOMS.items():
         parts.append(f"## {title}\n\n```{{eval-rst}}\n")

@@ -259,8 +259,8 @@ def picture(one: Refinement, errors: NDArray[np.float64]) -> Figure:
     if one.order is not None:
         sizes = np.array(one.sizes, dtype=float)
         slope = 0.4 * errors.min(axis=1)[-1] * (sizes / sizes[-1]) ** -one.order
-        told = "2/3" if one.order == 2 / 3 else f"{one.order:g}"
-        axes.loglog(sizes, slope, color=INK, ls="--", lw=1, label=f"order {told}")
+        text = "2/3" if one.order == 2 / 3 else f"{one.order:g}"
+        axes.loglog(sizes, slope, color=INK, ls="--", lw=1, label=f"order {text}")
     axes.set_xticks(one.sizes, [f"{size:,}".replace(",", " ") for size in one.sizes], fontsize=8)
     axes.minorticks_off()
     axes.set_title(one.title, fontsize=10)

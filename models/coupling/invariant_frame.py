@@ -94,8 +94,8 @@ def invariant_matrices(
     damping, rate = modes.damping_rate, modes.frame_rate
     turning = np.multiply.outer(speed, rate)
     gyroscopic = _real_blocks(modes, damping + 2j * turning)
-    own = modes.frequency**2 - turning**2 + 1j * damping * turning
-    stiffness = _real_blocks(modes, own)
+    uncoupled = modes.frequency**2 - turning**2 + 1j * damping * turning
+    stiffness = _real_blocks(modes, uncoupled)
     if modes.turning is not None:
         twice = (2.0 * speed[..., None, None]) * modes.turning.coriolis
         gyroscopic = gyroscopic + coupled_blocks(modes, twice)

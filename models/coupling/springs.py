@@ -63,8 +63,8 @@ class CouplingModes:
         for item in fields(self)[1:-1]:
             array = np.array(getattr(self, item.name), dtype=kinds.get(item.name, np.float64))
             if array.shape != (len(self.name),):
-                wanted = f"one value for each of {len(self.name)} entries"
-                raise ValueError(f"{item.name}: expected {wanted}, got shape {array.shape}")
+                expected = f"one value for each of {len(self.name)} entries"
+                raise ValueError(f"{item.name}: expected {expected}, got shape {array.shape}")
             if not np.all(np.isfinite(array)):
                 raise ValueError(f"{item.name}: values must be finite")
             array.setflags(write=False)

@@ -90,8 +90,8 @@ class CoupledEntries:
             ValueError: one of them is missing, as the suspension pair is with a clamped centre.
         """
         chosen = [self.find(family, 1) for family in ("casing", "1F", "suspension")]
-        for family, found in zip(("casing", "1F", "suspension"), chosen, strict=True):
-            if len(found) != 1:
+        for family, numbers in zip(("casing", "1F", "suspension"), chosen, strict=True):
+            if len(numbers) != 1:
                 raise ValueError(f"the stage has no {family} pair with one nodal diameter")
         return self.take(np.concatenate(chosen))
 
@@ -104,7 +104,7 @@ class StageModes(CoupledEntries):
 
 
 def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
-    """Collect the modes of a full stage that the springs couple, see `coupled_entries`.
+    """Collect the modes of a full stage that the springs couple; see `coupled_entries`.
 
     Args:
         modal: finite element models with all their modes.
@@ -114,16 +114,18 @@ def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
         ValueError: modes without nodal diameter: the stage has no cyclic symmetry.
     """
     disk, wall = modal.disk_modes, modal.casing_modes
-    found = coupled_entries(
+    coupled = coupled_entries(
         tip_motion(modal.disk, disk, disk.family, disk.fields),
         wall_motion(modal.casing, wall, wall.family, wall.fields),
         damping_ratio=damping_ratio,
     )
-    return StageModes(modes=found.modes, family=found.family, number=found.number, modal=modal)
+    return StageModes(
+        modes=coupled.modes, family=coupled.family, number=coupled.number, modal=modal
+    )
 
 
 def at_speed(stage: StageModes, matrices: RotationMatrices, effects: Effects) -> StageModes:
-    """The modes at rest with what rotation adds to those of the rotor.
+    """Return the modes at rest with the rotation matrices of the rotor.
 
     Args:
         stage: coupled modes at rest.
@@ -150,7 +152,7 @@ def at_speed(stage: StageModes, matrices: RotationMatrices, effects: Effects) ->
 
 @dataclass(frozen=True, kw_only=True)
 class RadialModes:
-    """The modes of one body as the springs see them."""
+    """Radial motion of the modes of one body at the springs."""
 
     frequency: FloatArray  #: [rad/s], (modes,)
     nodal_diameter: IntArray  #: (modes,)
@@ -167,22 +169,23 @@ class RadialModes:
         return bool(np.all(self.column >= 0))
 
     def amplitudes(
-        self, wanted: Sequence[bool] | BoolArray, *, radial_only: bool = False
+        self, selected: Sequence[bool] | BoolArray, *, radial_only: bool = False
     ) -> dict[int, float]:
-        """Radial amplitude by number of the wanted modes that have one; sines are left out.
+        """Return the non-zero radial amplitudes of selected modes by number, without sines of
+        pairs.
 
         Args:
-            wanted: which modes, (modes,).
+            selected: which modes, (modes,).
             radial_only: leave out modes that are not radial, see `is_radial`.
         """
         one_a_pair = (self.column % 2 != 0) | (self.column == 0)
-        numbers = np.flatnonzero(one_a_pair & np.asarray(wanted, dtype=np.bool_))
+        numbers = np.flatnonzero(one_a_pair & np.asarray(selected, dtype=np.bool_))
         outward, along = self.motion(numbers)
-        found = wave_amplitudes(outward, self.angles, self.nodal_diameter[numbers])
-        moving = np.abs(found) > SMALLEST_AMPLITUDE * np.abs(found).max(initial=0.0)
+        values = wave_amplitudes(outward, self.angles, self.nodal_diameter[numbers])
+        moving = np.abs(values) > SMALLEST_AMPLITUDE * np.abs(values).max(initial=0.0)
         if radial_only:
             moving &= is_radial(outward, along)
-        return dict(zip(numbers[moving].tolist(), found[moving].tolist(), strict=True))
+        return dict(zip(numbers[moving].tolist(), values[moving].tolist(), strict=True))
 
 
 def coupled_entries(
@@ -209,39 +212,42 @@ def coupled_entries(
     coupled = {"suspension", *FAMILIES}
     tips = rotor.amplitudes([name in coupled for name in rotor.family])
     lowest = lowest_radial(casing)
-    found: list[tuple[int, bool, int, float]] = []  # nodal diameter, on rotor, number, amplitude
+    entries: list[tuple[int, bool, int, float]] = []  # nodal diameter, on rotor, number, amplitude
     for k in sorted({int(rotor.nodal_diameter[number]) for number in tips}):
         if k in lowest:
-            found.append((k, False, *lowest[k]))
-        found += [
+            entries.append((k, False, *lowest[k]))
+        entries += [
             (k, True, number, tips[number]) for number in tips if rotor.nodal_diameter[number] == k
         ]
-    family = tuple(rotor.family[n] if on_rotor else "casing" for _, on_rotor, n, _ in found)
+    family = tuple(rotor.family[n] if on_rotor else "casing" for _, on_rotor, n, _ in entries)
     modes = CouplingModes(
         name=tuple(
             name if name == "suspension" else f"{name} k={k}"
-            for name, (k, _, _, _) in zip(family, found, strict=True)
+            for name, (k, _, _, _) in zip(family, entries, strict=True)
         ),
-        on_casing=np.array([not on_rotor for _, on_rotor, _, _ in found], dtype=np.bool_),
-        nodal_diameter=np.array([k for k, _, _, _ in found], dtype=np.int64),
+        on_casing=np.array([not on_rotor for _, on_rotor, _, _ in entries], dtype=np.bool_),
+        nodal_diameter=np.array([k for k, _, _, _ in entries], dtype=np.int64),
         frequency=np.array(
-            [(rotor if on_rotor else casing).frequency[number] for _, on_rotor, number, _ in found]
+            [
+                (rotor if on_rotor else casing).frequency[number]
+                for _, on_rotor, number, _ in entries
+            ]
         ),
-        amplitude=np.array([amplitude for _, _, _, amplitude in found]),
-        damping_ratio=np.full(len(found), damping_ratio),
+        amplitude=np.array([amplitude for _, _, _, amplitude in entries]),
+        damping_ratio=np.full(len(entries), damping_ratio),
         paired=np.array(
-            [is_pair(k, blades if on_rotor else elements) for k, on_rotor, _, _ in found],
+            [is_pair(k, blades if on_rotor else elements) for k, on_rotor, _, _ in entries],
             dtype=np.bool_,
         ),
     )
-    numbers = np.array([number for _, _, number, _ in found], dtype=np.int64)
+    numbers = np.array([number for _, _, number, _ in entries], dtype=np.int64)
     return CoupledEntries(modes=modes, family=family, number=numbers)
 
 
 def tip_motion(
     disk: BladedDiskModel, modes: ModeTable, family: tuple[str, ...], fields: Fields
 ) -> RadialModes:
-    """Modes of a bladed disk as the springs see them, full or reduced.
+    """Return the radial motion of the tips in modes of a bladed disk, full or reduced.
 
     Args:
         disk: the finite element model.
@@ -267,7 +273,7 @@ def tip_motion(
 def wall_motion(
     casing: CasingModel, modes: ModeTable, family: tuple[str, ...], fields: Fields
 ) -> RadialModes:
-    """Modes of a casing as the springs see them; see `tip_motion`."""
+    """Return the radial motion of the wall in modes of a casing; see `tip_motion`."""
 
     def motion(chosen: IntArray) -> tuple[FloatArray, FloatArray]:
         nodal = casing.nodal(fields(chosen))
@@ -296,7 +302,7 @@ def lowest_radial(casing: RadialModes) -> dict[int, tuple[int, float]]:
 
 
 def is_radial(outward: FloatArray, along: FloatArray) -> BoolArray:
-    """Which casing modes are radial, so that springs couple them and a distortion pushes them.
+    """Return which casing modes are radial: springs couple them, and a distortion excites them.
 
     Args:
         outward: w at the nodes, (nodes, modes).
@@ -314,8 +320,8 @@ def wave_amplitudes(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatA
         angle: [rad], (angles,).
         k: nodal diameter of each column, (fields,).
     """
-    found = np.zeros(len(k))
+    amplitude = np.zeros(len(k))
     for harmonic in np.unique(k):
         here = k == harmonic
-        found[here] = wave_parts(field[:, here], angle, np.array([harmonic]))[0, 0]
-    return found
+        amplitude[here] = wave_parts(field[:, here], angle, np.array([harmonic]))[0, 0]
+    return amplitude

@@ -1,4 +1,4 @@
-"""The modes of a stage whose nodal diameters mix, as the springs between rotor and casing see them.
+"""Coupled modes of a stage whose nodal diameters mix.
 
 See `waves` for the equations, `stage_modes` for stages whose modes have one nodal diameter each.
 """
@@ -22,7 +22,7 @@ from bladewhirl.models.modal.labels import LabelledModes
 
 
 def standing_obstacles(modal: ModalStage, *, damped: bool) -> tuple[str, ...]:
-    """Reasons why no frame holds a coupled stage still, in words; none where one does.
+    """Return the reasons why a coupled stage is periodic in every frame; empty if it is autonomous.
 
     The casing must be the same all round, shaft springs that stand still must be equal, and
     damping must be shared out by modes.
@@ -32,14 +32,14 @@ def standing_obstacles(modal: ModalStage, *, damped: bool) -> tuple[str, ...]:
         damped: whether dampers count.
     """
     shaft, casing = modal.case.shaft, modal.casing
-    found = []
+    obstacles = []
     if not casing.structure.is_cyclic:
-        found.append("the casing is not the same all round")
+        obstacles.append("the casing is not the same all round")
     if shaft.anisotropy != 0.0 and not shaft.clamped:
-        found.append("the shaft springs that stand still differ")
+        obstacles.append("the shaft springs that stand still differ")
     if damped and (casing.dampers.shape[0] or (any(shaft.dampings) and not shaft.clamped)):
-        found.append("with --damped there are dampers")
-    return tuple(found)
+        obstacles.append("with --damped there are dampers")
+    return tuple(obstacles)
 
 
 def coupled_waves(modal: ModalStage, *, modes: str, damped: bool, physical: bool) -> CoupledWaves:
@@ -98,9 +98,9 @@ def coupled_waves(modal: ModalStage, *, modes: str, damped: bool, physical: bool
     if not case.shaft.clamped:
         centre[:, :first] = tips[disk.centre]
     if damped:
-        held = np.zeros((casing.dampers.shape[0], size))
-        held[:, first:] = casing.dampers @ wall
-        rows = np.vstack([np.sqrt(case.shaft.dampings)[:, None] * centre, held])
+        casing_rows = np.zeros((casing.dampers.shape[0], size))
+        casing_rows[:, first:] = casing.dampers @ wall
+        rows = np.vstack([np.sqrt(case.shaft.dampings)[:, None] * centre, casing_rows])
         damping = np.diag(2.0 * case.damping.ratio * frequency) + rows.T @ rows
     return CoupledWaves(
         name=_names(modal, on_rotor, on_casing, by_family=by_family),
@@ -118,7 +118,7 @@ def coupled_waves(modal: ModalStage, *, modes: str, damped: bool, physical: bool
 def _chosen(
     modal: ModalStage, modes: str, harmonics: IntArray, *, by_family: bool
 ) -> tuple[IntArray, IntArray]:
-    """Numbers of the modes of bladed disk and casing that a choice means."""
+    """Return the numbers of the selected modes of bladed disk and casing."""
     disk, casing = modal.disk_modes, modal.casing_modes
     fields = modal.casing.nodal(casing.fields(np.arange(casing.count)))
     radial = is_radial(fields[:, W], fields[:, U])
@@ -126,13 +126,13 @@ def _chosen(
         int(k): np.flatnonzero(radial & (casing.nodal_diameter == k))[: 2 if k else 1]
         for k in harmonics
     }
-    lowest = {k: found for k, found in lowest.items() if found.size}
+    lowest = {k: numbers for k, numbers in lowest.items() if numbers.size}
     if modes == ALL and disk.layout is None:
         count = min((len(FAMILIES) + 1) * len(modal.disk.tip_angles), disk.count)
         return np.arange(count), np.sort(np.concatenate([*lowest.values()]))
     if modes == ALL or (modes == SIX and by_family):
-        wanted = ("suspension", *FAMILIES) if modes == ALL else ("suspension", "1F")
-        families = [name for name in wanted if name in disk.family]
+        names = ("suspension", *FAMILIES) if modes == ALL else ("suspension", "1F")
+        families = [name for name in names if name in disk.family]
         modes = ",".join([*families, "casing" if modes == ALL else "casing:1"])
     return chosen_modes(modes, disk.named, casing.named, lowest)
 
@@ -144,7 +144,8 @@ def _with_waves(
     angle: FloatArray,
     harmonics: IntArray,
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Modes that move radially, their fields and waves; the others feel no spring."""
+    """Return the modes with radial motion, their fields and waves; springs do not act on the
+    others."""
     fields = modes.fields(chosen)
     waves = wave_parts(radial(fields), angle, harmonics)
     size = np.linalg.norm(waves, axis=(0, 1))
@@ -166,7 +167,7 @@ def _names(
 
 
 def _turning(column: IntArray, first: int) -> FloatArray:
-    """J of casing modes whose DFT columns are given, the first one in a given place."""
+    """Return J of casing modes with given DFT columns, from a first position on."""
     size = first + len(column)
     turning = np.zeros((size, size))
     for cosine in np.flatnonzero(column % 2 == 1):

@@ -1,4 +1,4 @@
-"""What rotation adds to the coupled modes of a bladed disk.
+"""Rotation matrices on the coupled modes of a bladed disk.
 
 The modes are those at rest; the matrices of a disk that turns are projected on them,
 

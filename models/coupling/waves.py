@@ -31,7 +31,7 @@ from bladewhirl.models.coupling.springs import spring_factor
 
 @dataclass(frozen=True, kw_only=True)
 class CoupledWaves:
-    """Modes of both bodies, those of the bladed disk first, and how the springs see them."""
+    """Modes of both bodies, the bladed disk first, and their radial waves at the springs."""
 
     name: tuple[str, ...]  #: for tables, fewer where modes share one
     frequency: FloatArray  #: without the springs between the bodies [rad/s], (modes,)
@@ -63,7 +63,7 @@ class CoupledWaves:
         return total + self.anisotropy * (squares[:, 0] - squares[:, 1])
 
     def state_matrix(self, speed: float, kappa: float, *, with_pi: bool = True) -> FloatArray:
-        """S of dz/dt = S z with z = (y, dy/dt), (2 modes, 2 modes); at rest of any stage.
+        """Return S of dz/dt = S z with z = (y, dy/dt), (2 modes, 2 modes); at rest for any stage.
 
         Args:
             speed: Omega [rad/s].

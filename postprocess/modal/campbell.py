@@ -93,7 +93,7 @@ def drawn_part(data: xr.Dataset) -> xr.Dataset:
 
 
 def in_diagram(data: xr.Dataset) -> BoolArray:
-    """Which coincidences lie inside the speeds of the diagrams."""
+    """Return which coincidences lie inside the speeds of the diagrams."""
     first, last = data.attrs["speeds"]
     speed = data["normalised_speed"].values
     return np.asarray((first <= speed) & (speed <= last), dtype=np.bool_)
@@ -172,11 +172,11 @@ def frequency_limits(data: xr.Dataset, frame: Frame) -> tuple[float, float]:
     """Lowest and highest frequency shown of a `drawn_part`, normalised."""
     level = "bladed-disk" if frame == "rotating" else "casing"
     modes, met = data["normalised_mode_frequency"].values, met_frequencies(data, frame)
-    own = modes[(data["mode_body"].values == level) & (modes > 0.0)]
+    frequencies = modes[(data["mode_body"].values == level) & (modes > 0.0)]
     highest = float(met[in_diagram(data)].max(initial=1.0))
     if frame == "static":
-        return 0.6 * float(own.min(initial=1.0)), 1.5 * highest
-    return 0.0, HEADROOM * max(float(own.max(initial=1.0)), highest)
+        return 0.6 * float(frequencies.min(initial=1.0)), 1.5 * highest
+    return 0.0, HEADROOM * max(float(frequencies.max(initial=1.0)), highest)
 
 
 NamedLine = tuple[FloatArray, FloatArray, str, str]
@@ -184,9 +184,9 @@ NamedLine = tuple[FloatArray, FloatArray, str, str]
 
 
 def _draw_branches(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLine]:
-    """Waves on a bladed disk that feels that it turns, over the speed."""
-    found = data["line_speed"].values
-    speed = np.linspace(found[0], found[-1], FINE)
+    """Draw the waves of a bladed disk with rotation effects over the speed."""
+    speeds = data["line_speed"].values
+    speed = np.linspace(speeds[0], speeds[-1], FINE)
     signed = data["branch_frequency"].values / data.attrs["reference_frequency_hz"]
     for values, growth, k, family, way in zip(
         signed,
@@ -196,7 +196,7 @@ def _draw_branches(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[Named
         data["branch_direction"].values,
         strict=True,
     ):
-        row, grows = (np.interp(speed, found, each) for each in (values, growth > 0.0))
+        row, grows = (np.interp(speed, speeds, each) for each in (values, growth > 0.0))
         first, forward = int(k) == 1, way == "forward"
         if forward and not first and frame == "static":
             continue
@@ -278,7 +278,7 @@ def _engine_orders(data: xr.Dataset, frame: Frame) -> list[int]:
 
 
 def _mark_critical(axes: Axes, data: xr.Dataset, frame: Frame) -> None:
-    """Critical speeds, where a wave stands still in the rotating frame; the legend has them."""
+    """Draw critical speeds, where a wave is stationary in the rotating frame, and the legend."""
     speeds, k = data["critical_speed"].values, data["critical_nodal_diameter"].values
     height = speeds * k if frame == "static" else np.zeros(len(speeds))
     if len(speeds):
@@ -294,7 +294,7 @@ def _mark_coincidences(axes: Axes, data: xr.Dataset, meets: FloatArray, shown: B
 
 
 def wave_colour(body: str, family: str, k: int) -> str:
-    """Colour of a wave, by its body and whether it has one nodal diameter; suspension apart."""
+    """Return the colour of a wave, by its body, k = 1 and the suspension."""
     if family == "suspension":
         return COLOURS["suspension"]
     if body == "bladed-disk":
@@ -303,7 +303,7 @@ def wave_colour(body: str, family: str, k: int) -> str:
 
 
 def _left_out(whole: xr.Dataset, drawn: xr.Dataset) -> str:
-    """What is not in the diagram, in words."""
+    """Return a note on waves outside the diagram."""
     every, kept = np.count_nonzero(in_diagram(whole)), np.count_nonzero(in_diagram(drawn))
     if every == kept:
         return f"All {kept} coincidences at these speeds are shown, each with its k."
@@ -314,7 +314,7 @@ def _left_out(whole: xr.Dataset, drawn: xr.Dataset) -> str:
 
 
 def _is_drawn(axes: Axes, handle: Line2D | Patch) -> bool:
-    """Whether something like an entry of the legend is seen in a diagram; an area always is."""
+    """Return whether a legend entry is visible in a diagram; areas always are."""
     if isinstance(handle, Patch):
         return True
     low, high = axes.get_ylim()

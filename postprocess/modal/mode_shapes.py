@@ -1,4 +1,4 @@
-"""Pictures of mode shapes (Fig. 6): at rest and deformed, with the centre marked; and as a GIF."""
+"""Pictures of mode shapes (Fig. 6), undeformed and deformed with the centre marked, also as GIF."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ GIF_COLOURS = 128
 
 
 class Outline:
-    """Lines of one body, at rest and displaced, for any modal coordinates.
+    """Return the lines of one body, undeformed and displaced, for modal coordinates.
 
     Displacements are drawn as in `drawing`: what the body shares is a shift, the rest goes along
     arcs about the shifted centre, so that a blade that bends does not grow longer.
@@ -120,7 +120,7 @@ class Outline:
 
 
 class DrawnShape:
-    """A body in axes: grey at rest, deformed in the colours of its displacement."""
+    """Draw a body: grey undeformed, deformed in the colours of its displacement."""
 
     def __init__(
         self, axes: Axes, outline: Outline, motion: FloatArray, *, linewidth: float
@@ -196,18 +196,18 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
         coordinates = np.eye(modes)[mode]
         shape = DrawnShape(axes, outline, coordinates, linewidth=0.8)
         shape.show(coordinates)
-        own = data.isel({f"{prefix}_mode": mode})
+        mode_data = data.isel({f"{prefix}_mode": mode})
         share = float(np.linalg.norm(outline.centre(coordinates, 1.0)) / shape.largest)
         moves = f"centre {100 * share:.1f} %" if share > CENTRE_RESTS else "centre at rest"
-        purity = float(own[f"{prefix}_purity"])
-        k = int(own[f"{prefix}_nodal_diameter"])
-        axes.set_title(mode_title(str(own[f"{prefix}_family"].values), k, purity))
-        lines = [*_frequency(data, float(own[f"{prefix}_frequency"])).split(" = "), moves]
+        purity = float(mode_data[f"{prefix}_purity"])
+        k = int(mode_data[f"{prefix}_nodal_diameter"])
+        axes.set_title(mode_title(str(mode_data[f"{prefix}_family"].values), k, purity))
+        lines = [*_frequency(data, float(mode_data[f"{prefix}_frequency"])).split(" = "), moves]
         if purity < PURE:
             lines.append(f"k = {k} holds {100 * purity:.0f} %" if k >= 0 else "no nodal diameter")
         if f"{prefix}_direction" in data:
-            lines.append(str(own["rotor_direction"].values))
-            lines.append(f"static: {own['rotor_direction_static'].values}")
+            lines.append(str(mode_data["rotor_direction"].values))
+            lines.append(f"static: {mode_data['rotor_direction_static'].values}")
         below = {"transform": axes.transAxes, "ha": "center", "va": "top"}
         axes.text(0.5, -0.02, "\n".join(lines), **below)
     figure.colorbar(
@@ -222,10 +222,10 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
     names = {"bladed-disk": "the bladed disk, rotating frame", "casing": "the casing"}
     set_title(figure, data.attrs["case"], f"Modes of {names[body]}; {TURNS}")
     marks = [(shape.rest, "centre at rest"), (shape.centre, "displaced")]
-    told = "Drawn exaggerated. centre: its displacement over the largest of the mode"
+    note = "Drawn exaggerated. centre: its displacement over the largest of the mode"
     if (data[f"{prefix}_purity"].values < PURE).any():
-        told += "; k = … holds: its share of the kinetic energy; mixed k: none holds half of it"
-    legends_below(figure, Group(marks, f"{told}."))
+        note += "; k = … holds: its share of the kinetic energy; mixed k: none holds half of it"
+    legends_below(figure, Group(marks, f"{note}."))
     return figure
 
 
@@ -339,7 +339,7 @@ def _pictures(data: xr.Dataset, body: Body) -> list[Pixels]:
 
 
 def mode_title(family: str, nodal_diameter: int, purity: float = 1.0) -> str:
-    """A mode in words: "1F, k = 2", "suspension", "1F, mixed k"; "1F" without sectors."""
+    """Return the name of a mode: "1F, k = 2", "suspension", "1F, mixed k"; "1F" without sectors."""
     if family == "suspension" or nodal_diameter < 0:
         return family
     if purity < MIXED:

@@ -39,7 +39,7 @@ BEAM_STATIONS = 8
 def mode_motion(
     stage: ModalStage, body: Body, numbers: IntArray, *, wave: Wave, title: str
 ) -> xr.Dataset:
-    """One period of a mode of the bladed disk or of the casing, seen from its own frame.
+    """Return one period of a mode of the bladed disk or the casing in the frame of the body.
 
     With Coriolis forces a mode of the bladed disk is one whirling mode, and moves as it does.
 
@@ -101,16 +101,16 @@ def shapes_dataset(stage: ModalStage, body: Body, numbers: IntArray) -> xr.Datas
         return data.assign(casing_purity=("casing_mode", stage.casing_modes.purity[numbers]))
     if stage.disk_whirl is None:
         return data.assign(rotor_purity=("rotor_mode", stage.disk_modes.purity[numbers]))
-    found = stage.disk_whirl.modes.take(numbers)
+    whirl = stage.disk_whirl.modes.take(numbers)
     return data.isel(rotor_mode=slice(None, None, 2)).assign(
-        rotor_purity=("rotor_mode", found.purity),
-        rotor_direction=("rotor_mode", list(found.direction)),
-        rotor_direction_static=("rotor_mode", list(found.static_direction(stage.speed))),
+        rotor_purity=("rotor_mode", whirl.purity),
+        rotor_direction=("rotor_mode", list(whirl.direction)),
+        rotor_direction_static=("rotor_mode", list(whirl.static_direction(stage.speed))),
     )
 
 
 def _arrays_of(stage: ModalStage, body: Body, numbers: IntArray) -> StageArrays:
-    """The stage by modes of one body, beside one of the other that is at rest."""
+    """Return the stage in modes of one body, the other one at rest."""
     resting = np.zeros(1, dtype=np.int64)
     if body == "casing":
         return stage.arrays(resting, numbers)
@@ -182,7 +182,7 @@ def radial_shapes(stage: StageModes) -> RadialShapes:
 
 
 def shown_clearance(stage: ModalStage) -> float:
-    """Clearance [m], or a thousandth of the tip radius where there is none."""
+    """Return the clearance [m], or a thousandth of the tip radius if it is zero."""
     given = stage.case
     return given.casing.clearance or SHARE_OF_RADIUS * given.tip_radius
 
@@ -246,13 +246,15 @@ def _energy(motion: CoupledMotion, springs: CouplingSprings) -> FloatArray:
     moved = motion.displacement
     strain = springs.modes.frequency[springs.modes.entry] * moved
     bodies = 0.5 * np.sum(motion.velocity**2 + strain**2, axis=1)
-    held = springs.stiffness(angle=motion.speed * motion.time)
+    stiffness = springs.stiffness(angle=motion.speed * motion.time)
     if springs.modes.turning is not None:
-        held += motion.speed**2 * coupled_blocks(springs.modes, springs.modes.turning.softening)
-    return np.asarray(bodies + 0.5 * np.einsum("ti,tij,tj->t", moved, held, moved))
+        stiffness += motion.speed**2 * coupled_blocks(
+            springs.modes, springs.modes.turning.softening
+        )
+    return np.asarray(bodies + 0.5 * np.einsum("ti,tij,tj->t", moved, stiffness, moved))
 
 
 def _damping_work(stage: StageModes, motion: CoupledMotion) -> FloatArray:
-    """Energy that modal damping has taken since the first record, (records,)."""
+    """Return the energy dissipated by modal damping since the first record, (records,)."""
     power = motion.velocity**2 @ stage.modes.damping_rate[stage.modes.entry]
     return np.asarray(cumulative_trapezoid(power, motion.time, initial=0.0))

@@ -64,8 +64,8 @@ def plot_scenario(data: xr.Dataset) -> Figure:
     words += f"; where the waves coincide, Ω/ω₁ = {ratio:.4g} ({rpm:.0f} rpm)"
     set_title(figure, data.attrs["case"], f"{title}: {words}")
     groups = (
-        Group([*zip(*axes.get_legend_handles_labels(), strict=True)], told)
-        for axes, told in ((left, SCHEMATIC), (right, ""))
+        Group([*zip(*axes.get_legend_handles_labels(), strict=True)], text)
+        for axes, text in ((left, SCHEMATIC), (right, ""))
     )
     legends_below(figure, *groups)
     return figure

@@ -183,7 +183,7 @@ def plot_truncation(data: xr.Dataset) -> Figure:
 
 
 def _words(shown: str, data: xr.Dataset) -> str:
-    """What is shown, with how many modes and with what damping."""
+    """Return the title: quantity, number of modes and damping."""
     count = len(np.atleast_1d(data.attrs["modes"])) if "modes" in data.attrs else 0
     modes = f", {count} coupled pairs of modes" if count else ""
     return f"{shown}{modes}{', damped' if data.attrs.get('damped') else ''}"
@@ -203,7 +203,7 @@ def _new_chart(data: xr.Dataset) -> tuple[Figure, Axes]:
 
 
 def _name_zones(axes: Axes, data: xr.Dataset) -> None:
-    """Name zones beside their borders, the widest first; those that find no room stay bare."""
+    """Label zones beside their borders, the widest first; labels without space are omitted."""
     labels = Labels(axes)
     zones = _zones(data)
     for zone in sorted(zones, key=lambda zone: -np.ptp([zone.lower[-1], zone.upper[-1]])):
@@ -214,7 +214,7 @@ def _name_zones(axes: Axes, data: xr.Dataset) -> None:
 
 
 def _meeting(casing: str, rotor: str, zones: int) -> str:
-    """Name of a zone by both waves that meet, where there are many by the rotor's."""
+    """Return the name of a zone by its two waves, or by the rotor's if there are many."""
     return f"{casing} + {rotor}" if zones <= FEW else rotor
 
 
@@ -271,7 +271,7 @@ class _Zone:
 
 
 def _zones(data: xr.Dataset) -> list[_Zone]:
-    found = []
+    zones = []
     pairs = np.stack([data["zone_casing"].values, data["zone_rotor"].values], axis=-1)
     for pair in np.unique(pairs, axis=0):
         rows = np.flatnonzero(np.all(pairs == pair, axis=-1))
@@ -280,8 +280,8 @@ def _zones(data: xr.Dataset) -> list[_Zone]:
             apex = float(data["zone_start"].values[rows[0]])
             for name, value in (("kappa", 0.0), ("lower", apex), ("upper", apex)):
                 zone[name] = np.insert(zone[name], 0, value)
-        found.append(_Zone(casing=str(pair[0]), rotor=str(pair[1]), **zone))
-    return found
+        zones.append(_Zone(casing=str(pair[0]), rotor=str(pair[1]), **zone))
+    return zones
 
 
 def _draw_coincidences(axes: Axes, data: xr.Dataset) -> None:

@@ -195,7 +195,7 @@ def _characters(share: FloatArray, frequency: FloatArray, pairs: int) -> list[st
 
 
 def _at_speed(data: xr.Dataset) -> str:
-    """The speed in words where the modes depend on it."""
+    """Return the speed as text if the modes depend on it."""
     return f"\nat {speed_label(data)}, rotating frame" if data.attrs["speed"] else ""
 
 
@@ -246,7 +246,7 @@ def _label_family(labels: Labels, data: xr.Dataset, family: str) -> None:
 
 
 def _ways(data: xr.Dataset) -> list[str]:
-    """Ways that waves are told apart by: both at once but for Coriolis forces."""
+    """Return the directions to distinguish: both together without Coriolis forces."""
     whirls = "direction" in (data.indexes["mode"].names if "mode" in data.indexes else ())
     return ["backward", "forward", "standing"] if whirls else ["both"]
 
@@ -257,19 +257,19 @@ def _marks(data: xr.Dataset, names: list[str]) -> list[tuple[Line2D | tuple[Line
 
     ways = _ways(data)
     ring: dict[str, Any] = {"markersize": CLAMPED[ways[0]], "markerfacecolor": "none"}
-    found: list[tuple[Line2D | tuple[Line2D, ...], str]] = [
+    entries: list[tuple[Line2D | tuple[Line2D, ...], str]] = [
         (
             mark("total", WAYS[way], markersize=FREE[way]),
             f"free{'' if way == 'both' else f', {way}'}",
         )
         for way in ways
     ]
-    found.append((tuple(mark("k = 1", WAYS[way], **ring) for way in ways), "clamped centre"))
+    entries.append((tuple(mark("k = 1", WAYS[way], **ring) for way in ways), "clamped centre"))
     if "suspension" in names:
         shapes = ["s"] if ways == ["both"] else [WAYS["backward"], WAYS["forward"]]
-        own = tuple(mark("suspension", shape, markersize=3.0) for shape in shapes)
-        found.append((own, "suspension"))
-    return found
+        symbols = tuple(mark("suspension", shape, markersize=3.0) for shape in shapes)
+        entries.append((symbols, "suspension"))
+    return entries
 
 
 def _coloured_line(axes: Axes, x: FloatArray, y: FloatArray, value: FloatArray) -> LineCollection:

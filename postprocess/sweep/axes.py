@@ -30,17 +30,17 @@ MOST_RATE_TICKS = 3
 """Ticks on each side of zero of a scale that is linear about zero only."""
 
 
-def in_handy_units(found: xr.Dataset) -> xr.Dataset:
-    """The same with the values of swept keys in units in which they read well, speeds in multiples
-    of the reference frequency.
+def in_handy_units(data: xr.Dataset) -> xr.Dataset:
+    """Convert the values of swept keys to readable units, speeds to multiples of the reference
+    frequency.
 
     Args:
-        found: swept keys, coordinates with a `long_name`, in SI units; attribute `reference_hz`
+        data: swept keys, coordinates with a `long_name`, in SI units; attribute `reference_hz`
             where all points share it.
     """
     handy = {}
-    reference = 2 * np.pi * float(found.attrs.get("reference_hz", np.nan))
-    for name, values in found.coords.items():
+    reference = 2 * np.pi * float(data.attrs.get("reference_hz", np.nan))
+    for name, values in data.coords.items():
         if values.attrs.get("units") == "rad/s" and np.isfinite(reference):
             ratio = values.values / reference
             handy[str(name)] = (values.dims, ratio, {**values.attrs, "units": "1"})
@@ -49,7 +49,7 @@ def in_handy_units(found: xr.Dataset) -> xr.Dataset:
             unit, scale = handy_unit(size, str(values.attrs.get("units", "1")))
             rounded = np.round(scale * values.values, 12)  # 0.1 mm, not 0.10000000000000002
             handy[str(name)] = (values.dims, rounded, {**values.attrs, "units": unit})
-    return found.assign_coords(handy)
+    return data.assign_coords(handy)
 
 
 def key_axis(
@@ -103,7 +103,7 @@ def rpm_on_top(data: xr.Dataset, *panels: Axes) -> None:
 
 
 def key_edges(one: xr.Dataset) -> Array:
-    """Borders of cells around the values of the key that is gone along, (values + 1,)."""
+    """Return the borders of cells around the values of the abscissa key, (values + 1,)."""
     return edges_of(one[str(one.attrs["along"])].values)
 
 
@@ -113,7 +113,7 @@ def edges_of(place: Array) -> Array:
 
 
 def is_wide(values: Array) -> bool:
-    """Whether values are better seen on a logarithmic axis."""
+    """Return whether a logarithmic axis suits the values better."""
     return bool(np.min(values) > 0 and np.max(values) >= WIDE_RANGE * np.min(values))
 
 
@@ -123,7 +123,7 @@ def key_words(name: str) -> str:
 
 
 def key_label(values: xr.DataArray) -> str:
-    """Name of a swept key in words, with its unit."""
+    """Return the label of a swept key with its unit."""
     name, units = str(values.attrs["long_name"]), str(values.attrs["units"])
     if name == "march.speed" and units == "1":
         return SPEED
@@ -152,7 +152,7 @@ def linear_threshold(rate: Array, error: Array) -> float | None:
 
 
 def threshold_ticks(threshold: float, largest: float) -> list[float]:
-    """Zero, and powers of ten on both sides of it, few enough to stay apart.
+    """Return zero and powers of ten on both sides of it, few enough not to overlap.
 
     Args:
         threshold: from `linear_threshold`.
@@ -175,7 +175,7 @@ def _around(place: Array, wide: bool) -> Array:
 
 
 def _spread(place: Array, most: int, wide: bool) -> Array:
-    """Those of the values that lie far enough apart for so many ticks."""
+    """Return the values that are far enough apart for a number of ticks."""
     at = np.log(place) if wide else place
     apart = (at[-1] - at[0]) / most
     kept = [0]

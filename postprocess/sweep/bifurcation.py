@@ -50,38 +50,38 @@ def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
         over (line, key, section) [m]: `section_x` and `section_y`, whenever blade 0 lies on +x, so
         the same in both frames; `section_radius`; `radius_peak`. NaN behind the last.
     """
-    found = along(dataset, key, ["section_x", "section_y", "radius_peak"])
-    radius = ((found["section_x"] ** 2 + found["section_y"] ** 2) ** 0.5).assign_attrs(units="m")
-    return found.assign(section_radius=radius).assign_attrs(
+    data = along(dataset, key, ["section_x", "section_y", "radius_peak"])
+    radius = ((data["section_x"] ** 2 + data["section_y"] ** 2) ** 0.5).assign_attrs(units="m")
+    return data.assign(section_radius=radius).assign_attrs(
         title="bifurcation diagram: the shaft in the last third of each march"
     )
 
 
 @styled
-def plot_bifurcation(found: xr.Dataset) -> Figure:
-    """Draw sections and maxima in mm or µm, a mark each; those of several lines stand side by side.
+def plot_bifurcation(data: xr.Dataset) -> Figure:
+    """Draw sections and maxima in mm or µm as markers; those of several lines are side by side.
 
     Args:
-        found: from `bifurcation`.
+        data: from `bifurcation`.
     """
-    found = in_handy_units(found)
-    largest = max(float(np.nanmax(np.abs(found[name].values), initial=0.0)) for name in PARTS)
+    data = in_handy_units(data)
+    largest = max(float(np.nanmax(np.abs(data[name].values), initial=0.0)) for name in PARTS)
     unit, scale = handy_unit(largest, "m")
-    lines = [line._replace(size=DOT) for line in lines_of(found)]
+    lines = [line._replace(size=DOT) for line in lines_of(data)]
     figure = new_figure(width=FULL_WIDTH, height=0.17)
     panels = figure.subplots(len(PARTS), 1, sharex=True)
     for axes, (name, label) in zip(panels, PARTS.items(), strict=True):
         for number, line in enumerate(lines):
             _draw_marks(axes, line, scale, name, dodged(axes, number, len(lines)))
         axes.set_ylabel(f"{label} [{unit}]")
-    key_axis(panels[-1], found)
-    own = lines_group(found, lines, "radius_peak", dashed=False)
-    turns = int(np.isfinite(found["section_x"].values).sum(axis=-1).max(initial=0))
+    key_axis(panels[-1], data)
+    group = lines_group(data, lines, "radius_peak", dashed=False)
+    turns = int(np.isfinite(data["section_x"].values).sum(axis=-1).max(initial=0))
     few = f"\nrevolutions in it, at most: {turns}, too few to tell motions apart"
-    peaks = np.isfinite(found["radius_peak"].values)
+    peaks = np.isfinite(data["radius_peak"].values)
     most = f"\nof maxima the last {peaks.shape[-1]} at most" if peaks.all(axis=-1).any() else ""
     note = (SIDE_BY_SIDE if len(lines) > 1 else "") + most + (few if turns < FEW else "")
-    label_figure(figure, found, own, note=note)
+    label_figure(figure, data, group, note=note)
     return figure
 
 

@@ -1,4 +1,4 @@
-"""Which blades touch how often over a swept key, and how many are in permanent contact."""
+"""Contact of each blade over a swept key, and the number of blades in permanent contact."""
 
 from __future__ import annotations
 
@@ -28,31 +28,31 @@ def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
         over (line, key): `late_contact_share` (..., blade), nan for blades that a point has not;
         `permanent` (99 % or more), `intermittent` and `free` (never), numbers of blades.
     """
-    found = along(dataset, key, ["late_contact_share"])
-    share = found["late_contact_share"]
+    data = along(dataset, key, ["late_contact_share"])
+    share = data["late_contact_share"]
     classes = {
         "permanent": share >= PERMANENT,
         "intermittent": (share > 0) & (share < PERMANENT),
         "free": share == 0,
     }
     counts = {
-        name: own.sum("blade").where(found["state"] == "done").assign_attrs(units="1")
-        for name, own in classes.items()
+        name: members.sum("blade").where(data["state"] == "done").assign_attrs(units="1")
+        for name, members in classes.items()
     }
-    return found.assign(counts).assign_attrs(
+    return data.assign(counts).assign_attrs(
         title="contact of the blades in the last third of each march"
     )
 
 
 @styled
-def plot_blade_contacts(found: xr.Dataset) -> Figure:
-    """Draw each blade's share of the time in contact, white where it is none, and the
-    numbers of blades of each class.
+def plot_blade_contacts(data: xr.Dataset) -> Figure:
+    """Draw each blade's share of the time in contact, white for zero, and the number of blades of
+    each class.
 
     Args:
-        found: from `blade_contacts`.
+        data: from `blade_contacts`.
     """
-    return two_columns(found, _draw_line, coloured=0, label="time in contact [%], white: none")
+    return two_columns(data, _draw_line, coloured=0, label="time in contact [%], white: none")
 
 
 def _draw_line(left: Axes, right: Axes, one: xr.Dataset) -> QuadMesh:

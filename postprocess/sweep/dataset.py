@@ -1,4 +1,4 @@
-"""Datasets of sweeps: what they hold for every point, and how they are opened.
+"""Datasets of sweeps: their content for every point, and how to open them.
 
 The dimensions before all others are the swept keys, march.speed as march_speed. Names are kept as
 numbers with their meanings beside them (CF conventions), so that a point is written in place;
@@ -55,7 +55,7 @@ MODE_LINES: Mapping[str, tuple[str, str | None]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
-    """Sizes of what is kept of each point, the same for all points of a sweep."""
+    """Sizes of the data of each point, the same for all points of a sweep."""
 
     frequency: Array  #: of the spectra [Hz], whole multiples of 1 / window, (frequencies,)
     samples: int  #: of the decimated histories
@@ -69,12 +69,12 @@ class Layout:
 
     @property
     def groups(self) -> tuple[str, ...]:
-        """Groups of rotor modes that strain energies are given for."""
+        """Groups of rotor modes with strain energies."""
         return groups_of(self.nodal_diameters)
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Length of each dimension beside the swept keys."""
+        """Length of each dimension in addition to the swept keys."""
         return {
             "frequency": len(self.frequency),
             SAMPLE: self.samples,
@@ -98,29 +98,29 @@ class Layout:
 
 
 def groups_of(nodal_diameters: int) -> tuple[str, ...]:
-    """Groups of rotor modes with so many nodal diameters in the first blade family."""
+    """Return the groups of rotor modes by nodal diameter in the first blade family."""
     return ("suspension", *(f"1F k={k}" for k in range(nodal_diameters)), "rest")
 
 
 def flag(variable: str, meaning: str) -> int:
-    """The number that stands for a name."""
+    """Return the code of a name."""
     return SWEEP[variable].labels.index(meaning)
 
 
 def checksum(numbers: Mapping[str, Array], coordinates: Iterable[Array]) -> int:
-    """CRC-32 of what is kept of a point, and of the values of the swept keys.
+    """Return the CRC-32 of the data of a point and of the values of the swept keys.
 
     Args:
         numbers: of the point, by name.
         coordinates: values of every swept key, and frequencies.
     """
-    found = 0
+    crc = 0
     for values in coordinates:
-        found = crc32(np.ascontiguousarray(values, dtype="f8").tobytes(), found)
+        crc = crc32(np.ascontiguousarray(values, dtype="f8").tobytes(), crc)
     for name, variable in SWEEP.items():
         if name in numbers and name not in ("state", "checksum"):
-            found = crc32(np.ascontiguousarray(numbers[name], variable.kind).tobytes(), found)
-    return found
+            crc = crc32(np.ascontiguousarray(numbers[name], variable.kind).tobytes(), crc)
+    return crc
 
 
 def changed_point(
@@ -146,7 +146,7 @@ def changed_point(
 
 
 def open_sweep(path: str | Path) -> xr.Dataset:
-    """Open the dataset of a sweep, or of the folder that holds it; arrays are read when used.
+    """Open the dataset of a sweep, by its file or folder; arrays are read on use.
 
     What is a name is text. `speed_ratio`, the speed over the reference frequency, is a coordinate
     of the points, and a swept value given with a unit one along its key, such as `march_speed_rpm`.

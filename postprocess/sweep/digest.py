@@ -1,4 +1,4 @@
-"""Reduction of a run to what a sweep keeps of it: spectrum, energies, regime, thinned histories."""
+"""Reduction of a run to the data of a sweep: spectrum, energies, regime, thinned histories."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Digest = dict[str, np.ndarray]
 
 
 def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> Digest:
-    """Reduce a result to what a sweep keeps of it.
+    """Reduce a result to the data of a sweep.
 
     A function of the result alone: no clock, no machine.
 
@@ -111,8 +111,8 @@ def complex_spectrum(motion: Array, step: float, frequency: Array) -> Array:
     # Turned so that the lowest frequency becomes zero: zoom_fft begins there.
     turned = window * motion * np.exp(-2j * np.pi * frequency[0] * step * np.arange(count))
     span = frequency[-1] - frequency[0]
-    found = zoom_fft(turned, [0.0, span], m=len(frequency), fs=1.0 / step, endpoint=True)
-    return np.asarray(np.abs(found) / window.sum())
+    spectrum = zoom_fft(turned, [0.0, span], m=len(frequency), fs=1.0 / step, endpoint=True)
+    return np.asarray(np.abs(spectrum) / window.sum())
 
 
 def _late(dataset: xr.Dataset, orbit: xr.Dataset, layout: Layout) -> dict[str, object]:
@@ -131,31 +131,31 @@ def _late(dataset: xr.Dataset, orbit: xr.Dataset, layout: Layout) -> dict[str, o
 def _groups(energies: xr.Dataset, layout: Layout) -> Array:
     """Strain energy of each of the layout's groups [J], (time, groups)."""
     family = np.full((energies.sizes["time"], layout.nodal_diameters), np.nan)
-    found = energies["nodal_diameter"].values
-    family[:, found] = energies["first_family"].values
+    diameters = energies["nodal_diameter"].values
+    family[:, diameters] = energies["first_family"].values
     return np.column_stack([energies["suspension"].values, family, energies["rest"].values])
 
 
 def _mode_frequencies(dataset: xr.Dataset, way: str) -> Array:
-    """Lowest frequency of each of `MODE_LINES` [Hz]; NaN where there is no such mode.
+    """Return the lowest frequency of each of `MODE_LINES` [Hz]; NaN without such a mode.
 
     Args:
         dataset: a result.
         way: that waves of the rotor travel with Coriolis forces.
     """
-    found = []
+    frequencies = []
     for body, family in MODE_LINES.values():
-        own = dataset[f"{body}_nodal_diameter"].values == 1
+        candidates = dataset[f"{body}_nodal_diameter"].values == 1
         if family is not None:
-            own &= dataset[f"{body}_family"].values == family
+            candidates &= dataset[f"{body}_family"].values == family
         wave = f"_{way}" if body == "rotor" else ""
-        frequency = dataset[f"{body}{wave}_frequency"].values[own]
-        found.append(frequency.min() / (2.0 * np.pi) if frequency.size else np.nan)
-    return np.array(found)
+        frequency = dataset[f"{body}{wave}_frequency"].values[candidates]
+        frequencies.append(frequency.min() / (2.0 * np.pi) if frequency.size else np.nan)
+    return np.array(frequencies)
 
 
 def _thinned(time: Array, motion: Array, groups: Array, samples: int) -> dict[str, Array]:
-    """Histories in equal spans of records, as many as there are samples (or records)."""
+    """Return histories at equal intervals of records, at most as many as samples."""
     spans = min(samples, len(time))
     first = np.arange(spans) * len(time) // spans
     counts = np.diff(first, append=len(time))

@@ -76,7 +76,7 @@ SIDE_BY_SIDE = "; marks at one value stand side by side"
 
 
 class Line(NamedTuple):
-    """One line of points, and how it is drawn."""
+    """Line of points and its style."""
 
     data: xr.Dataset
     colour: Any
@@ -88,7 +88,7 @@ class Line(NamedTuple):
 
 
 def lines_of(data: xr.Dataset) -> Iterator[Line]:
-    """The lines that a figure shows: `MOST_LINES` at most, evenly chosen.
+    """Return the lines of a figure: at most `MOST_LINES`, evenly selected.
 
     They differ in colour, dashes, mark and size.
     """
@@ -116,7 +116,7 @@ def lines_group(
     dashed: bool = True,
     marked: bool = True,
 ) -> Group:
-    """Entries of a legend for lines; there are none where a figure has one line only.
+    """Return the legend entries of lines; empty for a single line.
 
     Args:
         data: that the lines are of.
@@ -146,7 +146,7 @@ def lines_group(
 
 
 def dodged(axes: Axes, number: int, count: int) -> Transform:
-    """That of data, moved aside: points of several lines at one value stand side by side.
+    """Return a transform that offsets the points of several lines at one value.
 
     Args:
         axes: to draw on.
@@ -167,9 +167,14 @@ def draw_marks(axes: Axes, line: Line, place: Array, values: Array, *, filled: A
         values: (points,).
         filled: which of them, booleans, (points,).
     """
-    for own, face in ((filled, line.colour), (~filled, "white")):
+    for subset, face in ((filled, line.colour), (~filled, "white")):
         axes.plot(
-            place[own], values[own], line.mark, color=line.colour, mfc=face, markersize=line.size
+            place[subset],
+            values[subset],
+            line.mark,
+            color=line.colour,
+            mfc=face,
+            markersize=line.size,
         )
 
 
@@ -182,24 +187,24 @@ def mark_entry(
     return drawn, label
 
 
-def label_figure(figure: Figure, found: xr.Dataset, *groups: Group, note: str = "") -> None:
-    """Title a figure of `lines_of`, which says what is left out, and put legends below it, and
-    speeds in rpm on top of its first panel.
+def label_figure(figure: Figure, data: xr.Dataset, *groups: Group, note: str = "") -> None:
+    """Title a figure of `lines_of` with a note on omitted lines, add legends below it and an axis
+    in rpm above its first panel.
 
     Args:
         figure: all else being drawn.
-        found: that is drawn.
+        data: that is drawn.
         groups: legends from the top.
         note: after the title.
     """
-    rpm_on_top(found, figure.axes[0])
-    left_out = left_out_note(found.sizes[LINE], MOST_LINES)
-    set_title(figure, found.attrs["case"], found.attrs["title"] + note + left_out)
+    rpm_on_top(data, figure.axes[0])
+    left_out = left_out_note(data.sizes[LINE], MOST_LINES)
+    set_title(figure, data.attrs["case"], data.attrs["title"] + note + left_out)
     legends_below(figure, *groups)
 
 
 def two_columns(
-    found: xr.Dataset,
+    data: xr.Dataset,
     draw: Callable[[Axes, Axes, xr.Dataset], QuadMesh],
     *,
     coloured: int,
@@ -208,33 +213,33 @@ def two_columns(
     """A row of two panels for each line, of which one column is coloured, the other has a legend.
 
     Args:
-        found: over (line, key).
+        data: over (line, key).
         draw: draws both panels of a line; returns what is coloured.
         coloured: number of the coloured column.
         label: of its colours.
     """
-    found = in_handy_units(found)
-    titles, shown = panel_titles(found), chosen(found.sizes[LINE], MOST_ROWS)
+    data = in_handy_units(data)
+    titles, shown = panel_titles(data), chosen(data.sizes[LINE], MOST_ROWS)
     figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.05 * len(shown))
     figure.set_layout_engine("constrained", wspace=0.08)
     rows = figure.subplots(len(shown), 2, sharex=True, sharey="col", squeeze=False)
     for number, (left, right) in zip(shown, rows, strict=True):
-        picture = draw(left, right, found.isel({LINE: number}))
+        picture = draw(left, right, data.isel({LINE: number}))
         if titles[number]:
             left.set_title(titles[number], loc="left")
     for axes in rows[-1]:
-        key_axis(axes, found, cells=True, share=0.5)
+        key_axis(axes, data, cells=True, share=0.5)
     figure.colorbar(picture, ax=rows[:, coloured].tolist(), label=label, pad=0.02)
-    note = left_out_note(found.sizes[LINE], MOST_ROWS) + panels_note(found, "rows")
-    rpm_on_top(found, *rows[0])
-    set_title(figure, found.attrs["case"], found.attrs["title"] + note)
+    note = left_out_note(data.sizes[LINE], MOST_ROWS) + panels_note(data, "rows")
+    rpm_on_top(data, *rows[0])
+    set_title(figure, data.attrs["case"], data.attrs["title"] + note)
     entries = zip(*rows[0, 1 - coloured].get_legend_handles_labels(), strict=True)
     legends_below(figure, Group(list(entries)))
     return figure
 
 
 def chosen(count: int, most: int) -> list[int]:
-    """All of so many, or the first, the last and others evenly between them."""
+    """Return all positions, or the first, the last and evenly spaced ones between them."""
     spread = np.linspace(0, count - 1, min(count, most))
     return [int(number) for number in spread.round()]
 
@@ -245,7 +250,7 @@ def left_out_note(count: int, most: int) -> str:
 
 
 def line_label(one: xr.Dataset) -> str:
-    """Values of the other keys of a line, in words."""
+    """Return the values of the other keys of a line as text."""
     return ", ".join(
         f"{key_words(values.attrs.get('long_name', name))} = {_amount(float(values), values)}"
         for name, values in one.coords.items()
@@ -254,7 +259,7 @@ def line_label(one: xr.Dataset) -> str:
 
 
 def line_keys(data: xr.Dataset) -> str:
-    """The other keys, whose values `line_values` gives; empty where there are none."""
+    """Return the names of the other keys for `line_values`; empty if there are none."""
     return ", ".join(
         key_words(".".join(str(values.attrs["long_name"]).split(".")[-KEY_PARTS:]))
         for values in other_keys(data)
@@ -280,7 +285,7 @@ def panel_titles(data: xr.Dataset) -> list[str]:
 
 
 def panels_note(data: xr.Dataset, what: str) -> str:
-    """Names of the keys whose values are the titles of "panels" or "rows"; see `panel_titles`."""
+    """Return the names of the keys in the titles of "panels" or "rows"; see `panel_titles`."""
     return f"\n{what}: {line_keys(data)}" if len(other_keys(data)) > 1 else ""
 
 
@@ -290,7 +295,7 @@ def _amount(value: float, values: xr.DataArray) -> str:
 
 
 def panel_grid(count: int, *, height: float) -> tuple[Figure, Sequence[Axes]]:
-    """A figure of so many panels, in two columns from four on, the last place free if need be.
+    """Return a figure with a number of panels, in two columns from four panels on.
 
     Args:
         count: of panels, 1 to `MOST_PANELS`.

@@ -35,13 +35,13 @@ def point_energies(dataset: xr.Dataset, key: str) -> xr.Dataset:
         over (line, key): `suspension`; `first_family` (..., nodal_diameter); `rest`; `total`. A
         nodal diameter that a point's stage has not is nan.
     """
-    found = along(dataset, key, ["energy_mean"])
-    energy = found["energy_mean"]
+    data = along(dataset, key, ["energy_mean"])
+    energy = data["energy_mean"]
     names = energy[GROUP].values.astype(str)
     family = np.char.startswith(names, f"{FIRST_FAMILY} k=")
     diameters = [int(name.partition("=")[2]) for name in names[family]]
     first = energy.isel({GROUP: family}).rename({GROUP: DIAMETER})
-    done = found["state"] == "done"
+    done = data["state"] == "done"
     parts = {
         "suspension": energy.sel({GROUP: "suspension"}, drop=True),
         "first_family": first.assign_coords({DIAMETER: diameters}),
@@ -50,7 +50,7 @@ def point_energies(dataset: xr.Dataset, key: str) -> xr.Dataset:
     }
     joule = {"units": "J"}
     return (
-        found.drop_vars(["energy_mean", GROUP])
+        data.drop_vars(["energy_mean", GROUP])
         .assign({name: values.assign_attrs(joule) for name, values in parts.items()})
         .assign_attrs(
             title="mean strain energy of the bladed disk with its shaft springs",
@@ -60,13 +60,14 @@ def point_energies(dataset: xr.Dataset, key: str) -> xr.Dataset:
 
 
 @styled
-def plot_point_energies(found: xr.Dataset) -> Figure:
-    """Draw energies of suspension, first family and rest, and the first family by nodal diameter.
+def plot_point_energies(data: xr.Dataset) -> Figure:
+    """Draw energies of suspension, first family and the other modes, and the first family by nodal
+    diameter.
 
     Args:
-        found: from `point_energies`.
+        data: from `point_energies`.
     """
-    top = float(found["total"].max()) or 1.0
+    top = float(data["total"].max()) or 1.0
     floor = top * 10**-PLOT_DECADES
 
     def draw_line(left: Axes, right: Axes, one: xr.Dataset) -> QuadMesh:
@@ -75,7 +76,7 @@ def plot_point_energies(found: xr.Dataset) -> Figure:
         left.set(ylim=(floor, 3 * top), ylabel="strain energy [J]")
         return _draw_diameters(right, one, floor, top)
 
-    return two_columns(found, draw_line, coloured=1, label=f"{FIRST_FAMILY} [J]")
+    return two_columns(data, draw_line, coloured=1, label=f"{FIRST_FAMILY} [J]")
 
 
 def _draw_lines(axes: Axes, one: xr.Dataset) -> None:
@@ -83,8 +84,8 @@ def _draw_lines(axes: Axes, one: xr.Dataset) -> None:
     family = one["first_family"]
     diameter = family[DIAMETER].values
 
-    def of(own: NDArray[np.bool_]) -> NDArray[np.float64]:
-        return np.asarray(np.nansum(family.values[:, own], axis=1))
+    def of(members: NDArray[np.bool_]) -> NDArray[np.float64]:
+        return np.asarray(np.nansum(family.values[:, members], axis=1))
 
     lines = [("total", "total", one["total"].values)]
     lines += [("suspension", "suspension", one["suspension"].values)]

@@ -1,4 +1,4 @@
-"""The figures of a sweep by name, see `plotting.registry`; histories are not read."""
+"""The figures of a sweep by name (`plotting.registry`); histories are not read."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ LEFT_BY_A_SWEEP = ("frequency-map", "shaft-radius", "regimes")
 
 
 class SweepFigures:
-    """Draws the figures of a sweep, along the speed if it is swept, else along the first key."""
+    """Figures of a sweep over the speed if it is swept, otherwise over the first key."""
 
     def __init__(self, dataset: xr.Dataset) -> None:
         """Look at a dataset from `open_sweep`, which must stay open."""
         self._sweep = dataset
 
     def draw(self, name: str) -> tuple[Figure, xr.Dataset]:
-        """One of `SWEEP_FIGURES`, with its data.
+        """Draw one of `SWEEP_FIGURES` and return it with its data.
 
         Raises:
             ViewError: there is no such figure, or it can't be had, such as one of a sweep without

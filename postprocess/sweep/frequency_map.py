@@ -139,19 +139,19 @@ def _unit(points: xr.Dataset) -> tuple[float, str]:
 def _mode_lines(points: xr.Dataset) -> xr.DataArray:
     """Frequencies [Hz] of `LINES` in the rotating frame, (line, key, mode, direction)."""
     ways = [points[name] for name in ("mode_frequency", "mode_forward_frequency")]
-    own = xr.concat(ways, "direction").sel(mode=list(LINES))
+    frequencies = xr.concat(ways, "direction").sel(mode=list(LINES))
     speed = np.abs(points["rotation_speed"]) / (2 * np.pi)
-    on_casing = own["mode"].astype(str).str.startswith("casing")
+    on_casing = frequencies["mode"].astype(str).str.startswith("casing")
     direction = xr.DataArray(
         [-1.0, 1.0], dims="direction", coords={"direction": ["backward", "forward"]}
     )
-    return (own * direction - speed * on_casing).transpose(LINE, ..., "mode", "direction")
+    return (frequencies * direction - speed * on_casing).transpose(LINE, ..., "mode", "direction")
 
 
 def _reach(lines: xr.DataArray, available: float) -> float:
     """Largest frequency that a map shows [Hz]."""
-    wanted = [name for name, (_, reached) in LINES.items() if reached]
-    outermost = np.nanmax(np.abs(lines.sel(mode=wanted).values), initial=0.0)
+    names = [name for name, (_, reached) in LINES.items() if reached]
+    outermost = np.nanmax(np.abs(lines.sel(mode=names).values), initial=0.0)
     return float(min(MARGIN * outermost, available)) if outermost > 0.0 else available
 
 
@@ -175,13 +175,13 @@ def _amplitudes(one: xr.Dataset, key: str, column: IntArray, inside: slice) -> A
     spectrum = one["spectrum"].isel(frequency=inside)
     rank = np.argsort(np.argsort(one[key].values))
     done = one["state"].values == "done"
-    found = np.full((column[-1] + 1, spectrum.sizes["frequency"]), np.nan)
+    amplitudes = np.full((column[-1] + 1, spectrum.sizes["frequency"]), np.nan)
     for first in range(0, len(rank), PORTION):
         part = slice(first, first + PORTION)
         values = spectrum.isel({key: part}).transpose(key, "frequency").values
         kept = done[part]
-        np.fmax.at(found, column[rank[part][kept]], values[kept])
-    return found
+        np.fmax.at(amplitudes, column[rank[part][kept]], values[kept])
+    return amplitudes
 
 
 @styled
@@ -223,7 +223,7 @@ def plot_frequency_map(maps: xr.Dataset) -> Figure:
 
 
 def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
-    """One map; returns what a colour bar needs."""
+    """Draw one map and return its image for the colour bar."""
     key = str(one.attrs["along"])
     edges, floor = key_edges(one), top * 10.0**-DECADES
     heights = cell_edges(one["frequency"].values, logarithmic=False)

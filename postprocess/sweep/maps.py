@@ -77,10 +77,10 @@ def sweep_maps(dataset: xr.Dataset, key: str) -> xr.Dataset:
     if not others:
         raise ViewError("maps need two swept keys, this sweep is over one")
     across, *lines = others
-    found = in_order(dataset, ["regime", "shaft_radius_max", "growth_rate", "growth_error"])
-    growth = ", growth" if np.isfinite(found["growth_rate"].values).any() else ""
+    data = in_order(dataset, ["regime", "shaft_radius_max", "growth_rate", "growth_error"])
+    growth = ", growth" if np.isfinite(data["growth_rate"].values).any() else ""
     return (
-        as_lines(found, lines)
+        as_lines(data, lines)
         .transpose(LINE, across, key)
         .assign_attrs(title="regime, displacement of the shaft" + growth, along=key, across=across)
     )
@@ -197,7 +197,8 @@ def _cross_out(axes: Axes, x: Array, y: Array, cells: NDArray[np.bool_]) -> None
 
 
 def _of_magnitudes(values: Array) -> tuple[Normalize, Locator | None]:
-    """From the smallest; logarithmic where a few values would leave the rest dark."""
+    """Return a colour scale from the smallest value, logarithmic if a few values would darken the
+    rest."""
     known = values[np.isfinite(values) & (values > 0)]
     if not known.size:
         return Normalize(0.0, 1.0), MaxNLocator(4)
@@ -208,7 +209,8 @@ def _of_magnitudes(values: Array) -> tuple[Normalize, Locator | None]:
 
 
 def _rate_colours(rate: Array, error: Array) -> tuple[Normalize, Locator]:
-    """The same on both sides of zero; linear about it only where a few rates are far larger."""
+    """Return a colour scale symmetric about zero, linear near it only if a few rates are far
+    larger."""
     top = float(np.nanmax(np.abs(rate))) or 1.0
     if threshold := linear_threshold(rate, error):
         ticks = FixedLocator(threshold_ticks(threshold, top))

@@ -25,13 +25,13 @@ third) before it has a whirl or a contact side: what is below is the rest of a d
 
 
 def main_key(dataset: xr.Dataset) -> str:
-    """The dimension that figures are drawn along: the speed if it is swept, else the first."""
+    """Return the abscissa of figures: the speed if it is swept, otherwise the first key."""
     names = swept(dataset)
     return "march_speed" if "march_speed" in names else names[0]
 
 
 def other_keys(data: xr.Dataset) -> list[xr.DataArray]:
-    """Swept keys beside the one that is gone along, (line,) each.
+    """Return the other swept keys, (line,) each.
 
     Args:
         data: over (line, KEY).
@@ -59,12 +59,12 @@ def along(dataset: xr.Dataset, key: str, names: Sequence[str]) -> xr.Dataset:
         ViewError: no point is done, or the sweep is of a format that has not all of these.
     """
     others = [name for name in swept(dataset) if name != key]
-    found = as_lines(in_order(dataset, names), others)
-    return found.transpose(LINE, key, ...).assign_attrs(along=key)
+    data = as_lines(in_order(dataset, names), others)
+    return data.transpose(LINE, key, ...).assign_attrs(along=key)
 
 
 def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
-    """Some variables and `state` over the swept keys, all ascending, loaded; see `along`.
+    """Load variables and `state` over the swept keys in ascending order; see `along`.
 
     Args:
         dataset: from `open_sweep`.
@@ -95,18 +95,18 @@ def in_order(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
     return chosen.drop_attrs(deep=False).assign_attrs(about)
 
 
-def as_lines(found: xr.Dataset, keys: Sequence[str]) -> xr.Dataset:
+def as_lines(data: xr.Dataset, keys: Sequence[str]) -> xr.Dataset:
     """Put swept keys into the one dimension `LINE`, a combination of them each; one if none.
 
     Args:
-        found: from `in_order`.
+        data: from `in_order`.
         keys: that become coordinates of `LINE`.
     """
     if not keys:
-        return found.expand_dims(LINE)
-    lines = found.stack({LINE: keys}).reset_index(LINE)
+        return data.expand_dims(LINE)
+    lines = data.stack({LINE: keys}).reset_index(LINE)
     for name in keys:
-        lines[name].attrs.update(found[name].attrs)
+        lines[name].attrs.update(data[name].attrs)
     return lines
 
 
@@ -134,8 +134,8 @@ def regimes(dataset: xr.Dataset, key: str) -> xr.Dataset:
     Returns:
         over (line, key): `regime`, `growth_rate`, `growth_error`, nan where it can't be judged.
     """
-    found = along(dataset, key, ["regime", "growth_rate", "growth_error"])
-    return found.assign_attrs(
+    data = along(dataset, key, ["regime", "growth_rate", "growth_error"])
+    return data.assign_attrs(
         title="regime, and growth of the amplitude", criterion=dataset.attrs["criterion"]
     )
 
@@ -154,25 +154,25 @@ def whirls(dataset: xr.Dataset, key: str) -> xr.Dataset:
     """
     names = ["whirl_frequency", "whirl_scatter", "whirl_rotating", "whirl_static"]
     names += ["rotation_speed", "mode_frequency", *_MOVING]
-    found = along(dataset, key, names)
-    moves = _moves(found)
-    speed = np.abs(found["rotation_speed"]) / (2 * np.pi)
+    data = along(dataset, key, names)
+    moves = _moves(data)
+    speed = np.abs(data["rotation_speed"]) / (2 * np.pi)
     frame = xr.DataArray(["rotating", "static"], dims="frame")
-    rotating = found["whirl_frequency"].where(moves)
-    direction = xr.concat([found["whirl_rotating"], found["whirl_static"]], dim=frame)
+    rotating = data["whirl_frequency"].where(moves)
+    direction = xr.concat([data["whirl_rotating"], data["whirl_static"]], dim=frame)
     places = (LINE, key, "frame")
     return xr.Dataset(
         {
             "frequency": xr.concat([rotating, rotating + speed], dim=frame).transpose(*places),
-            "scatter": found["whirl_scatter"].where(moves),
-            "direction": direction.where(moves | (found["state"] != "done"), "at rest").transpose(
+            "scatter": data["whirl_scatter"].where(moves),
+            "direction": direction.where(moves | (data["state"] != "done"), "at rest").transpose(
                 *places
             ),
-            "mode_frequency": found["mode_frequency"],
+            "mode_frequency": data["mode_frequency"],
             "rotation_frequency": speed,
-            "state": found["state"],
+            "state": data["state"],
         },
-        attrs={**found.attrs, "title": "whirl of the shaft over the last third of each march"},
+        attrs={**data.attrs, "title": "whirl of the shaft over the last third of each march"},
     )
 
 
@@ -189,15 +189,15 @@ def contact_sides(dataset: xr.Dataset, key: str) -> xr.Dataset:
         of the clearance it is "at-rest"; the others are nan there.
     """
     names = ["shaft_lead", "lead_steadiness", "scenario", "late_contact_share", *_MOVING]
-    found = along(dataset, key, names)
-    known = found["state"] == "done"
-    moves = _moves(found)
-    touches = (found["late_contact_share"] > 0).any("blade")
+    data = along(dataset, key, names)
+    known = data["state"] == "done"
+    moves = _moves(data)
+    touches = (data["late_contact_share"] > 0).any("blade")
     for name in ("shaft_lead", "lead_steadiness"):
-        found[name] = found[name].where(moves & touches).assign_attrs(found[name].attrs)
-    scenario = found["scenario"].where(touches | ~known, "no-contact")
-    found["scenario"] = scenario.where(moves | ~known, "at-rest")
-    return found.drop_vars(["late_contact_share", *_MOVING]).assign_attrs(
+        data[name] = data[name].where(moves & touches).assign_attrs(data[name].attrs)
+    scenario = data["scenario"].where(touches | ~known, "no-contact")
+    data["scenario"] = scenario.where(moves | ~known, "at-rest")
+    return data.drop_vars(["late_contact_share", *_MOVING]).assign_attrs(
         title="side of the contact over the last third of each march"
     )
 
@@ -222,6 +222,6 @@ def cell_edges(values: Array, *, logarithmic: bool) -> Array:
 _MOVING = ["late_radius", "smallest_clearance"]
 
 
-def _moves(found: xr.Dataset) -> xr.DataArray:
-    """Whether the shaft moves enough to be asked how."""
-    return found["late_radius"] >= MOTION * found["smallest_clearance"]
+def _moves(data: xr.Dataset) -> xr.DataArray:
+    """Return whether the motion of the shaft is large enough for a direction."""
+    return data["late_radius"] >= MOTION * data["smallest_clearance"]

@@ -51,45 +51,45 @@ Names = NDArray[np.str_]
 
 
 @styled
-def plot_regimes(found: xr.Dataset) -> Figure:
+def plot_regimes(data: xr.Dataset) -> Figure:
     """Draw the regime of every point as a strip for each line, and below it the growth rate.
 
     Bars reach to `regimes.CERTAINTY` standard errors. Points without a result are hatched.
 
     Args:
-        found: from `sweep_quantities.regimes`.
+        data: from `sweep_quantities.regimes`.
     """
-    found = in_handy_units(found)
-    key, lines = str(found.attrs["along"]), list(lines_of(found))
+    data = in_handy_units(data)
+    key, lines = str(data.attrs["along"]), list(lines_of(data))
     strips = 0.005 * len(lines) + 0.005
-    judged = bool(np.isfinite(found["growth_rate"].values).any())
-    entries = regime_entries(found["regime"].values)
+    judged = bool(np.isfinite(data["growth_rate"].values).any())
+    entries = regime_entries(data["regime"].values)
     groups, note = [Group(entries, DIVERGES if judged else NOT_JUDGED)], ""
     if judged:
         figure = new_figure(width=FULL_WIDTH, height=0.08 + strips)
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(strips, 0.05))
         for line in lines:
             _draw_growth(lower, line, key)
-        _scale_growth(lower, found)
+        _scale_growth(lower, data)
         lower.axhline(0.0, color=COLOURS["total"], linewidth=0.6, zorder=1)
         lower.set_ylabel("growth rate [1/s]")
-        groups.append(lines_group(found, lines, "growth_rate", marked=False))
+        groups.append(lines_group(data, lines, "growth_rate", marked=False))
         note = f", ± {CERTAINTY:g} standard errors"
     else:
         figure = new_figure(width=FULL_WIDTH, height=0.035 + strips)
         upper = lower = figure.subplots()
-        found = found.assign_attrs(title="regime")
+        data = data.assign_attrs(title="regime")
     _draw_strips(upper, lines, key)
     if len(lines) > 1:
-        upper.set_title(f"rows: {line_keys(found)}", loc="left")
-    key_axis(lower, found, cells=True)
-    label_figure(figure, found, *groups, note=note)
+        upper.set_title(f"rows: {line_keys(data)}", loc="left")
+    key_axis(lower, data, cells=True)
+    label_figure(figure, data, *groups, note=note)
     return figure
 
 
-def _scale_growth(axes: Axes, found: xr.Dataset) -> None:
+def _scale_growth(axes: Axes, data: xr.Dataset) -> None:
     """Make the axis of growth rates linear about zero only where a few are far larger."""
-    rate, error = found["growth_rate"].values, found["growth_error"].values
+    rate, error = data["growth_rate"].values, data["growth_error"].values
     if threshold := linear_threshold(rate, error):
         reach = float(np.nanmax(np.abs(rate) + CERTAINTY * np.nan_to_num(error)))
         axes.set_yscale("symlog", linthresh=threshold)
@@ -98,7 +98,7 @@ def _scale_growth(axes: Axes, found: xr.Dataset) -> None:
 
 
 def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
-    """Draw cells coloured by regime, with its mark if they are few, hatched where there is none.
+    """Draw cells coloured by regime, with markers if they are few, hatched without data.
 
     Args:
         axes: that the cells fill.
@@ -130,7 +130,7 @@ def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
 
 
 def regime_entries(regime: Names) -> list[tuple[Patch | tuple[Patch, Line2D], str]]:
-    """Entries of a legend: the regimes that there are, with how many points each has.
+    """Return the legend entries: the regimes with their numbers of points.
 
     Args:
         regime: names, of any shape.
@@ -169,5 +169,5 @@ def _draw_growth(axes: Axes, line: Line, key: str) -> None:
     )
     drawn.set_linestyle(line.dash)
     for name, mark in REGIME_MARKS.items():
-        own = one["regime"].values == name
-        axes.plot(place[own], rate[own], mark, color=line.colour, markersize=line.size)
+        of_regime = one["regime"].values == name
+        axes.plot(place[of_regime], rate[of_regime], mark, color=line.colour, markersize=line.size)

@@ -84,28 +84,28 @@ def plot_shaft_radius(radius: xr.Dataset) -> Figure:
     key_axis(panels[1], radius)
     divergent = (radius["regime"] == "divergent").any()
     marks = [mark_entry("o", "divergent (open marks)", filled=False)] if divergent else []
-    own = lines_group(radius, lines, "shaft_radius_max")
-    label_figure(figure, radius, Group(marks), own)
+    group = lines_group(radius, lines, "shaft_radius_max")
+    label_figure(figure, radius, Group(marks), group)
     return figure
 
 
 @styled
-def plot_whirls(found: xr.Dataset) -> Figure:
+def plot_whirls(data: xr.Dataset) -> Figure:
     """Draw the whirl's frequency in both frames in Hz, forward upwards, with its scatter.
 
     Filled marks have a clear direction. A shaft that hardly moves has no mark.
 
     Args:
-        found: from `sweep_quantities.whirls`.
+        data: from `sweep_quantities.whirls`.
     """
-    found = in_handy_units(found)
-    lines = list(lines_of(found))
+    data = in_handy_units(data)
+    lines = list(lines_of(data))
     several = len(lines) > 1
     if several:  # side by side, where none has to be seen below another
         lines = [line._replace(width=WIDTHS[-1], size=SIZES[-1]) for line in lines]
     figure = new_figure(width=FULL_WIDTH, height=0.12)
     panels = figure.subplots(2, 1, sharex=True)
-    for axes, frame in zip(panels, found["frame"].values, strict=True):
+    for axes, frame in zip(panels, data["frame"].values, strict=True):
         axes.axhline(0.0, color=COLOURS["total"], linewidth=0.6)
         for number, line in enumerate(lines):
             place_of = dodged(axes, number, len(lines))
@@ -114,49 +114,49 @@ def plot_whirls(found: xr.Dataset) -> Figure:
         axes.margins(y=0.1)
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, -LEAST_WHIRL), max(high, LEAST_WHIRL))
-    key_axis(panels[1], found)
-    known = bool(np.isfinite(found["scatter"].values).any())
+    key_axis(panels[1], data)
+    known = bool(np.isfinite(data["scatter"].values).any())
     marks = [
         mark_entry("o", "clear direction (filled)"),
         mark_entry("o", "no clear direction (open): swings to and fro", filled=False),
     ]
     marks += [mark_entry("|", SCATTER)] if known else []
-    own = lines_group(found, lines, "frequency")
+    group = lines_group(data, lines, "frequency")
     label_figure(
         figure,
-        found,
+        data,
         Group(marks),
-        own,
+        group,
         note=(SIDE_BY_SIDE if several else "") + (NO_SCATTER if not known else ""),
     )
     return figure
 
 
 @styled
-def plot_contact_sides(found: xr.Dataset) -> Figure:
+def plot_contact_sides(data: xr.Dataset) -> Figure:
     """Draw by how much the shaft leads the contact, and how steadily.
 
     Within 90 degrees, the grey band, contact is standard, outside it is inverted; open marks are
     motions without a steady lead. Points at which nothing touches have no mark.
 
     Args:
-        found: from `sweep_quantities.contact_sides`.
+        data: from `sweep_quantities.contact_sides`.
     """
-    found = in_handy_units(found)
+    data = in_handy_units(data)
     figure = new_figure(width=FULL_WIDTH, height=0.11)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, 1.0))
-    lines = list(lines_of(found))
+    lines = list(lines_of(data))
     for number, line in enumerate(lines):
-        own = dodged(upper, number, len(lines))
-        _draw_side(upper, lower, line, own, several=len(lines) > 1)
+        positions = dodged(upper, number, len(lines))
+        _draw_side(upper, lower, line, positions, several=len(lines) > 1)
     band = upper.axhspan(-90, 90, color=COLOURS["rest"], alpha=0.25, linewidth=0, zorder=0)
     upper.set(
         ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), ylabel="shaft ahead of\ncontact [°]"
     )
     lower.set(ylim=(0.0, 1.05), ylabel="steadiness [–]")
     lower.axhline(STEADY, color=COLOURS["total"], linestyle=":", linewidth=0.6)
-    key_axis(lower, found)
-    counts = {name: int((found["scenario"] == name).sum()) for name in (*SCENARIO_MARKS, *UNDRAWN)}
+    key_axis(lower, data)
+    counts = {name: int((data["scenario"] == name).sum()) for name in (*SCENARIO_MARKS, *UNDRAWN)}
     marks = [
         mark_entry(
             "o" if len(lines) > 1 else mark,
@@ -174,9 +174,9 @@ def plot_contact_sides(found: xr.Dataset) -> Figure:
     within = (band, "where contact is standard")
     label_figure(
         figure,
-        found,
+        data,
         Group([within, *marks, *unmarked]),
-        lines_group(found, lines, "shaft_lead"),
+        lines_group(data, lines, "shaft_lead"),
         note=SIDE_BY_SIDE if len(lines) > 1 else "",
     )
     return figure
@@ -194,10 +194,10 @@ def _draw_side(upper: Axes, lower: Axes, line: Line, place_of: Transform, *, sev
     one = line.data
     place, lead = one[str(one.attrs["along"])].values, np.degrees(one["shaft_lead"].values)
     for name, (mark, filled) in SCENARIO_MARKS.items():
-        own = one["scenario"].values == name
+        of_scenario = one["scenario"].values == name
         face = line.colour if filled else "white"
         shape = line.mark if several else mark
-        (marks,) = upper.plot(place[own], lead[own], shape, color=line.colour)
+        (marks,) = upper.plot(place[of_scenario], lead[of_scenario], shape, color=line.colour)
         marks.set_transform(place_of)
         marks.set(markerfacecolor=face, markersize=SIZES[-1] if several else line.size)
     lower.plot(

@@ -117,7 +117,7 @@ def dataset_at_speed(
     diameters, families, directions, frequencies = zip(*branches, strict=True)
     rates = np.abs(np.array(frequencies).imag)
     growth = [turning.growth_at(omega).max() if omega else 0.0 for omega in omegas]
-    room = stage.case.casing.clearance_profile.smallest + turning.disk.model.tip_recess
+    smallest_gap = stage.case.casing.clearance_profile.smallest + turning.disk.model.tip_recess
     growing = [np.abs(s.imag).max(axis=1) > REAL * omegas for s in spectra.values()]
     first = _first_meeting(disk, omegas, np.any(growing, axis=0))
     plane = ("branch", "line_speed")
@@ -147,7 +147,8 @@ def dataset_at_speed(
         },
         attrs={
             "waves_meet": first / reference,
-            "clearance_gone": speed_of_growth(turning.disk, turning.matrices, room) / reference,
+            "clearance_gone": speed_of_growth(turning.disk, turning.matrices, smallest_gap)
+            / reference,
             "rotation_effects": stage.case.rotation.effects,
         },
     )
