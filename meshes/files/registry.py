@@ -6,9 +6,9 @@ from errno import ENOENT
 from os import PathLike, strerror
 from pathlib import Path
 
+from bladewhirl.files import replacing
 from bladewhirl.meshes.files.abaqus_reader import POINT_MASSES, SECTION, read_inp
 from bladewhirl.meshes.files.abaqus_writer import write_inp
-from bladewhirl.meshes.files.drafts import replacing
 from bladewhirl.meshes.files.gmsh import read_msh, write_msh
 from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError
 from bladewhirl.meshes.files.vtu import read_vtu, write_vtu

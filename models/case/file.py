@@ -61,7 +61,7 @@ def read_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
     file = fspath(path)
     try:
         if os.path.exists(file) and not os.path.isfile(file) and not os.path.isdir(file):
-            raise OSError(errno.EINVAL, "it is no regular file")
+            raise OSError(errno.EINVAL, "it is not a regular file")
         with open(file, "rb") as stream:
             content = stream.read(MOST_BYTES + 1)
         text = content.decode("utf-8-sig")

@@ -17,8 +17,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 import xarray as xr
 
-from bladewhirl.meshes.files.drafts import replacing, write_whole
-from bladewhirl.meshes.files.manifest import claim, owned
+from bladewhirl.files import claim, owned, replacing, write_atomically
 from bladewhirl.postprocess.fields.kinematics import (
     IntArray,
     casing_points,
@@ -144,7 +143,7 @@ def write_series(
         write_vtu(draft, undeformed_mesh(dataset))
     script = files("bladewhirl.postprocess.paraview").joinpath("view.py").read_text("utf-8")
     about = f"SERIES: dict[str, Any] = {pformat(_about(dataset, records, parts))}"
-    write_whole(folder / "view.py", script.replace(FILL, about))
+    write_atomically(folder / "view.py", script.replace(FILL, about))
     for time, grids in zip(dataset["time"].values[records], parts.grids(), strict=True):
         series.add(float(time), grids)
         if progress is not None:
@@ -192,7 +191,7 @@ class SeriesWriter:
             b'<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" '
             b'byte_order="LittleEndian">\n  <Collection>\n'
         )
-        write_whole(self.index, head + FOOT)
+        write_atomically(self.index, head + FOOT)
 
     @property
     def index(self) -> Path:

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from PIL import Image, ImageDraw, ImageFont
 
-from bladewhirl.meshes.files.drafts import replacing
+from bladewhirl.files import replacing
 from bladewhirl.postprocess.fields.kinematics import (
     FRAMES_PER_REVOLUTION,
     Array,

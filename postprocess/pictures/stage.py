@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bladewhirl.meshes.files.drafts import replacing
+from bladewhirl.files import replacing
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.models.modal.stage_arrays import StageArrays

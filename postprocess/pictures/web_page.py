@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from bladewhirl.meshes.files.drafts import write_whole
+from bladewhirl.files import write_atomically
 from bladewhirl.postprocess.fields.blades import member_names
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures.appearance import (
@@ -99,7 +99,7 @@ def render_page(
         places=base64.b64encode(zlib.compress(places.tobytes())).decode(),
         shades=base64.b64encode(zlib.compress(shades.tobytes())).decode(),
     )
-    write_whole(target, text)
+    write_atomically(target, text)
     return target
 
 

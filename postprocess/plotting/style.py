@@ -14,7 +14,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bladewhirl.meshes.files.drafts import replacing
+from bladewhirl.files import replacing
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.netcdf import write_netcdf
 

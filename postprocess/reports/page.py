@@ -18,7 +18,7 @@ import plotly.graph_objects as go
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladewhirl.meshes.files.drafts import write_whole
+from bladewhirl.files import write_atomically
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.plotting.files import checked_target, filled_template
 from bladewhirl.postprocess.plotting.registry import FigureKind
@@ -180,5 +180,5 @@ def write_page(page: Page, path: str | Path) -> Path:
         OSError: the file can't be written.
     """
     target = checked_target(path, ".html")
-    write_whole(target, page_html(page))
+    write_atomically(target, page_html(page))
     return target

@@ -9,7 +9,7 @@ from typing import TypedDict
 import numpy as np
 import xarray as xr
 
-from bladewhirl.meshes.files.drafts import write_whole
+from bladewhirl.files import write_atomically
 from bladewhirl.postprocess.energy.families import family_energies
 from bladewhirl.postprocess.energy.regimes import RegimeName, classify
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION, strain_energies
@@ -213,7 +213,7 @@ def energy_residual(dataset: xr.Dataset) -> float:
 def write_summary(summary: Summary, path: str | Path) -> Path:
     """Write `summary.json`."""
     path = Path(path)
-    write_whole(path, summary.to_json())
+    write_atomically(path, summary.to_json())
     return path
 
 

@@ -9,7 +9,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from bladewhirl.meshes.files.drafts import replacing
+from bladewhirl.files import replacing
 
 CHECKPOINT_NAME = "checkpoint.npz"
 """In the folder of a run."""

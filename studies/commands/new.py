@@ -16,12 +16,12 @@ def new(
     force: Force = False,
 ) -> None:
     """Write a case file with every key, its default and its meaning."""
-    from bladewhirl.meshes.files.drafts import write_whole
+    from bladewhirl.files import write_atomically
     from bladewhirl.models.case.file import template
 
     if path.exists() and not force:
         raise UserError(f"{path}: already exists; --force overwrites it")
     with writing(path):
         path.parent.stat()  # a folder is not made for it
-        write_whole(path, template())
+        write_atomically(path, template())
     typer.echo(f"Wrote {path}.")

@@ -209,7 +209,7 @@ def claim_output(target: Path, *, named: bool, overwrite: bool) -> None:
     Raises:
         UserError: it exists, and no manifest lists it.
     """
-    from bladewhirl.meshes.files.manifest import claim, claim_file
+    from bladewhirl.files import claim, claim_file
 
     with writing(target):
         if named:

@@ -63,7 +63,7 @@ def plot(
     Without a NAME the available figures are listed. Without a window, the spectrum and
     contact-classes of a run show the last third of the time.
     """
-    from bladewhirl.meshes.files.manifest import claim
+    from bladewhirl.files import claim
     from bladewhirl.models.inputs.errors import UserError, writing
     from bladewhirl.postprocess.fields.kinematics import ViewError
     from bladewhirl.postprocess.plotting.style import save_figure

@@ -112,7 +112,7 @@ def render(
     one factor, so contact looks like contact exactly when there is contact. By default animations
     show 120 pictures, close enough for a smooth turn, of the strongest contact.
     """
-    from bladewhirl.meshes.files.manifest import check_file
+    from bladewhirl.files import check_file
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.pictures.render import check_inside
     from bladewhirl.studies.runs.render import render as draw

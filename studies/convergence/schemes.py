@@ -12,10 +12,11 @@ import xarray as xr
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
+from bladewhirl.models.inputs.errors import writing
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.march import Chunk, march
 from bladewhirl.solvers.march.scheme import SchemeName
-from bladewhirl.studies.runs.figures_folder import check_figure_folder, written_to
+from bladewhirl.studies.runs.figures_folder import check_figure_folder
 from bladewhirl.studies.runs.prepare import Prepared, prepare_stage
 
 SCHEMES: tuple[str, ...] = get_args(SchemeName)
@@ -71,7 +72,7 @@ def compare_schemes(
     marches = [_marched(one, number, progress) for number, one in enumerate(prepared)]
     data = _side_by_side(marches, prepared[0])
     if folder is not None:
-        with written_to(folder):
+        with writing(folder):
             save_figure(plot_schemes(data), folder / "schemes", data)
     return data
 

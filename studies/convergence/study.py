@@ -18,16 +18,16 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import minimize_scalar
 
-from bladewhirl.meshes.files.drafts import write_whole
+from bladewhirl.files import write_atomically
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
-from bladewhirl.models.inputs.errors import CaseError, Fault, UserError
+from bladewhirl.models.inputs.errors import CaseError, Fault, UserError, writing
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import Stage, build_stage
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.measures import Motion, orbit_distance
-from bladewhirl.studies.runs.figures_folder import check_figure_folder, written_to
+from bladewhirl.studies.runs.figures_folder import check_figure_folder
 from bladewhirl.studies.sweeps.cache import Progress, RunStore, run_key
 
 TIME_STEP, MODES = "march.time_step", "reduction.fixed_interface_modes"
@@ -107,11 +107,11 @@ def convergence(
         time_steps=time_step_convergence(case, steps, store, progress),
         modes=mode_convergence(case, counts, store, progress),
     )
-    with written_to(folder):
+    with writing(folder):
         save_figure(plot_time_steps(study.time_steps), folder / "time-step", study.time_steps)
         save_figure(plot_modes(study.modes), folder / "modes", study.modes)
         text = json.dumps(study.as_json(), indent=2, allow_nan=False, ensure_ascii=False)
-        write_whole(folder / "convergence.json", text + "\n")
+        write_atomically(folder / "convergence.json", text + "\n")
     return study
 
 

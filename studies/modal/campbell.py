@@ -8,7 +8,7 @@ from typing import Any, get_args
 import numpy as np
 import xarray as xr
 
-from bladewhirl.meshes.files.manifest import claim_file
+from bladewhirl.files import claim_file
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.inputs.units import Speed

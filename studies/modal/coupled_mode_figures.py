@@ -6,8 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bladewhirl.meshes.files.drafts import replacing, write_whole
-from bladewhirl.meshes.files.manifest import claim
+from bladewhirl.files import claim, replacing, write_atomically
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import writing
 from bladewhirl.postprocess.modal.coupled_modes import plot_orbits, plot_phases, plot_shapes
@@ -60,7 +59,7 @@ def draw_coupled_mode(
         names = [*texts, MOTION_NAME, *([ANIMATION] if films else [])]
         claim(folder, names, overwrite=overwrite)
         for name, content in texts.items():
-            write_whole(folder / name, content)
+            write_atomically(folder / name, content)
         with replacing(folder / MOTION_NAME) as draft:
             moving.to_netcdf(draft, engine="h5netcdf")
     measured = motion_dataset(motion, reference=system.reference).assign_attrs(

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from rich.progress import track
 
-from bladewhirl.meshes.files.manifest import claim
+from bladewhirl.files import claim
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.models.modal.full_stage import ModalStage, Whirl
 from bladewhirl.models.modal.labels import Body

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from bladewhirl.meshes.files.drafts import write_whole
+from bladewhirl.files import write_atomically
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.paper import (  # noqa: F401 -- each registers its claims
     claims_distortion,
@@ -191,8 +191,8 @@ def write_scorecard(card: Scorecard, evidence: Evidence, directory: Path) -> lis
         directory.mkdir(parents=True, exist_ok=True)
         drawn = draw_figures(evidence, sorted(cited, key=int), directory / FIGURES_NAME)
         document, page = directory / "scorecard.json", directory / "scorecard.html"
-        write_whole(document, card.to_json())
-        write_whole(page, scorecard_page(card, drawn))
+        write_atomically(document, card.to_json())
+        write_atomically(page, scorecard_page(card, drawn))
     except OSError as error:
         raise UserError(
             f"{error.filename or directory}: cannot be written ({error.strerror})"

@@ -1,15 +1,14 @@
-"""The folder that a command writes figures and data into."""
+"""Folders of figures and their data."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladewhirl.meshes.files.manifest import claim
+from bladewhirl.files import claim
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.studies.runs.folder import FIGURE_ENDS
@@ -29,33 +28,18 @@ def check_figure_folder(folder: Path | None, *, overwrite: bool) -> None:
         raise UserError(f"{folder}: already exists; --overwrite writes into it")
 
 
-@contextmanager
-def written_to(folder: Path) -> Iterator[Path]:
-    """Make the folder; what the system refuses to write is a fault of the user's.
-
-    Raises:
-        UserError: naming the folder and the reason.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        yield folder
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise UserError(f"{error.filename or folder}: cannot be written ({reason})") from None
-
-
 def save_figures(
     folder: Path, figures: Mapping[str, tuple[Figure, xr.Dataset]], *, overwrite: bool = False
 ) -> None:
     """Save figures with their data into a folder, listed in its manifest.
 
     Args:
-        folder: made if there is none.
-        figures: with the data behind them, by the name of their files.
-        overwrite: replace files that are there, whosever they are.
+        folder: made if it does not exist.
+        figures: with their data, by the name of their files.
+        overwrite: replace existing files that the program did not write.
 
     Raises:
-        UserError: a file cannot be written, or is there and not the program's.
+        UserError: a file cannot be written, or exists and is not the program's.
     """
     with writing(folder):
         files = [f"{name}{suffix}" for name in figures for suffix in FIGURE_ENDS]

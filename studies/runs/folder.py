@@ -14,8 +14,8 @@ from platform import platform
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from bladewhirl.meshes.files.drafts import write_whole
-from bladewhirl.meshes.files.manifest import listed
+from bladewhirl.files import write_atomically
+from bladewhirl.files import listed
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import dumps_case
 from bladewhirl.models.case.mesh_file import MeshTable
@@ -170,7 +170,7 @@ def write_provenance(directory: Path, case: Case) -> None:
         digest = sha256((directory / _copy_name(mesh)).read_bytes()).hexdigest()
         provenance["mesh"] = {"file": mesh.file, "sha256": digest}
     text = json.dumps(provenance, indent=2, ensure_ascii=False) + "\n"
-    write_whole(directory / PROVENANCE_NAME, text)
+    write_atomically(directory / PROVENANCE_NAME, text)
 
 
 def version() -> str:

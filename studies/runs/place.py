@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
-from bladewhirl.meshes.files.manifest import owned
+from bladewhirl.files import owned
 from bladewhirl.models.inputs.errors import UserError
 
 LOCK_NAME = ".lock"

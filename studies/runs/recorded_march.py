@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from bladewhirl.meshes.files.drafts import replacing
+from bladewhirl.files import replacing
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.checkpoint import (
     CHECKPOINT_NAME,

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
-from bladewhirl.meshes.files.drafts import write_whole
-from bladewhirl.meshes.files.manifest import claim
+from bladewhirl.files import write_atomically
+from bladewhirl.files import claim
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import UserError, writing
@@ -73,7 +73,7 @@ def run(
         with taking_place(directory) as place:
             claim(place, folder.files_of_run(case))
             for name, content in files.items():
-                write_whole(place / name, content)
+                write_atomically(place / name, content)
             folder.write_provenance(place, case)
             return replace(
                 _march_and_sum_up(prepared, place, window, progress), directory=directory
@@ -112,7 +112,7 @@ def resume(
     prepared = prepare(case)
     state_at(prepared, checkpoint)  # nothing is written if the run cannot continue
     with writing(directory), locked(directory):
-        write_whole(path, folder.portable_case(case))
+        write_atomically(path, folder.portable_case(case))
         window = Window(frames=frames, start=None, end=None, rotating=rotating)
         return _march_and_sum_up(prepared, directory, window, progress, checkpoint)
 

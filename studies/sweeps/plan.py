@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bladewhirl.meshes.files.drafts import write_whole
+from bladewhirl.files import write_atomically
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.inputs.errors import UserError
@@ -185,8 +185,8 @@ def write_plan(plan: Plan, directory: Path) -> None:
     }
     text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
     for name, content in files.items():
-        write_whole(directory / name, content)
-    write_whole(directory / PLAN_NAME, text)
+        write_atomically(directory / name, content)
+    write_atomically(directory / PLAN_NAME, text)
 
 
 def read_plan(directory: Path) -> Plan:

@@ -19,7 +19,7 @@ import h5netcdf
 import h5py
 import numpy as np
 
-from bladewhirl.meshes.files.drafts import replacing, write_whole
+from bladewhirl.files import replacing, write_atomically
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.energy.regimes import CRITERION
@@ -188,7 +188,7 @@ class Store(AbstractContextManager["Store"]):
             {"point": point, **self._grid.values(point), "reason": reason}
             for point, reason in sorted(self.failures.items())
         ]
-        write_whole(path, json.dumps(document, indent=2, ensure_ascii=False) + "\n")
+        write_atomically(path, json.dumps(document, indent=2, ensure_ascii=False) + "\n")
 
 
 def _reserve(

@@ -41,4 +41,4 @@ def test_a_pipe_is_no_case(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "case.toml")
     ended = bladewhirl("show", str(tmp_path / "case.toml"))
     assert ended.returncode == 2
-    assert ended.stderr.endswith("expected a readable file (it is no regular file)\n")
+    assert ended.stderr.endswith("expected a readable file (it is not a regular file)\n")

@@ -19,7 +19,7 @@ from report_pages import Parsed
 from stages import oracle
 from typer.testing import CliRunner, Result
 
-from bladewhirl.meshes.files.manifest import MANIFEST_NAME, listed
+from bladewhirl.files import MANIFEST_NAME, listed
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.template import dumps_case
 from bladewhirl.postprocess.modal import motion

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from bladewhirl.meshes.files.drafts import replacing, write_whole
+from bladewhirl.files import replacing, write_atomically
 
 
 def test_a_planted_link_is_not_followed(tmp_path: Path) -> None:
@@ -17,7 +17,7 @@ def test_a_planted_link_is_not_followed(tmp_path: Path) -> None:
     target.parent.mkdir()
     for name in ("case.toml", ".case.toml", ".case.part.toml", "case.toml.part"):
         (target.parent / name).symlink_to(theirs)
-    write_whole(target, "new")
+    write_atomically(target, "new")
     assert theirs.read_text() == "precious"
     assert target.read_text() == "new"
     assert not target.is_symlink()
@@ -43,6 +43,6 @@ def test_neither_a_folder_nor_a_pipe_is_replaced(tmp_path: Path) -> None:
     (tmp_path / "folder").mkdir()
     os.mkfifo(tmp_path / "pipe")
     for name in ("folder", "pipe"):
-        with pytest.raises(OSError, match="no regular file"):
-            write_whole(tmp_path / name, "new")
+        with pytest.raises(OSError, match="not a regular file"):
+            write_atomically(tmp_path / name, "new")
     assert sorted(os.listdir(tmp_path)) == ["folder", "pipe"]

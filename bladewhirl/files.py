@@ -1,4 +1,8 @@
-"""Files of a folder that belong to the program: its manifest lists them, no others are replaced."""
+"""Output files: written completely or not at all, and owned by the program.
+
+A manifest in a folder lists the files that the program wrote there; no other file is replaced or
+removed.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +10,43 @@ import errno
 import json
 import os
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-
-from bladewhirl.meshes.files.drafts import write_whole
+from tempfile import TemporaryDirectory
 
 MANIFEST_NAME = "manifest.json"
 FILES = "files written by bladewhirl"
 """Key of the list in a manifest."""
+
+PREFIX = ".bladewhirl-"
+"""Prefix of the private folders of drafts; left-over ones may be removed."""
+
+
+@contextmanager
+def replacing(target: Path) -> Iterator[Path]:
+    """Yield a draft that replaces the target when complete and is removed on failure.
+
+    The draft is in a new private folder beside the target, so no planted link is followed. A target
+    that is a link is replaced; the file it points to does not change.
+
+    Raises:
+        OSError: the target is a folder or a device, or the system refuses.
+    """
+    if target.exists() and not target.is_file():
+        raise OSError(errno.EINVAL, "it is not a regular file", str(target))
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with TemporaryDirectory(
+        prefix=PREFIX, dir=target.parent, ignore_cleanup_errors=True
+    ) as private:
+        draft = Path(private) / target.name
+        yield draft
+        os.replace(draft, target)
+
+
+def write_atomically(target: Path, content: str | bytes) -> None:
+    """Write a file, text in UTF-8; on failure the earlier file is unchanged."""
+    with replacing(target) as draft:
+        draft.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
 
 
 def listed(folder: Path) -> set[str]:
@@ -39,7 +73,7 @@ def claim(folder: Path, names: Iterable[str], *, overwrite: bool = False) -> Non
     new, known = set(names), listed(folder)
     _refuse_foreign((folder / name for name in sorted(new - known)), overwrite=overwrite)
     text = json.dumps({FILES: sorted(new | known | {MANIFEST_NAME})}, indent=1)
-    write_whole(folder / MANIFEST_NAME, text + "\n")
+    write_atomically(folder / MANIFEST_NAME, text + "\n")
 
 
 def claim_file(path: Path, *, overwrite: bool = False) -> None:
@@ -65,7 +99,7 @@ def check_file(path: Path, *, overwrite: bool = False) -> None:
 
 
 def owned(folder: Path) -> Iterator[Path]:
-    """Regular files that the manifests of a folder and of those below list; links are never."""
+    """Yield the regular files listed in the manifests of a folder and its subfolders, no links."""
     for place, _, names in os.walk(folder):
         here = Path(place)
         above = [root for root in (here, *here.parents) if root.is_relative_to(folder)]
@@ -81,5 +115,5 @@ def owned(folder: Path) -> Iterator[Path]:
 def _refuse_foreign(paths: Iterable[Path], *, overwrite: bool) -> None:
     for path in paths:
         if not overwrite and os.path.lexists(path):
-            reason = "it is there, and no manifest says it is bladewhirl's; --overwrite replaces it"
+            reason = "it exists, and bladewhirl did not write it; --overwrite replaces it"
             raise FileExistsError(errno.EEXIST, reason, str(path))

@@ -1,0 +1,1 @@
+../../bladewhirl/files.py
