@@ -1,100 +1,55 @@
-"""What a file of bladewhirl holds is looked at as it is read: damaged bytes, values that none has.
-
-A run writes finite numbers of a physical size, and names of nodes that there are. Whatever else
-comes from a disk that fails, or from an editor, is told by name instead of being computed with.
-"""
+"""Validate result and sweep files while reading, so that damage ends in one line."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.fields.netcdf import Reading, Values
 from bladewhirl.solvers.march.schema import STATIC, Variable
 
 MOST = 1e30
-"""Numbers in SI units are smaller than this, and positive ones larger than its inverse."""
+"""Bound of plausible magnitudes in SI units; its inverse is that of positive ones."""
 
-POSITIVE = (
-    *("reference_frequency", "casing_radius", "tip_radius", "time_step", "record_step"),
-    "yield_strength",
-)
+POSITIVE = "reference_frequency casing_radius tip_radius time_step record_step yield_strength"
 NUMBERS = (
-    *(
-        "format",
-        "speed",
-        "friction",
-        "clamped",
-        "steps",
-        "complementarity_residual",
-        "unsolved_steps",
-    ),
-    *("dt_over_critical", "wall_time", "us_per_step", *POSITIVE),
+    "format speed friction clamped steps complementarity_residual unsolved_steps "
+    "dt_over_critical wall_time us_per_step"
 )
-TEXTS = (
-    *("title", "version", "symmetry", "case", "end_reason", "end_message"),
-    *("over", "criterion", "window"),
-)
-"""Attributes of results and sweeps, which may lack some."""
+TEXTS = "title version symmetry case end_reason end_message over criterion window"
+"""Attributes of results and sweeps; some may be missing."""
 
 
 class ResultError(UserError):
     """A path holds no result, or sweep, of bladewhirl."""
 
 
-def reading(told: str, *, gaps: bool) -> Reading:
-    """What reads variables of a file and looks at them; what is wrong ends in a `ResultError`.
-
-    Args:
-        told: the file, in messages.
-        gaps: whether NaN stands for what is missing, as in a sweep.
-    """
-
-    def look(name: str, read: Callable[[], Values]) -> Values:
-        try:
-            values = read()
-        except Exception as error:  # whatever HDF5 makes of damaged bytes
-            raise ResultError(f"{told}: {name}: {error}") from None
-        if values.dtype.kind == "f" and not sized(values, gaps):
-            raise ResultError(
-                f"{told}: expected finite numbers of {name}, the file was changed or damaged"
-            )
-        return values
-
-    return look
-
-
-def sized(values: Any, gaps: bool = False) -> bool:
-    """Whether numbers are finite, or NaN with gaps, and of a size that quantities in SI have."""
+def plausible(values: Any, *, gaps: bool = False) -> bool:
+    """Return whether numbers are finite and below `MOST`, or NaN where gaps are allowed."""
     return bool(np.all((np.abs(values) < MOST) | (gaps & np.isnan(values))))
 
 
 def attribute_fault(attributes: Mapping[str, Any]) -> str:
-    """The first attribute that no result or sweep has, and what it should be; or nothing."""
-    for name in NUMBERS:
-        value = attributes.get(name, 1.0)
-        number = np.ndim(value) == 0 and np.asarray(value).dtype.kind in "fiu"
-        if not number or not sized(value) or (name in POSITIVE and not value > 1.0 / MOST):
-            kind = "positive number" if name in POSITIVE else "finite number"
-            return f"attribute {name!r} to be a {kind}, found {value!r}"
-    for name in TEXTS:
+    """Describe the first invalid attribute; empty if there is none."""
+    for name in (*POSITIVE.split(), *NUMBERS.split()):
+        value = np.asarray(attributes.get(name, 1.0))
+        kind = "positive" if name in POSITIVE.split() else "finite"
+        valid = value.ndim == 0 and value.dtype.kind in "fiu" and plausible(value)
+        if not valid or (kind == "positive" and not value > 1.0 / MOST):
+            return f"attribute {name!r} to be a {kind} number, found {attributes[name]!r}"
+    for name in TEXTS.split():
         text = attributes.get(name, "")
-        if not isinstance(text, str) or not _is_unicode(text):
+        # h5py returns bytes that are not UTF-8 as halves of surrogate pairs.
+        if not isinstance(text, str) or any("\ud800" <= letter <= "\udfff" for letter in text):
             return f"attribute {name!r} to be text, found {text!r:.60}"
     return ""
 
 
-def _is_unicode(text: str) -> bool:
-    """Whether bytes on disk were UTF-8: h5py gives others as halves of surrogate pairs."""
-    return not any("\ud800" <= letter <= "\udfff" for letter in text)
-
-
 def value_fault(dataset: xr.Dataset) -> str:
-    """The first array beside the histories with values that no stage has; empty if none."""
+    """Describe the first invalid array that does not depend on time; empty if there is none."""
     nodes = dataset.sizes["rotor_node"]
     for name, variable in STATIC.items():
         if name in dataset and (expected := expectation(dataset[name].values, variable, nodes)):
@@ -109,21 +64,21 @@ def value_fault(dataset: xr.Dataset) -> str:
 
 
 def expectation(values: Any, variable: Variable, nodes: int = 0) -> str:
-    """What the values of a variable should be; empty if they are."""
+    """Describe valid values of a variable; empty if the values are valid."""
     if values.dtype.kind not in {"f": "f", "i": "iu", "s": "OUT"}[variable.kind[0]]:
         return "text" if variable.kind == "str" else "numbers"
-    named = variable.labels if variable.kind == "str" else range(len(variable.labels))
-    if variable.labels and not np.isin(values, np.array(list(named))).all():
-        return f"one of {', '.join(map(str, named))}"
+    labels = variable.labels if variable.kind == "str" else range(len(variable.labels))
+    if variable.labels and not np.isin(values, np.array(list(labels))).all():
+        return f"one of {', '.join(map(str, labels))}"
     match variable.values:
         case "positive":
-            sound = values > 1.0 / MOST
+            valid = values > 1.0 / MOST
         case "not negative":
-            sound = values >= 0
+            valid = values >= 0
         case "rotor_node":
-            sound = (values >= 0) & (values < nodes)
+            valid = (values >= 0) & (values < nodes)
         case "rotor_node or -1":
-            sound = (values >= -1) & (values < nodes)
+            valid = (values >= -1) & (values < nodes)
         case _:
             return ""
-    return "" if np.all(sound) else variable.values
+    return "" if np.all(valid) else variable.values

@@ -38,7 +38,7 @@ from bladewhirl.postprocess.fields.kinematics import (
     rotate,
     turn,
 )
-from bladewhirl.postprocess.fields.sections import rotor_sections
+from bladewhirl.postprocess.fields.strains import rotor_sections
 
 DRAWN_CLEARANCE = 0.1  #: share of the tip radius that the clearance takes, if factors are automatic
 DRAWN_MOTION = 0.25  #: share that the largest displacement may take then

@@ -1,203 +1,132 @@
-"""netCDF-4 to Datasets and back with little of the time that xarray's own backends take.
-
-They look every dimension up anew at each read and load dask to write a table. What is read here
-was written by this program, or is refused by who asked for it: numbers and text with dimensions,
-units and coordinates, nothing packed or masked.
-"""
+"""Read netCDF-4 files through xarray, checked and also when a killed run left them incomplete."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from contextlib import ExitStack
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import h5netcdf
-import h5py
-import numpy as np
 import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-from bladewhirl.postprocess.fields.array_types import ask_loaded_only
+from bladewhirl.postprocess.fields.checked import ResultError, attribute_fault, plausible
+from bladewhirl.solvers.march.schema import TIME
 from bladewhirl.solvers.march.storage import CutFile
 
-ask_loaded_only()
 
-Values = np.ndarray[Any, np.dtype[Any]]
-
-Lengths = Callable[[Mapping[str, Any]], Mapping[str, int]]
-"""Given the attributes of a file, gives what is whole of its dimensions, by name."""
-
-Reading = Callable[[str, Callable[[], Values]], Values]
-"""Given a variable's name and what reads a part of it, gives that part."""
-
-NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable."
-"""How the name of a dimension begins that is no variable, too."""
-
-SCALE = b"DIMENSION_SCALE"
-"""Class of a variable that is a dimension, too."""
-
-BOOKS = frozenset(
-    {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "DIMENSION_LABELS", "_FillValue"}
-    | {"_Netcdf4Dimid", "_Netcdf4Coordinates", "_NCProperties", "_nc3_strict"}
-)
-"""Attributes that netCDF keeps its books in."""
-
-
-class Stored(BackendArray):
-    """A variable on disk, read when used.
+class CheckedArray(BackendArray):
+    """Variable of a file that is read when used and checked as it is read.
 
     Args:
-        variable: where it is.
-        shape: what is read of it: of a march that was killed some histories are longer.
-        look: reads it.
+        variable: to read.
+        label: file and variable, for messages.
+        gaps: NaN stands for missing values, as in a sweep.
     """
 
-    def __init__(self, variable: h5py.Dataset, shape: tuple[int, ...], look: Reading) -> None:
-        text = h5py.check_string_dtype(variable.dtype) is not None
-        self._variable = variable.asstr() if text else variable
-        self._name, self._look = _name(variable), look
-        self.shape = shape
-        self.dtype = np.dtype(object) if text else variable.dtype
+    def __init__(self, variable: xr.Variable, label: str, *, gaps: bool) -> None:
+        self._variable, self._label, self._gaps = variable, label, gaps
+        self.shape, self.dtype = variable.shape, variable.dtype
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
         """Read a part."""
         return indexing.explicit_indexing_adapter(
-            key, self.shape, indexing.IndexingSupport.OUTER_1VECTOR, self._read
+            key, self.shape, indexing.IndexingSupport.OUTER, self._read
         )
 
-    def __deepcopy__(self, memo: object) -> Stored:
-        """The same: nobody writes to it."""
+    def __deepcopy__(self, memo: object) -> CheckedArray:
+        """Return the array itself: it is never written to."""
         return self
 
-    def _read(self, key: tuple[Any, ...]) -> Values:
-        within = tuple(
-            slice(*part.indices(size)) if isinstance(part, slice) else part
-            for part, size in zip(key, self.shape, strict=True)
-        )
-        return self._look(self._name, lambda: np.asarray(self._variable[within], dtype=self.dtype))
+    def _read(self, key: tuple[Any, ...]) -> Any:
+        try:
+            values = self._variable[key].values
+        except Exception as error:  # HDF5 raises many kinds for damaged bytes
+            raise ResultError(f"{self._label}: {error}") from None
+        if values.dtype.kind == "f" and not plausible(values, gaps=self._gaps):
+            raise ResultError(f"{self._label}: expected finite numbers, the file is damaged")
+        return values
 
 
-def open_netcdf(
-    path: str | PathLike[str], look: Reading, whole: Lengths = lambda _: {}, *, cache: bool = True
-) -> xr.Dataset:
-    """Open a netCDF-4 file, also one that was cut off; arrays are read when used.
-
-    Args:
-        path: of the file.
-        look: reads a part of a variable.
-        whole: how much of each dimension may be read; all of those that it doesn't name.
-        cache: keep what is read as a whole.
-
-    Raises:
-        OSError, RuntimeError, KeyError, ValueError, TypeError: it can't be read as one.
-    """
-    with ExitStack() as stack:
-        raw = stack.enter_context(CutFile(path))
-        dataset = _dataset(stack.enter_context(h5py.File(raw, "r")), look, whole, cache=cache)
-        dataset.set_close(stack.pop_all().close)
-    return dataset
-
-
-def _dataset(h5: h5py.File, look: Reading, whole: Lengths, *, cache: bool) -> xr.Dataset:
-    of_file = _attributes(h5.attrs)
-    stored = {name: item for name, item in h5.items() if isinstance(item, h5py.Dataset)}
-    scales = {
-        int(item.attrs["_Netcdf4Dimid"]): name
-        for name, item in stored.items()
-        if item.attrs.get("CLASS") == SCALE and "_Netcdf4Dimid" in item.attrs
-    }
-    over = {name: _dimensions(scales, h5, item) for name, item in stored.items()}
-    lengths = dict(whole(of_file))
-    for name, item in stored.items():
-        for dimension, length in zip(over[name], item.shape, strict=True):
-            lengths[dimension] = min(length, lengths.get(dimension, length))
-    variables, described = {}, []
-    for name, item in stored.items():
-        if item.attrs.get("NAME", b"").startswith(NO_VARIABLE):
-            continue
-        lazy: Any = indexing.LazilyIndexedArray(
-            Stored(item, tuple(lengths[each] for each in over[name]), look)
-        )
-        attributes = _attributes(item.attrs)
-        described += str(attributes.pop("coordinates", "")).split()
-        if cache:
-            lazy = indexing.MemoryCachedArray(lazy)  # type: ignore[no-untyped-call]
-        variables[name] = xr.Variable(over[name], lazy, attributes)
-    described += str(of_file.pop("coordinates", "")).split()
-    chosen = {name for name in described if name in variables}
-    chosen |= {name for name, variable in variables.items() if variable.dims == (name,)}
-    return xr.Dataset(
-        {name: variable for name, variable in variables.items() if name not in chosen},
-        {name: variables[name] for name in variables if name in chosen},
-        of_file,
-    )
-
-
-def _dimensions(
-    scales: Mapping[int, str], h5: h5py.File, variable: h5py.Dataset
-) -> tuple[str, ...]:
-    """Names of a variable's dimensions; those that have none are named by their length.
+def open_file(
+    path: str | PathLike[str], name: str, kind: str, *, gaps: bool = False, cache: bool = True
+) -> tuple[xr.Dataset, Path]:
+    """Open a netCDF-4 file, or the file of that name in a folder; arrays are read when used.
 
     Args:
-        scales: dimensions by number.
-        h5: the file.
-        variable: in it.
-    """
-    listed = variable.attrs.get("DIMENSION_LIST")
-    if listed is not None:
-        return tuple(_name(h5[scale[0]]) for scale in listed)
-    if "_Netcdf4Coordinates" in variable.attrs:
-        return tuple(scales[number] for number in variable.attrs["_Netcdf4Coordinates"])
-    if variable.attrs.get("CLASS") == SCALE:
-        return (_name(variable),)
-    return tuple(f"unnamed_{length}" for length in variable.shape)
+        path: of the file or the folder.
+        name: of the file in a folder.
+        kind: of file, for messages: "a result".
+        gaps: NaN stands for missing values.
+        cache: keep arrays that were read.
 
-
-def _name(variable: h5py.Dataset) -> str:
-    return str(variable.name).rpartition("/")[2]
-
-
-def _attributes(found: Mapping[str, Any]) -> dict[str, Any]:
-    """What attributes say, numbers that are alone as such.
+    Returns:
+        the Dataset, its contents unchecked, and the path of the file.
 
     Raises:
-        TypeError: one is neither text nor numbers, as netCDF's own are under a damaged name.
+        ResultError: no such file, or not netCDF-4.
     """
-    values = {name: value for name, value in found.items() if name not in BOOKS}
-    for name, value in values.items():
-        told = np.asarray(value)
-        if told.dtype.kind not in "biufSU" and not all(isinstance(each, str) for each in told.flat):
-            raise TypeError(f"attribute {name}: expected text or numbers")
-    return {
-        name: value[0] if isinstance(value, np.ndarray) and value.shape == (1,) else value
-        for name, value in values.items()
-    }
+    file = Path(path) / name if Path(path).is_dir() else Path(path)
+    if not file.is_file():
+        raise ResultError(f"{file}: expected {kind} (or its folder), found no such file")
+    raw = CutFile(file)
+    try:
+        stored = xr.open_dataset(
+            raw,
+            engine="h5netcdf",
+            cache=False,
+            decode_times=False,
+            mask_and_scale=False,
+            phony_dims="access",
+        )
+        dataset = stored.isel({TIME: slice(complete_records(stored.attrs))}, missing_dims="ignore")
+        checked = dataset.assign(
+            {
+                name: _checked(variable, f"{file}: {name}", gaps=gaps, cache=cache)
+                for name, variable in dataset.variables.items()
+                if name not in dataset.indexes
+            }
+        )
+    except Exception as error:  # HDF5 and xarray raise many kinds for damaged bytes
+        raw.close()
+        raise ResultError(
+            f"{file}: expected {kind} in netCDF-4, could not read it: {error}"
+        ) from None
+
+    def close() -> None:
+        stored.close()
+        raw.close()
+
+    checked.set_close(close)
+    return checked, file
+
+
+def _checked(variable: xr.Variable, label: str, *, gaps: bool, cache: bool) -> xr.Variable:
+    data: Any = indexing.LazilyIndexedArray(CheckedArray(variable, label, gaps=gaps))
+    if cache:
+        data = indexing.MemoryCachedArray(data)  # type: ignore[no-untyped-call]
+    attributes = {name: value for name, value in variable.attrs.items() if name != "_FillValue"}
+    return xr.Variable(variable.dims, data, attributes)
+
+
+def complete_records(attributes: Mapping[str, Any]) -> int | None:
+    """Number of records that the recorder marked as complete; None if it marked none.
+
+    A kill during a flush leaves longer histories with missing pieces, which must not be read.
+    """
+    steps, spacing = attributes.get("steps", 0), attributes.get("record_step")
+    if attribute_fault(attributes) or steps == 0 or spacing is None:
+        return None  # steps = 0: older versions wrote it at the end only
+    every = max(1, round(spacing / attributes["time_step"]))
+    return 1 - int(-steps // every) if steps > 0 else 0
 
 
 def write_netcdf(dataset: xr.Dataset, path: str | Path) -> None:
     """Write a Dataset as netCDF-4; an older file is replaced.
 
     Raises:
-        OSError: the system refuses.
+        OSError: the file cannot be written.
     """
-    with h5netcdf.File(path, "w") as file:
-        file.dimensions = {str(name): size for name, size in dataset.sizes.items()}
-        for name, variable in dataset.variables.items():
-            values, attributes = variable.values, dict(variable.attrs)
-            if values.dtype == bool:  # netCDF has none: as xarray writes and reads them
-                values, attributes["dtype"] = values.astype(np.int8), "bool"
-            text = values.dtype.kind in "UO"
-            made = file.create_variable(
-                str(name),
-                tuple(map(str, variable.dims)),
-                h5py.string_dtype() if text else values.dtype,
-                data=values.astype(object) if text else values,
-            )
-            made.attrs.update(attributes)
-        file.attrs.update(dataset.attrs)
-        file.attrs["coordinates"] = " ".join(
-            str(name) for name in dataset.coords if name not in dataset.sizes
-        )
+    encoding = {name: {"_FillValue": None} for name in dataset.variables}
+    dataset.to_netcdf(path, engine="h5netcdf", encoding=encoding)

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields
 from os import PathLike
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -17,9 +16,9 @@ import xarray as xr
 
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.postprocess.fields.checked import ResultError as ResultError
-from bladewhirl.postprocess.fields.checked import attribute_fault, reading, value_fault
+from bladewhirl.postprocess.fields.checked import attribute_fault, value_fault
 from bladewhirl.postprocess.fields.kinematics import Array, recess_at_rest
-from bladewhirl.postprocess.fields.netcdf import open_netcdf
+from bladewhirl.postprocess.fields.netcdf import open_file
 from bladewhirl.solvers.march.schema import (
     HISTORY,
     INDICES,
@@ -64,47 +63,6 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
     return complete
 
 
-def open_file(
-    path: str | PathLike[str], name: str, kind: str, *, cache: bool = True
-) -> tuple[xr.Dataset, Path]:
-    """Open a netCDF-4 file of that name, or of the folder that holds it, unchecked; and its path.
-
-    Args:
-        path: of the file or the folder.
-        name: of the file in a folder.
-        kind: of file, for messages: "a result".
-        cache: keep what is read.
-
-    Raises:
-        ResultError: nothing there, or not netCDF-4.
-    """
-    file = Path(path) / name if Path(path).is_dir() else Path(path)
-    if not file.is_file():
-        raise ResultError(f"{file}: expected {kind} (or its folder), found no such file")
-    try:
-        if file.stat().st_size == 0:
-            raise ValueError("it is empty")
-        look = reading(str(file), gaps=name != RESULT_NAME)
-        return open_netcdf(file, look, vouched, cache=cache), file
-    except Exception as error:  # whatever HDF5 and xarray make of damaged bytes
-        raise ResultError(
-            f"{file}: expected {kind} in netCDF-4, could not read it: {error}"
-        ) from None
-
-
-def vouched(attributes: Mapping[str, Any]) -> dict[str, int]:
-    """Records that the recorder of a result said were whole; nothing where it doesn't say.
-
-    A kill within a flush leaves histories that are longer, with pieces that the file lacks: nothing
-    behind these records may be read.
-    """
-    steps, spacing = attributes.get("steps", 0), attributes.get("record_step")
-    if attribute_fault(attributes) or steps == 0 or spacing is None:
-        return {}  # steps = 0: older versions told it at the end only
-    every = max(1, round(spacing / attributes["time_step"]))
-    return {TIME: 1 - int(-steps // every) if steps > 0 else 0}
-
-
 def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     """A result with everything that the schema calls a coordinate as one, whatever its format.
 
@@ -145,13 +103,31 @@ def result_of(
     described = {field.name: np.asarray(getattr(stage, field.name)) for field in fields(stage)}
     dataset = xr.Dataset(
         {
-            name: (RESULT[name].dimensions, values, RESULT[name].attributes)
+            name: _entry(name, values)
             for name, values in {**described, **histories}.items()
             if values.size or name in histories
         },
         attrs=dict(attributes),
     )
     return with_coordinates(dataset.set_coords(TIME))
+
+
+def stage_dataset(arrays: StageArrays, motion: Mapping[str, Array] | None = None) -> xr.Dataset:
+    """Geometry and modes of a stage, and its motion, with the names and units of a result.
+
+    There is no contact, load or march: pictures of modes and of a stage at rest need none.
+
+    Args:
+        arrays: the stage.
+        motion: `time`, `rotor_displacement`, `casing_displacement` and other histories.
+    """
+    values = {name: getattr(arrays, name) for name in STATIC} | dict(motion or {})
+    return xr.Dataset({name: _entry(name, array) for name, array in values.items()})
+
+
+def _entry(name: str, values: Any) -> tuple[tuple[str, ...], Array, dict[str, str]]:
+    """A variable of the schema as xarray takes it."""
+    return RESULT[name].dimensions, np.asarray(values), RESULT[name].attributes
 
 
 @contextmanager

@@ -11,7 +11,7 @@ the extremes of a straight prismatic beam; the thickness of a tapered one is tha
 jump from one element to the next: stations are an element's own.
 """
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -23,7 +23,6 @@ from bladewhirl.postprocess.fields.kinematics import (
     line_shapes,
     wall_rows,
 )
-from bladewhirl.postprocess.fields.sections import rotor_sections
 
 
 class StrainRows(NamedTuple):
@@ -48,6 +47,16 @@ class Strains(NamedTuple):
                 for row in rows
             )
         )
+
+
+def rotor_sections(
+    dataset: xr.Dataset, name: Literal["thickness", "width", "young_modulus"], pieces: int
+) -> Array:
+    """Thickness or width [m] or Young's modulus [Pa] at the ends of equal pieces of every beam,
+    (rotor_line, pieces + 1).
+    """
+    middle, change = dataset[f"rotor_{name}"].values, dataset[f"rotor_{name}_change"].values
+    return np.asarray(middle[:, None] + change[:, None] * np.linspace(-0.5, 0.5, pieces + 1))
 
 
 def rotor_strain_rows(dataset: xr.Dataset, per_line: int = 1) -> StrainRows:

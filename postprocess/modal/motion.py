@@ -21,7 +21,7 @@ from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.postprocess.fields.kinematics import casing_rows, line_rows
-from bladewhirl.postprocess.fields.moving_stage import moving_stage, stage_dataset
+from bladewhirl.postprocess.fields.result import stage_dataset
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, RadialShapes
 
 Wave = Literal["standing", "forward", "backward"]
@@ -82,7 +82,7 @@ def mode_motion(
         "casing_velocity": rest if on_disk else velocity,
         "gap": arrays.tip_recess + _gaps(fixed, rotor, casing),
     }
-    return moving_stage(arrays, motion).assign_attrs(
+    return stage_dataset(arrays, motion).assign_attrs(
         _attributes(stage), title=title, wave=wave, speed=0.0
     )
 
@@ -147,7 +147,7 @@ def coupled_mode_motion(
         "damping_work": lost,
         "coupling_work": energy - energy[0] + lost,
     }
-    return moving_stage(stage.modal.arrays(rotor_modes, wall_modes), in_time).assign_attrs(
+    return stage_dataset(stage.modal.arrays(rotor_modes, wall_modes), in_time).assign_attrs(
         _attributes(stage.modal),
         title="coupled mode",
         speed=motion.speed,

@@ -27,11 +27,11 @@ from bladewhirl.postprocess.fields.kinematics import (
     station_angles,
     wall_rows,
 )
-from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.fields.strains import (
     StrainRows,
     Strains,
     casing_strain_rows,
+    rotor_sections,
     rotor_strain_rows,
 )
 

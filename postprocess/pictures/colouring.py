@@ -28,8 +28,12 @@ from bladewhirl.postprocess.fields.kinematics import (
     ring_angles,
     rotate,
 )
-from bladewhirl.postprocess.fields.sections import rotor_sections
-from bladewhirl.postprocess.fields.strains import Strains, casing_strain_rows, rotor_strain_rows
+from bladewhirl.postprocess.fields.strains import (
+    Strains,
+    casing_strain_rows,
+    rotor_sections,
+    rotor_strain_rows,
+)
 from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL
 
 Field = Literal[

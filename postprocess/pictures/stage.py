@@ -17,8 +17,8 @@ from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.fields.moving_stage import moving_stage
-from bladewhirl.postprocess.fields.sections import rotor_sections
+from bladewhirl.postprocess.fields.result import stage_dataset
+from bladewhirl.postprocess.fields.strains import rotor_sections
 from bladewhirl.postprocess.pictures.appearance import FAINT, SQUARE
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import off_screen_plotter, pixels_of
@@ -43,7 +43,7 @@ def stage_at_rest(
         "rotor_displacement": np.zeros((1, len(arrays.rotor_frequency))),
         "casing_displacement": np.zeros((1, len(arrays.casing_frequency))),
     }
-    return moving_stage(arrays, motion).assign_attrs(
+    return stage_dataset(arrays, motion).assign_attrs(
         title=title,
         tip_radius=tip_radius,
         casing_radius=casing_radius,

@@ -31,11 +31,9 @@ class FigureKind:
     reading: str = ""  #: units, signs, and what to look for
     section: str = ""  #: section of the report that shows it
     wide: bool = False  #: as wide as the report, not half of it
-    data: str  #: "module:function" in postprocess that computes the dataset
+    data: str  #: attribute of `RunFigures`, or "module:function", that computes the dataset
     plot: str  #: "module:function" in postprocess that draws the dataset
-    options: Mapping[str, str] = field(
-        default_factory=dict
-    )  #: keyword arguments of the function `data`
+    options: Mapping[str, str] = field(default_factory=dict)  #: keyword arguments of `data`
 
     @property
     def caption(self) -> str:
@@ -46,13 +44,16 @@ class FigureKind:
         """Draw the figure; return it with its dataset.
 
         Args:
-            source: arguments of the function that computes the dataset: a `RunFigures`, or a sweep
-                and the swept key of the x axis.
+            source: a `RunFigures`, or a sweep and the swept key of the x axis.
 
         Raises:
             ViewError: there are no such data, as for a Poincaré map of a rotor at rest.
         """
-        data = resolve_name(f"{POSTPROCESS}.{self.data}")(*source, **self.options)
+        if ":" in self.data:
+            data = resolve_name(f"{POSTPROCESS}.{self.data}")(*source, **self.options)
+        else:
+            data = getattr(source[0], self.data)
+            data = data(**self.options) if callable(data) else data
         return resolve_name(f"{POSTPROCESS}.{self.plot}")(data), data
 
 

@@ -1,4 +1,4 @@
-"""The figures of a run by name, see `plotting.registry`, and the data behind each."""
+"""Figures of a run by name (`plotting.registry`) and their datasets."""
 
 from __future__ import annotations
 
@@ -29,61 +29,38 @@ from bladewhirl.postprocess.shaft.whirl import Frame
 from bladewhirl.postprocess.shaft.whirl_history import PERIODS, whirl_history
 
 AT_REST = {"gaps"}
-"""Figures that a stage in which nothing moves has, too."""
-
+"""Figures that are also available for a stage at rest."""
 
 FORCE_COLUMNS = 200
-"""Spans of time in which forces are drawn: a contact is as wide as a line."""
+"""Time intervals for which forces are drawn: a contact is as wide as a line."""
 
 
 class RunFigures:
-    """Draws the figures of a run, or of a window of its time.
+    """Figures of a run, or of a time window of it, and their datasets.
 
-    A spectrum, the classes of contact and the contact scenario tell of a motion after its onset:
-    without a window they are of the last third of the time.
+    Spectrum, contact classes and contact scenario describe the motion after its onset: of a run
+    without a window they are over the last third of the time.
+
+    Args:
+        dataset: a result.
+        start: of the window [s]; of the run when None.
+        end: of the window [s]; of the run when None.
+
+    Raises:
+        ViewError: the window is not in order, or has fewer than two records.
     """
 
     def __init__(
         self, dataset: xr.Dataset, start: float | None = None, end: float | None = None
     ) -> None:
-        """Look at [start, end] [s], by default the whole run.
-
-        Raises:
-            ViewError: the window is not in order, or holds fewer than two records.
-        """
         self.result = select_window(dataset, start, end)
-        self._is_whole = start is None and end is None
-
-    @cached_property
-    def orbit(self) -> xr.Dataset:
-        """Motion of the shaft."""
-        return shaft_orbit(self.result)
-
-    @cached_property
-    def energies(self) -> xr.Dataset:
-        """Strain energy over time by groups of modes."""
-        return strain_energies(self.result)
-
-    @cached_property
-    def contact(self) -> xr.Dataset:
-        """Gaps and contact forces over blade and time."""
-        return contact_maps(self.result)
-
-    @cached_property
-    def stresses(self) -> xr.Dataset:
-        """Stresses and strains of every member over time."""
-        return stress_history(self.result)
-
-    def after_onset(self, dataset: xr.Dataset) -> xr.Dataset:
-        """The last third of a whole run, all of a window."""
-        return late_part(dataset) if self._is_whole else dataset
+        self._is_run = start is None and end is None
 
     def draw(self, name: str) -> tuple[Figure, xr.Dataset]:
-        """One of `RUN_FIGURES`, with its data.
+        """Draw one of `RUN_FIGURES`; return it with its dataset.
 
         Raises:
-            ViewError: there is no such figure, or it can't be had, such as an orbit of a stage
-                at rest.
+            ViewError: no such figure, or none of this motion, such as an orbit of a stage at rest.
         """
         if name not in RUN_FIGURES:
             raise ViewError(f"figure {name!r}: expected one of {', '.join(RUN_FIGURES)}")
@@ -91,91 +68,87 @@ class RunFigures:
             raise ViewError(f"nothing moves from {window_label(self.result)}")
         return RUN_FIGURES[name].draw(self)
 
+    @cached_property
+    def orbit(self) -> xr.Dataset:
+        """Motion of the shaft."""
+        return shaft_orbit(self.result)
 
-def orbit(run: RunFigures) -> xr.Dataset:
-    """From `orbits.shaft_orbit`."""
-    return run.orbit
+    @property
+    def whirl(self) -> xr.Dataset:
+        """Whirl over time."""
+        whirls = whirl_history(self.orbit)
+        if whirls.sizes["time"] < 2:
+            raise ViewError(
+                f"the whirl over time needs two or more spans of {PERIODS:g} periods of ω₁;"
+                f" the window is {1e3 * whirls.attrs['span']:.3g} ms long"
+            )
+        return whirls
 
+    def spectrum(self, frame: Frame) -> xr.Dataset:
+        """Spectrum after the onset, with lines of modes."""
+        spectrum = shaft_spectrum(self._after_onset(self.orbit), frame)
+        return with_lines(spectrum, modal_lines(self.result, frame))
 
-def whirl(run: RunFigures) -> xr.Dataset:
-    """From `whirl_history.whirl_history`."""
-    found = whirl_history(run.orbit)
-    if found.sizes["time"] < 2:
-        raise ViewError(
-            f"the whirl over time needs spans of {PERIODS:g} periods of ω₁, two or more;"
-            f" the window is {1e3 * found.attrs['span']:.3g} ms long"
-        )
-    return found
+    def spectrogram(self, frame: Frame) -> xr.Dataset:
+        """Spectrogram with lines of modes."""
+        return with_lines(shaft_spectrogram(self.orbit, frame), modal_lines(self.result, frame))
 
+    @property
+    def states(self) -> xr.Dataset:
+        """State space and Poincaré map of the shaft."""
+        return state_space(self.orbit)
 
-def spectrum(run: RunFigures, frame: Frame) -> xr.Dataset:
-    """From `spectra.shaft_spectrum`, after the onset, with lines of modes."""
-    late = shaft_spectrum(run.after_onset(run.orbit), frame)
-    return with_lines(late, modal_lines(run.result, frame))
+    @cached_property
+    def energies(self) -> xr.Dataset:
+        """Strain energy over time by groups of modes."""
+        return strain_energies(self.result)
 
+    @property
+    def families(self) -> xr.Dataset:
+        """Strain energy over time by family and nodal diameter, averaged over time intervals."""
+        return mean_energies(family_energies(self.result))
 
-def spectrogram(run: RunFigures, frame: Frame) -> xr.Dataset:
-    """From `spectra.shaft_spectrogram`, with lines of modes."""
-    return with_lines(shaft_spectrogram(run.orbit, frame), modal_lines(run.result, frame))
+    @property
+    def growth(self) -> xr.Dataset:
+        """Amplitude and its growth rate."""
+        return amplitude_growth(self.result, self.energies)
 
+    @cached_property
+    def stresses(self) -> xr.Dataset:
+        """Stresses and strains of every member over time."""
+        return stress_history(self.result)
 
-def states(run: RunFigures) -> xr.Dataset:
-    """From `poincare.state_space`."""
-    return state_space(run.orbit)
+    @cached_property
+    def contact(self) -> xr.Dataset:
+        """Gaps and contact forces over blade and time."""
+        return contact_maps(self.result)
 
+    @property
+    def forces(self) -> xr.Dataset:
+        """Contact forces over blade and time, in longer time intervals."""
+        return contact_maps(self._with_contact, FORCE_COLUMNS)
 
-def energy(run: RunFigures) -> xr.Dataset:
-    """From `strain.strain_energies`."""
-    return run.energies
+    @property
+    def casing_contact(self) -> xr.Dataset:
+        """Contact over the angle of the casing, also of the last revolutions."""
+        return with_last_turns(casing_contact(self._with_contact), self.result)
 
+    @property
+    def classes(self) -> xr.Dataset:
+        """Contact classes of the blades after the onset."""
+        return contact_classes(self._after_onset(self._with_contact))
 
-def energy_of_families(run: RunFigures) -> xr.Dataset:
-    """From `families.family_energies`, means over spans of time."""
-    return mean_energies(family_energies(run.result))
+    @property
+    def phases(self) -> xr.Dataset:
+        """Directions of shaft and contact, and the contact scenario after the onset."""
+        since = float(self._after_onset(self.result)["time"][0])
+        return contact_phase(self.result, self.orbit, since=since)
 
+    def _after_onset(self, dataset: xr.Dataset) -> xr.Dataset:
+        return late_part(dataset) if self._is_run else dataset
 
-def contact(run: RunFigures) -> xr.Dataset:
-    """From `blade_contact.contact_maps`."""
-    return run.contact
-
-
-def forces(run: RunFigures) -> xr.Dataset:
-    """The same in spans so long that they are seen, where there are any."""
-    return contact_maps(_touching(run).result, FORCE_COLUMNS)
-
-
-def contact_on_casing(run: RunFigures) -> xr.Dataset:
-    """From `casing_contact.casing_contact`, and of the last revolutions."""
-    return with_last_turns(casing_contact(_touching(run).result), run.result)
-
-
-def classes(run: RunFigures) -> xr.Dataset:
-    """From `blade_contact.contact_classes`, after the onset."""
-    return contact_classes(_touching(run).after_onset(run.result))
-
-
-def phases(run: RunFigures) -> xr.Dataset:
-    """From `contact_side.contact_phase`; the scenario is that after the onset."""
-    since = float(run.after_onset(run.result)["time"][0])
-    return contact_phase(run.result, run.orbit, since=since)
-
-
-def stress(run: RunFigures) -> xr.Dataset:
-    """From `stresses.stress_history`."""
-    return run.stresses
-
-
-def growth(run: RunFigures) -> xr.Dataset:
-    """From `growth.amplitude_growth`."""
-    return amplitude_growth(run.result, run.energies)
-
-
-def _touching(run: RunFigures) -> RunFigures:
-    """The same figures, of a motion in which a tip touches.
-
-    Raises:
-        ViewError: none does.
-    """
-    if not run.result["contact_steps"].isel(time=slice(1, None)).any():
-        raise ViewError(f"no tip touches from {window_label(run.result)}")
-    return run
+    @property
+    def _with_contact(self) -> xr.Dataset:
+        if not self.result["contact_steps"].isel(time=slice(1, None)).any():
+            raise ViewError(f"no tip touches from {window_label(self.result)}")
+        return self.result

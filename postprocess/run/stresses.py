@@ -20,10 +20,10 @@ from bladewhirl.postprocess.fields.blades import member_names
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import portions
-from bladewhirl.postprocess.fields.sections import rotor_sections
 from bladewhirl.postprocess.fields.strains import (
     StrainRows,
     casing_strain_rows,
+    rotor_sections,
     rotor_strain_rows,
 )
 from bladewhirl.postprocess.fields.windows import in_window, span_starts

@@ -17,9 +17,9 @@ from zlib import crc32
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.checked import attribute_fault, expectation
+from bladewhirl.postprocess.fields.checked import ResultError, attribute_fault, expectation
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.fields.result import ResultError, open_file
+from bladewhirl.postprocess.fields.netcdf import open_file
 from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT, index_values
 
 SWEEP_NAME = "sweep.nc"
@@ -157,7 +157,7 @@ def open_sweep(path: str | Path) -> xr.Dataset:
     Raises:
         ResultError: nothing there, not a sweep that this version reads, or one that was changed.
     """
-    dataset, file = open_file(path, SWEEP_NAME, "a sweep", cache=False)
+    dataset, file = open_file(path, SWEEP_NAME, "a sweep", gaps=True, cache=False)
     fault = _fault(dataset)
     if fault:
         dataset.close()

@@ -14,8 +14,7 @@ from synthetic_result import synthetic_result
 from bladewhirl.models.case.file import case_from
 from bladewhirl.models.elements.build import case_bladed_disk
 from bladewhirl.models.sections.rectangular import QUANTITIES, Section, along, along_elements
-from bladewhirl.postprocess.fields.sections import rotor_sections
-from bladewhirl.postprocess.fields.strains import rotor_strain_rows
+from bladewhirl.postprocess.fields.strains import rotor_sections, rotor_strain_rows
 from bladewhirl.postprocess.paraview.boxes import rotor_boxes
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.stage import thickness as thickness_text

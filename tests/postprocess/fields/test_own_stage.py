@@ -21,7 +21,10 @@ from bladewhirl.models.sections.materials import Material
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.fields.result import open_result
+from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.studies.commands.cli import app
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_in_memory
 
 STEEL = Material()
 
@@ -52,21 +55,18 @@ def case(sketch: Sketch) -> Case:
         casing={"elements": 20, "clearance": "0.4 mm", "support": "8 MN/m2"},
         reduction={"fixed_interface_modes": 12},
         excitation={"type": "imbalance", "unbalance": "50 g m", "ramp": 0.0},
-        march={"speed": "3000 rpm", "duration": "8 ms"},
+        march={"speed": "3000 rpm", "duration": "2 ms"},
     )
 
 
-def test_march_in_a_few_lines(tmp_path: Path) -> None:
-    run = bw.run(case(propeller()), tmp_path / "propeller", frames=3)
-    assert run.end_reason == "completed"
-    assert run.summary.energy_residual < 1e-8
-    assert run.summary.shaft_radius_max > 1e-5
-    assert run.symmetry.startswith("bladed disk: 4 equal sectors: cyclic path")
-    assert (run.directory / "vtk" / "series.pvd").is_file()
-    again = bw.run(read_case(run.directory / "case.toml"), tmp_path / "again", frames=0)
-    with run.open() as one, again.open() as other:
-        assert set(one.rotor_part.values) == {"arms", "blades"}
-        np.testing.assert_array_equal(one.rotor_displacement, other.rotor_displacement)
+def test_march_in_a_few_lines() -> None:
+    result, report = march_in_memory(prepare(case(propeller())))
+    summary = summarise(result, report)
+    assert result.attrs["end_reason"] == "completed"
+    assert result.attrs["symmetry"].startswith("bladed disk: 4 equal sectors: cyclic path")
+    assert set(result["rotor_part"].values) == {"arms", "blades"}
+    assert summary.energy_residual < 1e-8
+    assert summary.shaft_radius_max > 1e-7
 
 
 def test_the_same_stage_with_every_sector_drawn_out() -> None:
@@ -127,7 +127,6 @@ def test_commands_work_on_it(tmp_path: Path) -> None:
 
 
 def test_tips_outside_the_casing_are_named() -> None:
-    sketch = propeller()
     sketch = Sketch(4, tip_radius=0.39)
     sketch.node("hub", 0.0, shared=True)
     sketch.node("tip", 0.4)
@@ -175,7 +174,9 @@ def test_pictures_of_modes_without_nodal_diameters(tmp_path: Path) -> None:
     path = tmp_path / "odd.toml"
     path.write_text(dumps_case(case(sketch)))
     folder = tmp_path / "modes"
-    done = CliRunner().invoke(app, ["modes", str(path), "-o", str(folder), "--no-films"])
+    done = CliRunner().invoke(
+        app, ["modes", str(path), "-o", str(folder), "--no-films", "--count", "3"]
+    )
     assert done.exit_code == 0, done.output
     assert (folder / "bladed-disk-shapes.png").is_file()
 
@@ -203,7 +204,5 @@ def test_a_run_of_a_mesh_moves_to_another_place(tmp_path: Path) -> None:
         assert 'file = "mesh.msh"' in text
         assert str(tmp_path) not in text
         (moved / "again.toml").write_text(text)
-        for name in ("case.toml", "again.toml"):
-            again = bw.run(read_case(moved / name), tmp_path / name, frames=0)
-            with again.open() as other:
-                np.testing.assert_array_equal(result.rotor_displacement, other.rotor_displacement)
+        frequency = build_stage(read_case(moved / "again.toml")).reduction.modes.frequency
+        np.testing.assert_array_equal(result["rotor_frequency"], frequency)
