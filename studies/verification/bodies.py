@@ -25,7 +25,7 @@ FAR = 1e3
 
 
 def small_rotor(frequency: FloatArray, tips: int = 1, **rows: Any) -> ReducedRotor:
-    """Undamped rotor with tips at angle 0 that no mode moves, but for the rows given."""
+    """Return an undamped rotor with tips at angle 0 that is rigid except for the rows given."""
     modes = len(frequency)
     body = ReducedRotor(
         frequency=frequency,
@@ -45,7 +45,7 @@ def small_rotor(frequency: FloatArray, tips: int = 1, **rows: Any) -> ReducedRot
 def small_casing(
     frequency: FloatArray, clearance: float = 0.0, nodes: int = 4, **rows: Any
 ) -> ReducedCasing:
-    """Undamped casing of 1 m that no mode moves, but for the rows given."""
+    """Return an undamped casing of 1 m that is rigid except for the rows given."""
     modes = len(frequency)
     body = ReducedCasing(
         frequency=frequency,
@@ -60,7 +60,7 @@ def small_casing(
 
 
 def wall(clearance: float, nodes: int = 4) -> ReducedCasing:
-    """A rigid casing, of one mode that moves nothing."""
+    """Return a rigid casing with one mode of zero shape."""
     return small_casing(np.ones(1), clearance, nodes)
 
 
@@ -76,7 +76,7 @@ def problem(
     tip_rotation: bool = False,
     displacement_limit: float = FAR,
 ) -> ContactProblem:
-    """A contact problem, without friction, at standstill and from rest unless said."""
+    """Return a contact problem, by default without friction, at standstill and from rest."""
     return ContactProblem(
         rotor=rotor,
         casing=casing,
@@ -93,7 +93,7 @@ def problem(
 def thrown(
     given: ContactProblem, outward: float | FloatArray, spread: float = 0.0
 ) -> ContactProblem:
-    """The same problem, its tips thrown outward at these speeds [m/s], spread at random."""
+    """Return the problem with initial outward velocities of the tips [m/s], randomly distributed."""
     tips = len(given.rotor.tip_angle)
     expected = outward * (1.0 + spread * np.random.default_rng(0).normal(size=tips))
     velocity = np.linalg.lstsq(given.rotor.tip_radial, expected, rcond=None)[0]
@@ -117,7 +117,7 @@ def ledger_residual(chunk: Chunk) -> float:
 
 
 class Bar:
-    """Free bar of linear elements with consistent mass, in all its modes; it lies along r."""
+    """Return a free bar of linear elements with consistent mass, in all its modes, along r."""
 
     def __init__(
         self, *, length: float, area: float, young_modulus: float, density: float, elements: int
@@ -158,6 +158,6 @@ def marched(
     every: int = 1,
     scheme: SchemeName = "central-difference",
 ) -> Chunk:
-    """x_0 .. x_steps every so many steps, by the march that runs have."""
+    """Return x_0 .. x_steps at intervals, by the scheme of ordinary runs."""
     made = make_scheme(given, dt, every, scheme)
     return made.advance(made.init(), steps + 1)[1]

@@ -35,7 +35,7 @@ Function = TypeVar("Function", bound=Callable[..., Pair])
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What a case came to."""
+    """Outcome of a case."""
 
     name: str
     subject: str
@@ -58,7 +58,7 @@ class Outcome:
 
 @dataclass(frozen=True, kw_only=True)
 class VerificationCase:
-    """One line of the table, not computed yet."""
+    """Row of the table before its computation."""
 
     name: str  #: "rings.nafems_ring[2]"
     quantity: str
@@ -71,7 +71,7 @@ class VerificationCase:
 
     @property
     def subject(self) -> str:
-        """Module that it stands in."""
+        """Module of the case."""
         return self.name.partition(".")[0]
 
     def run(self) -> Outcome:

@@ -48,7 +48,7 @@ class Approach(NamedTuple):
 
 
 def bars_in_impact(name: str, elements: int = ELEMENTS) -> Approach:
-    """Bars before their contact."""
+    """Return two bars before their contact."""
     contact = reference("contact")
     known = (contact["bars"] | reference("published")["bars"])[name]
     bar = known.get("bar", contact["bar"])
@@ -68,7 +68,7 @@ def bars_in_impact(name: str, elements: int = ELEMENTS) -> Approach:
 
 @cache
 def collision(name: str) -> Collision:
-    """Let bars meet, from before the contact to well after it."""
+    """March two bars from before their contact to well after it."""
     known, bars, given, dt, steps = bars_in_impact(name)
     chunk = marched(given, dt, steps)
     last = (chunk.rotor_velocity[-1], chunk.casing_velocity[-1])
@@ -78,14 +78,14 @@ def collision(name: str) -> Collision:
 
 @verifies(*BARS)
 def impulse_of_bars(name: str) -> Pair:
-    """Over the whole contact."""
+    """Compare the impulse of the whole contact."""
     met = collision(name)
     return met.known["impulse"], met.chunk.contact_impulse.sum()
 
 
 @verifies(*BARS)
 def beginning_for_bars(name: str) -> Pair:
-    """First step with contact."""
+    """Compare the first step with contact."""
     met = collision(name)
     first = met.chunk.time[np.argmax(met.chunk.contact_impulse[:, 0] > 0.0)]
     return met.known["start"] / met.dt, first / met.dt
@@ -93,7 +93,7 @@ def beginning_for_bars(name: str) -> Pair:
 
 @verifies(*BARS)
 def duration_of_bars(name: str) -> Pair:
-    """From the first step with contact to the last."""
+    """Compare the duration from the first step with contact to the last."""
     met = collision(name)
     touching = met.chunk.time[met.chunk.contact_impulse[:, 0] > 0.0]
     return met.known["duration"], touching[-1] - touching[0]
@@ -101,7 +101,7 @@ def duration_of_bars(name: str) -> Pair:
 
 @verifies(*BARS)
 def force_of_bars(name: str) -> Pair:
-    """Peaks depend on the step; the mean over the middle does not."""
+    """Compare the mean force over the middle of the contact; peaks depend on the step."""
     met = collision(name)
     known, chunk = met.known, met.chunk
     since_middle = np.abs(chunk.time - known["start"] - 0.5 * known["duration"])
@@ -111,7 +111,7 @@ def force_of_bars(name: str) -> Pair:
 
 @verifies(*BARS)
 def velocity_of_bars(name: str) -> Pair:
-    """Of the centres of mass."""
+    """Compare the change of the velocities of the centres of mass."""
     met = collision(name)
     before, after = (
         np.array([v for v in met.known[key] if v is not None])
@@ -122,7 +122,7 @@ def velocity_of_bars(name: str) -> Pair:
 
 @cache
 def bouncing_bar() -> Chunk:
-    """A bar dropped on a rigid wall; it touches twice."""
+    """March a bar dropped on a rigid wall, which touches it twice."""
     known = reference("published")["bouncing_bar"]
     shape = {key: known[key] for key in ("length", "young_modulus", "density")}
     bar = Bar(area=1.0, elements=2 * ELEMENTS, **shape)
@@ -133,7 +133,7 @@ def bouncing_bar() -> Chunk:
 
 @verifies()
 def impulse_of_a_bouncing_bar() -> Pair:
-    """The second after a flight in which it rings."""
+    """Compare the impulses of both contacts; the bar vibrates between them."""
     chunk = bouncing_bar()
     impulse, first = chunk.contact_impulse[:, 0], chunk.time < 8.0 / 3.0
     expected = reference("published")["bouncing_bar"]["impulse"]
@@ -141,14 +141,14 @@ def impulse_of_a_bouncing_bar() -> Pair:
 
 
 def first_touch() -> FloatArray:
-    """Times of the steps of the first contact of a bouncing bar [s]."""
+    """Return the times of the steps in the first contact of a bouncing bar [s]."""
     chunk = bouncing_bar()
     return chunk.time[(chunk.contact_impulse[:, 0] > 0.0) & (chunk.time < 2.0)]
 
 
 @verifies()
 def beginning_of_a_bounce() -> Pair:
-    """At the time of free fall."""
+    """Compare the beginning with the time of free fall."""
     first, _ = reference("published")["bouncing_bar"]["first_contact"]
     dt = bouncing_bar().time[1]
     return first / dt, first_touch()[0] / dt
@@ -156,12 +156,12 @@ def beginning_of_a_bounce() -> Pair:
 
 @verifies()
 def end_of_a_bounce() -> Pair:
-    """Within 1 % of the time in contact."""
+    """Compare the end of the first contact; the tolerance is 1 % of its duration."""
     return reference("published")["bouncing_bar"]["first_contact"][1], first_touch()[-1]
 
 
 def bounce(*, first: bool) -> float:
-    """Centre of an impulse [s]."""
+    """Return the centroid in time of an impulse [s]."""
     chunk = bouncing_bar()
     part = (chunk.time < 8.0 / 3.0) == first
     return float(np.average(chunk.time[part], weights=chunk.contact_impulse[part, 0]))
@@ -169,19 +169,19 @@ def bounce(*, first: bool) -> float:
 
 @verifies()
 def first_bounce() -> Pair:
-    """The force rises linearly."""
+    """Compare the centroid of the first contact, in which the force rises linearly."""
     return 49.0 / 36.0, bounce(first=True)
 
 
 @verifies()
 def second_bounce() -> Pair:
-    """In mirror image, after a flight in which the bar rings."""
+    """Compare the centroid of the second contact, the mirror image of the first."""
     return 143.0 / 36.0, bounce(first=False)
 
 
 @cache
 def oscillator(name: str) -> tuple[dict[str, Any], Chunk]:
-    """A mass on a spring driven against a stop without restitution, 1.2 s."""
+    """March a driven mass on a spring against a stop without restitution for 1.2 s."""
     known = reference("contact")["oscillator"]
     case, dt = known[name], 2e-5
     rotor = small_rotor(np.sqrt([known["stiffness"]]), tip_radial=np.ones((1, 1)))
@@ -193,7 +193,7 @@ def oscillator(name: str) -> tuple[dict[str, Any], Chunk]:
 
 
 def impacts(name: str) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Times and impulses of the impacts of an oscillator: exact ones, then ours.
+    """Return the exact times and impulses of the impacts of an oscillator, then the computed ones.
 
     A mass left at rest on the stop touches it again with impulses of rounding: no contact.
     """
@@ -212,28 +212,28 @@ OSCILLATORS = ("C1", "C2", "C3", "C4")
 
 @verifies(*OSCILLATORS)
 def times_of_impacts(name: str) -> Pair:
-    """Within two steps."""
+    """Compare the times of the impacts; the tolerance is two steps."""
     exact, _, computed, _ = impacts(name)
     return exact, computed
 
 
 @verifies(*OSCILLATORS)
 def impulses_of_impacts(name: str) -> Pair:
-    """The stop takes all the momentum."""
+    """Compare the impulses: the stop absorbs all the momentum."""
     _, exact, _, computed = impacts(name)
     return exact, computed
 
 
 @verifies()
 def energy_of_an_impact() -> Pair:
-    """Work of the contact forces."""
+    """Compare the energy lost at impacts with the work of the contact forces."""
     case, chunk = oscillator("C1")
     return -case["energy_lost"], chunk.normal_work[-1]
 
 
 @verifies("C2", "C3")
 def times_of_releases(name: str) -> Pair:
-    """Of contacts that last; a mass that an impact leaves at rest leaves at once."""
+    """Compare the times of release from lasting contacts."""
     case, chunk = oscillator(name)
     exact = [e["time"] for e in case["events"] if e["event"] == "release" and e["time"] < 1.2]
     touching = np.flatnonzero(chunk.contact_impulse[:, 0] > 1e-12 * chunk.contact_impulse.max())
@@ -244,13 +244,13 @@ def times_of_releases(name: str) -> Pair:
 
 @verifies()
 def resting_force() -> Pair:
-    """Load less spring force."""
+    """Compare the contact force at rest, the load less the spring force."""
     case, chunk = oscillator("C1")
     return case["resting_force"], chunk.contact_impulse[-1, 0] / chunk.time[1]
 
 
 def pad_on_a_wall() -> ContactProblem:
-    """m = 1 kg on k = 1e4 N/m, mu m g = 1 N, let go at 0.85 mm."""
+    """Return a pad with friction: m = 1 kg on k = 1e4 N/m, mu m g = 1 N, released at 0.85 mm."""
     rotor = small_rotor(
         np.array([50.0, 100.0]),
         tip_radial=np.array([[1.0, 0.0]]),
@@ -266,13 +266,13 @@ def pad_on_a_wall() -> ContactProblem:
 
 @cache
 def coulomb_pad() -> tuple[Chunk, float]:
-    """The pad, and the time step."""
+    """March the pad; return the records and the time step."""
     return marched(pad_on_a_wall(), 1e-5, 20_000), 1e-5
 
 
 @verifies()
 def extremes_of_a_pad() -> Pair:
-    """Each half swing loses 2 mu m g / k."""
+    """Compare the extremes: each half cycle loses 2 mu m g / k."""
     chunk, dt = coulomb_pad()
     at = [round(n * np.pi / 100.0 / dt) for n in range(5)]
     return reference("published")["coulomb_pad"]["extremes"], chunk.rotor_displacement[at, 1]
@@ -280,7 +280,7 @@ def extremes_of_a_pad() -> Pair:
 
 @verifies()
 def pad_that_sticks() -> Pair:
-    """At all times after the second period."""
+    """Compare the final position with all positions after the second period."""
     chunk, dt = coulomb_pad()
     known = reference("published")["coulomb_pad"]
     stuck = chunk.rotor_displacement[chunk.time > known["stuck_from"] + dt, 1]
@@ -289,7 +289,7 @@ def pad_that_sticks() -> Pair:
 
 @verifies()
 def work_on_a_pad() -> Pair:
-    """It slides 3.6 mm against 1 N."""
+    """Compare the work of friction: 1 N over 3.6 mm of sliding."""
     return reference("published")["coulomb_pad"]["friction_work"], coulomb_pad()[0].friction_work[
         -1
     ]
@@ -297,28 +297,28 @@ def work_on_a_pad() -> Pair:
 
 @verifies()
 def force_on_a_pad() -> Pair:
-    """Its weight, at all steps but those at the ends."""
+    """Compare the normal force with the weight, without the first and last step."""
     chunk, dt = coulomb_pad()
     force = chunk.contact_impulse[2:-1] / dt
     return np.full_like(force, 10.0), force
 
 
 def small_marches() -> list[Chunk]:
-    """All bars, oscillators and the pad."""
+    """March all bars, oscillators and the pad."""
     bars = [collision(name).chunk for name in BARS]
     return [*bars, *(oscillator(name)[1] for name in OSCILLATORS), coulomb_pad()[0]]
 
 
 @verifies()
 def ledgers() -> Pair:
-    """The worst step of each."""
+    """Compare the energy residual of each march with zero, at its worst step."""
     computed = [ledger_residual(chunk) for chunk in small_marches()]
     return np.zeros(len(computed)), computed
 
 
 @verifies()
 def gaps_in_contact() -> Pair:
-    """The largest of each, and the deepest penetration."""
+    """Compare gaps of closed contacts and penetrations with zero, the largest of each march."""
     computed = [
         value
         for chunk in small_marches()
@@ -329,14 +329,14 @@ def gaps_in_contact() -> Pair:
 
 @verifies()
 def unbalance_orbit() -> Pair:
-    """Through the resonance; started on the orbit, which harmonic loads in x and y keep up."""
+    """Compare the orbit through the resonance, started on the exact orbit under harmonic loads."""
     known = reference("jeffcott")
     computed = [_departure(known["rotor"], row) for row in known["response"]]
     return np.zeros(len(computed)), computed
 
 
 def _departure(rotor: dict[str, float], row: dict[str, float]) -> float:
-    """Largest over 0.1 s, as a share of the radius."""
+    """Return the largest deviation over 0.1 s relative to the radius."""
     root = np.sqrt(rotor["mass"])
     body = small_rotor(
         np.full(2, np.sqrt(rotor["stiffness"]) / root),

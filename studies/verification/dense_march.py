@@ -19,7 +19,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 def dense_march(
     given: ContactProblem, dt: float, steps: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Gaps [m], normal and friction impulses [N s] of all steps from 0 on, (steps + 1, tips)."""
+    """March with dense matrices; return gaps [m], normal and friction impulses [N s] by step."""
     rotor, casing, speed = given.rotor, given.casing, given.speed
     m, tips = len(rotor.frequency), len(rotor.tip_angle)
     omega = np.r_[rotor.frequency, casing.frequency]
@@ -79,7 +79,7 @@ def dense_march(
 
 
 def complementary(gap: FloatArray, delassus: FloatArray) -> FloatArray:
-    """Forces >= 0 that leave no gap < 0, by guessing which tips touch and putting that right.
+    """Return forces >= 0 without negative gaps, by correcting an assumed active set.
 
     Raises:
         ArithmeticError: it goes round in circles.

@@ -49,7 +49,7 @@ RUBBING: Mapping[str, Mapping[str, Any]] = {
 
 @cache
 def rubbing(kind: str) -> tuple[tuple[FloatArray, FloatArray, FloatArray], Chunk]:
-    """A rubbing stage marched both ways, 10 ms.
+    """March a rubbing stage for 10 ms with both programs.
 
     Raises:
         ArithmeticError: nothing has touched.
@@ -62,34 +62,34 @@ def rubbing(kind: str) -> tuple[tuple[FloatArray, FloatArray, FloatArray], Chunk
 
 
 def coarse(changes: Mapping[str, Any]) -> ContactProblem:
-    """The default stage made coarse, and changed."""
+    """Return the default stage with fewer elements and modes, and with changes."""
     return contact_problem(build_stage(with_values(Case(), {**COARSE, **changes})))
 
 
 @verifies(*RUBBING)
 def gaps_of_rubbing_stages(kind: str) -> Pair:
-    """Step for step, through contact, until chaos parts them."""
+    """Compare gaps at all steps in contact, until the motions separate by chaos."""
     plain, chunk = rubbing(kind)
     return plain[0], chunk.gap
 
 
 @verifies(*RUBBING)
 def impulses_of_rubbing_stages(kind: str) -> Pair:
-    """Of every step."""
+    """Compare the impulses of all steps."""
     plain, chunk = rubbing(kind)
     return plain[1:], [chunk.contact_impulse, chunk.friction_impulse]
 
 
 @verifies()
 def gaps_of_the_papers_stage() -> Pair:
-    """40 casing elements, 110 fixed-interface modes, steps of a microsecond."""
+    """Compare gaps with 40 casing elements, 110 fixed-interface modes and steps of 1 us."""
     strike = {"casing.support": 7.975e6, **STRIKE}
     given = contact_problem(build_stage(with_values(Case(), strike)))
     return dense_march(given, 1e-6, 30_000)[0], marched(given, 1e-6, 30_000).gap
 
 
 def turned(angle: float = 0.0, speed: float = 1.05) -> Chunk:
-    """A shaft pushed in some direction until blades rub with friction."""
+    """March a stage with an initial velocity of the shaft in some direction until blades rub."""
     push = [1.5 * np.cos(angle), 1.5 * np.sin(angle)]
     changes = {"initial.centre_velocity": push, "march.speed": speed, "contact.friction": 0.1}
     return marched(coarse(changes), DT, STEPS)
@@ -97,26 +97,26 @@ def turned(angle: float = 0.0, speed: float = 1.05) -> Chunk:
 
 @verifies()
 def mirror() -> Pair:
-    """Speed and numbers of the blades reversed, the shaft pushed along the mirror."""
+    """Compare with the mirror image: speed, blade numbers and initial velocity reversed."""
     return turned().gap, turned(speed=-1.05).gap[:, -np.arange(22) % 22]
 
 
 @verifies()
 def mirrored_friction() -> Pair:
-    """Drags the other way."""
+    """Compare the friction impulses, which change sign in the mirror image."""
     mirrored = turned(speed=-1.05).friction_impulse[:, -np.arange(22) % 22]
     return turned().friction_impulse, -mirrored
 
 
 @verifies()
 def one_pitch() -> Pair:
-    """22 blades in 22 casing elements."""
+    """Compare two initial directions one pitch apart, for 22 blades in 22 casing elements."""
     return turned().gap, np.roll(turned(2.0 * np.pi / 22).gap, -1, axis=1)
 
 
 @verifies()
 def friction_at_standstill() -> Pair:
-    """Though blades touch."""
+    """Compare friction at zero speed with zero, with blades in contact."""
     chunk = turned(speed=0.0)
     if not chunk.contact_impulse.any():
         raise ArithmeticError("expected contact at standstill")
@@ -125,13 +125,13 @@ def friction_at_standstill() -> Pair:
 
 @verifies()
 def symmetry_at_standstill() -> Pair:
-    """Nothing drags the shaft aside."""
+    """Compare gaps on both sides of the initial direction at zero speed."""
     gap = turned(speed=0.0).gap
     return gap, gap[:, -np.arange(22) % 22]
 
 
 def oscillations(given: ContactProblem, time: float) -> FloatArray:
-    """Modal displacements of the rotor without contact and loads, by superposition."""
+    """Return modal displacements of the free rotor without loads, by superposition."""
     start, ratio, omega = given.start, given.rotor.damping_ratio, given.rotor.frequency
     rate, damped = ratio * omega, omega * np.sqrt(1.0 - ratio**2)
     sine = (start.rotor_velocity + rate * start.rotor) / damped
@@ -140,7 +140,7 @@ def oscillations(given: ContactProblem, time: float) -> FloatArray:
 
 
 def free_motion_error(steps: int) -> float:
-    """Of all modes of a body set off at random, after 2 ms with modal damping."""
+    """Return the error of all modes of a body with random initial motion and damping after 2 ms."""
     random = np.random.default_rng(1)
     body = coarse({"damping.ratio": 0.01}).rotor
     count = len(body.frequency)
@@ -155,14 +155,14 @@ def free_motion_error(steps: int) -> float:
 
 @verifies()
 def order_of_free_motion() -> Pair:
-    """Of twice as many steps, and of four times."""
+    """Compare the order, from twice and four times as many steps."""
     errors = [free_motion_error(steps) for steps in (4000, 8000, 16_000)]
     return np.full(2, 2.0), observed_order(np.array(errors))
 
 
 @verifies()
 def free_motion() -> Pair:
-    """Of the whole coarse stage pushed at its shaft."""
+    """Compare the free motion of the coarse stage after an initial velocity of the shaft."""
     given = coarse({"initial.centre_velocity": [0.1, 0.05]})
     chunk = marched(given, 1.25e-7, 16_000, every=16_000)
     return oscillations(given, 2e-3), chunk.rotor_displacement[-1]
@@ -170,7 +170,7 @@ def free_motion() -> Pair:
 
 @cache
 def after_a_hit(steps: int) -> float:
-    """Place of a mass on a spring just after it has hit a stop [m]."""
+    """Return the position of a mass on a spring shortly after its impact on a stop [m]."""
     load = Load(rotor=np.array([20.0]), casing=np.zeros(1), frequency=10.0)
     rotor = small_rotor(np.array([1000.0**0.5]), tip_radial=np.ones((1, 1)))
     given = problem(rotor, wall(0.01), loads=(load,))
@@ -178,7 +178,7 @@ def after_a_hit(steps: int) -> float:
 
 
 def contact_error(steps: int) -> float:
-    """Mean over many steps [m]: where in a step the mass hits is left to chance."""
+    """Return the error averaged over step sizes [m], since the impact falls anywhere in a step."""
     tried = [round(steps * (1.0 + i / 40.0)) for i in range(40)]
     exact = after_a_hit(4_000_000)
     return float(np.mean([abs(after_a_hit(each) - exact) for each in tried]))
@@ -186,6 +186,6 @@ def contact_error(steps: int) -> float:
 
 @verifies()
 def order_of_contact() -> Pair:
-    """Over a factor of 16 of the step."""
+    """Compare the order over a factor of 16 of the step."""
     errors = [contact_error(steps) for steps in (2000, 32_000)]
     return 1.0, observed_order(np.array(errors), ratio=16.0)[0]

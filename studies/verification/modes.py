@@ -39,14 +39,14 @@ SPAN, TIP_MASS = 0.45, 0.1
 
 @verifies(*CENTRES)
 def stage_frequencies(centre: str) -> Pair:
-    """Table 1 taken literally."""
+    """Compare the frequencies of Table 1, taken literally."""
     modes = disk_modes(bladed_disk(clamped=centre == "clamped"))
     return reference("disk_modes")[centre]["frequency_hz"], hertz(modes)[:LISTED]
 
 
 @verifies(*CENTRES)
 def stage_names(centre: str) -> Pair:
-    """Of the 92 lowest."""
+    """Count the wrong names among the 92 lowest modes."""
     known = reference("disk_modes")[centre]
     modes = disk_modes(bladed_disk(clamped=centre == "clamped"))
     names = zip(modes.nodal_diameter.tolist(), families(modes, "bladed-disk"), strict=True)
@@ -55,7 +55,7 @@ def stage_names(centre: str) -> Pair:
 
 
 def static(disk: BladedDiskModel, dof: int) -> FloatArray:
-    """Displacement of every node along x, y and its rotation under a unit force, (nodes, 3)."""
+    """Return x and y displacements and rotations of all nodes under a unit force, (nodes, 3)."""
     force = np.zeros((disk.structure.size, 1))
     force[dof] = 1.0
     return disk.cartesian(spla.splu(disk.structure.stiffness.tocsc()).solve(force))[..., 0]
@@ -63,7 +63,8 @@ def static(disk: BladedDiskModel, dof: int) -> FloatArray:
 
 @verifies(*CENTRES)
 def stage_stiffness(centre: str) -> Pair:
-    """Tangential and radial at a tip, tangential at a root, and at the centre if it is free."""
+    """Compare stiffnesses: tangential and radial at a tip, tangential at a root and at a free
+    centre."""
     known = reference("disk_static")[centre]
     disk = bladed_disk(clamped=centre == "clamped")
     nodes = disk.mesh.node_sets
@@ -81,7 +82,7 @@ def stage_stiffness(centre: str) -> Pair:
 
 @verifies(*CENTRES)
 def stage_flexibility(centre: str) -> Pair:
-    """Rotation of the tip, x and y of the next one, y of the opposite one."""
+    """Compare displacements of three tips under a tangential force."""
     known = reference("disk_static")[centre]
     disk = bladed_disk(clamped=centre == "clamped")
     field, tips = static(disk, int(disk.tip_tangential[0])), disk.mesh.node_sets["tips"]
@@ -95,7 +96,7 @@ def stage_flexibility(centre: str) -> Pair:
 
 @verifies()
 def unbalance_response() -> Pair:
-    """(K - Omega^2 M) u = m e Omega^2 at the centre."""
+    """Compare the solution of (K - Omega^2 M) u = m e Omega^2 at the centre."""
     known, disk = reference("disk_harmonic"), bladed_disk()
     tips, centre = disk.mesh.node_sets["tips"], disk.mesh.node_sets["centre"][0]
     expected, computed = [], []
@@ -113,7 +114,7 @@ def unbalance_response() -> Pair:
 def cantilever(
     taper: Section | Sequence[Section], elements: int, tip_mass: float = 0.0
 ) -> FloatArray:
-    """Frequencies of a blade held at its root [rad/s]."""
+    """Return the frequencies of a blade clamped at its root [rad/s]."""
     sketch = beam(taper, elements, length=SPAN)
     if tip_mass:
         sketch.mass("end", tip_mass)
@@ -121,7 +122,7 @@ def cantilever(
 
 
 def exact_bending() -> FloatArray:
-    """First three bending frequencies of a uniform cantilever [rad/s]."""
+    """Return the first three bending frequencies of a uniform cantilever [rad/s]."""
     section = steel(0.01)
     roots = np.array([1.8751040687119611, 4.694091132974175, 7.854757438237613])
     unit = np.sqrt(section.bending_stiffness / section.line_mass)
@@ -130,24 +131,24 @@ def exact_bending() -> FloatArray:
 
 @verifies()
 def bending_cantilever() -> Pair:
-    """Clamped and free."""
+    """Compare the bending frequencies of a uniform cantilever."""
     return exact_bending(), cantilever(steel(0.01), 24)[:3]
 
 
 def bending_errors(elements: int) -> FloatArray:
-    """Relative errors of those frequencies."""
+    """Return the relative errors of the bending frequencies."""
     return cantilever(steel(0.01), elements)[:3] / exact_bending() - 1.0
 
 
 @verifies()
 def order_of_bending() -> Pair:
-    """The fourth power of the element length."""
+    """Compare the order with four."""
     errors = [bending_errors(n) for n in (6, 12)]
     return np.full(3, 4.0), observed_order(np.array(errors))[0]
 
 
 def stretching_errors(elements: int) -> FloatArray:
-    """Relative errors of the first three frequencies of stretching, of the nearest ones."""
+    """Return the relative errors of the first three stretching frequencies."""
     exact = np.pi * (np.arange(3) + 0.5) / SPAN * np.sqrt(2.1e11 / 7800.0)
     computed = cantilever(steel(0.01), elements)
     nearest = np.argmin(np.abs(computed[:, None] - exact), axis=0)
@@ -156,13 +157,13 @@ def stretching_errors(elements: int) -> FloatArray:
 
 @verifies()
 def order_of_stretching() -> Pair:
-    """The square of the element length."""
+    """Compare the order with two."""
     errors = [stretching_errors(n) for n in (32, 64)]
     return np.full(3, 2.0), observed_order(np.array(errors))[0]
 
 
 def by_ritz(thickness: Sequence[float]) -> FloatArray:
-    """Three lowest frequencies of a tapered blade with a mass at its tip [rad/s].
+    """Return the three lowest frequencies of a tapered blade with a mass at its tip [rad/s].
 
     Polynomials over the span, and over all of it after each inner station more that begin with
     the third power, for the third derivative jumps there.
@@ -192,27 +193,27 @@ def by_ritz(thickness: Sequence[float]) -> FloatArray:
 
 @verifies()
 def tapered_blade() -> Pair:
-    """20 to 12 to 8 mm thick."""
+    """Compare a blade with thicknesses of 20, 12 and 8 mm."""
     taper = [steel(0.020), steel(0.012), steel(0.008)]
     return by_ritz([0.020, 0.012, 0.008]), cantilever(taper, 10, TIP_MASS)[:3]
 
 
 def tapered_errors(elements: int) -> FloatArray:
-    """Relative errors of those frequencies."""
+    """Return the relative errors of the frequencies of the tapered blade."""
     taper = [steel(0.020), steel(0.012), steel(0.008)]
     return cantilever(taper, elements, TIP_MASS)[:3] / by_ritz([0.020, 0.012, 0.008]) - 1.0
 
 
 @verifies()
 def order_of_tapered_blades() -> Pair:
-    """As that of prismatic ones."""
+    """Compare the order with four, that of prismatic blades."""
     errors = [tapered_errors(n) for n in (8, 16)]
     return np.full(3, 4.0), observed_order(np.array(errors))[0]
 
 
 @verifies()
 def cyclic_against_full() -> Pair:
-    """22 blades of four elements."""
+    """Compare the frequencies of 22 blades of four elements, by sectors and as a whole."""
     structure = bladed_disk(elements=4).structure
     whole = la.eigh(structure.stiffness.toarray(), structure.mass.toarray(), eigvals_only=True)
     return np.sqrt(whole), disk_modes(bladed_disk(elements=4)).frequency
@@ -220,7 +221,7 @@ def cyclic_against_full() -> Pair:
 
 @verifies()
 def nearly_tuned() -> Pair:
-    """Found without symmetry."""
+    """Compare 60 frequencies computed without symmetry with those of the symmetric stage."""
     disk = bladed_disk(elements=4)
     mass = disk.structure.mass.copy().tolil()
     for dof in (disk.tip_radial[0], disk.tip_tangential[0]):
@@ -230,7 +231,7 @@ def nearly_tuned() -> Pair:
 
 
 def reduction_error(kept: int) -> FloatArray:
-    """Relative error of the first 22 elastic frequencies of a reduced stage."""
+    """Return the relative error of the first 22 elastic frequencies of a reduced stage."""
     disk = bladed_disk()
     boundary = np.concatenate([disk.tip_radial, disk.tip_tangential, disk.centre])
     reduced = craig_bampton(disk.structure, boundary, kept, tip_reference(disk)).modes
@@ -240,12 +241,12 @@ def reduction_error(kept: int) -> FloatArray:
 
 @verifies()
 def craig_bampton_error() -> Pair:
-    """Those of the first family."""
+    """Compare the error of the first family with zero."""
     return 0.0, reduction_error(110).max()
 
 
 @verifies()
 def craig_bampton_convergence() -> Pair:
-    """Both are positive: frequencies come from above."""
+    """Compare the share of the error that remains with twice the modes; errors are positive."""
     coarse, fine = reduction_error(110), reduction_error(220)
     return 0.0, fine.max() / coarse.max()

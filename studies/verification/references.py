@@ -1,4 +1,4 @@
-"""Reference values, kept as data: each file says how its numbers were made."""
+"""Reference values as data; each file states how its numbers were made."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Balances of a run, from its `result.nc` alone."""
+"""Balances of a run, from its `result.nc` only."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ SMALL: Mapping[str, Any] = {
 
 @cache
 def recorded(**changes: Any) -> xr.Dataset:
-    """The result of a run whose shaft is pushed until blades rub, read into memory.
+    """Run a stage with an initial velocity of the shaft until blades rub, and load the result.
 
     Args:
         changes: of the case, two underscores for a dot.
@@ -50,7 +50,8 @@ def recorded(**changes: Any) -> xr.Dataset:
 
 
 def rows(result: xr.Dataset) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Radial and tangential rows of tips, (tips, modes), and of the casing under them, by step."""
+    """Return radial and tangential rows of tips, (tips, modes), and of the casing under them, by
+    step."""
     angle, tips = result["tip_angle"].values, result["tip_node"].values
     x, y = result["rotor_shape"].values[tips, :2].transpose(1, 0, 2)
     cos, sin = np.cos(angle)[:, None], np.sin(angle)[:, None]
@@ -67,7 +68,7 @@ def rows(result: xr.Dataset) -> tuple[FloatArray, FloatArray, FloatArray, FloatA
 
 
 def kicks(result: xr.Dataset, body: str) -> FloatArray:
-    """Change of modal momentum over each step that bending does not explain, (steps, modes)."""
+    """Return the change of modal momentum over each step without elastic forces, (steps, modes)."""
     x, dt = result[f"{body}_displacement"].values, result.attrs["time_step"]
     frequency = result[f"{body}_frequency"].values
     bent = (x[2:] - 2.0 * x[1:-1] + x[:-2]) / dt
@@ -76,7 +77,7 @@ def kicks(result: xr.Dataset, body: str) -> FloatArray:
 
 @verifies()
 def momentum_of_the_bladed_disk() -> Pair:
-    """Inward by the normal impulses, backward by those of friction."""
+    """Compare with the contact impulses: inward by normal forces, backward by friction."""
     result = recorded()
     radial, tangential, _, _ = rows(result)
     normal, friction = (result[f"{name}_impulse"].values[2:] for name in ("contact", "friction"))
@@ -85,7 +86,7 @@ def momentum_of_the_bladed_disk() -> Pair:
 
 @verifies()
 def momentum_of_the_casing() -> Pair:
-    """Outward and forward, at the places where the tips are."""
+    """Compare with the contact impulses at the tips: outward normal, forward friction."""
     result = recorded()
     _, _, radial, tangential = rows(result)
     normal, friction = (result[f"{name}_impulse"].values[2:] for name in ("contact", "friction"))
@@ -96,7 +97,7 @@ def momentum_of_the_casing() -> Pair:
 
 @verifies(1.05, -1.05)
 def friction_ratio(speed: float) -> Pair:
-    """Of all tips at all steps with contact."""
+    """Compare friction over normal impulses of all tips at all steps with contact."""
     result = recorded(march__speed=speed)
     normal, friction = (result[f"{name}_impulse"].values for name in ("contact", "friction"))
     ratio = friction[normal > 0.0] / normal[normal > 0.0]
@@ -105,7 +106,7 @@ def friction_ratio(speed: float) -> Pair:
 
 @verifies()
 def torque_on_the_casing() -> Pair:
-    """By the motion of the modes that turn the casing, which its support holds elastically."""
+    """Compare the torque of friction with the motion of the modes that rotate the casing."""
     result = recorded()
     turning = np.flatnonzero(result["casing_nodal_diameter"].values == 0)
     tangential = result["casing_shape"].values[:, 2][:, turning].mean(axis=0)
@@ -118,7 +119,7 @@ def torque_on_the_casing() -> Pair:
 
 @verifies()
 def energy_ledger() -> Pair:
-    """External, normal, friction, damping and coupling work, with damping and a load."""
+    """Compare the energy ledger with zero, with damping and a load."""
     result = recorded(damping__ratio=0.005, excitation__type="imbalance", coupling__stiffness=1e5)
     names = ("external_work", "normal_work", "friction_work", "coupling_work", "damping_work")
     terms = np.array([result[name].values for name in names])
@@ -129,13 +130,13 @@ def energy_ledger() -> Pair:
 
 @verifies()
 def penetration() -> Pair:
-    """Over all steps."""
+    """Compare the deepest penetration of all steps with zero."""
     return 0.0, min(0.0, float(recorded()["gap"].values.min()))
 
 
 @verifies()
 def complementarity() -> Pair:
-    """Of all tips at all steps."""
+    """Compare the gaps of all closed contacts with zero."""
     result = recorded()
     gap = result["gap"].values[result["contact_impulse"].values > 0.0]
     return np.zeros_like(gap), gap
@@ -143,7 +144,7 @@ def complementarity() -> Pair:
 
 @verifies("backward", "forward")
 def circular_whirl(way: str) -> Pair:
-    """In the rotating and in the static frame."""
+    """Compare the whirl frequency in the rotating and the static frame."""
     computed = circle(way)
     omega = (1.0 if way == "forward" else -1.0) * computed.attrs["natural"]
     rates = [computed["rate"].sel(frame=frame).values for frame in ("rotating", "static")]
@@ -153,7 +154,7 @@ def circular_whirl(way: str) -> Pair:
 
 @verifies("backward", "forward")
 def whirl_labels(way: str) -> Pair:
-    """In the rotating and in the static frame."""
+    """Compare the whirl direction in the rotating and the static frame."""
     computed = circle(way)
     sign = 1.0 if way == "forward" else -1.0
     static = np.sign(sign * computed.attrs["natural"] + computed.attrs["speed"])
@@ -163,7 +164,7 @@ def whirl_labels(way: str) -> Pair:
 
 @cache
 def circle(way: str) -> xr.Dataset:
-    """Whirl of a shaft started on a circle in the suspension pair alone, without contact."""
+    """Return the whirl of a shaft started on a circle in the suspension pair, without contact."""
     longer = {"march__duration": 0.2, "march__record_step": 4e-5}
     pair = {"reduction__modes": "suspension,casing:1", **longer}
     still = {"initial__centre_velocity": (0.0, 0.0)}

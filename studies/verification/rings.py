@@ -23,12 +23,12 @@ from bladewhirl.studies.verification.stages import (
 
 
 def lowest(modes: Modes, k: int) -> float:
-    """Lowest frequency of a nodal diameter [Hz]."""
+    """Return the lowest frequency of a nodal diameter [Hz]."""
     return float(hertz(modes)[modes.nodal_diameter == k][0])
 
 
 def flexural(elements: int, name: str) -> Pair:
-    """Bending frequencies of two to ten nodal diameters [Hz]."""
+    """Return bending frequencies of two to ten nodal diameters [Hz], reference and computed."""
     known, rows = reference("ring"), reference("ring")["modes"][2:]
     support = known["ring"]["foundation"] if name == "flexural_on_foundation_hz" else 0.0
     modes = casing_modes(elements, support)
@@ -37,50 +37,50 @@ def flexural(elements: int, name: str) -> Pair:
 
 @verifies()
 def free_ring() -> Pair:
-    """Without a support."""
+    """Compare a ring without support."""
     return flexural(160, "flexural_hz")
 
 
 @verifies()
 def ring_on_foundation() -> Pair:
-    """On a uniform support, radial and tangential."""
+    """Compare a ring on a uniform radial and tangential support."""
     return flexural(160, "flexural_on_foundation_hz")
 
 
 @verifies()
 def ring_by_opensees() -> Pair:
-    """Polygons of straight beams, within their own discretisation error."""
+    """Compare with polygons of straight beams; the tolerance is their discretisation error."""
     return flexural(160, "opensees_800_hz")
 
 
 def ring_errors(elements: int) -> FloatArray:
-    """Relative errors of the bending frequencies of two to ten nodal diameters."""
+    """Return the relative errors of the bending frequencies of two to ten nodal diameters."""
     exact, ours = flexural(elements, "flexural_hz")
     return np.asarray(np.array(ours) / np.array(exact) - 1.0)
 
 
 @verifies()
 def order_of_the_ring() -> Pair:
-    """From above, with the fourth power of the element length."""
+    """Compare the order with four."""
     errors = [ring_errors(n)[-1] for n in (80, 160)]
     return 4.0, observed_order(np.array(errors))[0]
 
 
 def translation_error(elements: int) -> float:
-    """Square of the frequency of a free ring's translation, which is 0 [rad^2/s^2]."""
+    """Return the squared frequency of a free ring's translation, exactly 0 [rad^2/s^2]."""
     return float(casing_modes(elements).frequency[1] ** 2)
 
 
 @verifies()
 def order_of_translations() -> Pair:
-    """Nearly the sixth."""
+    """Compare the order, nearly six."""
     eigenvalues = np.array([translation_error(n) for n in (40, 80)])
     return 5.7, observed_order(eigenvalues)[0]
 
 
 @verifies()
 def stretching_ring() -> Pair:
-    """Those of the spectrum nearest to the closed form."""
+    """Compare the stretching frequencies with the closed form."""
     modes = casing_modes(80)
     exact = [row["extensional_hz"] for row in reference("ring")["modes"][:5]]
     spectra = [hertz(modes)[modes.nodal_diameter == k] for k in range(5)]
@@ -91,7 +91,7 @@ def stretching_ring() -> Pair:
 
 @verifies()
 def pinched_ring() -> Pair:
-    """Two opposite unit forces: R^3/EI (pi/4 - 2/pi) + pi R / 4 EA."""
+    """Compare with R^3/EI (pi/4 - 2/pi) + pi R / 4 EA for two opposite unit forces."""
     section, modes = steel(0.01), casing_modes(80)
     exact = RADIUS**3 / section.bending_stiffness * (np.pi / 4 - 2 / np.pi)
     exact += np.pi * RADIUS / (4.0 * section.axial_stiffness)
@@ -103,7 +103,8 @@ def pinched_ring() -> Pair:
 
 @verifies("2", "3", "4")
 def nafems_ring(k: str) -> Pair:
-    """Radius 1 m, round bar of 0.1 m; a rectangle of the same area and second moment here."""
+    """Compare a ring of radius 1 m and a round bar of 0.1 m, as a rectangle of equal area and
+    inertia."""
     diameter = 0.1
     thickness = diameter * np.sqrt(3.0) / 2.0
     section = Section(

@@ -1,4 +1,4 @@
-"""Bladed disks that feel that they turn: cantilevers, the paper's stage at speed, closed forms."""
+"""Bladed disks with rotation effects: cantilevers, the paper's stage at speed, closed forms."""
 
 from __future__ import annotations
 
@@ -32,25 +32,25 @@ KEYS: dict[Effects, str] = {"none": "at_rest", "centrifugal": "no_coriolis", "fu
 
 
 def known(stage: str) -> Any:
-    """References of a stage."""
+    """Return the reference values of a stage."""
     return reference("rotation")["stages"][stage]
 
 
 @cache
 def turning(stage: str) -> RotationMatrices:
-    """What rotation adds to it."""
+    """Return the rotation matrices of a stage."""
     return rotation_matrices(bladed_disk(disk_thickness=float(stage)))
 
 
 @cache
 def modes_at(stage: str, omega: float) -> WhirlModes:
-    """All whirling modes of a stage at a speed."""
+    """Return all whirling modes of a stage at a speed."""
     return whirl_modes(turning(stage).at_speed(omega, "full"))
 
 
 @verifies(*STAGES)
 def centrifugal_frequencies(stage: str) -> Pair:
-    """Six of each nodal diameter; negative where softening has made a wave unstable."""
+    """Compare six frequencies of each nodal diameter; unstable waves are negative."""
     expected, computed = [], []
     for row in known(stage)["speeds"]:
         structure = turning(stage).at_speed(row["omega"], "centrifugal")
@@ -64,7 +64,7 @@ def centrifugal_frequencies(stage: str) -> Pair:
 
 
 def travelling(stage: str, ratios: tuple[float, ...]) -> Pair:
-    """Six frequencies of each nodal diameter and direction [Hz]."""
+    """Return six frequencies of each nodal diameter and direction [Hz], reference and computed."""
     expected, computed = [], []
     for row in known(stage)["speeds"]:
         if row["ratio"] not in ratios:
@@ -81,19 +81,19 @@ def travelling(stage: str, ratios: tuple[float, ...]) -> Pair:
 
 @verifies(*STAGES)
 def whirling_waves(stage: str) -> Pair:
-    """k = 0 to 11, rotating frame."""
+    """Compare the frequencies for k = 0 to 11 in the rotating frame."""
     return travelling(stage, RATIOS[:3])
 
 
 @verifies(*STAGES)
 def whirling_waves_past_the_critical_speed(stage: str) -> Pair:
-    """k = 0 to 11, rotating frame."""
+    """Compare the frequencies for k = 0 to 11 in the rotating frame."""
     return travelling(stage, RATIOS[3:])
 
 
 @verifies(*STAGES)
 def growth_of_tips(stage: str) -> Pair:
-    """Without and with the load that follows."""
+    """Compare the static growth of the tips with dead and with follower load."""
     disk, matrices = bladed_disk(disk_thickness=float(stage)), turning(stage)
     expected, computed = [], []
     for row in known(stage)["speeds"]:
@@ -105,7 +105,7 @@ def growth_of_tips(stage: str) -> Pair:
 
 @verifies(*STAGES)
 def axial_forces(stage: str) -> Pair:
-    """Means over each, and the root of a blade, rho A Omega^2 (R^2 - r^2) / 2."""
+    """Compare mean axial forces, and the root of a blade, rho A Omega^2 (R^2 - r^2) / 2."""
     disk, matrices = bladed_disk(disk_thickness=float(stage)), turning(stage)
     sets, expected, computed = disk.mesh.line_sets, [], []
     root = disk.mesh.node_sets["roots"][0]
@@ -124,7 +124,7 @@ def axial_forces(stage: str) -> Pair:
 
 @verifies(*STAGES)
 def critical_speeds(stage: str) -> Pair:
-    """At rest, with centrifugal effects, and with Coriolis forces."""
+    """Compare the critical speeds at rest, with centrifugal effects, and with Coriolis forces."""
     row, matrices = known(stage), turning(stage)
     expected = [row["critical_speed"]]
     computed = [waves(matrices, 1, "full").synchronous(0)[0][0]]
@@ -137,7 +137,7 @@ def critical_speeds(stage: str) -> Pair:
 
 @verifies(*STAGES)
 def speed_of_one_millimetre(stage: str) -> Pair:
-    """With the load that follows."""
+    """Compare the speed with a growth of 1 mm under the follower load."""
     row = known(stage)
     speed = speed_of_growth(bladed_disk(disk_thickness=float(stage)), turning(stage), 1e-3)
     return row["growth_of_1mm"], speed / (2 * np.pi * row["reference_hz"])
@@ -145,7 +145,7 @@ def speed_of_one_millimetre(stage: str) -> Pair:
 
 @cache
 def fastest_waves(stage: str) -> FloatArray:
-    """Growth [1/s] and frequency [rad/s] of the wave of k = 1 that grows fastest, (2, speeds).
+    """Return growth rate [1/s] and frequency [rad/s] of the fastest growing wave with k = 1.
 
     With modal damping of the modes at rest, which turns with the disk.
     """
@@ -178,27 +178,27 @@ def fastest_waves(stage: str) -> FloatArray:
 
 @verifies(*STAGES)
 def growth_by_internal_damping(stage: str) -> Pair:
-    """Past the critical speed it feeds a wave."""
+    """Compare the growth rates, positive above the critical speed."""
     return [row[1] for row in known(stage)["growth_rates_xi_0.005"]], fastest_waves(stage)[0]
 
 
 @verifies(*STAGES)
 def frequency_by_internal_damping(stage: str) -> Pair:
-    """In the rotating frame."""
+    """Compare the frequencies in the rotating frame."""
     exact = np.abs([row[2] for row in known(stage)["growth_rates_xi_0.005"]])
     return exact, fastest_waves(stage)[1] / (2 * np.pi)
 
 
 @verifies(*STAGES)
 def undamped_waves(stage: str) -> Pair:
-    """The largest of all modes."""
+    """Compare the largest growth rate of undamped modes with zero."""
     modes = [modes_at(stage, row["omega"]) for row in known(stage)["speeds"]]
     return np.zeros(len(modes)), [np.abs(each.growth).max() for each in modes]
 
 
 @verifies(*STAGES)
 def steady_answer(stage: str) -> Pair:
-    """Constant in the rotating frame, as an imbalance is: through the critical speed."""
+    """Compare the response to a constant force in the rotating frame through the critical speed."""
     row, disk = known(stage), bladed_disk(disk_thickness=float(stage))
     force, computed = np.zeros(disk.structure.size), []
     force[disk.centre[0]] = 1.0
@@ -213,7 +213,7 @@ HUB = 0.05
 
 
 def cantilevers(delta: float, alpha: float, elements: int) -> tuple[BladedDiskModel, float]:
-    """Three blades on a rigid disk, and the time that their frequencies are relative to [s]."""
+    """Return three blades on a rigid disk, and the reference time of their frequencies [s]."""
     length = HUB / delta
     section = steel(np.sqrt(12.0) * length / alpha)
     sketch = Sketch(3)
@@ -231,7 +231,7 @@ def cantilevers(delta: float, alpha: float, elements: int) -> tuple[BladedDiskMo
 
 @verifies()
 def flapwise_cantilevers() -> Pair:
-    """Out of plane there is no spin softening: w_f^2 = w_c^2 + Omega^2."""
+    """Compare out-of-plane frequencies, without spin softening: w_f^2 = w_c^2 + Omega^2."""
     rows, computed = reference("rotation")["cantilevers"]["flapwise"], []
     for row in rows:
         disk, time = cantilevers(row["delta"], 1e3, 12)
@@ -248,7 +248,7 @@ def flapwise_cantilevers() -> Pair:
 
 @verifies()
 def coriolis_cantilevers(elements: int = 20) -> Pair:
-    """Bending coupled to stretching."""
+    """Compare in-plane frequencies, with bending and stretching coupled."""
     rows, computed = reference("rotation")["cantilevers"]["chordwise"], []
     for row in rows:
         disk, time = cantilevers(row["delta"], row["alpha"], elements)
@@ -259,7 +259,7 @@ def coriolis_cantilevers(elements: int = 20) -> Pair:
 
 @verifies()
 def rigid_disk() -> Pair:
-    """It is sqrt(k/m) -+ Omega in the rotating frame."""
+    """Compare with sqrt(k/m) -+ Omega in the rotating frame."""
     stiff = Section(width=0.1, thickness=0.1, young_modulus=1e15, density=7800.0)
     sketch = Sketch(3)
     sketch.node("hub", 0.0, 0.0, shared=True)
@@ -279,7 +279,7 @@ def rigid_disk() -> Pair:
 
 @verifies()
 def rod() -> Pair:
-    """From the axis on, 1500 rad/s."""
+    """Compare the stretching of a rod from the axis outward at 1500 rad/s."""
     section, omega = steel(0.01), 1500.0
     sketch = Sketch(2)
     sketch.node("hub", 0.0, 0.0, shared=True)

@@ -27,7 +27,7 @@ MASS, SPEED, DEPTH = 2.0, 3.0, 1e-4
 
 
 def thrown_mass(**law: Any) -> ContactProblem:
-    """A free mass of 2 kg on its way to a wall at 1 mm, with 3 m/s."""
+    """Return a free mass of 2 kg that moves at 3 m/s towards a wall at 1 mm."""
     rotor = small_rotor(np.zeros(1), tip_radial=np.full((1, 1), MASS**-0.5))
     start = {"rotor_velocity": np.array([SPEED * MASS**0.5])}
     return replace(problem(rotor, wall(1e-3), start=start), **law)
@@ -35,7 +35,7 @@ def thrown_mass(**law: Any) -> ContactProblem:
 
 @verifies(0.0, 0.5, 1.0)
 def rebound(restitution: float) -> Pair:
-    """By the impacts of Moreau and Jean."""
+    """Compare the rebound velocity with the coefficient of restitution."""
     given = thrown_mass(restitution=restitution)
     chunk = marched(given, 1e-6, 600, scheme="moreau-jean")
     return -restitution * SPEED, chunk.rotor_velocity[-1, 0] / MASS**0.5
@@ -43,45 +43,45 @@ def rebound(restitution: float) -> Pair:
 
 @cache
 def penalty_impact() -> Chunk:
-    """The mass on a penalty that it presses in by 0.1 mm."""
+    """March the mass against a penalty stiffness with 0.1 mm of penetration."""
     stiffness = MASS * (SPEED / DEPTH) ** 2
     return marched(thrown_mass(penalty_stiffness=stiffness), 1e-7, 6000, scheme="penalty")
 
 
 @verifies()
 def penalty_impulse() -> Pair:
-    """It comes back as fast as it came."""
+    """Compare the impulse: the mass rebounds with its initial speed."""
     return 2.0 * MASS * SPEED, penalty_impact().contact_impulse.sum()
 
 
 @verifies()
 def penalty_depth() -> Pair:
-    """Speed over frequency."""
+    """Compare the penetration, speed over frequency."""
     return -DEPTH, penalty_impact().gap.min()
 
 
 @verifies()
 def penalty_time() -> Pair:
-    """Half a period."""
+    """Compare the duration of the contact, half a period."""
     return np.pi * DEPTH / SPEED, penalty_impact().contact_steps.sum() * 1e-7
 
 
 @verifies("Carpenter", "Siconos")
 def impulse_of_bars(name: str) -> Pair:
-    """Without restitution, over the whole contact."""
+    """Compare the impulse of the whole contact without restitution."""
     known, _, given, dt, steps = bars_in_impact(name)
     return known["impulse"], marched(given, dt, steps, scheme="moreau-jean").contact_impulse.sum()
 
 
 @cache
 def sticking_pad() -> Chunk:
-    """The pad, which slips and then sticks, at 1e-5 s."""
+    """March the pad at 1e-5 s until it sticks."""
     return marched(pad_on_a_wall(), 1e-5, 20_000, scheme="moreau-jean")
 
 
 @verifies()
 def time_of_sticking() -> Pair:
-    """The first after which nothing moves any more."""
+    """Compare the time after which the pad does not move."""
     chunk = sticking_pad()
     moving = chunk.time[np.abs(chunk.rotor_velocity[:, 1]) > 1e-12]
     return reference("published")["coulomb_pad"]["stuck_from"], moving[-1]
@@ -89,7 +89,7 @@ def time_of_sticking() -> Pair:
 
 @verifies()
 def extremes_of_a_pad() -> Pair:
-    """The last one is where it stays."""
+    """Compare the extremes; the last one is the final position."""
     chunk = sticking_pad()
     at = [round(n * np.pi / 100.0 / 1e-5) for n in range(4)]
     computed = [*chunk.rotor_displacement[at, 1], chunk.rotor_displacement[-1, 1]]
@@ -98,14 +98,15 @@ def extremes_of_a_pad() -> Pair:
 
 @verifies()
 def force_of_sticking() -> Pair:
-    """k x at rest, less than mu m g: half of it."""
+    """Compare the friction force at rest: k x, half of mu m g."""
     chunk = sticking_pad()
     return -0.5, chunk.friction_impulse[-1, 0] / (0.1 * chunk.contact_impulse[-1, 0])
 
 
 @cache
 def masses_on_a_stop(frequency: float, steps: int = 20_000) -> tuple[FloatArray, FloatArray]:
-    """Displacement of the first mass over ten periods: by an ODE solver, and marched."""
+    """Return the displacement of the first mass over ten periods, by an ODE solver and by the
+    march."""
     stiffness = np.array([[1.0, -1.0], [-1.0, 2.0]])
     square, shapes = np.linalg.eigh(stiffness)
     period = 2.0 * np.pi / frequency
@@ -129,12 +130,12 @@ def masses_on_a_stop(frequency: float, steps: int = 20_000) -> tuple[FloatArray,
 
 @verifies(0.6, 0.7)
 def two_masses_on_a_stop(frequency: float) -> Pair:
-    """By the penalty; from rest, into impacts and out of them."""
+    """Compare the penalty scheme from rest, through impacts and releases."""
     return masses_on_a_stop(frequency)
 
 
 @verifies()
 def ledgers() -> Pair:
-    """Of pad and mass."""
+    """Compare the energy residuals of pad and mass with zero."""
     chunks = [sticking_pad(), penalty_impact()]
     return np.zeros(2), [ledger_residual(chunk) for chunk in chunks]

@@ -40,7 +40,7 @@ MATHIEU = {"a0": mathieu_a(0, 1.0), "b1": mathieu_b(1, 1.0), "a1": mathieu_a(1, 
 
 @verifies(*MATHIEU)
 def mathieu_border(name: str) -> Pair:
-    """Where the multipliers reach 1, or -1 for borders of odd order."""
+    """Compare the border where multipliers reach 1, or -1 for borders of odd order."""
     trace, exact = (-2.0 if name[1] == "1" else 2.0), MATHIEU[name]
 
     def excess(a: float) -> float:
@@ -54,13 +54,13 @@ def mathieu_border(name: str) -> Pair:
 
 @cache
 def coupled(ratio: str) -> ContactProblem:
-    """The paper's six modes at its example point, pushed; with a damping ratio."""
+    """Return the paper's six modes at its example point with an initial velocity and damping."""
     push = {"initial.centre_velocity": [1e-6, 0.0], "damping.ratio": float(ratio)}
     return contact_problem(build_stage(with_values(Case(), POINT | push)))
 
 
 def springs(given: ContactProblem) -> CouplingSprings:
-    """Those of a problem that has some.
+    """Return the springs of a coupled problem.
 
     Raises:
         ValueError: it has none.
@@ -71,12 +71,12 @@ def springs(given: ContactProblem) -> CouplingSprings:
 
 
 def damped_springs(ratio: str) -> CouplingSprings:
-    """Springs of the example point whose modes have a damping ratio."""
+    """Return the springs of the example point with a modal damping ratio."""
     return springs(coupled(ratio))
 
 
 def monodromy(ratio: str) -> Floquet:
-    """Of the example point, by direct integration."""
+    """Return the Floquet analysis of the example point by direct integration."""
     given = coupled(ratio)
     coupling = springs(given)
     return floquet(
@@ -90,13 +90,13 @@ def monodromy(ratio: str) -> Floquet:
 
 @verifies(*DAMPED)
 def growth_by_monodromy(ratio: str) -> Pair:
-    """Unstable with the factor pi of Eq. (8) only."""
+    """Compare the growth rate, which is positive only with the factor pi of Eq. (8)."""
     return reference("published")["growth_at_1.17_500"][ratio], monodromy(ratio).growth
 
 
 @verifies(*DAMPED)
 def growth_in_the_invariant_frame(ratio: str) -> Pair:
-    """Where the system is autonomous, Eqs (16)-(21)."""
+    """Compare the monodromy with the invariant frame, Eqs (16)-(21)."""
     given = coupled(ratio)
     coupling = springs(given)
     return monodromy(ratio).growth, growth_rate(
@@ -106,7 +106,7 @@ def growth_in_the_invariant_frame(ratio: str) -> Pair:
 
 @verifies()
 def growth_without_pi() -> Pair:
-    """As the paper prints the coefficient of Eq. (9)."""
+    """Compare the growth rate with the coefficient of Eq. (9) as printed."""
     given = coupled("0.0")
     coupling = springs(given)
     computed = growth_rate(coupling.modes, speed=given.speed, kappa=coupling.kappa, with_pi=False)
@@ -115,7 +115,7 @@ def growth_without_pi() -> Pair:
 
 @verifies()
 def monodromy_by_runge_kutta() -> Pair:
-    """Positions scaled by the reference frequency."""
+    """Compare the monodromy matrices, positions scaled by the reference frequency."""
     given = coupled("0.005")
     modes, kappa = springs(given).modes, springs(given).kappa
     size, damping = modes.size, np.diag(modes.damping_rate[modes.entry])
@@ -136,7 +136,7 @@ def monodromy_by_runge_kutta() -> Pair:
 
 @verifies(*DAMPED)
 def growth_of_a_march(ratio: str) -> Pair:
-    """A second after a push the growing mode is all there is."""
+    """Compare the growth rate of a march one second after an initial velocity."""
     chunk = marched(coupled(ratio), 1e-5, 150_000, every=500)
     size, late = np.linalg.norm(chunk.rotor_displacement, axis=1), chunk.time > 1.0
     rate = np.polyfit(chunk.time[late], np.log(size[late]), 1)[0]
@@ -145,7 +145,7 @@ def growth_of_a_march(ratio: str) -> Pair:
 
 @verifies()
 def growth_of_a_march_at_speed() -> Pair:
-    """Inside the zone that begins at 1.055 without them, at 1.39 with them."""
+    """Compare the growth rate inside the zone that begins at 1.055 without rotation effects."""
     turned, modes = six_modes_at_speed()
     coupling = springs(turned)
     chunk = marched(turned, 1e-5, 200_000, every=500)
@@ -155,7 +155,7 @@ def growth_of_a_march_at_speed() -> Pair:
 
 
 def six_modes_at_speed() -> tuple[ContactProblem, CouplingModes]:
-    """The paper's six modes on a disk that feels that it turns: to be marched, and at rest.
+    """Return the paper's six modes with rotation effects, as a march and at rest.
 
     The march takes those of the stiffness at speed, in which its Coriolis forces are full.
     """
@@ -191,7 +191,7 @@ def six_modes_at_speed() -> tuple[ContactProblem, CouplingModes]:
 
 @verifies()
 def coincidences() -> Pair:
-    """With springs of a millionth of a newton per metre."""
+    """Compare the borders of zones for springs of 1e-6 N/m with the coincidence speeds."""
     coupling = damped_springs("0.0")
     unit = coupled("0.0").speed / 1.17
     zones = unstable_zones(coupling.modes, kappas=np.array([1e-6]), low=0.6 * unit, high=3.0 * unit)
@@ -200,7 +200,7 @@ def coincidences() -> Pair:
 
 @verifies()
 def narrow_zones() -> Pair:
-    """To first order in eps = pi kappa."""
+    """Compare width and growth of narrow zones to first order in eps = pi kappa."""
     coupling, kappa = damped_springs("0.0"), 1e-2
     unit = coupled("0.0").speed / 1.17
     zones = unstable_zones(
@@ -215,14 +215,14 @@ def narrow_zones() -> Pair:
 
 @cache
 def coupled_march(steps: int) -> FloatArray:
-    """Where six coupled modes are after 0.2 s."""
+    """Return the state of six coupled modes after 0.2 s."""
     chunk = marched(coupled("0.005"), 0.2 / steps, steps, every=steps)
     return np.asarray(chunk.rotor_displacement[-1])
 
 
 @verifies()
 def order_of_coupled_marches() -> Pair:
-    """By three steps, each half of the one before."""
+    """Compare the order from three steps, each half of the previous one."""
     ends = [coupled_march(steps) for steps in (2000, 4000, 8000)]
     apart = [np.linalg.norm(a - b) for a, b in pairwise(ends)]
     return 2.0, np.log2(apart[0] / apart[1])

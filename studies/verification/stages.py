@@ -33,7 +33,7 @@ def steel(thickness: float, width: float = 0.1) -> Section:
 def beam(
     section: Section | Sequence[Section], elements: int, *, length: float = 1.0, angle: float = 0.0
 ) -> Sketch:
-    """A beam alone, from "clamp" to "end"."""
+    """Return a single beam from "clamp" to "end"."""
     sketch = Sketch()
     sketch.node("clamp", 0.0, shared=True)
     sketch.node("end", length * np.cos(angle), length * np.sin(angle))
@@ -44,12 +44,13 @@ def beam(
 
 
 def clamped(sketch: Sketch) -> BladedDiskModel:
-    """What was drawn, its centre held."""
+    """Return the sketched structure with clamped centre."""
     return assemble_bladed_disk(sketch.build(), shaft_stiffness=1.0, clamped=True)
 
 
 def natural_frequencies(disk: BladedDiskModel) -> FloatArray:
-    """Ascending [rad/s]; of a body that is held, the lowest are right beside very stiff parts."""
+    """Return ascending frequencies [rad/s]; with clamping, the lowest are accurate beside stiff
+    parts."""
     structure = disk.structure
     inverse = la.eigvalsh(structure.mass.toarray(), structure.stiffness.toarray())
     return np.asarray(1.0 / np.sqrt(inverse[::-1]))
@@ -97,7 +98,7 @@ def ring(
     radius: float = RADIUS,
     **options: Any,
 ) -> CasingModel:
-    """Such a ring, 100 x 10 mm and free to turn unless said."""
+    """Return a ring of 100 x 10 mm, free to rotate by default."""
     given: dict[str, Any] = {"curvature": "exact", "support": 0.0, "rotation": "free"}
     return assemble_casing(
         RingMesh(elements=elements, radius=radius),

@@ -66,7 +66,7 @@ class Verification:
         return grouped
 
     def to_json(self) -> str:
-        """One JSON document; a value that is not finite is null."""
+        """Return one JSON document; non-finite values are null."""
         rows: list[dict[str, Any]] = []
         for outcome in self.outcomes:
             row = asdict(outcome) | {"passed": outcome.passed}

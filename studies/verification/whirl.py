@@ -1,4 +1,4 @@
-"""Marches of rotors that feel Coriolis forces, in rotating axes."""
+"""Marches of rotors with Coriolis forces, in rotating axes."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ def stage_at_speed(
     damper: float = 0.0,
     frame: str = "rotating",
 ) -> ContactProblem:
-    """The stage of the reference results.
+    """Return the stage of the reference results.
 
     Args:
         thickness: of the disk's beams [m].
         speed: of rotation, normalised.
-        ratio: of modal damping.
-        damper: beside each spring of the shaft [N s/m].
-        frame: that dampers stand in.
+        ratio: modal damping ratio.
+        damper: parallel to each spring of the shaft [N s/m].
+        frame: of the dampers.
     """
     case = case_from(
         {
@@ -46,7 +46,7 @@ def stage_at_speed(
 
 
 def pulled(given: ContactProblem, force: float, ramp: float = 0.0) -> ContactProblem:
-    """The same with a constant force on the centre along x [N], after a ramp [s]."""
+    """Return the problem with a constant force on the centre along x [N], after a ramp [s]."""
     still = np.zeros(len(given.casing.frequency))
     load = Load(rotor=force * given.rotor.centre[0], casing=still, ramp=ramp)
     return replace(given, loads=(load,))
@@ -54,7 +54,7 @@ def pulled(given: ContactProblem, force: float, ramp: float = 0.0) -> ContactPro
 
 @verifies("0.01", "0.03")
 def step_of_force(thickness: str) -> Pair:
-    """Motions of 1e-4 m; half of the error is the reduction's."""
+    """Compare the response to a step force, of 1e-4 m; the reduction causes half of the error."""
     given, dt = pulled(stage_at_speed(thickness), 1e3), 4e-6
     rotor, scheme = given.rotor, make_scheme(given, dt, 1)
     rows = np.vstack([rotor.centre, rotor.tip_radial[:1], rotor.tip_tangential[:1]])
@@ -70,13 +70,13 @@ def step_of_force(thickness: str) -> Pair:
 def jeffcott(
     omega: float, *, internal: float = 0.0, external: float = 0.0, anisotropy: float = 0.0
 ) -> ContactProblem:
-    """A rigid rotor on two springs with unbalance, its stiffness softened by the speed.
+    """Return a rigid rotor on two springs with unbalance and spin softening.
 
     Args:
         omega: speed of rotation [rad/s].
-        internal: strength of dampers that turn with it [N s/m].
-        external: of dampers that stand still.
-        anisotropy: of springs that stand still, half of what they differ by [N/m].
+        internal: damping in the rotating frame [N s/m].
+        external: damping in the static frame [N s/m].
+        anisotropy: half the difference of the springs in the static frame [N/m].
     """
     rotor = reference("jeffcott")["rotor"]
     square = rotor["stiffness"] / rotor["mass"] - omega**2
@@ -95,7 +95,8 @@ def jeffcott(
 
 @verifies()
 def unbalance_through_resonance() -> Pair:
-    """Size and phase after 4 s from rest under a constant force; above resonance it turns round."""
+    """Compare amplitude and phase after 4 s under a constant force; above resonance the sign
+    changes."""
     known = reference("jeffcott")
     rotor, expected, computed = known["rotor"], [], []
     damping = 2.0 * rotor["damping_ratio"] * np.sqrt(rotor["stiffness"] * rotor["mass"])
@@ -110,7 +111,7 @@ def unbalance_through_resonance() -> Pair:
 
 @verifies(0.8, 0.95, 1.2)
 def unequal_bearings(share: float, steps: int = 200_000) -> Pair:
-    """Forward and backward parts of the orbit: below, between and above the two critical speeds."""
+    """Compare forward and backward parts of the orbit around two critical speeds."""
     rotor, dt = reference("jeffcott")["rotor"], 2.0 / steps
     omega = share * np.sqrt(rotor["stiffness"] / rotor["mass"])
     damping, half = 5e3, 0.15 * rotor["stiffness"]
@@ -130,7 +131,7 @@ def unequal_bearings(share: float, steps: int = 200_000) -> Pair:
 
 @verifies(0.9, 1.3)
 def internal_damping(share: float, steps: int = 10_000) -> Pair:
-    """Negative below: it holds whirl there, and feeds it above."""
+    """Compare the growth rate, negative below the critical speed and positive above."""
     rotor, damping, dt = reference("jeffcott")["rotor"], 2e3, 0.2 / steps
     natural = np.sqrt(rotor["stiffness"] / rotor["mass"])
     omega = share * natural
