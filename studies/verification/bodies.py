@@ -93,7 +93,7 @@ def problem(
 def thrown(
     given: ContactProblem, outward: float | FloatArray, spread: float = 0.0
 ) -> ContactProblem:
-    """Return the problem with initial outward velocities of the tips [m/s], randomly distributed."""
+    """Return the problem with initial outward velocities of the tips [m/s], with random scatter."""
     tips = len(given.rotor.tip_angle)
     expected = outward * (1.0 + spread * np.random.default_rng(0).normal(size=tips))
     velocity = np.linalg.lstsq(given.rotor.tip_radial, expected, rcond=None)[0]
