@@ -27,11 +27,8 @@ from bladewhirl.postprocess.plotting.legends import Group, legends_below
 from bladewhirl.postprocess.plotting.style import SEQUENTIAL, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 
-SPANS = 300
-"""Spans of time that a figure has at most."""
-
-NONE = "0.92"
-"""Grey where there is no energy at all, or no such mode."""
+SPANS = 300  #: spans of time that a figure has at most
+NONE = "0.92"  #: grey where there is no energy at all, or no such mode
 
 
 def family_energies(
@@ -41,8 +38,7 @@ def family_energies(
 
     Args:
         result: of a run.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Example:
         ``family_energies(result)["energy"].sel(family="1F").sum("nodal_diameter").plot()``

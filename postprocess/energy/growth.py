@@ -33,8 +33,7 @@ def amplitude_growth(
     Args:
         result: of a run.
         energies: from `strain.strain_energies`, of the same time; found where it is None.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         over time, the middle of each window [s]: `energy`, mean strain energy of bladed disk and

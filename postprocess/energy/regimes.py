@@ -4,6 +4,7 @@ Divergence is the delicate one. A run may reach the displacement limit; short of
 or its ripple about a steady place has to grow beyond doubt, see `growth_rates`.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -39,8 +40,8 @@ GROWS_SO_FAR = (
 )
 """What is said of a sustained motion while its amplitude, or its ripple, goes on growing."""
 
-CRITERION = (
-    "divergent: the march ended at its displacement limit, or over the last third of the time "
+CRITERION: Mapping[RegimeName, str] = {
+    "divergent": "the march ended at its displacement limit, or over the last third of the time "
     "the amplitude (root of the mean strain energy of bladed disk and shaft springs in equal "
     f"windows) grows by more than {CERTAINTY:g} standard errors of the fitted rate (corrected for "
     "the correlation of neighbouring windows), without "
@@ -49,13 +50,16 @@ CRITERION = (
     f"and takes up at least {CLOSING:.0%} of the clearance, or its ripple (the motion about the "
     "mean place in each window) grows so, with windows of two periods or more, to "
     f"{RIPPLE_RISE:g} times or more of any in the middle third and {RIPPLE_SHARE:.0%} or more of "
-    "the amplitude; "
-    "no-contact: no tip ever touched; "
-    "damped: no contact in the last tenth of the time; "
-    "sustained: the rest; "
-    "the first that applies"
+    "the amplitude",
+    "no-contact": "no tip ever touched",
+    "damped": "no contact in the last tenth of the time",
+    "sustained": "the rest",
+}
+"""Criteria of the regimes; the first that applies is the regime."""
+
+CRITERION_TEXT = "; ".join(
+    [*(f"{name}: {rule}" for name, rule in CRITERION.items()), "the first that applies"]
 )
-"""The criterion in words, as it is written with every regime."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +70,6 @@ class Regime:
     reason: str  #: what decided it, with numbers
     growth: Growth | None  #: None where the run is too short, or at rest
     ripple: Growth | None  #: of the motion about its mean place; None where it can't be told apart
-    criterion: str = CRITERION
 
 
 def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:

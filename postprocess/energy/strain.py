@@ -21,8 +21,7 @@ ripple at twice the frequency would fill the figure."""
 PLOT_POINTS = 300
 """Points that a line of means has at most: in a longer run each stands for several periods."""
 
-PLOT_DECADES = 6.0
-"""Decades below the largest energy that the plot shows."""
+PLOT_DECADES = 6.0  #: decades below the largest energy that the plot shows
 
 
 def strain_energies(
@@ -35,8 +34,7 @@ def strain_energies(
 
     Args:
         result: of a run; it is read portion by portion.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         [J] over time: `suspension`, the modes that the shaft springs hold; `rest`, all that are in

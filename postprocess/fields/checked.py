@@ -11,9 +11,7 @@ import xarray as xr
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.schema import STATIC, Variable
 
-MOST = 1e30
-"""Bound of plausible magnitudes in SI units; its inverse is that of positive ones."""
-
+MOST = 1e30  #: bound of plausible magnitudes in SI units; its inverse is that of positive ones
 POSITIVE = "reference_frequency casing_radius tip_radius time_step record_step yield_strength"
 NUMBERS = (
     "format speed friction clamped steps complementarity_residual unsolved_steps "

@@ -44,8 +44,7 @@ DRAWN_CLEARANCE = 0.1  #: share of the tip radius that the clearance takes, if f
 DRAWN_MOTION = 0.25  #: share that the largest displacement may take then
 LARGE_DISPLACEMENT = 0.3  #: share of the tip radius from which bending in a line is off by a tenth
 
-MOST = 1e9
-"""Exaggeration beyond which, and below whose inverse, nothing can be seen."""
+MOST = 1e9  #: exaggeration beyond which, and below whose inverse, nothing can be seen
 
 
 class EnlargedStage:

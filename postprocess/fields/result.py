@@ -31,9 +31,7 @@ from bladewhirl.solvers.march.schema import (
     index_values,
 )
 
-PORTION = 4096
-"""Records read at a time: 5 MB for 156 modes."""
-
+PORTION = 4096  #: records read at a time: 5 MB for 156 modes
 ATTRIBUTES = (
     *("title", "speed", "reference_frequency", "casing_radius", "tip_radius"),
     *("time_step", "record_step"),

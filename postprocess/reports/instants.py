@@ -32,7 +32,7 @@ from bladewhirl.postprocess.reports.interactive import (
 from bladewhirl.postprocess.reports.page import Instants
 from bladewhirl.postprocess.run.blade_contact import force_limit
 from bladewhirl.postprocess.shaft.orbits import MILLI
-from bladewhirl.postprocess.shaft.whirl import Frame
+from bladewhirl.postprocess.shaft.transforms import Frame
 
 MOST_INSTANTS = 60
 """Largest number of instants of the machine."""

@@ -36,8 +36,7 @@ REGIMES: Mapping[str, Regime] = {
 
 def criterion_table(regime: str = "") -> Table:
     """Return the criterion of the regimes; the line of the given regime is marked."""
-    rules = [rule.partition(": ") for rule in CRITERION.split("; ")]
-    rows = [(name, words) for name, colon, words in rules if colon]
+    rows = [(str(name), rule) for name, rule in CRITERION.items()]
     if regime:
         marked = [name for name, _ in rows].index(regime)
         return Table(name="criterion", title="Criterion", rows=rows, wide=False, marked=marked)

@@ -31,31 +31,21 @@ from bladewhirl.postprocess.plotting.style import (
 )
 from bladewhirl.postprocess.plotting.titles import head
 
-PERMANENT = 0.99
-"""Share of the time in contact from which a blade counts as in permanent contact."""
-
-COLUMNS = 600
-"""Spans of time that a map has at most: more would not be seen."""
-
+PERMANENT = 0.99  #: share of the time in contact from which a blade counts as in permanent contact
+COLUMNS = 600  #: spans of time that a map has at most: more would not be seen
 BRIGHTEST = 99.0
 """Percentile of the forces above zero that gets the brightest colour, where a few peaks would
 leave the rest dark."""
 
-FORCE_RANGE = 1e3
-"""Largest over smallest force that colours tell apart."""
-
+FORCE_RANGE = 1e3  #: largest over smallest force that colours tell apart
 SHARE_COLOURS: Mapping[str, list[str]] = {
     "gaps": ["#00224E", COLOURS["contact"], "#FFE9F5"],  # begins as SEQUENTIAL does, at no gap
     "white": ["#FBEAF4", COLOURS["contact"], "#4A1238"],
 }
 """Colours of the share of the time in contact, from none to all of it, by background."""
 
-PEAK = 1.5
-"""Ratio of the largest force to that percentile from which this is so."""
-
-FEW_PERCENT = 40.0
-"""Largest share of the time in contact [%] below which its axis ends there."""
-
+PEAK = 1.5  #: ratio of the largest force to that percentile from which this is so
+FEW_PERCENT = 40.0  #: largest share of the time in contact [%] below which its axis ends there
 BRIEF, BRIEF_MARGIN = 0.5, 0.1
 """Share of the time below which contact is brief, so that axes of time follow it, and what they
 show beyond it, in shares of its length."""
@@ -76,8 +66,7 @@ CLASS_MARKS: Mapping[str, tuple[str, bool]] = {
 """Mark of each class, and whether it is filled."""
 
 
-STRIP = 0.14
-"""Share of the axes above their bars that the marks take."""
+STRIP = 0.14  #: share of the axes above their bars that the marks take
 
 
 def contact_maps(
@@ -95,8 +84,7 @@ def contact_maps(
     Args:
         result: of a run.
         columns: spans at most; the records themselves where they are fewer.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         over (time, blade): `gap` [m], smallest; `force` [N], mean normal force, positive where
@@ -143,8 +131,7 @@ def contact_classes(
 
     Args:
         result: of a run, two records of it or more.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         over blade: `share` [1] and `contact_class`. Attribute `first_contact` [s] is that of the

@@ -15,9 +15,7 @@ from bladewhirl.postprocess.plotting.style import new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.run.blade_contact import COLUMNS, contact_span, draw_share
 
-SECTORS = 4
-"""Sectors of the casing within a blade pitch at most."""
-
+SECTORS = 4  #: sectors of the casing within a blade pitch at most
 LAST_TURNS = 8.0
 """Revolutions at the end of a run that are drawn apart: contact that goes round with the rotor is
 a level grey over many."""
@@ -33,8 +31,7 @@ def casing_contact(
 
     Args:
         result: of a run.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         over (time, sector): `share` [1], nan where no blade was. `time` [s] is the end of each

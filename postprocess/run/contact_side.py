@@ -16,7 +16,8 @@ from bladewhirl.postprocess.fields.windows import (
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
-from bladewhirl.postprocess.shaft.whirl import FRAMES, Frame
+from bladewhirl.postprocess.shaft.transforms import Frame
+from bladewhirl.postprocess.shaft.whirl import FRAMES
 from bladewhirl.solvers.stability.scenario import (
     STEADY,
     motion_scenario,
@@ -27,9 +28,7 @@ from bladewhirl.solvers.stability.scenario import (
 ALIKE = 1e-6
 """Share of the widest spread of gaps below which gaps are alike: none of them is the smallest."""
 
-POINTS = 1200
-"""Points of a line of phases at most."""
-
+POINTS = 1200  #: points of a line of phases at most
 MOST_TURNS, LEAST_SHARE = 12.0, 0.3
 """Turns of the shaft up to which its phase is drawn, since more can't be followed, and the least
 share of the time that these must take."""
@@ -52,8 +51,7 @@ def contact_phase(
     Args:
         result: of a run.
         orbit: from `orbits.shaft_orbit`, of the same time; found where it is None.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
         since: the scenario is that from this time on [s]; of all records when None.
 
     Returns:

@@ -15,8 +15,7 @@ FORCE_TIME = 1e-3
 peak of a march grows as the time step shrinks, an impulse converges."""
 
 
-WAYS = {"radial": 0, "tangential": 2}
-"""Components of the casing's shapes."""
+WAYS = {"radial": 0, "tangential": 2}  #: components of the casing's shapes
 
 
 class WallPeak(TypedDict):

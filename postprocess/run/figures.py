@@ -25,14 +25,11 @@ from bladewhirl.postprocess.shaft.spectra import (
     shaft_spectrum,
     with_lines,
 )
-from bladewhirl.postprocess.shaft.whirl import Frame
+from bladewhirl.postprocess.shaft.transforms import Frame
 from bladewhirl.postprocess.shaft.whirl_history import PERIODS, whirl_history
 
-AT_REST = {"gaps"}
-"""Figures that are also available for a stage at rest."""
-
-FORCE_COLUMNS = 200
-"""Time intervals for which forces are drawn: a contact is as wide as a line."""
+AT_REST = {"gaps"}  #: figures that are also available for a stage at rest
+FORCE_COLUMNS = 200  #: time intervals for which forces are drawn: a contact is as wide as a line
 
 
 class RunFigures:
@@ -43,8 +40,7 @@ class RunFigures:
 
     Args:
         dataset: a result.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Raises:
         ViewError: the window is not in order, or has fewer than two records.

@@ -16,8 +16,7 @@ from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import in_window
 
-COMPONENTS = ("radial", "tangential")
-"""Outward, and counter-clockwise."""
+COMPONENTS = ("radial", "tangential")  #: outward, and counter-clockwise
 
 
 def gap(result: xr.Dataset, *, start: float | None = None, end: float | None = None) -> xr.Dataset:
@@ -25,8 +24,7 @@ def gap(result: xr.Dataset, *, start: float | None = None, end: float | None = N
 
     Args:
         result: of a run.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         over (time, blade): `gap` [m], `contact`.
@@ -54,8 +52,7 @@ def contact_force(
 
     Args:
         result: of a run.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         over (time, blade): `normal` [N], positive where the casing pushes inward; `friction` [N],
@@ -85,8 +82,7 @@ def tip_displacement(
 
     Args:
         result: of a run; it is read portion by portion.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         `displacement` (time, component, blade) [m]; components "radial" (outward) and "tangential"
@@ -127,8 +123,7 @@ def casing_displacement(
         result: of a run; it is read portion by portion.
         angle: from +x, counter-clockwise, one or (points,): numbers in rad, within a turn, or text
             such as "90 deg".
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         `displacement` (time, angle, component) [m]; components "radial" (outward) and "tangential"

@@ -16,7 +16,8 @@ from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_clas
 from bladewhirl.postprocess.run.contact_side import contact_phase
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.shaft.poincare import poincare_map
-from bladewhirl.postprocess.shaft.whirl import Frame, Whirl, ripple, whirl
+from bladewhirl.postprocess.shaft.transforms import Frame
+from bladewhirl.postprocess.shaft.whirl import Whirl, ripple, whirl
 from bladewhirl.postprocess.shaft.whirl_history import whirl_history
 
 HOLDERS = ("suspension", "k = 0", "k = 1", "other k", "rest")

@@ -45,9 +45,7 @@ PORTION_BYTES = 4e6
 CACHED_BYTES = 1e6
 """The same of those whose extremes are looked for together: it stays in a core's cache."""
 
-COLUMNS = 1000
-"""Spans of time that a line of the figure has at most; the largest of each is drawn."""
-
+COLUMNS = 1000  #: spans of time that a line of the figure has at most; the largest of each is drawn
 UNITS = {
     "axial_strain": "1",
     "axial_stress": "Pa",
@@ -81,8 +79,7 @@ def stress_history(
 
     Args:
         result: of a run.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         over (time, member), where members are "blade 0", ..., the other parts, "casing":

@@ -11,7 +11,7 @@ import xarray as xr
 
 from bladewhirl.files import write_atomically
 from bladewhirl.postprocess.energy.families import family_energies
-from bladewhirl.postprocess.energy.regimes import RegimeName, classify
+from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT, RegimeName, classify
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION, strain_energies
 from bladewhirl.postprocess.energy.works import Works, late_drive_power, works
 from bladewhirl.postprocess.fields.kinematics import Array
@@ -27,7 +27,8 @@ from bladewhirl.postprocess.run.extremes import (
 )
 from bladewhirl.postprocess.run.stresses import peak_stresses
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
-from bladewhirl.postprocess.shaft.whirl import FRAMES, ripple, strongest_lines, whirl
+from bladewhirl.postprocess.shaft.transforms import strongest_lines
+from bladewhirl.postprocess.shaft.whirl import FRAMES, ripple, whirl
 
 EnergyHolders = TypedDict(
     "EnergyHolders", {"suspension": float, "1F": dict[str, float], "rest": float}
@@ -154,7 +155,7 @@ def summarise(
     contact_steps = dataset["contact_steps"].sum("time").values
     return Summary(
         regime=regime.name,
-        regime_criterion=f"{regime.criterion}. Here: {regime.reason}.",
+        regime_criterion=f"{CRITERION_TEXT}. Here: {regime.reason}.",
         growth_rate=regime.growth.rate if regime.growth else None,
         growth_rate_error=regime.growth.error if regime.growth else None,
         growth_rate_end=regime.growth.end_rate if regime.growth else None,

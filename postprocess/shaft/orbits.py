@@ -24,18 +24,12 @@ SEEN = 0.3
 """Share of half the axes that a turn must span for arrows on it to be read; a smaller one is drawn
 again in a corner."""
 
-CORNER = (0.02, 0.02, 0.2, 0.2)
-"""Place of that drawing, in shares of the axes."""
-
+CORNER = (0.02, 0.02, 0.2, 0.2)  #: place of that drawing, in shares of the axes
 TINY = 0.05
 """Radius of an orbit, over the clearance, below which the clearance is not drawn around it."""
 
-DRAWN_TURNS = 2.0
-"""Turns of the late motion that are drawn."""
-
-LEAST_RIPPLE = 1e-3
-"""Share of the radius that its axis reaches up and down at least."""
-
+DRAWN_TURNS = 2.0  #: turns of the late motion that are drawn
+LEAST_RIPPLE = 1e-3  #: share of the radius that its axis reaches up and down at least
 PALE = "#B0B0B0"
 CLEARANCE_LINE: dict[str, Any] = {
     "color": COLOURS["casing"],
@@ -59,8 +53,7 @@ def shaft_orbit(
 
     Args:
         result: of a run, or an orbit already, of which the window is taken.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         over (time, axis): `rotating` and `static` [m]; `rotating_velocity` and `static_velocity`

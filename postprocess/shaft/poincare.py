@@ -14,7 +14,7 @@ from bladewhirl.postprocess.fields.windows import late_part, window_label
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.orbits import LONG_LINE, PALE, shaft_orbit
-from bladewhirl.postprocess.shaft.whirl import Frame
+from bladewhirl.postprocess.shaft.transforms import Frame
 
 
 def poincare_map(
@@ -32,8 +32,7 @@ def poincare_map(
     Args:
         result: of a run, or its orbit from `orbits.shaft_orbit`.
         frame: of the observer; the paper's is the static one.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         `place` [m] and `velocity` [m/s] over (time, axis): time [s] of each revolution.
@@ -78,8 +77,7 @@ def state_space(
     Args:
         result: of a run, or its orbit from `orbits.shaft_orbit`.
         frame: of the observer.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         `place` [m] and `velocity` [m/s] over (time, axis); `section_place` and `section_velocity`

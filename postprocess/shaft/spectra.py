@@ -1,11 +1,8 @@
-"""Spectrum and spectrogram of the shaft, forward and backward apart, with the lines of modes.
+"""Spectrum and spectrogram of the shaft, with the lines of modes.
 
-The shaft's place is one complex number z = x + i y, so that exp(i omega t) goes round
-counter-clockwise: its transform tells forward from backward motion, which that of x alone (the
-paper's Figs 15 and 17a) does not. Frequencies are positive for forward motion, in the sense of
-rotation. A circle of radius r has the amplitude r at one frequency; a straight vibration has half
-its amplitude at two. Transforms have a Blackman-Harris window, whose side lobes are below all that
-is drawn.
+Unlike the spectrum of x alone (the paper's Figs 15 and 17a) they separate forward from backward
+motion, see `transforms`. Frequencies are positive for forward motion, in the sense of rotation.
+The side lobes of the Blackman-Harris window are below all that is drawn.
 """
 
 from __future__ import annotations
@@ -20,6 +17,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from numpy.lib.stride_tricks import sliding_window_view
+from scipy.signal.windows import blackmanharris
 
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
@@ -34,38 +32,27 @@ from bladewhirl.postprocess.plotting.style import (
 )
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
-from bladewhirl.postprocess.shaft.whirl import Frame
-
-FEWEST_RECORDS = 16
-"""Records without which a spectrum says nothing."""
+from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Frame, phasor, spectrum
 
 SHARE, PERIODS, MOST = 1.0 / 5.0, 5.0, 0.5
 """A slice of the spectrogram: that share of the time, but at least so many periods of the
 reference frequency, and at most that share."""
 
-SLICES = 120
-"""Slices of a spectrogram, about."""
-
+SLICES = 120  #: slices of a spectrogram, about
 PADDING, SLICE_PADDING = 4, 2
 """Transforms of a record, and of slices of it, are padded with zeros to that many times their
 length, for smooth lines."""
 
-DECADES = 4.0
-"""Decades below the largest amplitude that are drawn."""
-
+DECADES = 4.0  #: decades below the largest amplitude that are drawn
 TOLD, HALF_LINE = 1e-3, 4
 """Share of the largest amplitude from which on that outside the drawn frequencies is told, and half
 the width of a line under the window, in resolutions."""
 
-MARGIN = 1.12
-"""How far the drawn frequencies go beyond the outermost line of a mode."""
-
+MARGIN = 1.12  #: how far the drawn frequencies go beyond the outermost line of a mode
 WITH_K = {"1F": "1F, k = 1", "casing": "casing, k = 1"}
 """Names of modes in the legend that say which of their family."""
 
-ORDER = "Ω"
-"""Label of the line of the speed."""
-
+ORDER = "Ω"  #: label of the line of the speed
 LINE_COLOURS: Mapping[str, str] = {
     FIRST_FAMILY: COLOURS["k = 1"],
     SUSPENSION: COLOURS["suspension"],
@@ -129,8 +116,7 @@ def shaft_spectrum(
     Args:
         result: of a run, or its orbit from `orbits.shaft_orbit`.
         frame: of the observer.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         `amplitude` (frequency,) [m], frequency [rad/s] ascending, forward positive. Attribute
@@ -144,14 +130,13 @@ def shaft_spectrum(
     """
     even, step = evenly_spaced(shaft_orbit(result, start=start, end=end), FEWEST_RECORDS)
     records = even.sizes["time"]
-    window = _blackman_harris(records)
-    transform = np.fft.fft(window * _phasor(even, frame), PADDING * records) / window.sum()
-    frequency = 2 * np.pi * np.fft.fftfreq(PADDING * records, step)
+    window = blackmanharris(records, sym=False)
+    frequency, amplitude = spectrum(phasor(even, frame), step, window, padding=PADDING)
     return labelled(
         even,
         "spectrum of the shaft",
-        {"amplitude": ("frequency", np.abs(np.fft.fftshift(transform)), "m")},
-        {"frequency": np.fft.fftshift(frequency)},
+        {"amplitude": ("frequency", np.abs(amplitude), "m")},
+        {"frequency": 2 * np.pi * frequency},
         frame=frame,
         resolution=2 * np.pi / (records * step),
         window=window_label(even),
@@ -173,8 +158,7 @@ def shaft_spectrogram(
         frame: of the observer.
         length: of a slice [s]; a fifth of the time, or five periods of the reference
             frequency where that is longer, but not more than half the time, when None.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         `amplitude` (frequency, time) [m]: frequency [rad/s] ascending, forward positive; time [s]
@@ -189,17 +173,16 @@ def shaft_spectrogram(
         period = 2 * np.pi / even.attrs["reference_frequency"]
         length = min(max(SHARE * records * step, PERIODS * period), MOST * records * step)
     size = int(np.clip(round(length / step), FEWEST_RECORDS // 2, records))
-    window = _blackman_harris(size)
     first = np.arange(0, records - size + 1, max((records - size) // SLICES, 1))
-    pieces = sliding_window_view(_phasor(even, frame), size)[first]
-    transform = np.fft.fft(pieces * window, SLICE_PADDING * size) / window.sum()
-    frequency = 2 * np.pi * np.fft.fftfreq(SLICE_PADDING * size, step)
+    pieces = sliding_window_view(phasor(even, frame), size)[first]
+    window = blackmanharris(size, sym=False)
+    frequency, amplitude = spectrum(pieces, step, window, padding=SLICE_PADDING)
     return labelled(
         even,
         "spectrogram of the shaft",
-        {"amplitude": (("frequency", "time"), np.abs(np.fft.fftshift(transform, axes=1)).T, "m")},
+        {"amplitude": (("frequency", "time"), np.abs(amplitude).T, "m")},
         {
-            "frequency": np.fft.fftshift(frequency),
+            "frequency": 2 * np.pi * frequency,
             "time": even["time"].values[first] + size * step / 2,
         },
         frame=frame,
@@ -312,19 +295,6 @@ def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
     figure.colorbar(picture, ax=axes, label="amplitude [mm]")
     figure.legend(loc="outside lower center", ncols=2, handlelength=2.6)
     return figure
-
-
-def _blackman_harris(size: int) -> Array:
-    """The window of that many records, periodic: the least of its kind with four terms."""
-    turn = 2 * np.pi * np.arange(size) / size
-    terms = (0.35875, -0.48829, 0.14128, -0.01168)
-    return np.asarray(sum(share * np.cos(n * turn) for n, share in enumerate(terms)))
-
-
-def _phasor(orbit: xr.Dataset, frame: Frame) -> Array:
-    """x + i y of the shaft, mirrored where the rotor turns clockwise, so forward is positive."""
-    x, y = orbit[frame].values.T
-    return np.asarray(x + (-1j if orbit.attrs["speed"] < 0 else 1j) * y)
 
 
 def _draw_lines(axes: Axes, lines: xr.DataArray, draw: Any) -> None:

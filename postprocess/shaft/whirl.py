@@ -14,31 +14,21 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
-from bladewhirl.postprocess.fields.windows import evenly_spaced, span_starts
+from bladewhirl.meshes.line_mesh import BoolArray
+from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
+from bladewhirl.postprocess.fields.kinematics import Array, IntArray
+from bladewhirl.postprocess.fields.windows import span_starts
+from bladewhirl.postprocess.shaft.transforms import LOBE, Frame, phasor, strongest_lines
 
 Direction = Literal["forward", "backward", "none"]
-Frame = Literal["rotating", "static"]
 FRAMES: tuple[Frame, Frame] = ("rotating", "static")
 
 LEAST_TURN = 0.1
 """Turns about the origin that a motion must make before its whirl is given a direction."""
 
-CERTAINTY = 2.0
-"""Standard errors that a rate must be away from zero."""
-
-SPANS = 10
-"""Spans whose rates tell how well the rate of all of them is known."""
-
+SPANS = 10  #: spans whose rates tell how well the rate of all of them is known
 DOUBTFUL = 0.5 * np.pi
 """Angle between two records from which on they may lie on either side of the centre [rad]."""
-
-MOST_LINES, LEAST_SHARE, LOBE = 3, 0.02, 2
-"""Lines of a spectrum that are told, the least share of each, and half the width of one, in
-resolutions of the Hann window."""
-
-FEWEST_RECORDS = 16
-"""Records without which a spectrum says nothing."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,14 +59,6 @@ class Whirl:
         wide = CERTAINTY * self.error / (2 * np.pi)
         known = f" ± {float(f'{wide:.1g}'):g}" if wide > 5e-4 * abs(self.frequency) else ""
         return f"{self.direction}, {abs(self.frequency):.3g}{known} Hz"
-
-
-@dataclass(frozen=True, kw_only=True)
-class SpectralLine:
-    """A line of the two-sided spectrum of an orbit."""
-
-    frequency: float  #: [Hz], forward positive
-    share: float  #: of the mean square of the displacement
 
 
 def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
@@ -127,7 +109,7 @@ def _has_line(orbit: xr.Dataset, frame: Frame, rate: float, error: float) -> boo
     return not lines or any(abs(2 * np.pi * line.frequency - own) <= near for line in lines)
 
 
-def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, Array]:
+def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, BoolArray]:
     """Unwrapped angle about the bearing's centre [rad], forward positive, and where it is in doubt.
 
     Args:
@@ -137,11 +119,10 @@ def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, Array]:
     Returns:
         angle (time,); whether the step after each record may go either way round, (time - 1,).
     """
-    x, y = orbit["rotating"].values.T
-    speed = float(orbit.attrs["speed"])
-    angle = np.unwrap(np.arctan2(-y if speed < 0 else y, x))
+    angle = np.unwrap(np.angle(phasor(orbit, "rotating")))
     doubtful = np.abs(np.diff(angle)) > DOUBTFUL
-    carried = abs(speed) * orbit["time"].values if frame == "static" else 0.0
+    speed = abs(float(orbit.attrs["speed"]))
+    carried = speed * orbit["time"].values if frame == "static" else 0.0
     return angle + carried, doubtful
 
 
@@ -156,39 +137,6 @@ def ripple(orbit: xr.Dataset, frame: Frame) -> tuple[float, xr.Dataset]:
     about = place - place.mean(axis=0)
     size = float(np.sqrt(np.mean(np.sum(about**2, axis=1))))
     return size, orbit[["radius"]].assign(rotating=(("time", "axis"), about))
-
-
-def strongest_lines(orbit: xr.Dataset, frame: Frame) -> tuple[SpectralLine, ...]:
-    """Strongest lines of the two-sided spectrum, at most three; none of too short a motion.
-
-    Each is the power within a line's width of a peak, under a Hann window, and its centre. Lines
-    of one frame lie at those of the other moved by the speed, with the same shares.
-
-    Args:
-        orbit: from `orbits.shaft_orbit`, of the time that is wanted.
-        frame: of the observer.
-    """
-    try:
-        even, step = evenly_spaced(orbit, FEWEST_RECORDS)
-    except ViewError:
-        return ()
-    x, y = even[frame].values.T
-    place = x + (-1j if orbit.attrs["speed"] < 0 else 1j) * y
-    power = np.abs(np.fft.fft(np.hanning(len(place)) * place)) ** 2
-    frequency = np.fft.fftfreq(len(place), step)
-    total = float(power.sum())
-    found: list[SpectralLine] = []
-    while total > 0 and len(found) < MOST_LINES:
-        around = (int(power.argmax()) + np.arange(-LOBE, LOBE + 1)) % len(power)
-        own = power[around]
-        offset = np.arange(-LOBE, LOBE + 1) @ own / own.sum()
-        share = float(own.sum() / total)
-        if share < LEAST_SHARE:
-            break
-        centre = frequency[around[LOBE]] + offset / (len(place) * step)
-        found.append(SpectralLine(frequency=float(centre), share=share))
-        power[around] = 0.0
-    return tuple(found)
 
 
 def span_rates(time: Array, angle: Array, starts: IntArray) -> Array:

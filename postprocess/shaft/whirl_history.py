@@ -14,14 +14,13 @@ from bladewhirl.postprocess.fields.windows import span_means, span_starts
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
-from bladewhirl.postprocess.shaft.whirl import FRAMES, LEAST_TURN, Frame, phase, span_rates
+from bladewhirl.postprocess.shaft.transforms import Frame
+from bladewhirl.postprocess.shaft.whirl import FRAMES, LEAST_TURN, phase, span_rates
 
 PERIODS = 2.0
 """Least length of a span, in periods of the reference frequency: ripple is averaged away."""
 
-MOST_SPANS = 40
-"""Spans that a run is cut into at most."""
-
+MOST_SPANS = 40  #: spans that a run is cut into at most
 LOOK = {"rotating": ("-", "o", "rotor"), "static": ("--", "s", "casing")}
 """Line, marker and colour of each frame."""
 
@@ -37,8 +36,7 @@ def whirl_history(
 
     Args:
         result: of a run, or its orbit from `orbits.shaft_orbit`.
-        start: of the window [s]; of the run when None.
-        end: of the window [s]; of the run when None.
+        start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         over (frame, time), time being the middle of each span: `rate` [rad/s], positive

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
-from scipy.signal import zoom_fft
+from scipy.signal.windows import hann
 
 from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.energy.strain import strain_energies
@@ -14,6 +14,7 @@ from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.run.late_motion import late_motion
 from bladewhirl.postprocess.run.summary import energy_residual
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
+from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Complex, spectrum
 from bladewhirl.postprocess.sweep.dataset import (
     MODE_LINES,
     SECTIONS,
@@ -22,9 +23,6 @@ from bladewhirl.postprocess.sweep.dataset import (
     flag,
 )
 from bladewhirl.solvers.march.schema import SWEEP
-
-FEWEST_RECORDS = 16
-"""Records in a window, below which there is no spectrum."""
 
 Digest = dict[str, np.ndarray]
 """Arrays of the shapes and dtypes that `Layout` and `SWEEP` give."""
@@ -72,7 +70,7 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
         "complementarity_residual": report["complementarity_residual"],
         "dt_over_critical": report["dt_over_critical"],
         "window_start": time[first],
-        "spectrum": complex_spectrum(
+        "spectrum": magnitudes(
             motion.real[first:] + sense * 1j * motion.imag[first:],
             step,
             layout.frequency,
@@ -90,29 +88,25 @@ def digest(dataset: xr.Dataset, report: Mapping[str, float], layout: Layout) -> 
     return {name: np.asarray(value, dtype=SWEEP[name].kind) for name, value in numbers.items()}
 
 
-def complex_spectrum(motion: Array, step: float, frequency: Array) -> Array:
-    """Magnitude of the spectrum of a motion x + i y at signed frequencies.
+def magnitudes(motion: Complex, step: float, frequency: Array) -> Array:
+    """Return the magnitude of the spectrum of a motion x + i y under a Hann window.
 
-    With a Hann window, whose sum is divided by: r exp(2 pi i f t) has r at f. The frequencies
-    need not be those of the window's length, so that runs of different length share theirs.
+    The frequencies need not be those of the length of the motion, so that runs of different length
+    share them.
 
     Args:
-        motion: evenly sampled, complex, (samples,).
+        motion: evenly sampled, (samples,).
         step: between samples [s].
-        frequency: evenly spaced, ascending, within 1 / (2 step) of zero [Hz], (frequencies,).
+        frequency: evenly spaced, ascending [Hz], (frequencies,).
 
     Returns:
-        magnitudes in the unit of the motion, (frequencies,); NaN where samples are too few.
+        (frequencies,), in the unit of the motion; NaN if there are too few samples.
     """
     count = len(motion)
     if count < FEWEST_RECORDS:
         return np.full(len(frequency), np.nan)
-    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * (np.arange(count) + 0.5) / count)
-    # Turned so that the lowest frequency becomes zero: zoom_fft begins there.
-    turned = window * motion * np.exp(-2j * np.pi * frequency[0] * step * np.arange(count))
-    span = frequency[-1] - frequency[0]
-    spectrum = zoom_fft(turned, [0.0, span], m=len(frequency), fs=1.0 / step, endpoint=True)
-    return np.asarray(np.abs(spectrum) / window.sum())
+    window = hann(2 * count + 1)[1::2]  # samples in the middle of their intervals
+    return np.abs(spectrum(motion, step, window, frequency=frequency)[1])
 
 
 def _late(dataset: xr.Dataset, orbit: xr.Dataset, layout: Layout) -> dict[str, object]:

@@ -22,7 +22,7 @@ import numpy as np
 from bladewhirl.files import replacing, write_atomically
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.postprocess.energy.regimes import CRITERION
+from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT
 from bladewhirl.postprocess.sweep.dataset import (
     DONE,
     FAILED,
@@ -92,7 +92,7 @@ def create(
         file.attrs["coordinates"] = " ".join(as_given)
         file.attrs["over"] = json.dumps(grid.over)
         file.attrs["format"] = SWEEP_FORMAT
-        file.attrs["criterion"] = CRITERION
+        file.attrs["criterion"] = CRITERION_TEXT
         file.attrs["window"] = (
             f"spectra and mean energies are over the last {layout.window:.6g} s of each march,"
             f" at most {WINDOW_SHARE:.0%} of it"

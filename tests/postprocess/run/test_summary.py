@@ -519,47 +519,28 @@ class TestWriting:
         for line in ("0.8 mm", "of 22", "1F, k = 1", summary.regime, "4.38 µs a step"):
             assert line in shown
 
-    def test_the_table_says_where_stresses_pass_the_yield_strength(
-        self, result: xr.Dataset
-    ) -> None:
+    def test_the_yield_strength_is_compared(self, result: xr.Dataset) -> None:
         assert "yield" not in str(summary_rows(summarise(result, REPORT)))
-        weak = summarise(result.assign_attrs(yield_strength=1e3), REPORT)
-        assert "if elastic" in summary_rows(weak)["stress of casing, largest"]
-        assert summary_rows(weak)["stress of casing, largest"].endswith(
-            "beyond the yield strength, 0.001 MPa"
-        )
+        weak = summary_rows(summarise(result.assign_attrs(yield_strength=1e3), REPORT))
+        assert weak["stress of casing, largest"].endswith("beyond the yield strength, 1 kPa")
 
-    def test_a_line_without_a_turn_in_the_last_third_stands_still(self, result: xr.Dataset) -> None:
+    def test_rows_of_irregular_whirl_and_contact(self, result: xr.Dataset) -> None:
+        shares = np.zeros(22)
+        shares[[0, 7]] = 0.25, 0.5
         lines: list[LineOfWhirl] = [
             {"share": 0.5, "rotating": f, "static": 50.0 + f} for f in (-9.9, 10.1)
         ]
-        told = replace(
+        summary = replace(
             summarise(result, REPORT),
-            end_time=0.3,
-            whirl_frequency_rotating=None,
             whirl_frequency_static=None,
             whirl_lines=lines,
+            contact_share=shares.tolist(),
         )
-        rows = summary_rows(told)
-        assert "50% standing still, below 10 Hz, 50% at 10.1 Hz" in rows["whirl, rotating frame"]
-        assert "50% at 40.1 Hz, 50% at 60.1 Hz" in rows["whirl, static frame"]
-        mixed = replace(told, ripple_frequency=None, ripple_lines=lines[1:])
-        row = summary_rows(mixed)["ripple about the mean place"]
-        assert row.endswith("mm (rms); lines of its spectrum: 50% at 10.1 Hz")
-
-    def test_the_table_names_the_blades_that_touched(self, result: xr.Dataset) -> None:
-        shares = np.zeros(22)
-        shares[[0, 1, 2, 7, 20, 21]] = 0.25
-        touched = replace(summarise(result, REPORT), contact_share=shares.tolist())
-        told = "6 of 22: 0–2, 7, 20–21; 25 % of the steps"
-        assert summary_rows(touched)["blades that touched"] == told
-
-    def test_the_rest_is_split_where_it_leads(self, result: xr.Dataset) -> None:
-        assert "most of it" not in summary_rows(summarise(result, REPORT))["  rest"]
-        light = result.assign(
-            rotor_family=result["rotor_family"].copy(data=["3F"] * 2 + ["2F"] * 3)
+        rows = summary_rows(summary)
+        assert rows["whirl, static frame"] == (
+            "no single whirl frequency; 50% at 40.1 Hz; 50% at 60.1 Hz"
         )
-        assert "most of it 3F" in summary_rows(summarise(light, REPORT))["  rest"]
+        assert rows["blades that touched"] == "2 of 22: 0, 7; 25 to 50 % of the steps"
 
     def test_the_table_of_a_run_at_rest(self) -> None:
         still = synthetic.synthetic_result(records=2, shaft_radius=0.0, bending=0.0)

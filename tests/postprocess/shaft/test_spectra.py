@@ -18,7 +18,7 @@ from bladewhirl.postprocess.shaft.spectra import (
     shaft_spectrum,
     with_lines,
 )
-from bladewhirl.postprocess.shaft.whirl import Frame
+from bladewhirl.postprocess.shaft.transforms import Frame
 
 RADIUS = 0.8e-3
 

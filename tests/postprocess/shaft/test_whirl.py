@@ -5,7 +5,8 @@ import pytest
 import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import rotate
-from bladewhirl.postprocess.shaft.whirl import FRAMES, Frame, ripple, strongest_lines, whirl
+from bladewhirl.postprocess.shaft.transforms import Frame, strongest_lines
+from bladewhirl.postprocess.shaft.whirl import FRAMES, ripple, whirl
 from bladewhirl.postprocess.shaft.whirl_history import whirl_history
 
 SPEEDS = [10.0, 30.0, -10.0]  # turns a second

@@ -7,7 +7,7 @@ import pytest
 
 from bladewhirl.models.case.case import Case, March
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.postprocess.sweep.digest import complex_spectrum
+from bladewhirl.postprocess.sweep.digest import magnitudes
 from bladewhirl.studies.sweeps.layout import make_layout, march_extent
 
 STEP = 1e-3
@@ -17,7 +17,7 @@ FREQUENCY = np.arange(-100, 101) / 0.5  # of a window of half a second
 def test_circles_have_their_radius_at_their_frequency() -> None:
     time = STEP * np.arange(500)
     motion = 3.0 + 2.0 * np.exp(2j * np.pi * 40.0 * time) + 0.5 * np.exp(-2j * np.pi * 60.0 * time)
-    magnitude = complex_spectrum(motion, STEP, FREQUENCY)
+    magnitude = magnitudes(motion, STEP, FREQUENCY)
     expected = np.zeros(len(FREQUENCY))
     for frequency, radius in ((0.0, 3.0), (40.0, 2.0), (-60.0, 0.5)):
         place = int(np.argmin(np.abs(FREQUENCY - frequency)))
@@ -31,14 +31,14 @@ def test_it_is_the_sum_that_defines_it_at_any_frequency_and_length() -> None:
     window = np.sin(np.pi * (np.arange(137) + 0.5) / 137) ** 2
     turns = np.exp(-2j * np.pi * np.outer(FREQUENCY, STEP * np.arange(137)))
     np.testing.assert_allclose(
-        complex_spectrum(motion, STEP, FREQUENCY),
+        magnitudes(motion, STEP, FREQUENCY),
         np.abs(turns @ (window * motion)) / window.sum(),
         rtol=1e-9,
     )
 
 
 def test_too_few_records_have_no_spectrum() -> None:
-    assert np.isnan(complex_spectrum(np.ones(3, dtype=complex), STEP, FREQUENCY)).all()
+    assert np.isnan(magnitudes(np.ones(3, dtype=complex), STEP, FREQUENCY)).all()
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,103 @@
+"""Complex spectra of the shaft's place x + i y, in which forward and backward motion are apart.
+
+The transform of exp(i omega t) has one line at omega, positive counter-clockwise. A circle of
+radius r has the amplitude r at one frequency, a straight vibration half its amplitude at two.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.signal import zoom_fft
+from scipy.signal.windows import hann
+
+from bladewhirl.postprocess.fields.kinematics import Array, ViewError
+from bladewhirl.postprocess.fields.windows import evenly_spaced
+
+Frame = Literal["rotating", "static"]
+Complex = NDArray[np.complex128]
+
+FEWEST_RECORDS = 16  #: records that a spectrum needs
+MOST_LINES, LEAST_SHARE = 3, 0.02  #: lines of a spectrum that are reported, least share of each
+LOBE = 2  #: half width of a line under the Hann window, in resolutions
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpectralLine:
+    """A line of the two-sided spectrum of an orbit."""
+
+    frequency: float  #: [Hz], forward positive
+    share: float  #: of the mean square of the displacement
+
+
+def phasor(orbit: xr.Dataset, frame: Frame) -> Complex:
+    """Return x + i y of the shaft; mirrored if the rotor turns clockwise: forward is positive."""
+    x, y = orbit[frame].values.T
+    return np.asarray(x + (-1j if orbit.attrs["speed"] < 0 else 1j) * y)
+
+
+def spectrum(
+    motion: Complex,
+    step: float,
+    window: Array,
+    *,
+    padding: int = 1,
+    frequency: Array | None = None,
+) -> tuple[Array, Complex]:
+    """Frequencies [Hz] and complex amplitudes of motions, their last axis being time.
+
+    Args:
+        motion: evenly sampled, (..., samples).
+        step: between samples [s].
+        window: weights of the samples, (samples,); amplitudes are divided by their sum.
+        padding: zeros extend the motion to that many times its length.
+        frequency: evenly spaced and ascending, within 1 / (2 step) of zero [Hz]; those of the
+            padded transform when None.
+
+    Returns:
+        ascending frequencies, and amplitudes in the unit of the motion, (..., frequencies).
+    """
+    weighted = motion * (window / window.sum())
+    if frequency is None:
+        length = padding * len(window)
+        amplitude = np.fft.fftshift(np.fft.fft(weighted, length), axes=-1)
+        return np.fft.fftshift(np.fft.fftfreq(length, step)), amplitude
+    # zoom_fft begins at zero: shift the lowest frequency there.
+    weighted *= np.exp(-2j * np.pi * frequency[0] * step * np.arange(len(window)))
+    band = [0.0, frequency[-1] - frequency[0]]
+    return frequency, zoom_fft(weighted, band, m=len(frequency), fs=1.0 / step, endpoint=True)
+
+
+def strongest_lines(orbit: xr.Dataset, frame: Frame) -> tuple[SpectralLine, ...]:
+    """Return up to three of the strongest lines of the two-sided spectrum; none of a short motion.
+
+    A line is the power within its width around a peak, under a Hann window, and its centre.
+    Between the frames lines differ by the speed, with the same shares.
+
+    Args:
+        orbit: from `orbits.shaft_orbit`.
+        frame: of the observer.
+    """
+    try:
+        even, step = evenly_spaced(orbit, FEWEST_RECORDS)
+    except ViewError:
+        return ()
+    motion = phasor(even, frame)
+    frequency, amplitude = spectrum(motion, step, hann(len(motion)))
+    power = np.abs(amplitude) ** 2
+    total = float(power.sum())
+    lines: list[SpectralLine] = []
+    while total > 0 and len(lines) < MOST_LINES:
+        around = (int(power.argmax()) + np.arange(-LOBE, LOBE + 1)) % len(power)
+        share = float(power[around].sum() / total)
+        if share < LEAST_SHARE:
+            break
+        offset = np.arange(-LOBE, LOBE + 1) @ power[around] / power[around].sum()
+        centre = frequency[around[LOBE]] + offset / (len(motion) * step)
+        lines.append(SpectralLine(frequency=float(centre), share=share))
+        power[around] = 0.0
+    return tuple(lines)
