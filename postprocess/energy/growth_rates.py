@@ -269,13 +269,7 @@ def _fitted_slope(values: Array, step: float) -> tuple[float, float, float]:
 
 
 def _averaged(
-    time: Array,
-    strain_energy: Array,
-    edges: Array,
-    length: float,
-    *,
-    fitted: int,
-    is_third: bool,
+    time: Array, strain_energy: Array, edges: Array, length: float, *, fitted: int, is_third: bool
 ) -> Windows | None:
     """The windows that begin at `edges`, the last reaching to the end."""
     first = np.searchsorted(time, edges - 1e-9 * length)

@@ -2,11 +2,9 @@
 
 A result keeps modal coordinates. Here they become displacements and velocities of points, for
 many records at once. Rotor axes turn counter-clockwise by `speed` times time; casing and observer
-stand still. Velocities are rates of displacement (R(Omega t) u_dot): the transport velocity
-Omega x r of the turning disk is not part of them.
+are stationary. Velocities are rates of displacement (R(Omega t) u_dot), without the transport
+velocity Omega x r of the turning disk.
 """
-
-from typing import Literal, get_args
 
 import numpy as np
 import xarray as xr
@@ -17,7 +15,6 @@ from bladewhirl.models.inputs.errors import UserError
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-Quantity = Literal["displacement", "velocity"]
 
 FRAMES_PER_REVOLUTION = 24  #: fewer pictures a revolution make a turning wheel hard to follow
 
@@ -25,7 +22,7 @@ ROUNDING = 1e-12  #: relative differences of radii below this are none
 
 
 class ViewError(UserError, ValueError):
-    """A view of a result that can't be had: its window, number of frames, factor or file."""
+    """Invalid time window, number of frames, factor or file of a view of a result."""
 
 
 def rotate(vectors: Array, angle: Array | float) -> Array:
@@ -40,8 +37,7 @@ def rotate(vectors: Array, angle: Array | float) -> Array:
 
 def turn(dataset: xr.Dataset, records: IntArray) -> Array:
     """Angle of the rotor axes at the records (record,) [rad]."""
-    angle: Array = dataset.attrs["speed"] * dataset["time"].values[records]
-    return angle
+    return np.asarray(dataset.attrs["speed"] * dataset["time"].values[records])
 
 
 def frame_records(
@@ -69,8 +65,7 @@ def frame_records(
 
 def nearest_records(dataset: xr.Dataset, instants: Array) -> IntArray:
     """Index of the record nearest to each instant [s]."""
-    nearest: IntArray = dataset.indexes["time"].get_indexer(instants, method="nearest")
-    return nearest
+    return np.asarray(dataset.indexes["time"].get_indexer(instants, method="nearest"))
 
 
 def sampling_hint(dataset: xr.Dataset, records: IntArray) -> str | None:
@@ -92,8 +87,7 @@ def sampling_hint(dataset: xr.Dataset, records: IntArray) -> str | None:
 
 def history(dataset: xr.Dataset, name: str, records: IntArray) -> Array:
     """A variable over time at the records (record, ...), without reading the rest of it."""
-    values: Array = dataset[name].isel(time=records).values
-    return values
+    return np.asarray(dataset[name].isel(time=records).values)
 
 
 def combine(coordinates: Array, shape: Array) -> Array:
@@ -102,35 +96,6 @@ def combine(coordinates: Array, shape: Array) -> Array:
     """
     flat: Array = coordinates @ shape.reshape(-1, shape.shape[-1]).T
     return flat.reshape(len(coordinates), -1, 2)
-
-
-def rotor_field(
-    dataset: xr.Dataset, quantity: Quantity, records: IntArray, *, rotating: bool = False
-) -> Array:
-    """Vectors at the rotor's nodes (record, rotor_node, 2) [m or m/s], x and y.
-
-    Args:
-        dataset: a result.
-        quantity: "displacement", or "velocity" as seen in the rotating frame.
-        records: numbers of the records to look at, ``np.arange(dataset.sizes["time"])`` for all.
-        rotating: along the rotating axes; else along the static ones.
-
-    Raises:
-        ViewError: another quantity.
-    """
-    if quantity not in get_args(Quantity):
-        known = " or ".join(f'"{name}"' for name in get_args(Quantity))
-        raise ViewError(f"quantity {quantity!r}: expected {known}")
-    coordinates = history(dataset, f"rotor_{quantity}", records)
-    field = combine(coordinates, dataset["rotor_shape"].values[:, :2])
-    return field if rotating else rotate(field, turn(dataset, records)[:, None])
-
-
-def rotor_points(dataset: xr.Dataset, records: IntArray, *, rotating: bool = False) -> Array:
-    """Undeformed nodes (record, rotor_node, 2) [m], turned with the rotor axes if static."""
-    points = dataset["rotor_point"].values
-    angle = np.zeros(len(records)) if rotating else turn(dataset, records)
-    return rotate(points[None], angle[:, None])
 
 
 def line_rows(dataset: xr.Dataset, per_line: int) -> tuple[Array, Array]:
@@ -184,8 +149,7 @@ def ring_angles(dataset: xr.Dataset, per_element: int) -> Array:
 def station_angles(dataset: xr.Dataset, per_element: int) -> Array:
     """Angles (casing_node, per_element + 1) [rad]: those cuts, with both ends of elements."""
     cuts = np.linspace(0.0, 1.0, per_element + 1)
-    angle: Array = dataset["casing_angle"].values[:, None] + _arcs(dataset)[:, None] * cuts
-    return angle
+    return np.asarray(dataset["casing_angle"].values[:, None] + _arcs(dataset)[:, None] * cuts)
 
 
 def _arcs(dataset: xr.Dataset) -> Array:
@@ -210,8 +174,7 @@ def wall_rows(dataset: xr.Dataset, weights: Array) -> Array:
 
 def element_lengths(dataset: xr.Dataset) -> Array:
     """Arc length of every casing element (casing_node,) [m]."""
-    length: Array = dataset.attrs["casing_radius"] * _arcs(dataset)
-    return length
+    return np.asarray(dataset.attrs["casing_radius"] * _arcs(dataset))
 
 
 def casing_rows(dataset: xr.Dataset, angle: Array) -> Array:
@@ -230,43 +193,11 @@ def casing_rows(dataset: xr.Dataset, angle: Array) -> Array:
     return np.asarray(at_left + at_right)
 
 
-def casing_polar_field(
-    dataset: xr.Dataset, quantity: Quantity, records: IntArray, angle: Array
-) -> Array:
-    """Radial and tangential components (record, point, 2) [m or m/s] at static angles [rad]."""
-    coordinates = history(dataset, f"casing_{quantity}", records)
-    return combine(coordinates, casing_rows(dataset, angle))
-
-
-def casing_field(
-    dataset: xr.Dataset,
-    quantity: Quantity,
-    records: IntArray,
-    angle: Array,
-    *,
-    rotating: bool = False,
-) -> Array:
-    """Vectors of the casing (record, point, 2) [m or m/s] in static (or rotating) axes."""
-    field = rotate(casing_polar_field(dataset, quantity, records, angle), angle)
-    return rotate(field, -turn(dataset, records)[:, None]) if rotating else field
-
-
-def casing_points(
-    dataset: xr.Dataset, records: IntArray, angle: Array, *, rotating: bool = False
-) -> Array:
-    """Undeformed casing points (record, point, 2) [m]; seen from the rotor they turn back."""
-    back = -turn(dataset, records) if rotating else np.zeros(len(records))
-    seen = angle + back[:, None]
-    points: Array = dataset.attrs["casing_radius"] * np.stack([np.cos(seen), np.sin(seen)], -1)
-    return points
-
-
 def recess_at_rest(dataset: xr.Dataset) -> Array:
     """Shortfall of each tip at rest from the tip radius, negative beyond it, (blade,) [m]."""
     radius = float(dataset.attrs["tip_radius"])
     tips = np.linalg.norm(dataset["rotor_point"].values[dataset["tip_node"].values], axis=1)
-    recess: Array = np.where(np.abs(radius - tips) > ROUNDING * radius, radius - tips, 0.0)
-    return recess
+    return np.asarray(np.where(np.abs(radius - tips) > ROUNDING * radius, radius - tips, 0.0))
 
 
 def smallest_clearance(dataset: xr.Dataset) -> float:
@@ -313,5 +244,4 @@ def radial_part(vectors: Array, points: Array) -> Array:
     """
     radius = np.linalg.norm(points, axis=-1)
     dot = np.sum(vectors * points, axis=-1)
-    part: Array = np.divide(dot, radius, out=np.zeros_like(dot), where=radius > 0)
-    return part
+    return np.asarray(np.divide(dot, radius, out=np.zeros_like(dot), where=radius > 0))

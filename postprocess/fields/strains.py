@@ -17,12 +17,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.meshes.hermite import cubic_weights, curvature_weights, slope_weights
-from bladewhirl.postprocess.fields.kinematics import (
-    Array,
-    element_lengths,
-    line_shapes,
-    wall_rows,
-)
+from bladewhirl.postprocess.fields.kinematics import Array, element_lengths, line_shapes, wall_rows
 
 
 class StrainRows(NamedTuple):

@@ -17,7 +17,6 @@ from bladewhirl.meshes.hermite import cubic_weights, slope_weights
 from bladewhirl.postprocess.fields.kinematics import (
     Array,
     IntArray,
-    Quantity,
     clearance_at,
     element_lengths,
     history,
@@ -100,7 +99,7 @@ class Boxes:
         mirrored = along[0] * normal[1] - along[1] * normal[0] < 0
         return quads[:, ::-1] if mirrored else quads
 
-    def vectors(self, dataset: xr.Dataset, quantity: Quantity, records: IntArray) -> Array:
+    def vectors(self, dataset: xr.Dataset, quantity: str, records: IntArray) -> Array:
         """Return displacement [m] or velocity [m/s] (record, corner, 2) in body axes."""
         coordinates = history(dataset, f"{self.body}_{quantity}", records)
         count = len(records)

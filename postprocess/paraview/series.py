@@ -20,7 +20,6 @@ import xarray as xr
 from bladewhirl.files import claim, owned, replacing, write_atomically
 from bladewhirl.postprocess.fields.kinematics import (
     IntArray,
-    casing_points,
     contact_forces,
     frame_records,
     history,
@@ -223,7 +222,8 @@ def undeformed_mesh(dataset: xr.Dataset) -> Grid:
     the number of a tip's blade (-1 elsewhere). The casing's nodes are joined by chords.
     """
     rotor = dataset["rotor_point"].values
-    ring = casing_points(dataset, np.zeros(1, dtype=np.int64), dataset["casing_angle"].values)[0]
+    angle, radius = dataset["casing_angle"].values, dataset.attrs["casing_radius"]
+    ring = radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     rotor_lines = dataset["rotor_line"].values
     ring_lines = len(rotor) + _closed_lines(len(ring))
     is_rotor = _members(len(rotor) + len(ring), np.arange(len(rotor)))

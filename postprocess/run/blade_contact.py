@@ -22,13 +22,7 @@ from bladewhirl.postprocess.fields.windows import (
     span_starts,
     window_label,
 )
-from bladewhirl.postprocess.plotting.style import (
-    COLOURS,
-    SEQUENTIAL,
-    new_figure,
-    styled,
-    time_axis,
-)
+from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 
 PERMANENT = 0.99  #: share of the time in contact from which a blade counts as in permanent contact

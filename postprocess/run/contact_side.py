@@ -8,11 +8,7 @@ from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.labelled import labelled
-from bladewhirl.postprocess.fields.windows import (
-    in_window,
-    span_starts,
-    window_label,
-)
+from bladewhirl.postprocess.fields.windows import in_window, span_starts, window_label
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
@@ -135,13 +131,7 @@ def plot_contact_phase(phases: xr.Dataset) -> Figure:
             look = {"color": COLOURS[colour], "markersize": 1.4}
             lower.plot(shown["time"][here], lead[here], ".", label=name, **look)
     lower.axhspan(
-        -90,
-        90,
-        color=COLOURS["rest"],
-        alpha=0.25,
-        linewidth=0,
-        zorder=0,
-        label="standard: ±90°",
+        -90, 90, color=COLOURS["rest"], alpha=0.25, linewidth=0, zorder=0, label="standard: ±90°"
     )
     lower.set_ylabel("shaft ahead of\nsmallest gap [°]")
     for axes in (*uppers, lower):

@@ -102,11 +102,7 @@ def tip_displacement(
         result,
         "displacement of the blade tips, rotating frame",
         {"displacement": (("time", "component", "blade"), moved.reshape(-1, 2, len(angle)), "m")},
-        {
-            "time": result["time"].values,
-            "component": [*COMPONENTS],
-            "blade": np.arange(len(angle)),
-        },
+        {"time": result["time"].values, "component": [*COMPONENTS], "blade": np.arange(len(angle))},
     )
 
 

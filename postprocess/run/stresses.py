@@ -27,13 +27,7 @@ from bladewhirl.postprocess.fields.strains import (
     rotor_strain_rows,
 )
 from bladewhirl.postprocess.fields.windows import in_window, span_starts
-from bladewhirl.postprocess.plotting.style import (
-    COLOURS,
-    FULL_WIDTH,
-    new_figure,
-    styled,
-    time_axis,
-)
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 
 CASING_PIECES = 4

@@ -23,13 +23,7 @@ from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import evenly_spaced, window_label
-from bladewhirl.postprocess.plotting.style import (
-    COLOURS,
-    SEQUENTIAL,
-    new_figure,
-    styled,
-    time_axis,
-)
+from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Frame, phasor, spectrum
@@ -181,10 +175,7 @@ def shaft_spectrogram(
         even,
         "spectrogram of the shaft",
         {"amplitude": (("frequency", "time"), np.abs(amplitude).T, "m")},
-        {
-            "frequency": 2 * np.pi * frequency,
-            "time": even["time"].values[first] + size * step / 2,
-        },
+        {"frequency": 2 * np.pi * frequency, "time": even["time"].values[first] + size * step / 2},
         frame=frame,
         resolution=2 * np.pi / (size * step),
         slice=size * step,

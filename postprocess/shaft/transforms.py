@@ -41,12 +41,7 @@ def phasor(orbit: xr.Dataset, frame: Frame) -> Complex:
 
 
 def spectrum(
-    motion: Complex,
-    step: float,
-    window: Array,
-    *,
-    padding: int = 1,
-    frequency: Array | None = None,
+    motion: Complex, step: float, window: Array, *, padding: int = 1, frequency: Array | None = None
 ) -> tuple[Array, Complex]:
     """Frequencies [Hz] and complex amplitudes of motions, their last axis being time.
 

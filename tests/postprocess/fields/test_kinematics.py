@@ -13,17 +13,6 @@ def result() -> xr.Dataset:
     return synthetic.synthetic_result()
 
 
-def at_rest(result: xr.Dataset, **coordinates: float) -> xr.Dataset:
-    """The result with all modal coordinates zero but those named, as `rotor_3=...`."""
-    quiet = result.copy(deep=True)
-    for body in ("rotor", "casing"):
-        quiet[f"{body}_displacement"][:] = 0.0
-    for name, value in coordinates.items():
-        body, mode = name.split("_")
-        quiet[f"{body}_displacement"][:, int(mode)] = value
-    return quiet
-
-
 class TestFrameRecords:
     def test_spread_evenly_between_the_ends(self, result: xr.Dataset) -> None:
         records = kinematics.frame_records(result, 5, 0.1, 0.3)
@@ -61,44 +50,12 @@ def test_hint_only_below_24_frames_a_revolution(result: xr.Dataset) -> None:
     assert kinematics.sampling_hint(still, coarse) is None
 
 
-class TestRotor:
-    def test_points_turn_with_the_shaft(self, result: xr.Dataset) -> None:
-        quarter = kinematics.nearest_records(result, np.array([np.pi / 2 / synthetic.SPEED]))
-        exact = synthetic.SPEED * result.time.values[quarter[0]]
-        tip = kinematics.rotor_points(result, quarter)[0, int(result.tip_node[0])]
-        expected = synthetic.TIP_RADIUS * np.array([np.cos(exact), np.sin(exact)])
-        np.testing.assert_allclose(tip, expected, atol=1e-15)
-        still = kinematics.rotor_points(result, quarter, rotating=True)[0]
-        np.testing.assert_array_equal(still, result.rotor_point.values)
-
-    def test_translation_in_rotating_axes_turns_in_static_axes(self, result: xr.Dataset) -> None:
-        moved = at_rest(result, rotor_1=2e-3)  # along the rotating y axis
-        records = np.array([0, 50, 399])
-        angle = synthetic.SPEED * result.time.values[records]
-        expected = 2e-3 * np.column_stack([-np.sin(angle), np.cos(angle)])
-        field = kinematics.rotor_field(moved, "displacement", records)
-        nodes = result.sizes["rotor_node"]
-        np.testing.assert_allclose(field, np.repeat(expected[:, None], nodes, 1), atol=1e-17)
-
-    def test_velocity_is_the_rate_of_displacement(self, result: xr.Dataset) -> None:
-        middle = np.array([200])
-        around = kinematics.rotor_field(result, "displacement", np.array([199, 201]), rotating=True)
-        slope = (around[1] - around[0]) / (2 * synthetic.RECORD_STEP)
-        velocity = kinematics.rotor_field(result, "velocity", middle, rotating=True)[0]
-        np.testing.assert_allclose(velocity, slope, atol=2e-3 * np.abs(slope).max())
-
-    def test_radial_part_of_a_rotation_is_zero_and_of_the_centre_too(
-        self, result: xr.Dataset
-    ) -> None:
-        record = np.array([77])
-        points = kinematics.rotor_points(result, record)
-        for dataset in (at_rest(result, rotor_2=1e-3), at_rest(result, rotor_3=1e-3)):
-            field = kinematics.rotor_field(dataset, "displacement", record)
-            np.testing.assert_allclose(kinematics.radial_part(field, points), 0.0, atol=1e-18)
-        moved = kinematics.rotor_field(at_rest(result, rotor_0=1e-3), "displacement", record)
-        radial = kinematics.radial_part(moved, points)
-        assert radial[0, int(result.centre_node)] == 0.0
-        np.testing.assert_allclose(radial[0, result.tip_node[0]], 1e-3)
+def test_radial_part_is_zero_at_the_centre(result: xr.Dataset) -> None:
+    points = result["rotor_point"].values
+    translation = result["rotor_shape"].values[:, :2, 0]  # along x
+    radial = kinematics.radial_part(translation, points)
+    assert radial[int(result.centre_node)] == 0.0
+    np.testing.assert_allclose(radial[result.tip_node], np.cos(result.tip_angle), atol=1e-14)
 
 
 class TestCasing:
@@ -123,40 +80,13 @@ class TestCasing:
             ring = synthetic.synthetic_result(casing_elements=elements, records=2)
             w, u = np.moveaxis(kinematics.casing_rows(ring, angle)[:, :, 2], 1, 0)
             errors.append(
-                [
-                    np.abs(w - np.cos(2 * angle)).max(),
-                    np.abs(u + np.sin(2 * angle) / 2).max(),
-                ]
+                [np.abs(w - np.cos(2 * angle)).max(), np.abs(u + np.sin(2 * angle) / 2).max()]
             )
         # |f''''| h^4 / 384 bounds the error of a cubic Hermite interpolant.
         bound = 2**4 * (2 * np.pi / np.array([10, 20, 40])) ** 4 / 384
         assert np.all(np.array(errors)[:, 0] <= bound)
         orders = np.log2(np.array(errors)[:-1] / np.array(errors)[1:])
         assert np.all(np.abs(orders - 4.0) < 0.15)
-
-    def test_translation_looks_round(self, result: xr.Dataset) -> None:
-        moved = at_rest(result, casing_0=3e-3, casing_1=-1e-3)
-        angle = kinematics.ring_angles(moved, 9)
-        record = np.array([5])
-        points = kinematics.casing_points(moved, record, angle)
-        displaced = points + kinematics.casing_field(moved, "displacement", record, angle)
-        radii = np.linalg.norm(displaced[0] - [3e-3, -1e-3], axis=1)
-        np.testing.assert_allclose(radii, result.attrs["casing_radius"], atol=3e-3 * 2e-6)
-
-    def test_seen_from_the_rotor_it_turns_back(self, result: xr.Dataset) -> None:
-        angle = kinematics.ring_angles(result, 2)
-        records = np.array([10, 300])
-        turn = synthetic.SPEED * result.time.values[records]
-        static = kinematics.casing_field(result, "displacement", records, angle)
-        seen = kinematics.casing_field(result, "displacement", records, angle, rotating=True)
-        axes = np.stack(
-            [
-                np.column_stack([np.cos(turn), np.sin(turn)]),
-                np.column_stack([-np.sin(turn), np.cos(turn)]),
-            ],
-            axis=1,
-        )
-        np.testing.assert_allclose(seen, np.einsum("rij,rpj->rpi", axes, static), atol=1e-18)
 
     def test_clearance_is_linear_between_nodes_and_closes(self, result: xr.Dataset) -> None:
         node = result.casing_angle.values
@@ -192,8 +122,3 @@ def test_beams_between_nodes_follow_their_cubic(result: xr.Dataset) -> None:
     np.testing.assert_allclose(rows[blades][..., 3], expected, atol=1e-13)
     everywhere = np.stack([-points[..., 1], points[..., 0]], axis=-1)  # a rigid rotation
     np.testing.assert_allclose(rows[..., 2], everywhere, atol=1e-15)
-
-
-def test_a_quantity_that_there_is_not_is_told(result: xr.Dataset) -> None:
-    with pytest.raises(kinematics.ViewError, match='"displacement" or "velocity"'):
-        kinematics.rotor_field(result, "acceleration", np.arange(3))  # type: ignore[arg-type]

@@ -14,6 +14,7 @@ import xarray as xr
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation, Text
+from numpy.typing import NDArray
 from PIL import Image, ImageSequence
 from places import EXAMPLES
 
@@ -22,7 +23,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.modal.labels import Body
-from bladewhirl.postprocess.fields.kinematics import casing_field, rotor_field
+from bladewhirl.postprocess.fields.kinematics import casing_rows, combine, rotate, turn
 from bladewhirl.postprocess.modal.campbell import drawn_part, met_frequencies, plot_campbell
 from bladewhirl.postprocess.modal.mode_shapes import (
     Outline,
@@ -41,6 +42,19 @@ from bladewhirl.studies.modal.scenarios import scenario_dataset, whirling_modes
 from bladewhirl.studies.modal.veering import veering
 
 RECORDS = np.arange(PICTURES)
+
+
+def rotor_field(data: xr.Dataset) -> NDArray[np.float64]:
+    """Displacement of the rotor's nodes in static axes, (record, rotor_node, 2) [m]."""
+    modes = data["rotor_displacement"].values[RECORDS]
+    field = combine(modes, data["rotor_shape"].values[:, :2])
+    return rotate(field, turn(data, RECORDS)[:, None])
+
+
+def casing_field(data: xr.Dataset, angle: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Displacement of the casing at static angles, (record, point, 2) [m]."""
+    modes = data["casing_displacement"].values[RECORDS]
+    return rotate(combine(modes, casing_rows(data, angle)), angle)
 
 
 @cache
@@ -68,11 +82,11 @@ def moving(body: Body, family: str, k: int, wave: Wave, clearance: float = 1e-3)
 def radial(data: xr.Dataset, body: Body) -> tuple[FloatArray, FloatArray]:
     """Angles, and the radial displacement there over time, in the body's own frame."""
     if body == "bladed-disk":
-        angle, field = data["tip_angle"].values, rotor_field(data, "displacement", RECORDS)
+        angle, field = data["tip_angle"].values, rotor_field(data)
         field = field[:, data["tip_node"].values]
     else:
         angle = data["casing_angle"].values
-        field = casing_field(data, "displacement", RECORDS, angle)
+        field = casing_field(data, angle)
     outward = np.column_stack([np.cos(angle), np.sin(angle)])
     return angle, np.sum(field * outward, axis=-1)
 
@@ -152,7 +166,7 @@ def test_a_mode_in_time_keeps_its_size_and_holds_nothing_that_a_mode_has_not(
 ) -> None:
     data = moving("bladed-disk", "suspension", 1, "backward", clearance)
     assert not {"contact_impulse", "energy", "external_work"} & set(data.data_vars)
-    size = np.linalg.norm(rotor_field(data, "displacement", RECORDS), axis=-1)
+    size = np.linalg.norm(rotor_field(data), axis=-1)
     assert size.max() == pytest.approx(clearance or 5e-4, rel=1e-3)
     np.testing.assert_array_less(-1e-12 - (0.0 if clearance else 5e-4), data["gap"].values)
     strain = data["rotor_frequency"] * data["rotor_displacement"]
@@ -188,7 +202,7 @@ def test_paraview_series_of_a_mode(tmp_path: Path) -> None:
     frames = sorted((tmp_path / "frames").glob("rotor_*.vtu"))
     assert len(frames) == PICTURES
     mesh = meshio.read(frames[5])
-    expected = rotor_field(data, "displacement", RECORDS)[5]
+    expected = rotor_field(data)[5]
     ends = expected[data["rotor_line"].values].reshape(-1, 2)
     np.testing.assert_allclose(mesh.point_data["displacement"][:, :2], ends, rtol=1e-6, atol=1e-12)
 

@@ -61,10 +61,7 @@ def test_maxima_of_an_ellipse_are_its_long_half_axis() -> None:
     place = np.column_stack([3.0 * np.cos(turn), 2.0 * np.sin(turn)])
     velocity = 200.0 * np.pi / 7.0 * np.column_stack([-3.0 * np.sin(turn), 2.0 * np.cos(turn)])
     orbit = xr.Dataset(
-        {
-            "rotating": (("time", "axis"), place),
-            "rotating_velocity": (("time", "axis"), velocity),
-        },
+        {"rotating": (("time", "axis"), place), "rotating_velocity": (("time", "axis"), velocity)},
         coords={"time": time},
     )
     peaks = radius_peaks(orbit)
