@@ -50,8 +50,9 @@ def family_energies(
     order = np.argsort(first)  # of their lowest modes
     diameters, place = np.unique(dataset["rotor_nodal_diameter"].values, return_inverse=True)
     weights = np.zeros((len(names), len(diameters), len(number)))
-    own = np.argsort(order)[number], place, np.arange(len(number))
-    weights[own] = 0.5 * dataset["rotor_frequency"].values ** 2
+    weights[np.argsort(order)[number], place, np.arange(len(number))] = (
+        0.5 * dataset["rotor_frequency"].values ** 2
+    )
     flat = weights.reshape(-1, len(number))
     energy = reduce_modes(dataset, "rotor_displacement", flat, np.square)
     cells = energy.reshape(-1, *weights.shape[:2])
@@ -131,5 +132,5 @@ def plot_family_energies(energies: xr.Dataset) -> Figure:
 
 
 def _shown(energy: np.ndarray) -> np.ndarray:
-    """What a logarithmic scale can show of it."""
+    """Mask values that a logarithmic scale cannot show."""
     return np.ma.masked_less_equal(energy, 0.0)

@@ -1,4 +1,4 @@
-"""The amplitude over time, and the growth rate that a regime is judged by with its uncertainty."""
+"""Amplitude over time, and its growth rate with uncertainty, from which the regime follows."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ def amplitude_growth(
     start: float | None = None,
     end: float | None = None,
 ) -> xr.Dataset:
-    """The amplitude in equal windows, and the exponential fitted to the last of them.
+    """Compute the amplitude in equal windows, and fit an exponential to the last of them.
 
     Args:
         result: of a run.
-        energies: from `strain.strain_energies`, of the same time; found where it is None.
+        energies: from `strain.strain_energies`, of the same time; computed when None.
         start, end: limits of the window [s]; those of the run when None.
 
     Returns:
         over time, the middle of each window [s]: `energy`, mean strain energy of bladed disk and
         shaft springs [J], the amplitude squared; `ripple`, that of the motion about its mean place
-        in each window [J], nan where it can't be told; `local_rate`, growth rate of the amplitude
+        in each window [J], nan if inseparable; `local_rate`, growth rate of the amplitude
         from one window to the next [1/s]; `fit` [J] with `low` and `high`, two standard errors of
         the rate from it, nan before the windows fitted to, see `growth_rates.growth_windows`.
         Attributes `rate` and `error`, its standard error, `end_rate`, of the last windows alone,
@@ -49,8 +49,9 @@ def amplitude_growth(
         ViewError: too short a history to judge growth by, or at rest.
     """
     dataset = in_window(result, start, end)
-    held = strain_energies(result, start=start, end=end) if energies is None else energies
-    energy = held["total"].values
+    if energies is None:
+        energies = strain_energies(result, start=start, end=end)
+    energy = energies["total"].values
     windows = growth_windows(dataset, energy)
     regime = classify(dataset, energy)
     if windows is None or regime.growth is None:
@@ -96,11 +97,11 @@ def amplitude_growth(
 
 def _ripple(dataset: xr.Dataset, energy: Array, middle: Array) -> Array:
     """Energy of the ripple at the middles of its windows, nan elsewhere."""
-    found = ripple_windows(dataset, energy)
-    if found is None:
+    windows = ripple_windows(dataset, energy)
+    if windows is None:
         return np.full(len(middle), np.nan)
-    own = found.begin + found.length / 2
-    return np.interp(middle, own, found.amplitude**2, left=np.nan, right=np.nan)
+    time = windows.begin + windows.length / 2
+    return np.interp(middle, time, windows.amplitude**2, left=np.nan, right=np.nan)
 
 
 @styled
@@ -147,7 +148,7 @@ def plot_growth(growth: xr.Dataset) -> Figure:
     )
     misfits.plot(time, misfit, "o-", color=COLOURS["k = 1"], markersize=2.5, linewidth=0.6)
     misfits.axhline(0.0, color=COLOURS["rotor"], linewidth=0.6)
-    reach = 1.2 * max(float(abs(each).max()) for each in (misfit, low, high)) or 1.0
+    reach = 1.2 * max(float(abs(line).max()) for line in (misfit, low, high)) or 1.0
     misfits.set(ylabel="misfit of\namplitude [%]", ylim=(-reach, reach))
     time_axis(axes, misfits)
     rates = [("amplitude", "rate", "error"), ("ripple", "ripple_rate", "ripple_error")]
@@ -160,8 +161,5 @@ def plot_growth(growth: xr.Dataset) -> Figure:
         end = rate_text(growth.attrs["end_rate"], growth.attrs["end_error"])
         words.append(f"slowing, at the end by {end} 1/s")
     head(figure, growth, growth.attrs["regime"], *words)
-    entries = zip(
-        axes.get_legend_handles_labels(), misfits.get_legend_handles_labels(), strict=True
-    )
-    figure.legend(*(own + below for own, below in entries), loc="outside lower center", ncols=2)
+    figure.legend(loc="outside lower center", ncols=2)
     return figure

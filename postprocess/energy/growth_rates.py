@@ -1,10 +1,10 @@
 """Growth of a motion, and of its ripple, by exponentials fitted to amplitudes in equal windows.
 
-Growth must be told from ripple, from beating, from noise, from the onset of a load, and from a
-motion on its way to a limit cycle. The amplitude is the root of the strain energy of the bladed
+Growth must be distinguished from ripple, beating, noise, the onset of a load, and a motion that
+approaches a limit cycle. The amplitude is the root of the strain energy of the bladed
 disk with its shaft springs, averaged over equal windows: that smooths ripple and works with a
 clamped shaft too. A small ripple that grows about a large steady displacement hardly changes it,
-so that of the motion about its mean place in each window is looked at as well.
+so the motion about its mean position in each window is examined as well.
 """
 
 from dataclasses import dataclass, replace
@@ -25,12 +25,12 @@ WINDOW_RECORDS = 3  #: fewest records in a window
 RIGID = 1e-6  #: a mode below this share of the highest frequency is rigid to rounding
 RIPPLE_RISE = 1.5  #: the same of the ripple, over the largest in the middle third
 RIPPLE_SHARE = 0.01  #: least share of the amplitude that a growing ripple has come to
-RIPPLE_PERIODS = 2.0  #: least length of a window that a mean place is told from [periods]
+RIPPLE_PERIODS = 2.0  #: least length of a window with a mean position [periods]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Windows:
-    """The amplitude in equal windows of time, the last of them being those growth is fitted to."""
+    """Amplitude in equal windows of time; growth is fitted to the last of them."""
 
     begin: Array  #: of each window [s], (window,)
     length: float  #: of a window [s]
@@ -40,7 +40,7 @@ class Windows:
 
     @property
     def span(self) -> str:
-        """The time that growth is fitted over, in words."""
+        """Time interval of the fit, in words."""
         begin, end = self.begin[self.late], self.begin[-1] + self.length
         return "the last third" if self.is_third else f"{begin:.3g} to {end:.3g} s"
 
@@ -62,18 +62,18 @@ class Growth:
 
     @property
     def text(self) -> str:
-        """The rate and `CERTAINTY` standard errors of it, in words."""
+        """Rate ± `CERTAINTY` standard errors."""
         return rate_text(self.rate, self.error)
 
     @property
     def goes_on(self) -> bool:
-        """Whether it is more than its uncertainty and shows no sign of ending."""
+        """True if growth is significant and not slowing."""
         grows = self.rate > CERTAINTY * self.error and not self.slows
         return grows and self.share >= RIPPLE_SHARE
 
     @property
     def is_significant(self) -> bool:
-        """Whether it goes on and has come to more than was there before."""
+        """True if growth goes on and exceeds the earlier amplitude."""
         return self.goes_on and self.rise >= self.least_rise
 
     @property
@@ -111,7 +111,7 @@ def windowed_amplitude(time: Array, strain_energy: Array, shortest_window: float
 
 
 def growth_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
-    """The windows that the growth of a run is fitted to; None where it cannot be judged.
+    """Return the windows to which growth is fitted; None if it cannot be judged.
 
     They are those of `windowed_amplitude`. A march that ended at its displacement limit is often
     too short for them, and grows fastest: there they are the last ones of the shortest length,
@@ -123,16 +123,16 @@ def growth_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
         strain_energy: of the bladed disk with its shaft springs at each record [J], (time,).
     """
     time, shortest = dataset["time"].values, longest_half_period(dataset)
-    found = windowed_amplitude(time, strain_energy, shortest)
-    if found is not None or dataset.attrs.get("end_reason") != "divergent" or len(time) < 2:
-        return found
+    windows = windowed_amplitude(time, strain_energy, shortest)
+    if windows is not None or dataset.attrs.get("end_reason") != "divergent" or len(time) < 2:
+        return windows
     length = max(shortest, (WINDOW_RECORDS + 1) * float(np.median(np.diff(time))))
-    room = int((time[-1] - time[0]) / length)
+    available = int((time[-1] - time[0]) / length)
     since_load = int((time[-1] - load_end(dataset)) / length)
-    fitted = min(since_load if since_load >= FEWEST_LAST else room, FEWEST_WINDOWS)
+    fitted = min(since_load if since_load >= FEWEST_LAST else available, FEWEST_WINDOWS)
     if fitted < FEWEST_LAST:
         return None
-    edges = time[-1] - length * np.arange(room, 0, -1)
+    edges = time[-1] - length * np.arange(available, 0, -1)
     return _averaged(time, strain_energy, edges, length, fitted=fitted, is_third=False)
 
 
@@ -140,8 +140,7 @@ def ripple_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
     """Windows of the motion about its mean place; None where it cannot be judged.
 
     They cover the last two thirds of the time, half of them the last third, and are two periods
-    of the slowest wave of the rotor long or more: so long that a mean place can be told from the
-    motion.
+    of the slowest wave of the rotor long or more: long enough for a mean position.
 
     Args:
         dataset: a result.
@@ -150,23 +149,23 @@ def ripple_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
     time = dataset["time"].values
     slower = np.abs(_wave_frequencies(dataset)).min(axis=0)
     shortest = 2 * RIPPLE_PERIODS * _half_period(slower)
-    found = windowed_amplitude(time, strain_energy, shortest)
-    if found is None:
+    motion = windowed_amplitude(time, strain_energy, shortest)
+    if motion is None:
         return None
-    first = np.append(np.searchsorted(time, found.begin - 1e-9 * found.length), len(time))
+    first = np.append(np.searchsorted(time, motion.begin - 1e-9 * motion.length), len(time))
     weights = 0.5 * dataset["rotor_frequency"].values ** 2
-    middle = found.late // 2
-    energy = np.empty(len(found.begin) - middle)
+    middle = motion.late // 2
+    energy = np.empty(len(motion.begin) - middle)
     for number, (begin, end) in enumerate(zip(first[middle:-1], first[middle + 1 :], strict=True)):
         window = dataset[["rotor_displacement"]].isel(time=slice(begin, end))
         parts = (window["rotor_displacement"].isel(time=part).values for part in portions(window))
         total = sum(part.sum(axis=0) for part in parts)
         mean = np.asarray(total) / (end - begin)
-        energy[number] = found.amplitude[middle + number] ** 2 - weights @ mean**2
-    if not energy.min() > np.finfo(np.float64).eps * found.amplitude.max() ** 2:
+        energy[number] = motion.amplitude[middle + number] ** 2 - weights @ mean**2
+    if not energy.min() > np.finfo(np.float64).eps * motion.amplitude.max() ** 2:
         return None  # nothing but rounding
     return replace(
-        found, begin=found.begin[middle:], amplitude=np.sqrt(energy), late=found.late - middle
+        motion, begin=motion.begin[middle:], amplitude=np.sqrt(energy), late=motion.late - middle
     )
 
 
@@ -191,7 +190,7 @@ def fit_growth(windows: Windows) -> Growth:
     Res. 105, 2000, without their loss of freedom by the line. Of so few windows r comes out too
     small rather than too large: an amplitude without trend is beyond two errors in 7 % of series
     of 12 independent windows, 14 % of 5, and in 20 % of 12 whose true correlation is 0.5. Of half
-    of the windows r says nothing, so whether the growth slows is told by errors without it.
+    of the windows r says nothing, so slowing is judged by errors without it.
 
     Args:
         windows: of the history.
@@ -216,7 +215,7 @@ def fit_growth(windows: Windows) -> Growth:
 
 
 def rate_text(rate: float, error: float) -> str:
-    """A growth rate and `CERTAINTY` standard errors of it, in words; a dash where there is none.
+    """Return a growth rate ± `CERTAINTY` standard errors; a dash if there is none.
 
     Args:
         rate: [1/s]
@@ -242,12 +241,12 @@ def longest_half_period(dataset: xr.Dataset) -> float:
 
 
 def _wave_frequencies(dataset: xr.Dataset) -> list[Array]:
-    """Of the backward and of the forward wave of each rotor mode [rad/s]."""
+    """Return the frequencies of the backward and forward wave of each rotor mode [rad/s]."""
     return [dataset[f"rotor_{way}_frequency"].values for way in ("backward", "forward")]
 
 
 def _half_period(frequency: Array) -> float:
-    """Of the lowest frequency that isn't rigid [s]; infinite where there is none."""
+    """Return half a period of the lowest elastic frequency [s]; infinite if there is none."""
     elastic = frequency[frequency > RIGID * frequency.max()]
     return float(np.pi / elastic.min()) if len(elastic) else float("inf")
 
@@ -271,7 +270,7 @@ def _fitted_slope(values: Array, step: float) -> tuple[float, float, float]:
 def _averaged(
     time: Array, strain_energy: Array, edges: Array, length: float, *, fitted: int, is_third: bool
 ) -> Windows | None:
-    """The windows that begin at `edges`, the last reaching to the end."""
+    """Return the windows that begin at `edges`; the last reaches the end."""
     first = np.searchsorted(time, edges - 1e-9 * length)
     counts = np.diff(first, append=len(time))
     if counts.min() < WINDOW_RECORDS:

@@ -1,7 +1,7 @@
-"""The kind of motion that a run ends in: divergent, no contact, damped or sustained.
+"""Regime of a run: divergent, no contact, damped or sustained.
 
-Divergence is the delicate one. A run may reach the displacement limit; short of that, the motion
-or its ripple about a steady place has to grow beyond doubt, see `growth_rates`.
+A divergent run reaches the displacement limit, or its motion or ripple grows significantly, see
+`growth_rates`.
 """
 
 from collections.abc import Mapping
@@ -31,14 +31,10 @@ RegimeName = Literal["divergent", "no-contact", "damped", "sustained"]
 
 CLOSING = 0.01  #: least share of the clearance that a motion called divergent has taken up
 
-MOST_RIPPLE = 0.9
-"""Share of the amplitude above which the ripple is the motion, and is not told of apart."""
+MOST_RIPPLE = 0.9  #: share of the amplitude above which the ripple is the motion itself
 
-GROWS_SO_FAR = (
-    "the {} grows, but ends below {:g} times what it was before: march longer to tell whether it"
-    " diverges"
-)
-"""What is said of a sustained motion while its amplitude, or its ripple, goes on growing."""
+GROWS_SO_FAR = "the {} grows, but ends below {:g} times its earlier value: extend the march"
+"""Remark on a sustained motion whose amplitude, or ripple, grows."""
 
 CRITERION: Mapping[RegimeName, str] = {
     "divergent": "the march ended at its displacement limit, or over the last third of the time "
@@ -64,16 +60,16 @@ CRITERION_TEXT = "; ".join(
 
 @dataclass(frozen=True, kw_only=True)
 class Regime:
-    """The regime of a run, and why."""
+    """Regime of a run, with its reason."""
 
     name: RegimeName
     reason: str  #: what decided it, with numbers
     growth: Growth | None  #: None where the run is too short, or at rest
-    ripple: Growth | None  #: of the motion about its mean place; None where it can't be told apart
+    ripple: Growth | None  #: of the motion about its mean place; None if it cannot be separated
 
 
 def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
-    """Tell the regime of a run by `CRITERION`.
+    """Classify a run by `CRITERION`.
 
     Args:
         dataset: a result.
@@ -88,8 +84,9 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
     grown, source = _growth_text(growth, ripple), leading_source(dataset)
 
     def regime(name: RegimeName, reason: str) -> Regime:
-        told = reason if name == "no-contact" else "; ".join(filter(None, [reason, source]))
-        return Regime(name=name, reason=told, growth=growth, ripple=ripple)
+        reasons = [reason] if name == "no-contact" else [reason, source]
+        text = "; ".join(filter(None, reasons))
+        return Regime(name=name, reason=text, growth=growth, ripple=ripple)
 
     if dataset.attrs.get("end_reason") == "divergent":
         message = dataset.attrs.get("end_message") or "the march ended at its displacement limit"
@@ -112,16 +109,16 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
 
 
 def _has_closed(dataset: xr.Dataset, touched: NDArray[np.bool_]) -> bool:
-    """Whether a tip has come nearer to the casing by a share of the clearance that matters."""
+    """Return True if a tip has taken up the share `CLOSING` of the clearance."""
     closing = (1 - CLOSING) * smallest_clearance(dataset)
     return bool(touched.any()) or float(dataset["gap"].min()) <= closing
 
 
 def _growth_text(growth: Growth | None, ripple: Growth | None) -> str:
     if growth is None:
-        return "whether the motion grows can't be judged: at rest, or too few records or periods"
+        return "growth cannot be judged: at rest, or too few records or periods"
     whole = f"growth rate of the amplitude {growth.sentence}"
     if ripple is None or ripple.share > MOST_RIPPLE:
         return whole
-    told = f"growth rate of the ripple, {ripple.share:.2g} of the amplitude, {ripple.sentence}"
-    return f"{told}; {whole}" if ripple.is_significant else f"{whole}; {told}"
+    part = f"growth rate of the ripple, {ripple.share:.2g} of the amplitude, {ripple.sentence}"
+    return f"{part}; {whole}" if ripple.is_significant else f"{whole}; {part}"

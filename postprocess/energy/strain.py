@@ -15,11 +15,9 @@ SUSPENSION = "suspension"
 FIRST_FAMILY = "1F"
 
 SMOOTHED_PERIODS = 30.0
-"""A run of more periods of the reference frequency is drawn as means over a period, closely: its
-ripple at twice the frequency would fill the figure."""
+"""Number of reference periods above which means are drawn: the ripple would fill the figure."""
 
-PLOT_POINTS = 300
-"""Points that a line of means has at most: in a longer run each stands for several periods."""
+PLOT_POINTS = 300  #: points of a line of means at most
 
 PLOT_DECADES = 6.0  #: decades below the largest energy that the plot shows
 
@@ -52,15 +50,15 @@ def strain_energies(
     groups = [family == SUSPENSION, *(first & (diameter == k) for k in diameters)]
     groups.append(~np.logical_or.reduce(groups))
     weights = 0.5 * result["rotor_frequency"].values ** 2 * np.array(groups, dtype=float)
-    held = reduce_modes(result, "rotor_displacement", weights, np.square)
+    energy = reduce_modes(result, "rotor_displacement", weights, np.square)
     return labelled(
         result,
         "strain energy of the bladed disk with its shaft springs",
         {
-            "suspension": ("time", held[:, 0], "J"),
-            "first_family": (("time", "nodal_diameter"), held[:, 1:-1], "J"),
-            "rest": ("time", held[:, -1], "J"),
-            "total": ("time", held.sum(axis=1), "J"),
+            "suspension": ("time", energy[:, 0], "J"),
+            "first_family": (("time", "nodal_diameter"), energy[:, 1:-1], "J"),
+            "rest": ("time", energy[:, -1], "J"),
+            "total": ("time", energy.sum(axis=1), "J"),
         },
         {"time": result["time"].values, "nodal_diameter": diameters},
     )

@@ -1,4 +1,4 @@
-"""Where the energy of a run came from and went: works of loads, contact forces, damping, drive."""
+"""Energy balance of a run: works of loads, contact forces, springs, damping and drive."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ SOURCES = {
     "load": "the load",
     "normal": "normal contact forces (the wall turns past the tips)",
     "friction": "friction",
-    "springs": "turning the rotor against springs that stand still",
+    "springs": "turning the rotor against stationary springs",
 }
-"""What can feed a motion, in words."""
+"""Energy sources of a motion."""
 
 
 class Works(TypedDict):
@@ -76,24 +76,17 @@ def late_drive_power(dataset: xr.Dataset) -> float:
 
 
 def leading_source(dataset: xr.Dataset) -> str:
-    """What gave most energy, in words; empty where nothing gave any.
+    """Return the largest energy source in words; empty if there is none.
 
-    Past a critical speed squares of frequencies are negative, and whirl grows as it loses energy.
+    Above a critical speed squares of frequencies are negative, and whirl grows as it loses energy.
     """
-    found = works(dataset)
-    given = {
-        "load": found["load"],
-        "normal": found["normal"],
-        "friction": found["friction"],
-        "springs": found["springs"],
-    }
-    name = max(given, key=lambda each: given[each])
-    energy, lost = float(dataset["energy"][-1]), found["damping"]
-    if dataset["rotor_frequency"].values.min() < 0.0 and energy < 0.0 and lost > 2.0 * given[name]:
+    balance = works(dataset)
+    supplied = {name: float(balance[name]) for name in SOURCES}  # type: ignore[literal-required]
+    name = max(supplied, key=lambda source: supplied[source])
+    energy, lost, most = float(dataset["energy"][-1]), balance["damping"], supplied[name]
+    if dataset["rotor_frequency"].values.min() < 0.0 and energy < 0.0 and lost > 2.0 * most:
         return (
-            "damping that turns with the bladed disk feeds whirl past its critical speed, taking"
+            "damping of the bladed disk feeds whirl above its critical speed and takes"
             f" {lost:.3g} J in rotating axes"
         )
-    if not given[name] > 0.0:
-        return ""
-    return f"most energy came from {SOURCES[name]}, {given[name]:.3g} J"
+    return f"most energy came from {SOURCES[name]}, {most:.3g} J" if most > 0.0 else ""

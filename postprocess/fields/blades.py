@@ -1,4 +1,4 @@
-"""Blades of any geometry, found from the mesh: which beams make one, and how long it is."""
+"""Beams of each blade, from a mesh of any geometry."""
 
 import numpy as np
 import scipy.sparse as sp
@@ -17,10 +17,12 @@ def line_blades(dataset: xr.Dataset) -> IntArray:
     """
     lines, part = dataset["rotor_line"].values, dataset["rotor_part"].values.astype(str)
     tips, points = dataset["tip_node"].values, dataset["rotor_point"].values
-    own = np.isin(part, np.unique([part[_outward_line(points, lines, tip)] for tip in tips]))
+    blades = np.isin(part, np.unique([part[_outward_line(points, lines, tip)] for tip in tips]))
     length = np.linalg.norm(points[lines[:, 1]] - points[lines[:, 0]], axis=1)
     nodes = len(points)
-    graph = sp.csr_array((length[own], (lines[own, 0], lines[own, 1])), shape=(nodes, nodes))
+    graph = sp.csr_array(
+        (length[blades], (lines[blades, 0], lines[blades, 1])), shape=(nodes, nodes)
+    )
     distance, _, source = dijkstra(
         graph, directed=False, indices=tips, min_only=True, return_predecessors=True
     )
@@ -30,7 +32,7 @@ def line_blades(dataset: xr.Dataset) -> IntArray:
     number[tips] = np.arange(len(tips))
     blade_of_node[reached] = number[source[reached]]
     far = np.argmax(distance[lines], axis=1)  # half way between two tips either end will do
-    blade: IntArray = np.where(own, blade_of_node[lines[np.arange(len(lines)), far]], -1)
+    blade: IntArray = np.where(blades, blade_of_node[lines[np.arange(len(lines)), far]], -1)
     return blade
 
 
@@ -50,7 +52,7 @@ def member_names(dataset: xr.Dataset) -> tuple[list[str], IntArray]:
 
 
 def _outward_line(points: Array, lines: IntArray, tip: int) -> int:
-    """The beam at a tip that points most along its radius."""
+    """Return the beam at a tip that points most along its radius."""
     at_tip = np.flatnonzero(np.any(lines == tip, axis=1))
     span = points[lines[at_tip, 1]] - points[lines[at_tip, 0]]
     along = np.abs(span @ points[tip]) / np.linalg.norm(span, axis=1)
@@ -65,9 +67,9 @@ def with_recess(dataset: xr.Dataset, stations: Array, recess: Array) -> tuple[Ar
     blade, radius = line_blades(dataset), np.linalg.norm(nodes, axis=1)
     shift = np.zeros(len(nodes))
     for number in np.flatnonzero(recess):
-        own = np.unique(lines[blade == number])
-        root, tip = radius[own].min(), radius[dataset["tip_node"].values[number]]
-        shift[own] = recess[number] * (radius[own] - root) / (tip - root)
+        beam = np.unique(lines[blade == number])
+        root, tip = radius[beam].min(), radius[dataset["tip_node"].values[number]]
+        shift[beam] = recess[number] * (radius[beam] - root) / (tip - root)
     x = np.linspace(0.0, 1.0, stations.shape[1])
     along = np.outer(shift[lines[:, 0]], 1.0 - x) + np.outer(shift[lines[:, 1]], x)
     return _moved_in(nodes, shift), _moved_in(stations, along)

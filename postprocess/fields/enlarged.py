@@ -98,9 +98,9 @@ class EnlargedStage:
             )
         )
         clearance, recess = clearance_at(dataset, self.angle), dataset["tip_recess"].values
-        room = float(clearance.max() + np.max(recess, initial=0.0))
+        largest_clearance = float(clearance.max() + np.max(recess, initial=0.0))
         self.factor = (
-            round_factor(self.tip_radius, room, self.largest_displacement)
+            round_factor(self.tip_radius, largest_clearance, self.largest_displacement)
             if factor is None
             else factor
         )
@@ -122,7 +122,7 @@ class EnlargedStage:
         return magnify(self.nodes, self._node[index], self.centre[index], self.factor)
 
     def outward_reach(self) -> float:
-        """How far the casing is drawn to move outward at most [m]."""
+        """Largest outward displacement of the casing, as drawn [m]."""
         outward = (self.ring_displacement * _directions(self.angle)).sum(axis=-1)
         return self.factor * max(0.0, float(outward.max()))
 
@@ -153,8 +153,8 @@ class EnlargedStage:
         wall_angle, wall_radius = _polar(inner)
         (angle, _), (at_tip, radius) = _polar(corner), _polar(middle)
         facing, before = (
-            np.interp(each + ahead, wall_angle, wall_radius, period=2 * np.pi)
-            for each in (angle, at_tip)
+            np.interp(place + ahead, wall_angle, wall_radius, period=2 * np.pi)
+            for place in (angle, at_tip)
         )
         sides[beams, stations] = (radius + facing - before)[..., None] * _directions(angle)
         return sides

@@ -20,7 +20,7 @@ def labelled(
     coordinates: Mapping[str, Any],
     **attributes: Any,
 ) -> xr.Dataset:
-    """A Dataset with units on everything, and name and speeds of the run that it is derived from.
+    """Return a Dataset with units, and with title and speeds of the run.
 
     Args:
         source: a result, or a Dataset derived from one.

@@ -36,7 +36,7 @@ ATTRIBUTES = (
     *("title", "speed", "reference_frequency", "casing_radius", "tip_radius"),
     *("time_step", "record_step"),
 )
-"""What every analysis needs, as attributes of the result."""
+"""Attributes of a result that every analysis needs."""
 
 
 def open_result(path: str | PathLike[str]) -> xr.Dataset:
@@ -62,11 +62,10 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
 
 
 def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
-    """A result with everything that the schema calls a coordinate as one, whatever its format.
+    """Return a result of any format with all coordinates of the schema.
 
-    Format 1 says nothing of how beams change along their lines: they don't. Those before 4 say
-    nothing of recess and growth of the tips: it is that at rest, and none; those before 5 nothing
-    of waves with Coriolis forces: theirs are the frequencies of the modes.
+    Variables that older formats lack are added: constant sections (format 1), recess of the tips at
+    rest and no growth (before 4), waves with the frequencies of the modes (before 5).
     """
     indices = {
         name: (name, index_values(name, dataset.sizes[name]), variable.attributes)
@@ -91,7 +90,7 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
 def result_of(
     stage: StageArrays, histories: Mapping[str, Array], attributes: Mapping[str, Any]
 ) -> xr.Dataset:
-    """A result in memory, as `open_result` has it from a file.
+    """Return a result in memory, as `open_result` returns it from a file.
 
     Args:
         stage: arrays that describe the stage.
@@ -130,7 +129,7 @@ def _entry(name: str, values: Any) -> tuple[tuple[str, ...], Array, dict[str, st
 
 @contextmanager
 def opened(result: xr.Dataset | str | PathLike[str]) -> Iterator[xr.Dataset]:
-    """A result as it is if it is open already; else opened, and closed when left."""
+    """Yield an open result as it is; open and close a file."""
     if isinstance(result, xr.Dataset):
         yield result
         return
@@ -139,7 +138,7 @@ def opened(result: xr.Dataset | str | PathLike[str]) -> Iterator[xr.Dataset]:
 
 
 def check_result(dataset: xr.Dataset, name: str) -> None:
-    """See that a Dataset is a result with at least one record; `name` says which in messages.
+    """Check that a Dataset is a result with at least one record; `name` is for messages.
 
     Raises:
         ResultError: it is not.
@@ -157,11 +156,11 @@ def check_result(dataset: xr.Dataset, name: str) -> None:
             continue
         if key not in dataset:
             raise ResultError(f"{name}: expected a bladewhirl result, it has no {key!r}")
-        found = dataset[key].dims
-        if found != variable.dimensions:
+        dimensions = dataset[key].dims
+        if dimensions != variable.dimensions:
             raise ResultError(
                 f"{name}: expected {key!r} over ({', '.join(variable.dimensions)}), "
-                f"found it over ({', '.join(map(str, found))})"
+                f"found it over ({', '.join(map(str, dimensions))})"
             )
     for attribute in ATTRIBUTES:
         if attribute not in dataset.attrs:

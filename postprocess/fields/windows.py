@@ -18,7 +18,7 @@ EVEN = 1e-6
 def select_window(
     dataset: xr.Dataset, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """The records within [start, end] [s], both at the run's ends by default, read when used.
+    """Return the records within [start, end] [s], by default all; read when used.
 
     Raises:
         ViewError: the window is not in order, or holds fewer than two records.
@@ -37,7 +37,7 @@ def select_window(
 
 
 def in_window(result: xr.Dataset, start: float | None, end: float | None) -> xr.Dataset:
-    """The records within [start, end] [s]; all of them, be it one, where neither is given.
+    """Return the records within [start, end] [s]; all, also a single one, when both are None.
 
     Raises:
         ViewError: as `select_window`.
@@ -46,14 +46,14 @@ def in_window(result: xr.Dataset, start: float | None, end: float | None) -> xr.
 
 
 def late_part(dataset: xr.Dataset) -> xr.Dataset:
-    """The last third of the time, read when used."""
+    """Return the last third of the time, read when used."""
     time = dataset["time"].values
     begin = time[-1] - LATE_SHARE * (time[-1] - time[0])
     return dataset.isel(time=slice(int(np.searchsorted(time, begin)), None))
 
 
 def evenly_spaced(dataset: xr.Dataset, fewest: int) -> tuple[xr.Dataset, float]:
-    """The records that are equally spaced, and their step [s].
+    """Return the equally spaced records and their step [s].
 
     The last record of a march that diverged, or was interrupted, may come early: it is dropped.
 
@@ -99,7 +99,7 @@ def span_edges(time: Array, starts: IntArray, begin: float) -> Array:
 
 
 def window_label(dataset: xr.Dataset) -> str:
-    """The time covered, in words."""
+    """Return the time interval in words."""
     first, last = dataset["time"].values[[0, -1]]
     unit, scale = handy_unit(float(last), "s")
     return f"{scale * first:.3g} to {scale * last:.3g} {unit}"

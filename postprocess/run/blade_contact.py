@@ -38,7 +38,7 @@ SHARE_COLOURS: Mapping[str, list[str]] = {
 }
 """Colours of the share of the time in contact, from none to all of it, by background."""
 
-PEAK = 1.5  #: ratio of the largest force to that percentile from which this is so
+PEAK = 1.5  #: ratio of the largest force to that percentile above which colours are clipped
 FEW_PERCENT = 40.0  #: largest share of the time in contact [%] below which its axis ends there
 BRIEF, BRIEF_MARGIN = 0.5, 0.1
 """Share of the time below which contact is brief, so that axes of time follow it, and what they
@@ -72,8 +72,7 @@ def contact_maps(
 ) -> xr.Dataset:
     """Gaps and forces of every blade in up to that many equal spans of time.
 
-    Nothing between records is missed: gaps are the smallest of all steps in a span, forces the
-    impulse in it over its length.
+    Gaps are the smallest of all steps in a span, forces the impulse in it over its length.
 
     Args:
         result: of a run.
@@ -91,7 +90,7 @@ def contact_maps(
     """
     dataset = select_window(result, start, end)
     begin = float(dataset["time"][0])
-    dataset = dataset.isel(time=slice(1, None))  # a record tells of the time since the one before
+    dataset = dataset.isel(time=slice(1, None))  # a record covers the time since the previous one
     time = dataset["time"].values
     starts = span_starts(time, columns)
     edges = span_edges(time, starts, begin)
@@ -157,8 +156,7 @@ def contact_classes(
 
 @styled
 def plot_gaps(maps: xr.Dataset) -> Figure:
-    """Draw the gap of every blade over time in mm, and where it touched the share of the time in
-    contact, Fig. 21.
+    """Draw the gap of every blade over time in mm, and the share of the time in contact, Fig. 21.
 
     Args:
         maps: from `contact_maps`.
@@ -228,7 +226,7 @@ def plot_forces(maps: xr.Dataset) -> Figure:
 def plot_contact_classes(classes: xr.Dataset) -> Figure:
     """Draw the share of the time each blade is in contact, coloured by class.
 
-    Marks of the classes are in a strip above the bars, so that the smallest shares have one too.
+    Marks of the classes are in a strip above the bars, also for the smallest shares.
 
     Args:
         classes: from `contact_classes`.
@@ -237,13 +235,18 @@ def plot_contact_classes(classes: xr.Dataset) -> Figure:
     axes = figure.add_subplot()
     blade, share = classes["blade"].values, 100 * classes["share"].values
     for name, colour in CLASS_COLOURS.items():
-        own = classes["contact_class"].values == name
-        axes.bar(blade[own], share[own], color=colour)
-        label = f"{name}: {np.count_nonzero(own)}"
+        members = classes["contact_class"].values == name
+        axes.bar(blade[members], share[members], color=colour)
+        label = f"{name}: {np.count_nonzero(members)}"
         mark, filled = CLASS_MARKS[name]
-        above = np.full(np.count_nonzero(own), 1.0 - 0.5 * STRIP)
+        above = np.full(np.count_nonzero(members), 1.0 - 0.5 * STRIP)
         (marks,) = axes.plot(
-            blade[own], above, mark, color=colour, label=label, transform=axes.get_xaxis_transform()
+            blade[members],
+            above,
+            mark,
+            color=colour,
+            label=label,
+            transform=axes.get_xaxis_transform(),
         )
         marks.set(markersize=3.0, markerfacecolor=colour if filled else "white")
     top = 1.1 * share.max() if 0 < share.max() < FEW_PERCENT else 102.0
@@ -269,12 +272,11 @@ def _share(steps: Array, time: Array | float, dataset: xr.Dataset) -> Array:
 
 
 def contact_span(edge: Array, touching: BoolArray) -> tuple[tuple[float, float], str]:
-    """Limits of a time axis that follow contact where that is brief, and words on when it is; none
-    where it is not brief.
+    """Return limits of a time axis that fit brief contact, and its time in words.
 
     Args:
         edge: borders of the spans of time [s], (span + 1,).
-        touching: whether there is contact in each.
+        touching: True for spans with contact, (span,).
     """
     spans = np.flatnonzero(touching)
     begin, end = float(edge[0]), float(edge[-1])
@@ -285,17 +287,16 @@ def contact_span(edge: Array, touching: BoolArray) -> tuple[tuple[float, float],
         return (begin, end), ""
     unit, scale = handy_unit(end, "s")
     words = f"contact from {scale * first:.3g} to {scale * last:.3g} of {scale * end:.3g} {unit}"
-    room = BRIEF_MARGIN * (last - first)
-    return (max(begin, first - room), min(end, last + room)), words
+    margin = BRIEF_MARGIN * (last - first)
+    return (max(begin, first - margin), min(end, last + margin)), words
 
 
 def draw_share(
     axes: Axes, across: xr.DataArray, up: Array, share: xr.DataArray, *, on: str
 ) -> QuadMesh:
-    """Shares of the time in contact (time, row) in percent, nothing where there is none.
+    """Draw shares of the time in contact (time, row) [%] on "gaps" or "white".
 
-    Colours begin near that of the background, `on` "gaps" or "white", so that a share of a pixel
-    looks like that share of its time.
+    Colours begin near that of the background: part of a pixel looks like that part of its time.
     """
     percent = np.ma.masked_less_equal(100.0 * np.nan_to_num(share.values.T), 0.0)
     scale = LinearSegmentedColormap.from_list(on, SHARE_COLOURS[on])
@@ -303,9 +304,7 @@ def draw_share(
 
 
 def force_limit(force: Array) -> float:
-    """The force that gets the brightest colour, in the unit of the forces; 1 where there are none:
-    the largest, unless a few peaks would leave the rest dark.
-    """
+    """Return the force of the brightest colour: the largest, or a percentile if peaks are few."""
     pushed = force[force > 0]
     if not len(pushed):
         return 1.0

@@ -26,8 +26,7 @@ def casing_contact(
 ) -> xr.Dataset:
     """Share of the time steps at which the blade that passes a sector of the casing touches it.
 
-    A span of time is so long that a blade passes every sector in it; where the rotor rests, blades
-    stay in their sectors, and a span is a six-hundredth of the time.
+    A blade passes every sector in each span of time; at standstill there are 600 spans.
 
     Args:
         result: of a run.
@@ -46,7 +45,7 @@ def casing_contact(
     speed, blades = abs(float(dataset.attrs["speed"])), dataset.sizes["blade"]
     steps = np.diff(time)
     spans, sectors = COLUMNS, blades
-    if speed:  # sectors that a tip passes between two records are not told apart
+    if speed:  # not finer than a tip moves between two records
         finest = 2 * np.pi / (speed * float(np.median(steps)))
         spans = int(np.clip(np.ptp(time) * blades * speed / (2 * np.pi), 1, COLUMNS))
         sectors = int(np.clip(finest, blades, SECTORS * blades))
@@ -80,8 +79,8 @@ def casing_contact(
 
 
 def with_last_turns(contact: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
-    """Beside the contact of all of a run that of its last turns: `last_share` (last_time,
-    last_sector), its borders `last_time_edge`, `last_angle_edge`; none where it makes few.
+    """Add the contact of the last turns: `last_share` (last_time, last_sector), with its borders
+    `last_time_edge` and `last_angle_edge`, unless the run has few turns.
 
     Args:
         contact: from `casing_contact`.
@@ -124,7 +123,7 @@ def plot_casing_contact(contact: xr.Dataset) -> Figure:
 
 
 def _limits(contact: xr.Dataset) -> tuple[tuple[float, float], str]:
-    """Of the time [s] that the upper panel shows, see `contact_span`."""
+    """Return the time [s] that the upper panel shows, see `contact_span`."""
     return contact_span(contact["time_edge"].values, (contact["share"] > 0).any("sector").values)
 
 

@@ -40,13 +40,13 @@ def contact_phase(
 ) -> xr.Dataset:
     """Static angles of the shaft and of the smallest clearance at every record, and the scenario.
 
-    Where tips touch on one side, the smallest clearance is the mean direction of their contact
-    impulses: several gaps are zero then. Elsewhere it is that of the tip with the smallest gap, so
-    it moves in steps of a blade pitch; nan where gaps are alike.
+    If tips touch on one side, the smallest clearance is the mean direction of their contact
+    impulses. Otherwise it is that of the tip with the smallest gap, in steps of a blade pitch; nan
+    if the gaps are equal.
 
     Args:
         result: of a run.
-        orbit: from `orbits.shaft_orbit`, of the same time; found where it is None.
+        orbit: from `orbits.shaft_orbit`, of the same time; computed when None.
         start, end: limits of the window [s]; those of the run when None.
         since: the scenario is that from this time on [s]; of all records when None.
 
@@ -66,8 +66,8 @@ def contact_phase(
     on_one_side = (total > 0) & (np.abs(push) >= STEADY * total)
     gap = dataset["gap"].values
     spread = np.ptp(gap, axis=1)
-    told_apart = spread > ALIKE * spread.max(initial=0.0)
-    nearest = np.where(told_apart, smallest_clearance_angle(gap, tip), np.nan)
+    distinct = spread > ALIKE * spread.max(initial=0.0)
+    nearest = np.where(distinct, smallest_clearance_angle(gap, tip), np.nan)
     clearance = np.where(on_one_side, np.angle(push), nearest)
     shaft = orbit["rotating"].values
     lead = shaft_lead(shaft, clearance)
@@ -93,19 +93,22 @@ def contact_phase(
 def _scenario(shaft: Array, clearance: Array, impulse: Array) -> dict[str, str | float]:
     weight = impulse if impulse.any() else None
     try:
-        found = motion_scenario(shaft=shaft, clearance_angle=clearance, weight=weight)
+        scenario = motion_scenario(shaft=shaft, clearance_angle=clearance, weight=weight)
     except ValueError:  # the shaft rests
         return {"scenario": "at rest", "lead": np.nan, "steadiness": 0.0}
-    return {"scenario": found.kind, "lead": found.lead, "steadiness": found.steadiness}
+    return {
+        "scenario": scenario.kind,
+        "lead": scenario.lead,
+        "steadiness": scenario.steadiness,
+    }
 
 
 @styled
 def plot_contact_phase(phases: xr.Dataset) -> Figure:
     """Draw the phase of shaft and smallest clearance, and by how much the shaft leads.
 
-    The phase is drawn in the frame in which the shaft turns less. Where it goes round more often
-    than can be followed, both are drawn over its last turns, or the lead alone where these are
-    soon over.
+    The phase is drawn in the frame in which the shaft turns less. Of many turns only the last are
+    drawn, or the lead alone if these take little of the time.
 
     Args:
         phases: from `contact_phase`.
@@ -143,22 +146,22 @@ def plot_contact_phase(phases: xr.Dataset) -> Figure:
 
 
 def _followed(phases: xr.Dataset) -> tuple[Frame | None, float]:
-    """The frame in which the shaft turns less, None where its turns can't be followed in either,
-    and the time from which they can [s].
+    """Return the frame in which the shaft turns less, None if it turns too often in both, and the
+    time [s] from which its turns can be followed.
     """
     moving = phases["shaft_phase"].dropna("time")
     time, speed = moving["time"].values, phases.attrs["speed"]
     if len(time) == 0:
         return "static", float(phases["time"][0])
-    found: dict[Frame, tuple[float, float]] = {}
+    turns: dict[Frame, tuple[float, float]] = {}
     for frame in FRAMES:
         rate = speed if frame == "rotating" else 0.0
         angle = np.unwrap(moving.values - rate * time)
         before = np.flatnonzero(np.abs(angle - angle[-1]) > MOST_TURNS * 2 * np.pi)
         since = float(time[before[-1] + 1]) if len(before) else float(time[0])
-        found[frame] = since, float(np.ptp(angle))
-    best = min(FRAMES, key=lambda name: found[name])
-    since, _ = found[best]
+        turns[frame] = since, float(np.ptp(angle))
+    best = min(FRAMES, key=lambda name: turns[name])
+    since, _ = turns[best]
     enough = since <= time[-1] - LEAST_SHARE * (time[-1] - time[0])
     return (best if enough else None), since
 
@@ -166,15 +169,17 @@ def _followed(phases: xr.Dataset) -> tuple[Frame | None, float]:
 def _words(phases: xr.Dataset) -> list[str]:
     kind = phases.attrs["scenario"]
     if kind == "at rest":
-        return ["the shaft rests"]
+        return ["the shaft is at rest"]
     if kind == "unsteady":
         return [phases.attrs["window"], "no steady contact scenario"]
     lead = f"{np.degrees(phases.attrs['lead']):.0f}°".replace("-", "−")
     if not phases["impulse"].any():
         return [phases.attrs["window"], f"no contact, shaft ahead of the smallest gap by {lead}"]
-    told = f"{kind} contact, shaft ahead of it by {lead}"
-    steadiness = f"{phases.attrs['steadiness']:.2f} of 1"
-    return [told, f"mean by impulse, {phases.attrs['window']}", f"steadiness {steadiness}"]
+    return [
+        f"{kind} contact, shaft ahead of it by {lead}",
+        f"mean by impulse, {phases.attrs['window']}",
+        f"mean resultant length {phases.attrs['steadiness']:.2f}",
+    ]
 
 
 def _wrapped(angle: Array) -> Array:

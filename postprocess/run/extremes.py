@@ -19,7 +19,7 @@ WAYS = {"radial": 0, "tangential": 2}  #: components of the casing's shapes
 
 
 class WallPeak(TypedDict):
-    """A largest displacement of the casing."""
+    """Largest displacement of the casing."""
 
     displacement: float  #: [m], signed
     angle: float  #: of the node [degrees]
@@ -27,7 +27,7 @@ class WallPeak(TypedDict):
 
 
 class ForcePeak(TypedDict):
-    """The largest contact force of a blade."""
+    """Largest contact force of a blade."""
 
     force: float  #: normal, mean over `averaged_over` [N]
     blade: int
@@ -36,7 +36,7 @@ class ForcePeak(TypedDict):
 
 
 class StressPeak(TypedDict):
-    """The largest stress of a body, linear."""
+    """Largest stress of a body, linear."""
 
     stress: float  #: [Pa], signed
     member: str  #: "blade 3", another part, "casing"
@@ -52,19 +52,19 @@ def casing_peaks(dataset: xr.Dataset) -> dict[str, WallPeak]:
     """
     shape = dataset["casing_shape"].values
     time, angle = dataset["time"].values, np.degrees(dataset["casing_angle"].values)
-    found = {way: WallPeak(displacement=0.0, angle=0.0, time=0.0) for way in WAYS}
+    peaks = {way: WallPeak(displacement=0.0, angle=0.0, time=0.0) for way in WAYS}
     for portion in portions(dataset):
         coordinates = dataset["casing_displacement"].isel(time=portion).values
         for way, component in WAYS.items():
             moved = coordinates @ shape[:, component].T
             record, node = np.unravel_index(np.abs(moved).argmax(), moved.shape)
-            if abs(moved[record, node]) > abs(found[way]["displacement"]):
-                found[way] = WallPeak(
+            if abs(moved[record, node]) > abs(peaks[way]["displacement"]):
+                peaks[way] = WallPeak(
                     displacement=float(moved[record, node]),
                     angle=float(angle[node]),
                     time=float(time[portion][record]),
                 )
-    return found
+    return peaks
 
 
 def largest_force(dataset: xr.Dataset) -> ForcePeak:
@@ -95,14 +95,14 @@ def stress_peaks(peaks: xr.Dataset) -> dict[str, StressPeak]:
         peaks: of every member, from `stresses.peak_stresses` or `stresses.stress_history`.
     """
     of_casing = peaks["member"].values == "casing"
-    found = {}
-    for body, own in (("bladed_disk", ~of_casing), ("casing", of_casing)):
-        members = peaks.isel(member=np.flatnonzero(own))
+    largest = {}
+    for body, belongs in (("bladed_disk", ~of_casing), ("casing", of_casing)):
+        members = peaks.isel(member=np.flatnonzero(belongs))
         one = members.isel(member=int(np.abs(members["peak_stress"].values).argmax()))
-        found[body] = StressPeak(
+        largest[body] = StressPeak(
             stress=float(one["peak_stress"]),
             member=str(one["member"].values),
             radius=float(one["peak_radius"]),
             time=float(one["peak_time"]),
         )
-    return found
+    return largest

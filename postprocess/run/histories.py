@@ -132,7 +132,7 @@ def casing_displacement(
         ``casing_displacement(result, angle="90 deg")["displacement"].sel(component="radial")``
     """
     result = in_window(result, start, end)
-    angles = np.array([_radians(each) for each in np.ravel(np.asarray(angle))])
+    angles = np.array([_radians(value) for value in np.ravel(np.asarray(angle))])
     rows = casing_rows(result, angles)
     moved = reduce_modes(result, "casing_displacement", rows.reshape(-1, rows.shape[-1]))
     return labelled(

@@ -1,4 +1,4 @@
-"""The motion of a run's last third in a few numbers: whirl, contact side, contacts, sections."""
+"""Measures of the last third of a run: whirl, contact side, contacts, sections."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from bladewhirl.postprocess.shaft.whirl_history import whirl_history
 
 
 def late_motion(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
-    """Reduce the last third of a run to what tells one motion from another.
+    """Measure the motion in the last third of a run.
 
     Args:
         dataset: a result.
@@ -65,7 +65,7 @@ def radius_peaks(orbit: xr.Dataset) -> Array:
     maximum is where its rate, taken as linear between two records, falls through zero.
 
     Args:
-        orbit: from `orbits.shaft_orbit`, of the time that is wanted.
+        orbit: from `orbits.shaft_orbit`, of that time.
     """
     time = orbit["time"].values
     place, velocity = orbit["rotating"].values, orbit["rotating_velocity"].values

@@ -1,4 +1,4 @@
-"""Measures of a march that claims are judged by: regime, whirl, contact side, energies."""
+"""Measures of a run that claims refer to: regime, whirl, contact side, energies."""
 
 from __future__ import annotations
 
@@ -25,10 +25,9 @@ HOLDERS = ("suspension", "k = 0", "k = 1", "other k", "rest")
 
 
 class Motion:
-    """A result, measured when asked; what is measured is kept."""
+    """Measures of a result, which must stay open; computed once, when used."""
 
     def __init__(self, result: xr.Dataset) -> None:
-        """Look at a result, which must stay open."""
         self.result = result
 
     @cached_property
@@ -39,12 +38,12 @@ class Motion:
     @cached_property
     def energies(self) -> xr.Dataset:
         """Strain energy [J] over time of each of `HOLDERS`, and `total`."""
-        found = strain_energies(self.result)
-        family = found["first_family"]
+        energies = strain_energies(self.result)
+        family = energies["first_family"]
         k = family["nodal_diameter"]
         groups = {"k = 0": k == 0, "k = 1": k == 1, "other k": k > 1}
-        return found.drop_dims("nodal_diameter").assign(
-            {name: family[:, own.values].sum("nodal_diameter") for name, own in groups.items()}
+        return energies.drop_dims("nodal_diameter").assign(
+            {name: family[:, part.values].sum("nodal_diameter") for name, part in groups.items()}
         )
 
     @cached_property
@@ -54,7 +53,7 @@ class Motion:
 
     @property
     def diverges(self) -> bool:
-        """Whether the regime is divergent."""
+        """True if the regime is divergent."""
         return self.regime.name == "divergent"
 
     @property
@@ -121,20 +120,19 @@ class Motion:
 
     def share(self, start: float, end: float) -> dict[str, float]:
         """Share of the strain energy of each of `HOLDERS` in a window."""
-        found = self.energy(start, end)
-        total = found.pop("total") or 1.0
-        return {name: value / total for name, value in found.items()}
+        energy = self.energy(start, end)
+        total = energy.pop("total") or 1.0
+        return {name: value / total for name, value in energy.items()}
 
     @property
     def late(self) -> tuple[float, float]:
-        """The last third of the time [s]."""
+        """Start and end of the last third of the time [s]."""
         return 2.0 / 3.0 * self.end, self.end
 
     def onset(self, times: float, since: float) -> float:
         """First time at which the strain energy is above that many times its value at a time [s].
 
-        It depends on nothing that comes later; infinite where the energy never comes so far. The
-        energy is averaged over periods of the reference frequency.
+        The energy is averaged over periods of the reference frequency. Infinite if it stays below.
 
         Args:
             times: the energy.
@@ -154,18 +152,18 @@ class Motion:
 
     @cached_property
     def blades(self) -> dict[str, int]:
-        """How many blades are in permanent and intermittent contact in the last third, and free."""
+        """Number of blades by contact class in the last third of the time."""
         classes = contact_classes(late_part(self.result))["contact_class"]
         return {name: int((classes == name).sum()) for name in CLASS_COLOURS}
 
     @property
     def touched(self) -> bool:
-        """Whether any tip ever touched."""
+        """True if any tip touched the casing."""
         return bool((self.result["contact_steps"] > 0).any())
 
     @property
     def touches_late(self) -> bool:
-        """Whether any tip touched in the last third of the time."""
+        """True if any tip touched in the last third of the time."""
         return self.blades["free"] < self.result.sizes["blade"]
 
     def section_scatter(self) -> float:
@@ -185,8 +183,7 @@ class Motion:
 def orbit_distance(one: Motion, other: Motion, *, until: float = np.inf) -> float:
     """Root mean square distance of two orbits in rotating axes over the radius of the second.
 
-    Records that only one of them has, or later than a time [s], don't count; NaN where the second
-    rests.
+    Only records of both up to a time [s] count; NaN if the second is at rest.
     """
     a, b = one.orbit["rotating"].values, other.orbit["rotating"].values
     records = min(len(a), len(b), other.record_at(until))

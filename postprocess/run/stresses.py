@@ -34,10 +34,10 @@ CASING_PIECES = 4
 """Pieces of a casing element at whose ends strains are taken: they are not linear in it."""
 
 PORTION_BYTES = 4e6
-"""Room that strains of the records looked at together take: such products are worth two cores."""
+"""Size of the strains computed in one matrix product."""
 
 CACHED_BYTES = 1e6
-"""The same of those whose extremes are looked for together: it stays in a core's cache."""
+"""Size of the strains whose extremes are computed together, within a core's cache."""
 
 COLUMNS = 1000  #: spans of time that a line of the figure has at most; the largest of each is drawn
 UNITS = {
@@ -55,7 +55,7 @@ PEAKS = {"peak_stress": "Pa", "peak_time": "s", "peak_radius": "m"}
 
 
 class _Body(NamedTuple):
-    """A body whose beams are sorted into members; points are all stations of its elements."""
+    """Body with its beams sorted by members; points are all stations of its elements."""
 
     history: str
     axial: Array  #: strains for unit modal coordinates (point, mode)
@@ -93,7 +93,7 @@ def stress_history(
     peak = {name: np.zeros(len(names)) for name in PEAKS}
     for body, portion, axial, bending in _strains(dataset, bodies):
         stress, bent = body.modulus * axial, body.modulus * bending
-        found = {
+        extremes = {
             "axial_strain": _largest(axial, body.starts),
             "axial_stress": _largest(stress, body.starts),
             "bending_strain": _maximum(bending, body.starts),
@@ -101,7 +101,7 @@ def stress_history(
             "largest_stress": _maximum(stress + bent, body.starts),
             "smallest_stress": -_maximum(bent - stress, body.starts),
         }
-        for name, values in found.items():
+        for name, values in extremes.items():
             out[name][portion, body.columns] = values.T
         _note_peaks(peak, body, time[portion], axial, bending)
     plane = ("time", "member")
@@ -164,7 +164,7 @@ def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:
 def _body(
     history: str, rows: StrainRows, modulus: Array, radius: Array, member: IntArray, *, first: int
 ) -> _Body:
-    """A body from values of every (element, station); `first` is the number of its first member."""
+    """Return a body from values at (element, station); `first` is its first member."""
     stations = rows.axial.shape[1]
     starts = stations * np.flatnonzero(np.diff(member, prepend=-1))
     return _Body(
@@ -184,15 +184,15 @@ def _strains(
     """Axial strain and size of the bending strain, (point, record), of a few records at a time."""
     for body in bodies:
         together, cached = (
-            max(1, int(room / (8 * len(body.radius)))) for room in (PORTION_BYTES, CACHED_BYTES)
+            max(1, int(size / (8 * len(body.radius)))) for size in (PORTION_BYTES, CACHED_BYTES)
         )
         for read in portions(dataset, together):
             coordinates = dataset[body.history].isel(time=read).values.T
             axial, bending = body.axial @ coordinates, body.bending @ coordinates
             for first in range(0, axial.shape[1], cached):
-                own = slice(first, first + cached)
-                portion = slice(read.start + first, min(read.start + own.stop, read.stop))
-                yield body, portion, axial[:, own], np.abs(bending[:, own])
+                part = slice(first, first + cached)
+                portion = slice(read.start + first, min(read.start + part.stop, read.stop))
+                yield body, portion, axial[:, part], np.abs(bending[:, part])
 
 
 def _maximum(values: Array, starts: IntArray) -> Array:
@@ -201,7 +201,7 @@ def _maximum(values: Array, starts: IntArray) -> Array:
 
 
 def _largest(values: Array, starts: IntArray) -> Array:
-    """The value largest in magnitude of each member, signed."""
+    """Return the value largest in magnitude of each member, signed."""
     high, low = _maximum(values, starts), np.minimum.reduceat(values, starts, axis=0)
     return np.where(high >= -low, high, low)
 
@@ -209,16 +209,16 @@ def _largest(values: Array, starts: IntArray) -> Array:
 def _note_peaks(
     peak: dict[str, Array], body: _Body, time: Array, axial: Array, bending: Array
 ) -> None:
-    """Bring the extremes of all times up to date with those of a portion of records."""
+    """Update the extremes with a portion of records."""
     size = body.modulus * (np.abs(axial) + bending)
     ranges = pairwise([*body.starts, len(size)])
     for column, (first, end) in enumerate(ranges, body.columns.start):
-        own = size[first:end]
-        point, record = np.unravel_index(int(own.argmax()), own.shape)
-        if own[point, record] <= abs(peak["peak_stress"][column]):
+        stress = size[first:end]
+        point, record = np.unravel_index(int(stress.argmax()), stress.shape)
+        if stress[point, record] <= abs(peak["peak_stress"][column]):
             continue
         sign = 1.0 if axial[first + point, record] >= 0 else -1.0
-        peak["peak_stress"][column] = sign * own[point, record]
+        peak["peak_stress"][column] = sign * stress[point, record]
         peak["peak_time"][column] = time[record]
         peak["peak_radius"][column] = body.radius[first + point]
 
@@ -259,7 +259,7 @@ LINES = (
 
 
 def _draw_time(axes: Axes, history: xr.Dataset, size: Array, blades: int) -> None:
-    """The largest of each span of time: of the blades together, and of each other member."""
+    """Draw the largest stress in each span of time, of all blades and of each other member."""
     time = history["time"].values
     starts = span_starts(time, COLUMNS)
     shown = np.maximum.reduceat(size, starts, axis=0)

@@ -1,4 +1,4 @@
-"""The figures that sum up a run: `summary.json`."""
+"""Summary of a run: `summary.json`."""
 
 import json
 from collections.abc import Mapping
@@ -37,8 +37,7 @@ EnergyHolders = TypedDict(
 
 
 class LineOfWhirl(TypedDict):
-    """A line of the shaft's spectrum: its frequency in both frames [Hz], forward positive, and its
-    share of the mean square."""
+    """Line of the spectrum: frequencies [Hz], forward positive, and share of the mean square."""
 
     rotating: float
     static: float
@@ -57,7 +56,7 @@ MARCH_REPORT = (
 
 
 class WhirlFigures(TypedDict):
-    """What `Summary` has of the whirl."""
+    """Entries of `Summary` on the whirl."""
 
     whirl_frequency_rotating: float | None
     whirl_frequency_static: float | None
@@ -70,10 +69,10 @@ class WhirlFigures(TypedDict):
 
 @dataclass(frozen=True, kw_only=True)
 class Summary:
-    """A run in figures; the fields are the keys of `summary.json`."""
+    """Key figures of a run; the fields are the keys of `summary.json`."""
 
     regime: RegimeName
-    regime_criterion: str  #: how regimes are told apart, and what decided here
+    regime_criterion: str  #: criterion of the regimes, and the reason for this one
     growth_rate: float | None  #: of the amplitude [1/s]; None where it can't be judged
     growth_rate_error: float | None  #: one standard error of it [1/s]
     growth_rate_end: float | None  #: of the last windows alone [1/s]
@@ -136,9 +135,9 @@ def summarise(
         march_report: `complementarity_residual`, `unsolved_steps`, `dt_over_critical`, `steps`,
             `wall_time` [s] and `us_per_step` [µs], which the histories don't hold; other entries
             are ignored.
-        stresses: from `stresses.stress_history`, where it is known.
-        orbit: from `orbits.shaft_orbit`, where it is known.
-        energies: from `strain_energies`, where they are known.
+        stresses: from `stresses.stress_history`; computed when None.
+        orbit: from `orbits.shaft_orbit`; computed when None.
+        energies: from `strain_energies`; computed when None.
 
     Raises:
         ValueError: an entry of the report is missing.
@@ -193,7 +192,7 @@ def summarise(
 
 
 def energy_residual(dataset: xr.Dataset) -> float:
-    """How far the energy ledger is from closing, relative to its largest term; 0 at rest.
+    """Return the error of the energy balance relative to its largest term; 0 at rest.
 
     At every record energy - energy_0 = external + normal + friction + coupling work - damping
     loss, all since the first record; `damping_work` is what damping has taken, so it is positive.
@@ -256,7 +255,7 @@ def _casing_energy(dataset: xr.Dataset) -> float:
 
 
 def _largest_tip_displacement(dataset: xr.Dataset) -> float:
-    """Of any tip at any record [m]."""
+    """Return the largest displacement of a tip at any record [m]."""
     blades = dataset.sizes["blade"]
     shapes = dataset["rotor_shape"].values[dataset["tip_node"].values, :2]
     moved = reduce_modes(dataset, "rotor_displacement", shapes.reshape(2 * blades, -1))

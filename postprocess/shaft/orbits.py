@@ -1,4 +1,4 @@
-"""The orbit of the shaft's centre in rotating and in static axes, and which way it whirls."""
+"""Orbit of the shaft's centre in rotating and static axes, and its whirl."""
 
 from typing import Any
 
@@ -93,10 +93,8 @@ def shaft_orbit(
 def plot_orbit(orbit: xr.Dataset) -> Figure:
     """Draw an orbit from `shaft_orbit` in rotating and static axes, and its late radius over time.
 
-    The whole motion is thin and pale; the last two turns, in the frame in which it goes round
-    faster, are strong, with arrows along them. Each frame's title names the whirl over the last
-    third. Axes fit the clearance; where the orbit is tiny beside it they fit the orbit, and the
-    clearance is told in words. The radius has an axis of its own, on which a ripple is seen.
+    The motion is pale; the last two turns are black, with arrows. Titles give the whirl over the
+    last third. Axes fit the clearance, or a much smaller orbit; then the title gives the clearance.
     """
     late = last_turns(orbit)
     clearance, radius = orbit.attrs["smallest_clearance"], float(orbit["radius"].max())
@@ -135,17 +133,17 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
 
 
 def last_turns(orbit: xr.Dataset) -> xr.Dataset:
-    """The end of an orbit in which it goes round twice in the frame in which it is faster; two
-    periods of the reference frequency where it goes round in neither; at most the last third.
+    """Return the last two turns in the frame with the faster whirl, or two periods of the reference
+    frequency without whirl; at most the last third.
     """
     late = late_part(orbit)
-    rates = [abs(found.rate) for frame in FRAMES if (found := whirl(late, frame)).goes_round]
+    rates = [abs(turn.rate) for frame in FRAMES if (turn := whirl(late, frame)).goes_round]
     length = DRAWN_TURNS * 2 * np.pi / max(rates, default=orbit.attrs["reference_frequency"])
     return late.sel(time=slice(late["time"].values[-1] - length, None))
 
 
 def _draw_radius(axes: Axes, late: xr.Dataset) -> None:
-    """The radius over time, on an axis that does not begin at zero."""
+    """Draw the radius over time, on an axis that does not begin at zero."""
     radius = late["radius"].values
     unit, scale = handy_unit(float(radius.max()), "m")
     axes.plot(late["time"], scale * radius, color=COLOURS["rotor"])
@@ -158,7 +156,7 @@ def _draw_radius(axes: Axes, late: xr.Dataset) -> None:
 
 
 def _draw_path(axes: Axes, place: Array) -> None:
-    """A whole path (record, 2), its start and its end."""
+    """Draw a path (record, 2), its start and its end."""
     long = len(place) > LONG_LINE
     axes.plot(*place.T, color=PALE, linewidth=0.4, label="whole motion", rasterized=long)
     ends: dict[str, Any] = {"color": COLOURS["rotor"], "linestyle": "none", "markersize": 4}
@@ -172,7 +170,7 @@ def _extent(path: Array) -> float:
 
 
 def _draw_turn(axes: Axes, path: Array, *, arrows: bool) -> None:
-    """The end of a path, with arrows where it is seen as a line."""
+    """Draw the end of a path, with arrows on request."""
     long = len(path) > LONG_LINE
     axes.plot(*path.T, color=COLOURS["rotor"], label="late motion", rasterized=long)
     for share in (0.2, 0.5, 0.8) if arrows else ():
@@ -180,7 +178,7 @@ def _draw_turn(axes: Axes, path: Array, *, arrows: bool) -> None:
 
 
 def _draw_again(axes: Axes, path: Array) -> str:
-    """A small path [m] enlarged in a corner; the width of its box."""
+    """Draw a small path [m] enlarged in a corner; return the width of its box."""
     corner = axes.inset_axes(CORNER)
     corner.plot(*path.T, color=COLOURS["rotor"], linewidth=0.8, rasterized=len(path) > LONG_LINE)
     size = 1.1 * _extent(path) or 1.0
@@ -193,7 +191,7 @@ def _draw_again(axes: Axes, path: Array) -> str:
 
 
 def _draw_arrow(axes: Axes, path: Array, share: float) -> None:
-    """An arrow head on a path, at that share of its length."""
+    """Draw an arrow head on a path, at that share of its length."""
     travelled = np.append(0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T)))
     ahead = int(np.searchsorted(travelled, share * travelled[-1]))
     axes.annotate("", path[ahead], path[ahead - 1], arrowprops=ARROW)

@@ -1,4 +1,4 @@
-"""The shaft in state space, and once a revolution: Poincaré map (Figs 20c and d)."""
+"""State space and Poincaré map of the shaft (Figs 20c and d)."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def plot_state_space(states: xr.Dataset) -> Figure:
     length, to_length = handy_unit(float(abs(states["place"]).max()), "m")
     rate, to_rate = handy_unit(float(abs(states["velocity"]).max()), "m/s")
     for row, way in zip(panels, ("x", "y"), strict=True):
-        own = states.sel(axis=way)
+        motion = states.sel(axis=way)
         for axes, prefix, instant, mark in (
             (row[0], "", "time", "-"),
             (row[1], "section_", "revolution", "."),
@@ -120,8 +120,8 @@ def plot_state_space(states: xr.Dataset) -> Figure:
             for chosen, colour, width in ((~late, PALE, 0.4), (late, COLOURS["rotor"], 0.8)):
                 named = chosen.any() and instant == "time"
                 axes.plot(
-                    to_length * own[f"{prefix}place"].values[chosen],
-                    to_rate * own[f"{prefix}velocity"].values[chosen],
+                    to_length * motion[f"{prefix}place"].values[chosen],
+                    to_rate * motion[f"{prefix}velocity"].values[chosen],
                     mark,
                     markersize=3,
                     color=colour,

@@ -84,9 +84,9 @@ def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
     family, diameter = dataset["rotor_family"].values, dataset["rotor_nodal_diameter"].values
     names, values = [ORDER], [rotor_shift + casing_shift]
     for name in (FIRST_FAMILY, SUSPENSION):
-        own = (family == name) & (diameter == 1)
-        if own.any():
-            backward, forward = (frequency[own].min() for frequency in waves)
+        modes = (family == name) & (diameter == 1)
+        if modes.any():
+            backward, forward = (frequency[modes].min() for frequency in waves)
             names += [name] * 2
             values += [rotor_shift - backward, rotor_shift + forward]
     wall = dataset["casing_frequency"].values[dataset["casing_nodal_diameter"].values == 1]
@@ -183,10 +183,10 @@ def shaft_spectrogram(
 
 
 def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
-    """The frequencies that are drawn, so far that all lines are seen, and `modal_line` (line,).
+    """Return the drawn range of a spectrum, with all lines of modes, `modal_line` (line,).
 
-    The attribute `outside` says in words what is strongest at frequencies that are not drawn; it is
-    empty where that is less than a thousandth of the largest.
+    The attribute `outside` names the strongest line beyond it; it is empty if that is less than a
+    thousandth of the largest.
 
     Args:
         spectrum: from `shaft_spectrum` or `shaft_spectrogram`.
@@ -207,7 +207,7 @@ def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
 
 
 def _outside(spectrum: xr.Dataset, edge: float) -> str:
-    """What is strongest beyond an edge and the width of a line there, in words."""
+    """Return the strongest line beyond an edge in words."""
     amplitude = MILLI * spectrum["amplitude"]
     amplitude = amplitude.max([name for name in amplitude.dims if name != "frequency"])
     past = edge + HALF_LINE * spectrum.attrs["resolution"]
@@ -220,7 +220,7 @@ def _outside(spectrum: xr.Dataset, edge: float) -> str:
 
 
 def _limits(spectrum: xr.Dataset) -> list[str]:
-    """What a spectrum can't tell apart and what is not drawn of it, in words."""
+    """Return the resolution, and the strongest line outside the drawn range, in words."""
     resolution = f"resolution {_hertz(spectrum.attrs['resolution']):.3g} Hz"
     return [*filter(None, [resolution, spectrum.attrs["outside"]])]
 

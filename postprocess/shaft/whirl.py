@@ -1,4 +1,4 @@
-"""The whirl of the shaft: its net turns about the bearing's centre, and its strongest lines.
+"""Whirl of the shaft: net turns about the bearing's centre.
 
 A whirl has a frequency where its phase has net turns: the slope of the unwrapped angle about the
 bearing's centre. The mean of x cross v over that of r^2 is not one: a small fast component enters
@@ -26,7 +26,7 @@ FRAMES: tuple[Frame, Frame] = ("rotating", "static")
 LEAST_TURN = 0.1
 """Turns about the origin that a motion must make before its whirl is given a direction."""
 
-SPANS = 10  #: spans whose rates tell how well the rate of all of them is known
+SPANS = 10  #: spans whose rates give the standard error of the rate
 DOUBTFUL = 0.5 * np.pi
 """Angle between two records from which on they may lie on either side of the centre [rad]."""
 
@@ -41,7 +41,7 @@ class Whirl:
 
     @property
     def direction(self) -> Direction:
-        """Which way round it goes: forward is in the sense of rotation."""
+        """Direction of the whirl; forward is the sense of rotation."""
         if not self.goes_round:
             return "none"
         return "forward" if self.rate > 0 else "backward"
@@ -57,8 +57,8 @@ class Whirl:
         if self.frequency is None:
             return "no whirl"
         wide = CERTAINTY * self.error / (2 * np.pi)
-        known = f" ± {float(f'{wide:.1g}'):g}" if wide > 5e-4 * abs(self.frequency) else ""
-        return f"{self.direction}, {abs(self.frequency):.3g}{known} Hz"
+        error = f" ± {float(f'{wide:.1g}'):g}" if wide > 5e-4 * abs(self.frequency) else ""
+        return f"{self.direction}, {abs(self.frequency):.3g}{error} Hz"
 
 
 def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
@@ -75,7 +75,7 @@ def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
     than all others together, are a mean that nothing turns at.
 
     Args:
-        orbit: from `orbits.shaft_orbit`, of the time that is wanted.
+        orbit: from `orbits.shaft_orbit`, of the time considered.
         frame: of the observer.
     """
     time = orbit["time"].values
@@ -105,8 +105,8 @@ def _has_line(orbit: xr.Dataset, frame: Frame, rate: float, error: float) -> boo
     lines = strongest_lines(orbit, "rotating")
     time = orbit["time"].values
     near = max(2 * np.pi * LOBE / np.ptp(time), CERTAINTY * np.nan_to_num(error))
-    own = rate - (abs(float(orbit.attrs["speed"])) if frame == "static" else 0.0)
-    return not lines or any(abs(2 * np.pi * line.frequency - own) <= near for line in lines)
+    rotating = rate - (abs(float(orbit.attrs["speed"])) if frame == "static" else 0.0)
+    return not lines or any(abs(2 * np.pi * line.frequency - rotating) <= near for line in lines)
 
 
 def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, BoolArray]:
@@ -130,7 +130,7 @@ def ripple(orbit: xr.Dataset, frame: Frame) -> tuple[float, xr.Dataset]:
     """Motion about its mean place: root mean square [m], and the orbit of it about that place.
 
     Args:
-        orbit: from `orbits.shaft_orbit`, of the time that is wanted.
+        orbit: from `orbits.shaft_orbit`, of the time considered.
         frame: in which the place is; the orbit has it as `rotating`.
     """
     place = orbit[frame].values
@@ -146,12 +146,12 @@ def span_rates(time: Array, angle: Array, starts: IntArray) -> Array:
 
 
 def _slope(time: Array, angle: Array) -> float:
-    """Of the straight line nearest to the angle by least squares [rad/s]."""
-    own = np.cov(time, angle, bias=True)
-    return float(own[0, 1] / own[0, 0])
+    """Return the slope of the straight line fitted to the angle by least squares [rad/s]."""
+    covariance = np.cov(time, angle, bias=True)
+    return float(covariance[0, 1] / covariance[0, 0])
 
 
 def _slope_error(time: Array, angle: Array) -> float:
     rates = span_rates(time, angle, span_starts(time, SPANS))
-    known = rates[np.isfinite(rates)]
-    return float(known.std(ddof=1) / np.sqrt(len(known))) if len(known) > 1 else float("nan")
+    finite = rates[np.isfinite(rates)]
+    return float(finite.std(ddof=1) / np.sqrt(len(finite))) if len(finite) > 1 else float("nan")

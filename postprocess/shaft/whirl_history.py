@@ -41,7 +41,7 @@ def whirl_history(
     Returns:
         over (frame, time), time being the middle of each span: `rate` [rad/s], positive
         forward (in the sense of rotation), nan where the shaft rests; `direction`, 1 forward, -1
-        backward, 0 where the motion hardly goes round; over time: `radius` [m], root mean square.
+        backward, 0 for no net rotation; over time: `radius` [m], root mean square.
         Attribute `span`, the length of each [s].
 
     Example:
@@ -54,14 +54,14 @@ def whirl_history(
     starts = span_starts(time, spans)
     length = np.ptp(time) / spans
     square = span_means(orbit["radius"].values ** 2, starts)
-    found = [_turning(orbit, frame, starts, square, length) for frame in FRAMES]
+    turning = [_turning(orbit, frame, starts, square, length) for frame in FRAMES]
     both = ("frame", "time")
     return labelled(
         orbit,
         "whirl of the shaft over time",
         {
-            "rate": (both, [rate for rate, _ in found], "rad/s"),
-            "direction": (both, [direction for _, direction in found], "1"),
+            "rate": (both, [rate for rate, _ in turning], "rad/s"),
+            "direction": (both, [direction for _, direction in turning], "1"),
             "radius": ("time", np.sqrt(square), "m"),
         },
         {"time": span_means(time, starts), "frame": [*FRAMES]},
@@ -110,7 +110,7 @@ def plot_whirl_history(whirls: xr.Dataset) -> Figure:
         color="0.3",
         markerfacecolor="white",
         markersize=2.5,
-        label="open: hardly goes round",
+        label="open: no net rotation",
     )
     figure.legend(*upper.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     head(figure, whirls, f"means over {1e3 * whirls.attrs['span']:.3g} ms")

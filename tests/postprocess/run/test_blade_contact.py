@@ -147,7 +147,9 @@ class TestPhase:
         end = result["time"].values[-1]
         title = figure.get_suptitle().replace("\n", " ")
         assert "standard contact, shaft ahead of it by 23°" in title
-        assert f"mean by impulse, {2 / 3 * end:.3g} to {end:.3g} s steadiness 1.00 of 1" in title
+        assert (
+            f"mean by impulse, {2 / 3 * end:.3g} to {end:.3g} s mean resultant length 1.00" in title
+        )
         assert phases["time"].values[0] == 0.0  # all of it is drawn
         _, early_phases = RunFigures(result, 0.0, 0.5 * end).draw("contact-phase")
         assert early_phases.attrs["scenario"] == "inverted"
@@ -163,7 +165,7 @@ class TestPhase:
         phases = contact_phase(result)
         assert phases.attrs["scenario"] == "at rest"
         assert np.isnan(phases.shaft_phase).all()
-        assert "rests" in plot_contact_phase(phases).get_suptitle()
+        assert "at rest" in plot_contact_phase(phases).get_suptitle()
 
     def test_gaps_that_are_alike_have_no_smallest(self) -> None:
         result = self.pressed(0.4)

@@ -344,7 +344,7 @@ class TestRegimes:
         """Beyond its errors, but to less than 1.1 times what was there before."""
         found = judged(np.exp(rate * TIME), contact=ALWAYS)
         assert found.name == "sustained"
-        words = "the amplitude grows, but ends below 1.1 times what it was before: march longer"
+        words = "the amplitude grows, but ends below 1.1 times its earlier value: extend the march"
         assert (words in found.reason) is told
 
     def test_growth_too_small_to_matter(self) -> None:
