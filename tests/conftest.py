@@ -58,7 +58,10 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
     used = processor_seconds() - before
     # Processes that share a core need up to twice the processor time.
     load = os.getloadavg()[0] / (os.cpu_count() or 1)
-    if used > PROCESSOR_BUDGET * min(max(load, 1.0), 2.0) and item.get_closest_marker("slow") is None:
+    if (
+        used > PROCESSOR_BUDGET * min(max(load, 1.0), 2.0)
+        and item.get_closest_marker("slow") is None
+    ):
         pytest.fail(
             f"took {used:.1f} s of processor time, expected at most {PROCESSOR_BUDGET:g} s;"
             " make its stage smaller or its march shorter, or mark it slow"

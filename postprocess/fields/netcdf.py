@@ -79,8 +79,12 @@ def open_file(
             decode_times=False,
             mask_and_scale=False,
             phony_dims="access",
+            create_default_indexes=False,  # an index is read at once, also behind the last record
         )
         dataset = stored.isel({TIME: slice(complete_records(stored.attrs))}, missing_dims="ignore")
+        for dimension in map(str, dataset.dims):
+            if dimension in dataset.coords and dataset[dimension].dims == (dimension,):
+                dataset = dataset.set_xindex(dimension)
         checked = dataset.assign(
             {
                 name: _checked(variable, f"{file}: {name}", gaps=gaps, cache=cache)

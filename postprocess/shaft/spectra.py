@@ -17,7 +17,6 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.signal.windows import blackmanharris
 
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
@@ -124,7 +123,7 @@ def shaft_spectrum(
     """
     even, step = evenly_spaced(shaft_orbit(result, start=start, end=end), FEWEST_RECORDS)
     records = even.sizes["time"]
-    window = blackmanharris(records, sym=False)
+    window = _blackman_harris(records)
     frequency, amplitude = spectrum(phasor(even, frame), step, window, padding=PADDING)
     return labelled(
         even,
@@ -169,7 +168,7 @@ def shaft_spectrogram(
     size = int(np.clip(round(length / step), FEWEST_RECORDS // 2, records))
     first = np.arange(0, records - size + 1, max((records - size) // SLICES, 1))
     pieces = sliding_window_view(phasor(even, frame), size)[first]
-    window = blackmanharris(size, sym=False)
+    window = _blackman_harris(size)
     frequency, amplitude = spectrum(pieces, step, window, padding=SLICE_PADDING)
     return labelled(
         even,
@@ -321,3 +320,9 @@ def _at_both_edges(axes: Axes) -> Callable[..., object]:
 
 def _hertz(frequency: Array | float) -> Array:
     return np.asarray(frequency) / (2 * np.pi)
+
+
+def _blackman_harris(records: int) -> Array:
+    from scipy.signal.windows import blackmanharris  # slow to import
+
+    return np.asarray(blackmanharris(records, sym=False))

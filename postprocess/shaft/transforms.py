@@ -12,8 +12,6 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.signal import zoom_fft
-from scipy.signal.windows import hann
 
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.windows import evenly_spaced
@@ -61,7 +59,9 @@ def spectrum(
         length = padding * len(window)
         amplitude = np.fft.fftshift(np.fft.fft(weighted, length), axes=-1)
         return np.fft.fftshift(np.fft.fftfreq(length, step)), amplitude
-    # zoom_fft begins at zero: shift the lowest frequency there.
+    from scipy.signal import zoom_fft  # slow to import, and needed by sweeps only
+
+    # It begins at zero: shift the lowest frequency there.
     weighted *= np.exp(-2j * np.pi * frequency[0] * step * np.arange(len(window)))
     band = [0.0, frequency[-1] - frequency[0]]
     return frequency, zoom_fft(weighted, band, m=len(frequency), fs=1.0 / step, endpoint=True)
@@ -82,7 +82,7 @@ def strongest_lines(orbit: xr.Dataset, frame: Frame) -> tuple[SpectralLine, ...]
     except ViewError:
         return ()
     motion = phasor(even, frame)
-    frequency, amplitude = spectrum(motion, step, hann(len(motion)))
+    frequency, amplitude = spectrum(motion, step, np.hanning(len(motion)))
     power = np.abs(amplitude) ** 2
     total = float(power.sum())
     lines: list[SpectralLine] = []

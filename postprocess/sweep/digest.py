@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
-from scipy.signal.windows import hann
 
 from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.energy.strain import strain_energies
@@ -105,7 +104,7 @@ def magnitudes(motion: Complex, step: float, frequency: Array) -> Array:
     count = len(motion)
     if count < FEWEST_RECORDS:
         return np.full(len(frequency), np.nan)
-    window = hann(2 * count + 1)[1::2]  # samples in the middle of their intervals
+    window = np.hanning(2 * count + 1)[1::2]  # samples in the middle of their intervals
     return np.abs(spectrum(motion, step, window, frequency=frequency)[1])
 
 
