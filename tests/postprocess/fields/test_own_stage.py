@@ -126,17 +126,6 @@ def test_commands_work_on_it(tmp_path: Path) -> None:
     assert listed.exit_code == 0, listed.output
 
 
-def test_tips_outside_the_casing_are_named() -> None:
-    sketch = Sketch(4, tip_radius=0.39)
-    sketch.node("hub", 0.0, shared=True)
-    sketch.node("tip", 0.4)
-    sketch.member("blades", "hub", "tip", Section(width=0.1, thickness=0.01, material=STEEL))
-    sketch.set("centre", "hub")
-    sketch.set("tips", "tip")
-    with pytest.raises(CaseError, match=r"blade 0, at radius 0.4 m, is outside by 0.0096 m"):
-        build_stage(case(sketch))
-
-
 def test_parts_beyond_the_tips_are_named() -> None:
     """A blade that goes on behind what was called its tip would stand in the casing's wall."""
     sketch = Sketch(4)
@@ -152,11 +141,6 @@ def test_parts_beyond_the_tips_are_named() -> None:
     with pytest.raises(CaseError, match=message):
         build_stage(case(sketch))
     build_stage(with_values(case(sketch), {"casing.clearance": "11 mm"}))
-
-
-def test_a_drawn_stage_takes_no_other_bladed_disk() -> None:
-    with pytest.raises(CaseError, match=r"bladed_disk.blades = 5: expected to be left out beside"):
-        propeller().case(bladed_disk={"blades": 5})
 
 
 def test_pictures_of_modes_without_nodal_diameters(tmp_path: Path) -> None:
