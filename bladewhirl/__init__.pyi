@@ -10,8 +10,8 @@ from .models.inputs.errors import UserError as UserError
 from .models.sections.materials import Material as Material
 from .models.sections.rectangular import Section as Section
 from .models.stage.stage import build_stage as build_stage
-from .postprocess.energy.families import family_energies as family_energies
 from .postprocess.energy.growth import amplitude_growth as amplitude_growth
+from .postprocess.energy.strain import family_energies as family_energies
 from .postprocess.energy.strain import strain_energies as strain_energies
 from .postprocess.fields.kinematics import ViewError as ViewError
 from .postprocess.fields.result import ResultError as ResultError

@@ -15,10 +15,9 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.postprocess.fields.checked import ResultError as ResultError
-from bladewhirl.postprocess.fields.checked import attribute_fault, value_fault
 from bladewhirl.postprocess.fields.kinematics import Array, recess_at_rest
-from bladewhirl.postprocess.fields.netcdf import open_file
+from bladewhirl.postprocess.fields.netcdf import ResultError as ResultError
+from bladewhirl.postprocess.fields.netcdf import attribute_fault, open_file, value_fault
 from bladewhirl.solvers.march.schema import (
     HISTORY,
     INDICES,

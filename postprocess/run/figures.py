@@ -7,9 +7,8 @@ from functools import cached_property
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.energy.families import family_energies, mean_energies
 from bladewhirl.postprocess.energy.growth import amplitude_growth
-from bladewhirl.postprocess.energy.strain import strain_energies
+from bladewhirl.postprocess.energy.strain import family_energies, mean_energies, strain_energies
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.windows import late_part, select_window, window_label
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES

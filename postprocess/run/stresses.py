@@ -118,22 +118,17 @@ def stress_history(
 
 
 def peak_stresses(dataset: xr.Dataset) -> xr.Dataset:
-    """Stress largest in magnitude of every member over all records.
+    """Compute `peak_stress`, `peak_time` and `peak_radius` of every member as `stress_history`.
 
     Args:
         dataset: a result.
-
-    Returns:
-        over member: `peak_stress`, `peak_time` and `peak_radius`, as of `stress_history`.
     """
     names, bodies = _bodies(dataset)
-    time = dataset["time"].values
     peak = {name: np.zeros(len(names)) for name in PEAKS}
     for body, portion, axial, bending in _strains(dataset, bodies):
-        _note_peaks(peak, body, time[portion], axial, bending)
-    return xr.Dataset(
-        {name: ("member", values) for name, values in peak.items()}, coords={"member": names}
-    )
+        _note_peaks(peak, body, dataset["time"].values[portion], axial, bending)
+    variables = {name: ("member", values) for name, values in peak.items()}
+    return xr.Dataset(variables, {"member": names})
 
 
 def _bodies(dataset: xr.Dataset) -> tuple[list[str], list[_Body]]:

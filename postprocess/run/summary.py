@@ -4,15 +4,19 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TypedDict
+from typing import Any, TypedDict
 
 import numpy as np
 import xarray as xr
 
 from bladewhirl.files import write_atomically
-from bladewhirl.postprocess.energy.families import family_energies
 from bladewhirl.postprocess.energy.regimes import CRITERION_TEXT, RegimeName, classify
-from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION, strain_energies
+from bladewhirl.postprocess.energy.strain import (
+    FIRST_FAMILY,
+    SUSPENSION,
+    family_energies,
+    strain_energies,
+)
 from bladewhirl.postprocess.energy.works import Works, late_drive_power, works
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.result import reduce_modes
@@ -53,18 +57,6 @@ MARCH_REPORT = (
     "us_per_step",
 )
 """Figures that the histories do not hold."""
-
-
-class WhirlFigures(TypedDict):
-    """Entries of `Summary` on the whirl."""
-
-    whirl_frequency_rotating: float | None
-    whirl_frequency_static: float | None
-    whirl_frequency_error: float | None
-    whirl_lines: list[LineOfWhirl]
-    ripple_rms: float
-    ripple_frequency: float | None
-    ripple_lines: list[LineOfWhirl]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -151,6 +143,7 @@ def summarise(
     regime = classify(dataset, energies["total"].values)
     power, speed = late_drive_power(dataset), float(dataset.attrs["speed"])
     steps = int(march_report["steps"])
+    casing = dataset["casing_frequency"].values * dataset["casing_displacement"][-1].values
     contact_steps = dataset["contact_steps"].sum("time").values
     return Summary(
         regime=regime.name,
@@ -170,10 +163,10 @@ def summarise(
         strain_energy_max=float(energies["total"].max()),
         strain_energy_final=_holders(energies.isel(time=-1)),
         strain_energy_rest=_rest(dataset),
-        strain_energy_casing_final=_casing_energy(dataset),
+        strain_energy_casing_final=float(0.5 * np.sum(casing**2)),
         work=works(dataset),
-        drive_power=power if np.isfinite(power) else None,
-        drive_torque=power / speed if np.isfinite(power) and speed else None,
+        drive_power=_finite(power),
+        drive_torque=_finite(power / speed) if speed else None,
         casing_displacement_max=casing_peaks(dataset),
         contact_force_max=largest_force(dataset),
         contact_impulse=float(dataset["contact_impulse"].sum()),
@@ -217,16 +210,14 @@ def write_summary(summary: Summary, path: str | Path) -> Path:
     return path
 
 
-def _whirl_figures(orbit: xr.Dataset) -> WhirlFigures:
+def _whirl_figures(orbit: xr.Dataset) -> dict[str, Any]:
     late = late_part(orbit)
     rotating, static = (whirl(late, frame) for frame in FRAMES)
     size, about = ripple(late, "rotating")
     return {
         "whirl_frequency_rotating": rotating.frequency,
         "whirl_frequency_static": static.frequency,
-        "whirl_frequency_error": (
-            float(rotating.error / (2 * np.pi)) if np.isfinite(rotating.error) else None
-        ),
+        "whirl_frequency_error": _finite(rotating.error / (2 * np.pi)),
         "whirl_lines": _lines(late),
         "ripple_rms": size,
         "ripple_frequency": whirl(about, "rotating").frequency,
@@ -242,16 +233,16 @@ def _lines(orbit: xr.Dataset) -> list[LineOfWhirl]:
     ]
 
 
+def _finite(value: float) -> float | None:
+    """Return a number for JSON, None in place of nan and infinity."""
+    return float(value) if np.isfinite(value) else None
+
+
 def _rest(dataset: xr.Dataset) -> dict[str, float]:
     """Strain energy of the bladed disk at the end by family, but for suspension and the first."""
     last = family_energies(dataset.isel(time=[-1]))["energy"].isel(time=0).sum("nodal_diameter")
     named = zip(last["family"].values, last.values, strict=True)
     return {str(k): float(e) for k, e in named if k not in (SUSPENSION, FIRST_FAMILY)}
-
-
-def _casing_energy(dataset: xr.Dataset) -> float:
-    last = dataset["casing_displacement"].isel(time=-1).values
-    return float(0.5 * np.sum((dataset["casing_frequency"].values * last) ** 2))
 
 
 def _largest_tip_displacement(dataset: xr.Dataset) -> float:

@@ -17,9 +17,13 @@ from zlib import crc32
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.checked import ResultError, attribute_fault, expectation
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.fields.netcdf import open_file
+from bladewhirl.postprocess.fields.netcdf import (
+    ResultError,
+    attribute_fault,
+    expectation,
+    open_file,
+)
 from bladewhirl.solvers.march.schema import SWEEP, SWEEP_FORMAT, index_values
 
 SWEEP_NAME = "sweep.nc"

@@ -3,8 +3,11 @@
 import numpy as np
 import synthetic_result as synthetic
 
-from bladewhirl.postprocess.energy.families import family_energies, plot_family_energies
-from bladewhirl.postprocess.energy.strain import strain_energies
+from bladewhirl.postprocess.energy.strain import (
+    family_energies,
+    plot_family_energies,
+    strain_energies,
+)
 
 
 def test_families_add_up_to_the_groups_of_a_run() -> None:

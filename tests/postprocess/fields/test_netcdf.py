@@ -7,8 +7,7 @@ import pytest
 import xarray as xr
 from synthetic_result import synthetic_result
 
-from bladewhirl.postprocess.fields.checked import ResultError
-from bladewhirl.postprocess.fields.netcdf import open_file, write_netcdf
+from bladewhirl.postprocess.fields.netcdf import ResultError, open_file, write_netcdf
 
 
 def test_round_trip(tmp_path: Path) -> None:
