@@ -120,27 +120,27 @@ def _listed(cell: str) -> tuple[str, ...]:
 
 def near(name: str, value: float, target: float, tolerance: float, unit: str = "") -> Check:
     """A number within a tolerance of the paper's."""
-    text = f"{name} {value:.4g}{unit}, wanted {target:.4g} ± {tolerance:g}{unit}"
+    text = f"{name} {value:.4g}{unit}, expected {target:.4g} ± {tolerance:g}{unit}"
     return Check(text=text, met=abs(value - target) <= tolerance)
 
 
 def between(name: str, value: float, low: float, high: float, unit: str = "") -> Check:
     """A number within limits."""
-    text = f"{name} {value:.3g}{unit}, wanted {low:g} to {high:g}{unit}"
+    text = f"{name} {value:.3g}{unit}, expected {low:g} to {high:g}{unit}"
     return Check(text=text, met=low <= value <= high)
 
 
 def at_least(name: str, value: float, low: float, unit: str = "") -> Check:
     """A number from a limit on."""
-    return Check(text=f"{name} {value:.3g}{unit}, wanted {low:g}{unit} or more", met=value >= low)
+    return Check(text=f"{name} {value:.3g}{unit}, expected {low:g}{unit} or more", met=value >= low)
 
 
 def at_most(name: str, value: float, high: float, unit: str = "") -> Check:
     """A number up to a limit."""
-    return Check(text=f"{name} {value:.3g}{unit}, wanted {high:g}{unit} or less", met=value <= high)
+    return Check(text=f"{name} {value:.3g}{unit}, expected {high:g}{unit} or less", met=value <= high)
 
 
 def equal(name: str, ours: object, expected: object, *, essential: bool = False) -> Check:
     """A kind of motion, a direction, and the like."""
-    text = f"{name} {ours}" if ours == expected else f"{name} {ours}, wanted {expected}"
+    text = f"{name} {ours}" if ours == expected else f"{name} {ours}, expected {expected}"
     return Check(text=text, met=ours == expected, essential=essential)

@@ -73,7 +73,7 @@ def limit_cycle(motion: Motion) -> Finding:
     if growth is not None:
         words = f", growing by {growth.text} 1/s"
         steady = abs(growth.rate) <= STEADY_RATE
-        text = f"growth rate of the ripple {growth.text} 1/s, wanted {STEADY_RATE:g} 1/s or less"
+        text = f"growth rate of the ripple {growth.text} 1/s, expected {STEADY_RATE:g} 1/s or less"
         checks.append(Check(text=text, met=steady, essential=True))
     if motion.end > STEADY_FROM:
         middle = 0.5 * (STEADY_FROM + motion.end)

@@ -70,7 +70,7 @@ def coupling_shifts_the_critical_speed(sweep: xr.Dataset) -> Finding:
         ours=words,
         checks=tuple(
             Check(
-                text=f"shift from {a:g} to {b:g} N/m {rise:.3g}, wanted more than {grid:.3g}",
+                text=f"shift from {a:g} to {b:g} N/m {rise:.3g}, expected more than {grid:.3g}",
                 met=rise > grid,
             )
             for a, b, rise in steps
