@@ -37,7 +37,7 @@ class TestStrainEnergies:
             np.testing.assert_allclose(energy, expected, rtol=1e-13, atol=0)
         np.testing.assert_allclose(energies.total, spring, rtol=1e-13)
 
-    def test_the_first_family_is_told_by_nodal_diameter(self) -> None:
+    def test_the_first_family_is_reported_by_nodal_diameter(self) -> None:
         result = single(3)
         result["rotor_family"] = (
             "rotor_mode",

@@ -323,13 +323,13 @@ class TestRegimes:
             assert judged(amplitude, contact=ALWAYS).name == "sustained"
             assert judged(amplitude).name == "no-contact"
 
-    @pytest.mark.parametrize(("rate", "told"), [(0.03, True), (0.0, False), (-0.03, False)])
-    def test_growth_to_little_more_is_told_with_what_to_do(self, rate: float, told: bool) -> None:
+    @pytest.mark.parametrize(("rate", "expected"), [(0.03, True), (0.0, False), (-0.03, False)])
+    def test_growth_to_little_more_is_reported(self, rate: float, expected: bool) -> None:
         """Beyond its errors, but to less than 1.1 times what was there before."""
         found = judged(np.exp(rate * TIME), contact=ALWAYS)
         assert found.name == "sustained"
         words = "the amplitude grows, but ends below 1.1 times its earlier value: extend the march"
-        assert (words in found.reason) is told
+        assert (words in found.reason) is expected
 
     def test_growth_too_small_to_matter(self) -> None:
         result = synthetic.synthetic_result(records=len(TIME))

@@ -96,7 +96,7 @@ def test_net_turns_that_no_line_has_are_no_rate(speed: float) -> None:
     assert whirl(mostly, "rotating").frequency == pytest.approx(-100.0, abs=0.1)
 
 
-def test_the_error_tells_how_the_rate_wanders() -> None:
+def test_the_error_gives_how_the_rate_wanders() -> None:
     """Spans of a tenth that turn at 10 and 14 Hz in turn: 2.11 Hz apart, over the root of ten."""
     orbit = orbit_of({1.0: RADIUS}, 10.0, records=4000)
     rate = np.where(np.arange(4000) // 400 % 2, 14.0, 10.0)
