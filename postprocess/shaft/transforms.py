@@ -82,7 +82,8 @@ def strongest_lines(orbit: xr.Dataset, frame: Frame) -> tuple[SpectralLine, ...]
     except ViewError:
         return ()
     motion = phasor(even, frame)
-    frequency, amplitude = spectrum(motion, step, np.hanning(len(motion)))
+    # Positive frequencies first: of two equal lines the forward one is reported.
+    frequency, amplitude = map(np.fft.ifftshift, spectrum(motion, step, np.hanning(len(motion))))
     power = np.abs(amplitude) ** 2
     total = float(power.sum())
     lines: list[SpectralLine] = []
