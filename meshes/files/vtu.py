@@ -7,25 +7,25 @@ one group for each of its values, called ``name=value``. Data are arrays of real
 
 from __future__ import annotations
 
-import zlib
+import re
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from lzma import LZMADecompressor
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import meshio
 import numpy as np
-from meshio.vtu import _vtu
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.files.groups import GroupedLines, MeshFileError, in_plane
 from bladewhirl.meshes.files.meshio_cells import line_blocks, readable, stacked
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
-MOST_EXPANDED = 400_000_000
-"""Bytes that the compressed arrays of a file may expand to."""
+MOST_COMPRESSED = 1_000_000
+"""Largest compressed file [bytes]; zlib expands data at most 1032 times."""
+
+HEADER_BYTES = 4096
+ZLIB = b"vtkZLibDataCompressor"
+_COMPRESSOR = re.compile(rb"""compressor\s*=\s*["']([^"']*)["']""")
 
 MOST_VALUES = 1000
 """Arrays of more different whole numbers number their points or cells and group none."""
@@ -35,9 +35,10 @@ def read_vtu(path: Path) -> GroupedLines:
     """Read a .vtu file.
 
     Raises:
-        MeshFileError: it is none, or has other cells than lines and points.
+        MeshFileError: an unreadable file, too much compressed data, or unsupported cells.
     """
-    with readable(path), _bounded():
+    with readable(path):
+        _check_compression(path)
         mesh = meshio.vtu.read(str(path))
     blocks = line_blocks(mesh)
     cell_arrays = {
@@ -54,26 +55,20 @@ def read_vtu(path: Path) -> GroupedLines:
     )
 
 
-@contextmanager
-def _bounded() -> Iterator[None]:
-    """Reader of meshio for arrays of at most `MOST_EXPANDED` bytes in all after decompression."""
-    left = MOST_EXPANDED
+def _check_compression(path: Path) -> None:
+    """Refuse compressed data that may expand to more than the memory.
 
-    def decompressed(worker: Any, block: bytes) -> bytes:  # Any: zlib's and lzma's, without a name
-        nonlocal left
-        expanded: bytes = worker.decompress(block, left + 1)
-        left -= len(expanded)
-        if left < 0:
-            raise MeshFileError(f"at most {MOST_EXPANDED / 1e6:.0f} MB when expanded")
-        return expanded
-
-    kept = _vtu.zlib, _vtu.lzma
-    _vtu.zlib = SimpleNamespace(decompress=lambda block: decompressed(zlib.decompressobj(), block))
-    _vtu.lzma = SimpleNamespace(decompress=lambda block: decompressed(LZMADecompressor(), block))
-    try:
-        yield
-    finally:
-        _vtu.zlib, _vtu.lzma = kept
+    Raises:
+        MeshFileError: another compressor than zlib, or too large a file.
+    """
+    with path.open("rb") as file:
+        compressor = _COMPRESSOR.search(file.read(HEADER_BYTES))
+    if compressor is None:
+        return
+    if compressor[1] != ZLIB:
+        raise MeshFileError(f"uncompressed data, or data compressed by {ZLIB.decode()}")
+    if path.stat().st_size > MOST_COMPRESSED:
+        raise MeshFileError(f"at most {MOST_COMPRESSED / 1e6:g} MB of compressed data")
 
 
 def write_vtu(path: Path, mesh: GroupedLines) -> None:

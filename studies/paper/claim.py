@@ -132,12 +132,15 @@ def between(name: str, value: float, low: float, high: float, unit: str = "") ->
 
 def at_least(name: str, value: float, low: float, unit: str = "") -> Check:
     """A number from a limit on."""
-    return Check(text=f"{name} {value:.3g}{unit}, expected {low:g}{unit} or more", met=value >= low)
+    text = f"{name} {value:.3g}{unit}, expected {low:g}{unit} or more"
+    return Check(text=text, met=value >= low)
 
 
 def at_most(name: str, value: float, high: float, unit: str = "") -> Check:
     """A number up to a limit."""
-    return Check(text=f"{name} {value:.3g}{unit}, expected {high:g}{unit} or less", met=value <= high)
+    return Check(
+        text=f"{name} {value:.3g}{unit}, expected {high:g}{unit} or less", met=value <= high
+    )
 
 
 def equal(name: str, ours: object, expected: object, *, essential: bool = False) -> Check:
