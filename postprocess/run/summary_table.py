@@ -7,25 +7,16 @@ from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY
 from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT
 from bladewhirl.postprocess.run.extremes import StressPeak
-from bladewhirl.postprocess.run.summary import LineOfWhirl, Summary
+from bladewhirl.postprocess.run.summary import EnergyHolders, LineOfWhirl, Summary
 from bladewhirl.postprocess.shaft.transforms import Frame
 
 
 def summary_rows(summary: Summary) -> dict[str, str]:
     """Return the rows of the summary, rounded, in units that suit their size."""
-    energy, work = summary.strain_energy_final, summary.work
-    family, force = energy["1F"], summary.contact_force_max
-    other = sum(value for k, value in family.items() if k not in ("0", "1"))
-    total = energy["suspension"] + sum(family.values()) + energy["rest"]
-    parts = {
-        "  suspension": energy["suspension"],
-        **{f"  {FIRST_FAMILY}, k = {k}": family[k] for k in ("0", "1") if k in family},
-        f"  {FIRST_FAMILY}, other k": other,
-        "  rest": energy["rest"],
-    }
+    work, force = summary.work, summary.contact_force_max
     walls = [
-        f"{direction} {_text(peak['displacement'], 'm')} at {peak['angle']:.4g}°,"
-        f" {_text(peak['time'], 's')}"
+        f"{direction} {_text(peak['displacement'], 'm')}"
+        + (f" at {peak['angle']:.4g}°, {_text(peak['time'], 's')}" if peak["displacement"] else "")
         for direction, peak in summary.casing_displacement_max.items()
     ]
     return {
@@ -45,11 +36,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         "casing displacement, largest": "; ".join(walls),
         "tip displacement, largest": _text(summary.tip_displacement_max, "m"),
         "strain energy, largest": _text(summary.strain_energy_max, "J"),
-        "strain energy, final": _text(total, "J"),
-        **{
-            name: f"{_text(value, 'J')} ({100 * value / (total or 1.0):.1f} %)"
-            for name, value in parts.items()
-        },
+        **_energies(summary.strain_energy_final),
         "casing's strain energy, final": _text(summary.strain_energy_casing_final, "J"),
         "work of": f"load {_text(work['load'], 'J')}, normal forces {_text(work['normal'], 'J')},"
         f" friction {_text(work['friction'], 'J')}, springs {_text(work['springs'], 'J')}, damping"
@@ -58,9 +45,11 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         f" {_text(work['heat'], 'J')}",
         "drive over the last third": f"{_text(summary.drive_power, 'W')},"
         f" {_text(summary.drive_torque, 'N m')}",
-        "contact force, largest": f"{_text(force['force'], 'N')} over"
-        f" {_text(force['averaged_over'], 's')}, blade {force['blade']} at"
-        f" {_text(force['time'], 's')}; impulse of all {_text(summary.contact_impulse, 'N s')}",
+        "contact force, largest": "none"
+        if not force["force"]
+        else f"{_text(force['force'], 'N')} over {_text(force['averaged_over'], 's')}, blade"
+        f" {force['blade']} at {_text(force['time'], 's')}; impulse of all"
+        f" {_text(summary.contact_impulse, 'N s')}",
         **{
             f"stress of {body.replace('_', ' ')}, largest": _stress(peak, summary.yield_strength)
             for body, peak in summary.stress_max.items()
@@ -79,14 +68,34 @@ def _text(value: float | None, unit: str) -> str:
     return "–" if value is None else handy(value, unit, 4)
 
 
+def _energies(energy: EnergyHolders) -> dict[str, str]:
+    family = energy["1F"]
+    total = energy["suspension"] + sum(family.values()) + energy["rest"]
+    parts = {
+        "suspension": energy["suspension"],
+        **{f"{FIRST_FAMILY}, k = {k}": family[k] for k in ("0", "1") if k in family},
+        f"{FIRST_FAMILY}, other k": sum(e for k, e in family.items() if k not in ("0", "1")),
+        "rest": energy["rest"],
+    }
+    return {
+        "strain energy, final": _text(total, "J"),
+        **{
+            f"  {name}": f"{_text(value, 'J')} ({100 * value / (total or 1.0):.1f} %)"
+            for name, value in parts.items()
+        },
+    }
+
+
 def _whirl(frequency: float | None, lines: list[LineOfWhirl], frame: Frame) -> str:
     if frequency is not None:
         return f"{'forward' if frequency > 0 else 'backward'}, {abs(frequency):.4g} Hz"
-    shares = [f"{line['share']:.0%} at {line[frame]:.3g} Hz" for line in lines]
+    shares = [f"{line['share']:.0%} at {round(line[frame], 6):.3g} Hz" for line in lines]
     return "; ".join(["no single whirl frequency", *shares])
 
 
 def _stress(peak: StressPeak, strength: float | None) -> str:
+    if not peak["stress"]:
+        return "none"
     beyond = strength is not None and abs(peak["stress"]) > strength
     return (
         f"{_text(peak['stress'], 'Pa')}, linear ({peak['member']}, r = {peak['radius']:.3g} m,"
