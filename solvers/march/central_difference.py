@@ -10,7 +10,7 @@ from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel import arrays as kernel_arrays
-from bladewhirl.solvers.kernel.step import advance
+from bladewhirl.solvers.kernel.binding import march, number, struct
 from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
 from bladewhirl.solvers.packing.arrangement import aligned_copy
 from bladewhirl.solvers.packing.casing import pack_casing
@@ -73,10 +73,15 @@ class CentralDifference:
         bodies = self._rotor.body, self._casing.body
         self._dampers = pack_dampers(problem, bodies, self._arrangements, time_step)
         self._springs = pack_springs(problem, self._arrangements, time_step)
-        self._gyroscopic = pack_gyroscopic(problem, self._rotor, rotor, time_step)
+        gyroscopic = pack_gyroscopic(problem, self._rotor, rotor, time_step)
         signed = problem.sliding == "signed"
-        self._wheel_speed = problem.rotor.tip_radius * problem.speed if signed else None
-        self._march = _march_numbers(problem, time_step)
+        wheel_speed = problem.rotor.tip_radius * problem.speed if signed else None
+        self._stage = (
+            *map(struct, (self._rotor, self._casing)),
+            *map(struct, (self._springs, self._dampers, gyroscopic)),
+            number(wheel_speed),
+            struct(_numbers(problem, time_step)),
+        )
 
     def init(self) -> CentralDifferenceState:
         """State at t = 0; x_{-1} is consistent with initial velocity and acceleration."""
@@ -142,17 +147,11 @@ class CentralDifference:
         scratch = make_scratch(
             self._rotor, self._casing, self._arrangements, self._springs, self._dampers
         )
-        status, reached, written = advance(
-            self._rotor,
-            self._casing,
-            self._springs,
-            self._dampers,
-            self._gyroscopic,
-            self._wheel_speed,
-            self._march,
-            arrays,
-            records,
-            scratch,
+        status, reached, written = march(
+            self._stage,
+            struct(arrays),
+            struct(records),
+            struct(scratch),
             state.step,
             steps,
             every,
@@ -238,11 +237,11 @@ def initial_spring_forces(problem: ContactProblem) -> tuple[FloatArray, FloatArr
     return rotor + (swing * (centre @ start.rotor)) @ centre, casing
 
 
-def _march_numbers(problem: ContactProblem, dt: float) -> kernel_arrays.MarchNumbers:
+def _numbers(problem: ContactProblem, dt: float) -> kernel_arrays.Numbers:
     rotor, casing = problem.rotor, problem.casing
     per_radian = len(casing.nodal) / (2.0 * np.pi)
     loads = [[load.end, load.ramp, load.frequency, load.phase] for load in problem.loads]
-    return kernel_arrays.MarchNumbers(
+    return kernel_arrays.Numbers(
         time_step=dt,
         elements_per_step=problem.speed * dt * per_radian,
         friction=problem.friction,

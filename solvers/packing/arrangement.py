@@ -9,7 +9,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import is_pair, nodal_diameter_of, real_dft
-from bladewhirl.solvers.kernel.vectors import LANES
+from bladewhirl.solvers.kernel.arrays import LANES
 
 PAIR = 2 * LANES  # the kernel takes a casing's columns two registers at a time
 CACHE_LINE = 64  # bytes

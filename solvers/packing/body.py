@@ -6,9 +6,9 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.solvers.kernel.arrays import (
-    BodyArrays,
+    Body,
 )
-from bladewhirl.solvers.kernel.vectors import LANES
+from bladewhirl.solvers.kernel.arrays import LANES
 from bladewhirl.solvers.packing.arrangement import (
     Arrangement,
     aligned,
@@ -24,7 +24,7 @@ def pack_body(
     dt: float,
     *,
     coupled: bool = False,
-) -> BodyArrays:
+) -> Body:
     """Modal recurrence of one body.
 
     Args:
@@ -41,7 +41,7 @@ def pack_body(
     if coupled:
         inverse, decay = np.ones_like(inverse), np.full_like(decay, -1.0 / dt**2)
     load = arrangement.pack(np.reshape(loads, (len(loads), len(frequency))))
-    return BodyArrays(
+    return Body(
         a=arrangement.pack(inverse * (2.0 / dt**2 - stiffness)),
         b=arrangement.pack(inverse * (decay - 1.0 / dt**2)),
         c=arrangement.pack(inverse),

@@ -11,10 +11,10 @@ from bladewhirl.solvers.kernel.arrays import (
     U_SLOPE,
     W_KIND,
     W_SLOPE,
-    CasingArrays,
+    Casing,
     NodalField,
 )
-from bladewhirl.solvers.kernel.vectors import LANES
+from bladewhirl.solvers.kernel.arrays import LANES
 from bladewhirl.solvers.packing.arrangement import (
     FIT,
     Arrangement,
@@ -29,7 +29,7 @@ from bladewhirl.solvers.packing.body import by_column, by_sliding, pack_body, sc
 
 def pack_casing(
     problem: ContactProblem, dt: float, *, cyclic: bool
-) -> tuple[Arrangement, CasingArrays]:
+) -> tuple[Arrangement, Casing]:
     """Arrange the casing; see `pack_rotor`."""
     casing = problem.casing
     nodes, kinds, modes = casing.nodal.shape
@@ -59,7 +59,7 @@ def pack_casing(
     inverse = scheme_inverse(casing.frequency, casing.damping_ratio, dt)
     blocks = _compliance(casing, inverse, problem.friction, cyclic=cyclic)
     loads = [load.casing for load in problem.loads]
-    return arrangement, CasingArrays(
+    return arrangement, Casing(
         body=pack_body(casing.frequency, casing.damping_ratio, loads, arrangement, dt),
         radial=radial,
         tangential=tangential,

@@ -7,9 +7,9 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor
 from bladewhirl.solvers.kernel.arrays import (
-    RotorArrays,
+    Rotor,
 )
-from bladewhirl.solvers.kernel.vectors import HALF
+from bladewhirl.solvers.kernel.arrays import HALF
 from bladewhirl.solvers.packing.arrangement import (
     FIT,
     Arrangement,
@@ -29,7 +29,7 @@ from bladewhirl.solvers.packing.turning import turning_inverse
 
 def pack_rotor(
     problem: ContactProblem, dt: float, *, cyclic: bool
-) -> tuple[Arrangement, RotorArrays]:
+) -> tuple[Arrangement, Rotor]:
     """Arrange the rotor.
 
     Args:
@@ -62,7 +62,7 @@ def pack_rotor(
     pressed, dragged = _answer_at_tips(rotor, dt)
     spread = aligned_copy(shape)
     loads = [load.rotor for load in problem.loads]
-    return arrangement, RotorArrays(
+    return arrangement, Rotor(
         body=pack_body(
             rotor.frequency,
             rotor.damping_ratio,

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from bladewhirl.solvers.kernel.arrays import (
-    CasingArrays,
+    Casing,
     ContactScratch,
-    DamperArrays,
+    Dampers,
     FieldScratch,
-    RotorArrays,
+    Rotor,
     Scratch,
-    SpringArrays,
+    Springs,
     SpringScratch,
 )
-from bladewhirl.solvers.kernel.vectors import HALF, LANES
+from bladewhirl.solvers.kernel.arrays import HALF, LANES
 from bladewhirl.solvers.packing.arrangement import (
     Arrangement,
     aligned,
@@ -24,11 +24,11 @@ from bladewhirl.solvers.packing.arrangement import (
 
 
 def make_scratch(
-    rotor: RotorArrays,
-    casing: CasingArrays,
+    rotor: Rotor,
+    casing: Casing,
     arrangements: tuple[Arrangement, Arrangement],
-    springs: SpringArrays | None,
-    dampers: DamperArrays | None,
+    springs: Springs | None,
+    dampers: Dampers | None,
 ) -> Scratch:
     """Working arrays for one march."""
     waves = len(springs.factor) if springs is not None else 0

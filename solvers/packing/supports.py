@@ -7,10 +7,10 @@ import numpy as np
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel.arrays import (
-    BodyArrays,
-    DamperArrays,
+    Body,
+    Dampers,
     DamperEnds,
-    SpringArrays,
+    Springs,
     SpringEnds,
 )
 from bladewhirl.solvers.packing.arrangement import (
@@ -20,10 +20,10 @@ from bladewhirl.solvers.packing.arrangement import (
 
 def pack_dampers(
     problem: ContactProblem,
-    bodies: tuple[BodyArrays, BodyArrays],
+    bodies: tuple[Body, Body],
     arrangements: tuple[Arrangement, Arrangement],
     dt: float,
-) -> DamperArrays | None:
+) -> Dampers | None:
     """Dampers at points of rotor and casing; None without any.
 
     Args:
@@ -40,12 +40,12 @@ def pack_dampers(
             strong = strong[:0]
         solve = np.linalg.inv(2.0 * dt * np.eye(len(strong)) + strong * body.c @ strong.T)
         ends.append(DamperEnds(strong, solve))
-    return DamperArrays(*ends) if any(len(end.rows) for end in ends) else None
+    return Dampers(*ends) if any(len(end.rows) for end in ends) else None
 
 
 def pack_springs(
     problem: ContactProblem, arrangements: tuple[Arrangement, Arrangement], dt: float
-) -> SpringArrays | None:
+) -> Springs | None:
     """Springs between the bodies and under the shaft, by harmonic; None without any.
 
     Args:
@@ -76,11 +76,11 @@ def _springs_between(
     springs: CouplingSprings | None,
     arrangements: tuple[Arrangement, Arrangement],
     angle_per_step: float,
-) -> SpringArrays:
+) -> Springs:
     if springs is None:
         none = np.zeros(0, dtype=np.int64)
         ends = SpringEnds(none, none, np.zeros(0))
-        return SpringArrays(np.zeros(0), np.zeros(0), ends, ends, angle_per_step)
+        return Springs(np.zeros(0), np.zeros(0), ends, ends, angle_per_step)
     modes, harmonics = springs.modes, np.array(springs.modes.harmonics)
     wave = 2 * np.searchsorted(harmonics, modes.nodal_diameter)[modes.entry] + modes.is_sine
     both = []
@@ -88,7 +88,7 @@ def _springs_between(
         coordinates, numbers = springs.coordinates(on_casing=on_casing)
         amplitude = modes.amplitude[modes.entry][coordinates]
         both.append(SpringEnds(arrangement.entry[numbers], wave[coordinates], amplitude))
-    return SpringArrays(
+    return Springs(
         nodal_diameter=harmonics.astype(np.float64),
         factor=np.repeat(springs.factors, 2),
         rotor=both[0],

@@ -8,10 +8,10 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel.arrays import (
     ROWS,
-    GyroscopicArrays,
-    RotorArrays,
+    Gyroscopic,
+    Rotor,
 )
-from bladewhirl.solvers.kernel.vectors import HALF, LANES
+from bladewhirl.solvers.kernel.arrays import HALF, LANES
 from bladewhirl.solvers.packing.arrangement import (
     Arrangement,
     aligned,
@@ -27,8 +27,8 @@ ALIKE = 1e-12
 
 
 def pack_gyroscopic(
-    problem: ContactProblem, packed: RotorArrays, arrangement: Arrangement, dt: float
-) -> GyroscopicArrays | None:
+    problem: ContactProblem, packed: Rotor, arrangement: Arrangement, dt: float
+) -> Gyroscopic | None:
     """What couples the modes of a rotor that feels Coriolis forces; None where they don't count.
 
     Args:
@@ -52,7 +52,7 @@ def pack_gyroscopic(
     normal, normal_across, shear, shear_across = (
         _answers(inverse, arrangement, packed) if cyclic else 4 * [aligned((0, LANES))]
     )
-    return GyroscopicArrays(
+    return Gyroscopic(
         blocks=blocks,
         rest=rest,
         to=to,
@@ -106,7 +106,7 @@ def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, 
         arrangement: of the modes.
 
     Returns:
-        as in `GyroscopicArrays`, flat, and (entries, entries): upper triangles, twice what is
+        as in `Gyroscopic`, flat, and (entries, entries): upper triangles, twice what is
         beside the diagonal. One of them is empty.
     """
     rows, half, entries = arrangement.rows, arrangement.half, arrangement.entries
@@ -130,7 +130,7 @@ def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, 
     return aligned_copy(np.concatenate(by_register)), aligned((0, LANES))
 
 
-def _answers(inverse: FloatArray, arrangement: Arrangement, rotor: RotorArrays) -> list[FloatArray]:
+def _answers(inverse: FloatArray, arrangement: Arrangement, rotor: Rotor) -> list[FloatArray]:
     """Answer of a cyclic rotor's modes to normal forces and friction on it by column.
 
     Returns:

@@ -1,0 +1,93 @@
+"""Build backend: setuptools, with the C sources of the marches and a compiler for them.
+
+Where no C compiler is on the path, the `ziglang` package serves as one. `BLADEWHIRL_PORTABLE=1` asks
+for instructions that all processors of a kind have; by default those of this machine are used.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import shlex
+import shutil
+import sys
+import sysconfig
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from setuptools import build_meta
+from setuptools.build_meta import build_sdist as setuptools_sdist
+from setuptools.build_meta import prepare_metadata_for_build_wheel  # noqa: F401
+
+KERNEL = Path("solvers/kernel")
+MODULE = "bladewhirl.solvers.kernel._kernel"
+
+
+def compiler() -> str | None:
+    """C compiler of the environment, of Python, or any on the path."""
+    names = [os.environ.get("CC"), sysconfig.get_config_var("CC"), "cc", "gcc", "clang"]
+    return next((name for name in names if name and shutil.which(shlex.split(name)[0])), None)
+
+
+def requirements() -> list[str]:
+    """Packages for the build beside those in pyproject.toml."""
+    return [] if compiler() else ["ziglang>=0.13"]
+
+
+def write_source() -> None:
+    """Write the extension's source: the marches and what Python needs to call them."""
+    from cffi import FFI
+
+    header = (KERNEL / "kernel.h").read_text()
+    ffi = FFI()
+    ffi.cdef("\n".join(line for line in header.splitlines() if not line.startswith("#")))
+    ffi.set_source(MODULE, '#include "march.c"\n', py_limited_api=True)
+    ffi.emit_c_code(str(KERNEL / "_kernel.c"))
+
+
+def build(step: Callable[..., str], *arguments: Any) -> str:
+    """Do a step of setuptools with a compiler and its flags in the environment."""
+    write_source()
+    command = compiler() or f"{shlex.quote(sys.executable)} -m ziglang cc"
+    os.environ["CC"], os.environ["LDSHARED"] = command, f"{command} -shared"
+    if sys.platform == "darwin":
+        os.environ["LDSHARED"] = f"{command} -bundle -undefined dynamic_lookup"
+    if os.environ.get("BLADEWHIRL_PORTABLE", "0") in ("", "0"):
+        x86 = platform.machine().lower() in ("x86_64", "amd64")
+        native = "-march=native" if x86 else "-mcpu=native"
+        os.environ["CFLAGS"] = f"{os.environ.get('CFLAGS', '')} {native}"
+    try:
+        return step(*arguments)
+    except (Exception, SystemExit) as error:
+        raise SystemExit(
+            f"bladewhirl: its C sources could not be built with {command!r} ({error}); install a C "
+            "compiler with the headers of the C library, on Debian or Ubuntu: apt-get install gcc "
+            "libc6-dev"
+        ) from None
+
+
+def get_requires_for_build_wheel(config_settings: Any = None) -> list[str]:
+    """Return the requirements of a wheel."""
+    return [*build_meta.get_requires_for_build_wheel(config_settings), *requirements()]
+
+
+def get_requires_for_build_editable(config_settings: Any = None) -> list[str]:
+    """Return the requirements of an editable installation."""
+    return [*build_meta.get_requires_for_build_editable(config_settings), *requirements()]
+
+
+def build_wheel(directory: str, config_settings: Any = None, metadata: str | None = None) -> str:
+    """Build a wheel."""
+    return build(build_meta.build_wheel, directory, config_settings, metadata)
+
+
+def build_editable(directory: str, config_settings: Any = None, metadata: str | None = None) -> str:
+    """Build an editable installation; the extension lies beside its sources."""
+    return build(build_meta.build_editable, directory, config_settings, metadata)
+
+
+def build_sdist(directory: str, config_settings: Any = None) -> str:
+    """Pack the sources."""
+    write_source()
+    return setuptools_sdist(directory, config_settings)

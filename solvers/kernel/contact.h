@@ -1,0 +1,332 @@
+/* Contact of a step: the matrix W of the active tips and its multipliers. */
+#ifndef CONTACT_H
+#define CONTACT_H
+
+#include "fields.h"
+
+enum { LAST_TRIAL = 1000000 }; /* marks a complementarity problem solved for all tips at once */
+enum { MENDED_TOGETHER = 6 };  /* trials of the active set before faults are mended one by one */
+#define SINGULAR 1e-11 /* share of the largest diagonal below which a pivot counts as zero */
+
+/* Row of what depends on the sense of sliding: backward, none, forward. */
+static inline int64_t sense(double sign) { return sign > 0.0 ? 2 : sign < 0.0 ? 0 : 1; }
+
+/* The rotor's part of W of the active tips; mostly it is there already from the last step. */
+static inline void take_rotor(const Matrix *rotor_w, ContactScratch *c, int64_t size)
+{
+    int64_t tips = c->known.columns, *tip = c->known.at, *slides = c->known.at + tips;
+    int same = size < tips ? tip[size] < 0 : 1;
+    for (int64_t n = 0; n < size; n++) {
+        int64_t j = c->active.at[n];
+        same = same && tip[n] == j && slides[n] == sense(c->sign.at[j]);
+    }
+    if (same)
+        return;
+    for (int64_t n = 0; n < tips; n++)
+        tip[n] = -1;
+    for (int64_t n = 0; n < size; n++) {
+        int64_t j = c->active.at[n];
+        tip[n] = j;
+        slides[n] = sense(c->sign.at[j]);
+        const double *from = rotor_w->at + (slides[n] * tips + j) * rotor_w->columns;
+        double *to = c->on_rotor.at + n * c->on_rotor.columns;
+        for (int64_t m = 0; m < c->on_rotor.columns; m++)
+            to[m] = m < size ? from[c->active.at[m]] : 0.0;
+    }
+}
+
+/* Four products that sum up to the gap under one tip per multiplier of another. */
+static inline Half answer(const double *block, Half n0, Half n1, Half n2, Half n3,
+                          const double *end)
+{
+    Half one = half_mul(half_load(block), n0), two = half_mul(half_load(block + 2 * HALF), n2);
+    one = half_muladd(half_load(block + HALF), n1, one);
+    two = half_muladd(half_load(block + 3 * HALF), n3, two);
+    return half_mul(half_add(one, two), half_load(end));
+}
+
+/* W of the active tips by column: [n, m] is the gap of the m-th per multiplier of the n-th.
+ *
+ * The casing's part is n_i^T C (n_j + mu s t_j), four nodal values n at either end: four rows of
+ * four in `compliance` for each sense of sliding s and each pair of elements or, where only their
+ * distance counts (`spacing` is one), for each distance. */
+static inline void delassus(const Casing *casing, const FieldScratch *f, ContactScratch *c,
+                            int64_t size)
+{
+    const int64_t block = HALF * HALF, senses = casing->compliance.size / 3;
+    int64_t padded = (size + HALF - 1) / HALF * HALF, width = f->hermite.columns;
+    int64_t *rows = c->rows.at;
+    double *ends = c->ends.at;
+    for (int64_t m = 0; m < padded; m++) {
+        int64_t j = m < size ? c->active.at[m] : 0;
+        rows[m] = block * casing->spacing * f->element.at[j];
+        for (int k = 0; k < HALF; k++)
+            ends[HALF * m + k] = m < size ? f->hermite.at[k * width + j] : 0.0;
+    }
+    for (int64_t n = 0; n < size; n++) {
+        int64_t j = c->active.at[n], e = f->element.at[j];
+        double *w = c->system.at + n * c->system.columns;
+        const double *on_rotor = c->on_rotor.at + n * c->on_rotor.columns;
+        const double *from = casing->compliance.at + senses * sense(c->sign.at[j])
+                             + block * (casing->spacing == 1 ? casing->nodes - e : e);
+        const double *hermite = f->hermite.at + j;
+        Half n0 = half_splat(hermite[0]), n1 = half_splat(hermite[width]);
+        Half n2 = half_splat(hermite[2 * width]), n3 = half_splat(hermite[3 * width]);
+        for (int64_t m = 0; m < padded; m += HALF) {
+            const double *end = ends + HALF * m;
+            Half on_casing =
+                half_totals(answer(from + rows[m], n0, n1, n2, n3, end),
+                            answer(from + rows[m + 1], n0, n1, n2, n3, end + HALF),
+                            answer(from + rows[m + 2], n0, n1, n2, n3, end + 2 * HALF),
+                            answer(from + rows[m + 3], n0, n1, n2, n3, end + 3 * HALF));
+            half_store(w + m, half_add(on_casing, half_load(on_rotor + m)));
+        }
+        if (padded % LANES != 0)
+            half_store(w + padded, half_splat(0.0));
+        c->diagonal.at[j] = w[n];
+    }
+}
+
+/* Solve a system given by columns, the right-hand side last; destroys it.
+ *
+ * By Gauss and Jordan: a column's registers are taken whole, so that the rows above the pivot come
+ * free and nothing is left to substitute. W is positive definite but for friction, so pivots stay
+ * on the diagonal; where one nearly vanishes the answer is 0 and the caller has another method. */
+static inline int eliminate(ContactScratch *c, int64_t size)
+{
+    int64_t width = c->system.columns;
+    double *w = c->system.at, largest = 0.0;
+    for (int64_t k = 0; k < size; k++)
+        largest = larger(largest, fabs(w[k * width + k]));
+    for (int64_t k = 0; k < size; k++) {
+        double *column = w + k * width;
+        if (!(fabs(column[k]) > SINGULAR * largest))
+            return 0;
+        c->solution.at[k] = 1.0 / column[k];
+        Lanes inverse = splat(-c->solution.at[k]);
+        for (int64_t i = 0; i < size; i += LANES) {
+            Lanes others = load(c->others.at + k * c->others.columns + i);
+            Lanes ratio = mul(mul(load(column + i), others), inverse);
+            for (double *right = column + width; right <= w + size * width; right += width)
+                store(right + i, muladd(ratio, splat(right[k]), load(right + i)));
+        }
+    }
+    for (int64_t k = 0; k < size; k++)
+        c->solution.at[k] *= w[size * width + k];
+    return 1;
+}
+
+/* Multipliers that close the gaps of the active tips, negative ones let go. Returns the number of
+ * tips let go (they leave `held`; none means done), or -1 for a singular W. */
+static inline int64_t active_multipliers(const double *gap, double *held, ContactScratch *c,
+                                         int64_t size, int one_by_one)
+{
+    double *right = c->system.at + size * c->system.columns;
+    int64_t released = 0;
+    for (int64_t i = 0; i < size; i += LANES)
+        store(right + i, splat(0.0));
+    for (int64_t i = 0; i < size; i++)
+        right[i] = -gap[c->active.at[i]];
+    if (!eliminate(c, size))
+        return -1;
+    for (int64_t j = 0; j < c->multiplier.size; j++)
+        c->multiplier.at[j] = 0.0;
+    for (int64_t i = 0; i < size; i++) {
+        if (c->solution.at[i] < 0.0) {
+            if (released == 0 || !one_by_one)
+                held[c->active.at[i]] = 0.0;
+            released++;
+        } else
+            c->multiplier.at[c->active.at[i]] = c->solution.at[i];
+    }
+    return released;
+}
+
+/* Fill the tableau of Lemke's method; returns the row of the most negative gap. */
+static int64_t fill_tableau(const double *gap, ContactScratch *c, double gap_scale, double w_scale)
+{
+    int64_t tips = c->multiplier.size, row = 0;
+    for (int64_t i = 0; i < tips; i++) {
+        double *t = c->tableau.at + i * c->tableau.columns;
+        for (int64_t j = 0; j < tips; j++) {
+            t[j] = i == j ? 1.0 : 0.0;
+            t[tips + j] = -c->system.at[j * c->system.columns + i] / w_scale;
+        }
+        t[2 * tips] = -1.0;
+        t[2 * tips + 1] = gap[i] / gap_scale;
+        c->multiplier.at[i] = 0.0;
+        c->basis.at[i] = i;
+        if (gap[i] < gap[row])
+            row = i;
+    }
+    return row;
+}
+
+/* Make the entering variable basic in a row. */
+static void pivot(ContactScratch *c, int64_t row, int64_t entering)
+{
+    int64_t width = c->tableau.columns;
+    double *own = c->tableau.at + row * width, divisor = own[entering];
+    for (int64_t j = 0; j < width; j++)
+        own[j] /= divisor;
+    for (int64_t i = 0; i < c->tableau.rows; i++) {
+        double *other = c->tableau.at + i * width, ratio = other[entering];
+        if (i != row && ratio != 0.0)
+            for (int64_t j = 0; j < width; j++)
+                other[j] -= ratio * own[j];
+    }
+    c->basis.at[row] = entering;
+}
+
+/* Row of the least ratio, the covering variable's among equals; -1 for none. */
+static int64_t least_ratio(const ContactScratch *c, int64_t entering)
+{
+    int64_t width = c->tableau.columns, cover = width - 2, row = -1;
+    double best = INFINITY;
+    for (int64_t i = 0; i < c->tableau.rows; i++) {
+        const double *t = c->tableau.at + i * width;
+        if (!(t[entering] > 1e-10))
+            continue;
+        double ratio = t[cover + 1] / t[entering];
+        int tied = row >= 0 && fabs(ratio - best) <= 1e-14 * (1.0 + fabs(best));
+        if ((tied && c->basis.at[i] == cover) || (!tied && ratio < best)) {
+            row = i;
+            best = ratio;
+        }
+    }
+    return row;
+}
+
+/* Solve the complementarity problem by Lemke's method; singular W is no obstacle.
+ *
+ * The tableau holds w - M z - z0 = q, scaled, one row a basic variable. Variables are numbered
+ * 0..n-1 for w (gaps), n..2n-1 for z (multipliers), 2n for the covering variable z0. */
+static int lemke(const double *gap, ContactScratch *c)
+{
+    int64_t tips = c->multiplier.size, cover = 2 * tips, entering = cover;
+    double gap_scale = 0.0, w_scale = 0.0;
+    for (int64_t i = 0; i < tips; i++) {
+        gap_scale = larger(gap_scale, fabs(gap[i]));
+        w_scale = larger(w_scale, fabs(c->system.at[i * c->system.columns + i]));
+    }
+    int64_t row = fill_tableau(gap, c, gap_scale, w_scale);
+    for (int64_t pivots = 0; pivots < 50 * tips && row >= 0; pivots++) {
+        int64_t leaving = c->basis.at[row];
+        pivot(c, row, entering);
+        if (leaving == cover) {
+            for (int64_t i = 0; i < tips; i++) {
+                int64_t basic = c->basis.at[i];
+                double value = c->tableau.at[i * c->tableau.columns + cover + 1];
+                if (tips <= basic && basic < cover)
+                    c->multiplier.at[basic - tips] = larger(0.0, value * gap_scale / w_scale);
+            }
+            return 1;
+        }
+        entering = leaving < tips ? leaving + tips : leaving - tips;
+        row = least_ratio(c, entering);
+    }
+    return 0;
+}
+
+/* Projected Gauss-Seidel from the multipliers at hand, for what Lemke's method gave up. */
+static void gauss_seidel(const double *gap, ContactScratch *c)
+{
+    int64_t tips = c->multiplier.size, width = c->system.columns;
+    const double *w = c->system.at;
+    double *multiplier = c->multiplier.at;
+    for (int round = 0; round < 2000; round++) {
+        double change = 0.0, largest = 0.0;
+        for (int64_t i = 0; i < tips; i++) {
+            double closing = gap[i];
+            for (int64_t j = 0; j < tips; j++)
+                closing += w[j * width + i] * multiplier[j];
+            double value = larger(0.0, multiplier[i] - closing / w[i * width + i]);
+            change = larger(change, fabs(value - multiplier[i]));
+            largest = larger(largest, value);
+            multiplier[i] = value;
+        }
+        if (change <= 1e-14 * largest)
+            return;
+    }
+}
+
+/* max |min(g_j, W_jj lambda_j)| / max(clearance, max |g_p|), g recomputed. */
+static inline double complementarity_residual(double scale, const FieldScratch *f,
+                                              const ContactScratch *c)
+{
+    double worst = 0.0;
+    for (int64_t j = 0; j < c->multiplier.size; j++) {
+        double multiplier = c->multiplier.at[j], gap = f->gap.at[j];
+        scale = larger(scale, fabs(f->free_gap.at[j]));
+        if (multiplier > 0.0)
+            worst = larger(worst, fabs(smaller(gap, c->diagonal.at[j] * multiplier)));
+        else
+            worst = larger(worst, -gap);
+    }
+    return scale > 0.0 ? worst / scale : worst;
+}
+
+/* Multipliers of the active set; tips they would hold back are let go. Where W is singular, or the
+ * set goes round in circles, the problem of all tips is solved. Returns the number of active tips;
+ * `trial` counts on, to LAST_TRIAL when it was all tips. */
+static int64_t contact_multipliers(int64_t *trial, const Rotor *rotor, const Casing *casing,
+                                   State *state, const FieldScratch *f, ContactScratch *c)
+{
+    int64_t tips = c->multiplier.size, released = 1, size = 0;
+    int together = 0;
+    const double *gap = f->free_gap.at;
+    while (released > 0 || together) {
+        size = 0;
+        for (int64_t j = 0; j < tips; j++)
+            if (together || state->held.at[j] > 0.0)
+                c->active.at[size++] = j;
+        take_rotor(&rotor->w, c, size);
+        delassus(casing, f, c, size);
+        if (together) {
+            if (!lemke(gap, c)) {
+                state->counts.at[LCP_FAILURES] += 1.0;
+                gauss_seidel(gap, c);
+            }
+            *trial = LAST_TRIAL;
+            return size;
+        }
+        released = active_multipliers(gap, state->held.at, c, size, *trial > MENDED_TOGETHER);
+        if (released > 0) {
+            *trial += 1;
+            state->counts.at[LCP_PIVOTS] += 1.0;
+        }
+        together = released < 0 || (released == 0 && *trial > MENDED_TOGETHER + 4 * tips);
+    }
+    return size;
+}
+
+/* Let the active set be what it was and the tips that penetrate; their number. Tips in contact at
+ * the last step mostly stay, even if others keep them clear. */
+static inline int64_t propose_contacts(const double *gap, Vector *held)
+{
+    int64_t penetrating = 0;
+    for (int64_t j = 0; j < held->size; j++)
+        penetrating += gap[j] < 0.0;
+    for (int64_t j = 0; j < held->size; j++) {
+        if (penetrating == 0)
+            held->at[j] = 0.0;
+        else if (gap[j] < 0.0)
+            held->at[j] = 1.0;
+    }
+    return penetrating;
+}
+
+/* Add tips that a correction pushed into the casing to the active set; their number. */
+static inline int64_t join_contacts(const double *gap, Vector *held, int one_by_one)
+{
+    int64_t joined = 0;
+    for (int64_t j = 0; j < held->size; j++)
+        if (held->at[j] == 0.0 && gap[j] < 0.0) {
+            if (joined == 0 || !one_by_one)
+                held->at[j] = 1.0;
+            joined++;
+        }
+    return joined;
+}
+
+#endif

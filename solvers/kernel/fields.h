@@ -1,0 +1,254 @@
+/* Evaluation of fields: tips, casing nodes, gaps, sliding.
+ *
+ * Modal coordinates are first summed over rows with weights, giving one number a column, and the
+ * columns are then spread over tips or casing nodes by a shape; see `march.c`.
+ */
+#ifndef FIELDS_H
+#define FIELDS_H
+
+#include "motion.h"
+
+/* Place of a register's partner columns. */
+static inline int64_t partner_columns(int64_t h, int64_t half)
+{
+    return h < half ? h + half : h - half;
+}
+
+/* Sum modal coordinates over rows with weights; each sum goes to its column's partner. With `half`
+ * zero it stays in its column. */
+static inline void column_sums(const Matrix *weight, const double *x, int64_t half, double *out)
+{
+    int64_t rows = weight->rows, columns = weight->columns;
+    for (int64_t h = 0; h < columns; h += LANES) {
+        const double *w = weight->at + h, *v = x + h;
+        Lanes even = splat(0.0), odd = splat(0.0); /* two chains of additions run side by side */
+        int64_t m = 0;
+        for (; m + 1 < rows; m += 2, w += 2 * columns, v += 2 * columns) {
+            even = muladd(load(w), load(v), even);
+            odd = muladd(load(w + columns), load(v + columns), odd);
+        }
+        if (m < rows)
+            even = muladd(load(w), load(v), even);
+        store(out + partner_columns(h, half), add(even, odd));
+    }
+}
+
+/* Linear combination of all rows of a matrix. */
+static inline void combine_rows(const Matrix *rows, const double *factor, double *out)
+{
+    int64_t width = rows->columns, i = 0;
+    for (; i + 3 * LANES <= width; i += 3 * LANES) {
+        Lanes first = splat(0.0), second = splat(0.0), third = splat(0.0);
+        const double *row = rows->at + i;
+        for (int64_t n = 0; n < rows->rows; n++, row += width) {
+            Lanes f = splat(factor[n]);
+            first = muladd(load(row), f, first);
+            second = muladd(load(row + LANES), f, second);
+            third = muladd(load(row + 2 * LANES), f, third);
+        }
+        store(out + i, first);
+        store(out + i + LANES, second);
+        store(out + i + 2 * LANES, third);
+    }
+    for (; i < width; i += LANES) {
+        Lanes first = splat(0.0);
+        for (int64_t n = 0; n < rows->rows; n++)
+            first = muladd(load(rows->at + n * width + i), splat(factor[n]), first);
+        store(out + i, first);
+    }
+}
+
+/* Write the sums of `folded_fields` at the nodes n, N/2 - n, N/2 + n, N - n. */
+static inline void unfold(Lanes cos_even, Lanes cos_odd, Lanes sin_even, Lanes sin_odd, int64_t i,
+                          int64_t middle, const double *start, double *out)
+{
+    Lanes near = add(cos_even, cos_odd), far = sub(cos_even, cos_odd);
+    Lanes turned = add(sin_even, sin_odd), back = sub(sin_even, sin_odd);
+    int64_t x = middle - i - LANES + 1;
+    store(out + i, add(add(near, turned), load(start + i)));
+    store(out + middle + i, add(add(far, back), load(start + middle + i)));
+    store_reversed(out + x, sub(far, back), start + x);
+    store_reversed(out + middle + x, sub(near, turned), start + middle + x);
+}
+
+/* `nodal_field` of an even number of nodes, four nodes at a time. The nodes n, N/2 - n, N/2 + n and
+ * N - n share their cosines and sines but for signs, which the parity of the harmonic decides. Rows
+ * of `fold`: cosines of even harmonics, of odd ones, sines of even, of odd, and the cosine of N/2,
+ * which stands in the place of a sine. */
+static inline void folded_fields(const Casing *casing, const Matrix *start, FieldScratch *f)
+{
+    const Matrix *fold = &casing->fold;
+    const double *values = f->value.at, *slopes = f->slope.at;
+    int64_t half = casing->half, width = fold->columns, used = fold->rows / 4;
+    int64_t middle = casing->nodes / 2;
+    for (int64_t i = 0; i < width; i += LANES) {
+        Lanes ce = splat(0.0), co = ce, se = ce, so = ce, de = ce, d_o = ce, te = ce, to = ce;
+        const double *row = fold->at + i;
+        for (int64_t h = 0; h < used; h++, row += width) {
+            Lanes even = load(row), odd = load(row + used * width);
+            ce = muladd(even, splat(values[h]), ce);
+            de = muladd(even, splat(slopes[h]), de);
+            co = muladd(odd, splat(values[used + h]), co);
+            d_o = muladd(odd, splat(slopes[used + h]), d_o);
+            even = load(row + 2 * used * width);
+            odd = load(row + 3 * used * width);
+            se = muladd(even, splat(values[half + h]), se);
+            te = muladd(even, splat(slopes[half + h]), te);
+            so = muladd(odd, splat(values[half + used + h]), so);
+            to = muladd(odd, splat(slopes[half + used + h]), to);
+        }
+        Lanes last = load(fold->at + 4 * used * width + i);
+        ce = muladd(last, splat(values[half + used - 1]), ce);
+        de = muladd(last, splat(slopes[half + used - 1]), de);
+        unfold(ce, co, se, so, i, middle, start->at, f->nodal.at);
+        unfold(de, d_o, te, to, i, middle, start->at + start->columns, f->nodal_slope.at);
+    }
+}
+
+/* Values and slopes of a field at the casing's nodes from its columns; node 0 comes again. */
+static void nodal_field(const Casing *casing, const NodalField *field, FieldScratch *f)
+{
+    const Matrix *start = &field->start;
+    double *value = f->nodal.at, *slope = f->nodal_slope.at;
+    if (casing->fold.rows > 0) {
+        folded_fields(casing, start, f);
+        return;
+    }
+    combine_rows(&field->shape, f->value.at, value);
+    combine_rows(&field->slope_shape, f->slope.at, slope);
+    value[casing->nodes] = value[0];
+    slope[casing->nodes] = slope[0];
+    for (int64_t i = 0; i < start->columns; i += LANES) {
+        store(value + i, add(load(value + i), load(start->at + i)));
+        store(slope + i, add(load(slope + i), load(start->at + start->columns + i)));
+    }
+}
+
+/* Tangential displacement of each tip. */
+static void tip_tangential(const Rotor *rotor, const double *x, FieldScratch *f)
+{
+    column_sums(&rotor->tangential, x, 0, f->rotor.at);
+    combine_rows(&rotor->shape, f->rotor.at, f->tangential.at);
+    column_sums(&rotor->crossed, x, 0, f->rotor.at);
+    combine_rows(&rotor->cross_shape, f->rotor.at, f->other.at);
+    for (int64_t j = 0; j < f->tangential.size; j += LANES)
+        store(f->tangential.at + j, add(load(f->tangential.at + j), load(f->other.at + j)));
+}
+
+/* Element of each place, and Hermite weights there; `hermite` has rows of `width`. */
+static inline void hermite_weights(const double *restrict places, double turned, double nodes,
+                                   double length, int64_t tips, int64_t width,
+                                   int64_t *restrict element, double *restrict hermite)
+{
+    double turn = 1.0 / nodes;
+    for (int64_t j = 0; j < tips; j++) {
+        double at = places[j] + turned;
+        at -= nodes * floor(at * turn);
+        at = at < 0.0 ? 0.0 : at; /* by rounding of the product */
+        double start = floor(at), xi = at - start, rest = 1.0 - xi;
+        /* Rounding may put a tip on node `nodes`, which is node 0 again; a displacement beyond all
+         * bounds, which ends the march, puts it anywhere. */
+        start = start >= 0.0 ? start : 0.0;
+        element[j] = (int64_t)(start < nodes ? start : 0.0);
+        hermite[j] = rest * rest * (1.0 + 2.0 * xi);
+        hermite[width + j] = length * xi * rest * rest;
+        hermite[2 * width + j] = xi * xi * (3.0 - 2.0 * xi);
+        hermite[3 * width + j] = -length * xi * xi * rest;
+    }
+}
+
+/* Find the element under each tip and its Hermite weights, at x_{n+1}; the rotor has turned by a
+ * number of elements. */
+static inline void place_tips(const Rotor *rotor, const Casing *casing, double elements_per_metre,
+                              double turned, const double *x, FieldScratch *f)
+{
+    const double *places = rotor->position.at;
+    if (elements_per_metre != 0.0) {
+        tip_tangential(rotor, x, f);
+        for (int64_t j = 0; j < f->element.size; j++)
+            f->at.at[j] = places[j] + elements_per_metre * f->tangential.at[j];
+        places = f->at.at;
+    }
+    hermite_weights(places, turned, (double)casing->nodes, casing->element_length, f->element.size,
+                    f->hermite.columns, f->element.at, f->hermite.at);
+}
+
+/* Columns of u_r of the tips and of w and w' of the casing, at x_{n+1}. */
+static inline void sum_radial(const Rotor *rotor, const Casing *casing, const double *x,
+                              const double *y, FieldScratch *f)
+{
+    const NodalField *field = &casing->radial;
+    column_sums(&rotor->radial, x, 0, f->rotor.at);
+    column_sums(&field->weight, y, field->half, f->value.at);
+    column_sums(&field->slope_weight, y, field->slope_half, f->slope.at);
+}
+
+/* Value of a nodal Hermite field under each tip; 0, and no further, at a NaN. */
+static inline int field_at_tips(const FieldScratch *f, double *out)
+{
+    const double *value = f->nodal.at, *slope = f->nodal_slope.at;
+    int64_t width = f->hermite.columns;
+    for (int64_t j = 0; j < f->element.size; j++) {
+        int64_t e = f->element.at[j];
+        const double *weight = f->hermite.at + j;
+        double at_tip = (weight[0] * value[e] + weight[width] * slope[e])
+                        + (weight[2 * width] * value[e + 1] + weight[3 * width] * slope[e + 1]);
+        out[j] = at_tip;
+        if (at_tip != at_tip)
+            return 0;
+    }
+    return 1;
+}
+
+/* Gap of each tip from the columns of u_r, w and w'; whether all |u_r| keep the limit. */
+static inline int close_gaps(const Rotor *rotor, const Casing *casing, double limit,
+                             FieldScratch *f, double *gap)
+{
+    int64_t within = 0, tips = f->element.size;
+    combine_rows(&rotor->shape, f->rotor.at, f->radial.at);
+    nodal_field(casing, &casing->radial, f);
+    if (!field_at_tips(f, gap))
+        return 0;
+    for (int64_t j = 0; j < tips; j++) {
+        gap[j] += rotor->recess.at[j] - f->radial.at[j];
+        within += fabs(f->radial.at[j]) <= limit; /* 0 for NaN */
+    }
+    return within == tips;
+}
+
+/* Direction of sliding at each tip, from the tangential displacements over the last step. */
+static inline void sliding_signs(const Rotor *rotor, const Casing *casing, double wheel_speed,
+                                 double time_step, Motion x, Motion y, FieldScratch *f,
+                                 double *sign)
+{
+    const NodalField *field = &casing->tangential;
+    double *on_rotor = f->moved.at, *on_casing = f->moved.at + f->moved.columns;
+    for (int64_t i = 0; i < x.entries; i += LANES)
+        store(on_rotor + i, sub(load(x.now + i), load(x.old + i)));
+    for (int64_t i = 0; i < y.entries; i += LANES)
+        store(on_casing + i, sub(load(y.now + i), load(y.old + i)));
+    tip_tangential(rotor, on_rotor, f);
+    column_sums(&field->weight, on_casing, field->half, f->value.at);
+    column_sums(&field->slope_weight, on_casing, field->slope_half, f->slope.at);
+    nodal_field(casing, field, f);
+    field_at_tips(f, f->other.at);
+    for (int64_t j = 0; j < f->element.size; j++) {
+        double speed = wheel_speed + (f->tangential.at[j] - f->other.at[j]) / time_step;
+        sign[j] = (speed > 0.0) - (speed < 0.0);
+    }
+}
+
+/* Whether tips tangentially, and the casing radially, keep the displacement limit. */
+static int keeps_limit(const Rotor *rotor, const Casing *casing, double limit, const double *x,
+                       FieldScratch *f)
+{
+    int within = 1;
+    tip_tangential(rotor, x, f);
+    for (int64_t j = 0; j < f->element.size; j++)
+        within &= fabs(f->tangential.at[j]) <= limit;
+    for (int64_t i = 0; i < casing->nodes; i++)
+        within &= fabs(f->nodal.at[i] - casing->radial.start.at[i]) <= limit;
+    return within;
+}
+
+#endif

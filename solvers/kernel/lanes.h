@@ -1,0 +1,146 @@
+/* Eight doubles at a time: what gives long sums an order, and the compiler vector registers.
+ *
+ * A sum over an array is eight sums, one a lane, which `total` adds up in a fixed order. Nothing
+ * else is left to the compiler's choice (-ffp-contract=off, no -ffast-math), so that every compiler
+ * and every width of registers gives the same bits. A type is an array of the vectors that the
+ * processor has; GCC and Clang know such vectors on all processors.
+ */
+#ifndef LANES_H
+#define LANES_H
+
+#include "kernel.h"
+
+#if defined(__AVX512F__)
+#define WIDTH 8
+#define HALF_WIDTH 4
+#elif defined(__AVX__)
+#define WIDTH 4
+#define HALF_WIDTH 4
+#else
+#define WIDTH 2
+#define HALF_WIDTH 2
+#endif
+
+/* Define a type of `count` lanes in vectors of `width`, and its operations. */
+#define DEFINE_LANES(Type, prefix, count, width)                                                   \
+    typedef double Type##Vector __attribute__((vector_size(8 * (width))));                         \
+    typedef double Type##Place __attribute__((vector_size(8 * (width)), aligned(8), may_alias));   \
+    typedef struct {                                                                               \
+        Type##Vector v[(count) / (width)];                                                         \
+    } Type;                                                                                        \
+    static inline Type prefix##splat(double x)                                                     \
+    {                                                                                              \
+        Type out;                                                                                  \
+        for (int k = 0; k < (count) / (width); k++)                                                \
+            out.v[k] = x - (Type##Vector){0};                                                      \
+        return out;                                                                                \
+    }                                                                                              \
+    static inline Type prefix##load(const double *from)                                            \
+    {                                                                                              \
+        Type out;                                                                                  \
+        for (int k = 0; k < (count) / (width); k++)                                                \
+            out.v[k] = *(const Type##Place *)(from + k * (width));                                 \
+        return out;                                                                                \
+    }                                                                                              \
+    static inline void prefix##store(double *to, Type a)                                           \
+    {                                                                                              \
+        for (int k = 0; k < (count) / (width); k++)                                                \
+            *(Type##Place *)(to + k * (width)) = a.v[k];                                           \
+    }                                                                                              \
+    static inline Type prefix##add(Type a, Type b)                                                 \
+    {                                                                                              \
+        for (int k = 0; k < (count) / (width); k++)                                                \
+            a.v[k] += b.v[k];                                                                      \
+        return a;                                                                                  \
+    }                                                                                              \
+    static inline Type prefix##sub(Type a, Type b)                                                 \
+    {                                                                                              \
+        for (int k = 0; k < (count) / (width); k++)                                                \
+            a.v[k] -= b.v[k];                                                                      \
+        return a;                                                                                  \
+    }                                                                                              \
+    static inline Type prefix##mul(Type a, Type b)                                                 \
+    {                                                                                              \
+        for (int k = 0; k < (count) / (width); k++)                                                \
+            a.v[k] *= b.v[k];                                                                      \
+        return a;                                                                                  \
+    }                                                                                              \
+    /* a * b + c, rounded twice */                                                                 \
+    static inline Type prefix##muladd(Type a, Type b, Type c)                                      \
+    {                                                                                              \
+        for (int k = 0; k < (count) / (width); k++)                                                \
+            c.v[k] += a.v[k] * b.v[k];                                                             \
+        return c;                                                                                  \
+    }
+
+DEFINE_LANES(Lanes, , LANES, WIDTH)
+DEFINE_LANES(Half, half_, HALF, HALF_WIDTH)
+
+/* Sum of the lanes. */
+static inline double total(Lanes a)
+{
+    double t[LANES];
+    store(t, a);
+    return ((t[0] + t[4]) + (t[2] + t[6])) + ((t[1] + t[5]) + (t[3] + t[7]));
+}
+
+static inline double half_total(Half a)
+{
+    double t[HALF];
+    half_store(t, a);
+    return (t[0] + t[2]) + (t[1] + t[3]);
+}
+
+/* Sums of the lanes of four, one a lane. */
+static inline Half half_totals(Half a, Half b, Half c, Half d)
+{
+#if HALF_WIDTH == 4
+#if defined(__clang__)
+#define PICK(x, y, i, j, k, l) __builtin_shufflevector(x, y, i, j, k, l)
+#else
+    typedef int64_t Order __attribute__((vector_size(32)));
+#define PICK(x, y, i, j, k, l) __builtin_shuffle(x, y, (Order){i, j, k, l})
+#endif
+    HalfVector ab = PICK(a.v[0], b.v[0], 0, 4, 2, 6) + PICK(a.v[0], b.v[0], 1, 5, 3, 7);
+    HalfVector cd = PICK(c.v[0], d.v[0], 0, 4, 2, 6) + PICK(c.v[0], d.v[0], 1, 5, 3, 7);
+    return (Half){{PICK(ab, cd, 0, 1, 4, 5) + PICK(ab, cd, 2, 3, 6, 7)}};
+#undef PICK
+#else
+    double t[4 * HALF], out[HALF];
+    half_store(t, a);
+    half_store(t + HALF, b);
+    half_store(t + 2 * HALF, c);
+    half_store(t + 3 * HALF, d);
+    for (int k = 0; k < HALF; k++)
+        out[k] = (t[HALF * k] + t[HALF * k + 1]) + (t[HALF * k + 2] + t[HALF * k + 3]);
+    return half_load(out);
+#endif
+}
+
+/* Write the lanes in reverse order, added to a start. */
+static inline void store_reversed(double *restrict to, Lanes a, const double *restrict start)
+{
+    double t[LANES];
+    store(t, a);
+    for (int k = 0; k < LANES; k++)
+        to[k] = t[LANES - 1 - k] + start[k];
+}
+
+/* Scalar product of arrays of any length. */
+static inline double dot(const double *a, const double *b, int64_t size)
+{
+    Lanes sum = splat(0.0);
+    double rest = 0.0;
+    int64_t i = 0;
+    for (; i + LANES <= size; i += LANES)
+        sum = muladd(load(a + i), load(b + i), sum);
+    for (; i < size; i++)
+        rest += a[i] * b[i];
+    return total(sum) + rest;
+}
+
+static inline double larger(double a, double b) { return a > b ? a : b; }
+
+static inline double smaller(double a, double b) { return a < b ? a : b; }
+
+#endif

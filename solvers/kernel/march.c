@@ -1,0 +1,219 @@
+/* The contact step: central differences with forward-increment Lagrange multipliers.
+ *
+ * The scheme is that of Carpenter, Taylor and Katona (1991) with damping and sliding friction. A
+ * step from n to n + 1 has six stages:
+ *
+ *     predict   x_p = a x_n + b x_{n-1} + c f_n          a, b, c diagonal in modal coordinates
+ *     gaps      g_p = gaps of x_p at the tips' places at n + 1; none negative: x_{n+1} = x_p
+ *     solve     0 <= lambda  perp  g_p + W lambda >= 0   W = B_N^T c (B_N + mu B_T S)
+ *     correct   x_{n+1} = x_p + c (B_N + mu B_T S) lambda; gaps again: tips that it shut join
+ *     account   impulses, works and losses of the step, and the smallest gaps
+ *     record    at record steps: x_n, its velocity (x_{n+1} - x_{n-1}) / (2 dt), and the ledger to n
+ *
+ * Springs between the bodies, and those under the shaft that stand still and differ, have a
+ * stiffness K*(t) that turns with the rotor; they add -K*_n x_n to f_n.
+ *
+ * Dampers at points make the damping matrix a full one, G^T G beside the diagonal. They take part in
+ * the prediction, phi = -G (x_p - x_{n-1}) / (2 dt), which without contact is the scheme itself; the
+ * change by a contact force they feel from the next step on.
+ *
+ * Coriolis forces on the rotor make its A = M / dt^2 + (D + 2 Omega G) / (2 dt) a full matrix, of one
+ * block for each nodal diameter; c is then its inverse, and its dampers and the damping of its modes
+ * at rest are part of it.
+ *
+ * Fields are evaluated in two stages so that one code serves cyclic and general stages: modal
+ * coordinates, laid out as (rows, columns), are first summed over rows with weights, giving one
+ * number a column, and the columns are then spread over tips or casing nodes by a shape matrix. On a
+ * cyclic stage a column is a Fourier harmonic and both stages are small; on any other stage there is
+ * one row, a column is a mode, and the shape matrix is dense.
+ *
+ * `solvers.march.reference` is the same scheme in NumPy, written from the definitions.
+ */
+#include "turning.h"
+
+/* The stage, its options (NULL where there are none), and what a march works on. */
+typedef struct {
+    const Rotor *rotor;
+    const Casing *casing;
+    const Springs *springs;
+    const Dampers *dampers;
+    const Gyroscopic *gyroscopic;
+    const double *wheel_speed;
+    const Numbers *numbers;
+    State *state;
+    Scratch *scratch;
+    Motion x, y; /* of rotor and casing */
+    int loaded;  /* whether any load acts at this step */
+} March;
+
+/* x_p of both bodies. */
+static inline void predict(const March *m)
+{
+    const Body *rotor = &m->rotor->body, *casing = &m->casing->body;
+    Scratch *s = m->scratch;
+    Motion x = m->x, y = m->y;
+    predict_body(rotor, x);
+    predict_body(casing, y);
+    if (m->loaded) {
+        add_loads(rotor, s->amplitude.at, x);
+        add_loads(casing, s->amplitude.at, y);
+    }
+    if (m->springs) {
+        const double *force = s->springs.force.at;
+        add_springs(&m->springs->rotor, force, rotor->c.at, x.new);
+        add_springs(&m->springs->casing, force + s->springs.force.columns, casing->c.at, y.new);
+    }
+    if (m->dampers) {
+        double *force = s->damper_force.at;
+        if (!m->gyroscopic)
+            add_dampers(&m->dampers->rotor, rotor->c.at, x, s->stroke.at, force);
+        force += s->damper_force.columns;
+        add_dampers(&m->dampers->casing, casing->c.at, y, s->stroke.at, force);
+    }
+    if (m->gyroscopic) {
+        add_circulation(m->gyroscopic, x);
+        turn(m->rotor, m->gyroscopic, x, s->turned.at);
+    }
+}
+
+/* Add contact forces of the active set to x_p. */
+static inline void correct(const March *m, int64_t size)
+{
+    FieldScratch *f = &m->scratch->fields;
+    ContactScratch *c = &m->scratch->contact;
+    double ratio;
+    int mixed = tip_forces(size, m->numbers->friction, m->casing->nodes, f, c, &ratio);
+    if (m->gyroscopic)
+        correct_turning_rotor(m->rotor, m->gyroscopic, size, mixed, ratio, m->x, f, c,
+                              m->scratch->turned.at);
+    else
+        correct_rotor(m->rotor, size, mixed, ratio, m->x, f, c);
+    correct_casing(m->casing, size, mixed, ratio, m->y, f, c);
+}
+
+/* x_{n+1} with contact. Returns whether it keeps the displacement limit; `penetrating` gets the
+ * number of tips that x_p pushes into the casing. */
+static inline int solve_step(const March *m, int64_t step, int64_t *penetrating)
+{
+    const Rotor *rotor = m->rotor;
+    const Casing *casing = m->casing;
+    const Numbers *numbers = m->numbers;
+    State *state = m->state;
+    FieldScratch *f = &m->scratch->fields;
+    ContactScratch *c = &m->scratch->contact;
+    double limit = numbers->displacement_limit;
+    predict(m);
+    place_tips(rotor, casing, numbers->elements_per_metre,
+               numbers->elements_per_step * (double)(step + 1), m->x.new, f);
+    sum_radial(rotor, casing, m->x.new, m->y.new, f);
+    int within = close_gaps(rotor, casing, limit, f, f->free_gap.at);
+    *penetrating = propose_contacts(f->free_gap.at, &state->held);
+    if (*penetrating == 0)
+        return within;
+    if (m->wheel_speed)
+        sliding_signs(rotor, casing, *m->wheel_speed, numbers->time_step, m->x, m->y, f,
+                      c->sign.at);
+    for (int64_t trial = 1;; trial++) {
+        if (trial > 1)
+            predict(m);
+        int64_t size = contact_multipliers(&trial, rotor, casing, state, f, c);
+        correct(m, size);
+        within = close_gaps(rotor, casing, limit, f, f->gap.at);
+        if (trial >= LAST_TRIAL || !within)
+            return within;
+        if (join_contacts(f->gap.at, &state->held, trial > MENDED_TOGETHER) == 0)
+            return within;
+        state->counts.at[LCP_PIVOTS] += 1.0;
+    }
+}
+
+/* Add an accepted step to the sums and the ledger. */
+static inline void account(const March *m, int touching)
+{
+    State *state = m->state;
+    Scratch *s = m->scratch;
+    Motion x = m->x, y = m->y;
+    double *work = state->work.at;
+    const double *gap = touching ? s->fields.gap.at : s->fields.free_gap.at;
+    state->counts.at[STEP_CONTACTS] = 0.0;
+    if (touching) {
+        double worst = complementarity_residual(m->numbers->gap_scale, &s->fields, &s->contact);
+        state->residual.at[0] = larger(state->residual.at[0], worst);
+        work[NORMAL] += s->contact.work.at[0];
+        work[FRICTION] += s->contact.work.at[1];
+        account_contact(m->numbers, state, &s->contact);
+    }
+    for (int64_t j = 0; j < state->gap.size; j++)
+        state->gap.at[j] = smaller(state->gap.at[j], gap[j]);
+    if (m->loaded) {
+        work[EXTERNAL] += external_work(&m->rotor->body, s->amplitude.at, x);
+        work[EXTERNAL] += external_work(&m->casing->body, s->amplitude.at, y);
+    }
+    double lost = damping_loss(&m->casing->body, y);
+    if (m->gyroscopic) {
+        lost += turning_loss(m->rotor, m->gyroscopic, x, s->turned.at);
+        work[PARAMETRIC] += circulation_work(m->gyroscopic, x);
+    } else
+        lost += damping_loss(&m->rotor->body, x);
+    work[DAMPING] += lost / m->numbers->time_step;
+    if (m->dampers) {
+        const double *force = s->damper_force.at;
+        work[DAMPING] += damper_loss(&m->dampers->rotor, x, s->stroke.at, force);
+        force += s->damper_force.columns;
+        work[DAMPING] += damper_loss(&m->dampers->casing, y, s->stroke.at, force);
+    }
+}
+
+/* Begin a march: senses of sliding, and the springs' waves of the step before. */
+static void begin(const March *m, int64_t step)
+{
+    ContactScratch *c = &m->scratch->contact;
+    for (int64_t j = 0; j < c->sign.size; j++) {
+        c->sign.at[j] = m->numbers->sliding;
+        c->known.at[j] = -1;
+    }
+    if (m->springs) {
+        SpringScratch *s = &m->scratch->springs;
+        int64_t waves = m->springs->factor.size, row = (step + 1) % 2 * waves;
+        spring_waves(&m->springs->rotor, m->x.old, s->rotor.at + row, waves);
+        spring_waves(&m->springs->casing, m->y.old, s->casing.at + row, waves);
+    }
+}
+
+int march(const Rotor *rotor, const Casing *casing, const Springs *springs, const Dampers *dampers,
+          const Gyroscopic *gyroscopic, const double *wheel_speed, const Numbers *numbers,
+          State *state, Records *records, Scratch *scratch, int64_t step, int64_t steps,
+          int64_t record_every, int64_t *reached)
+{
+    March m = {rotor, casing, springs, dampers, gyroscopic, wheel_speed, numbers, state, scratch,
+               motion_of(&state->rotor), motion_of(&state->casing), 0};
+    double energy[2] = {0.0, 0.0}, dt = numbers->time_step;
+    int64_t end = step + steps, written = 0, penetrating;
+    int status = RUNNING;
+    begin(&m, step);
+    for (; step < end; step++) {
+        m.loaded = load_amplitudes(&numbers->loads, (double)step * dt, scratch->amplitude.at);
+        if (springs)
+            turn_springs(springs, m.x, m.y, &scratch->springs, step, energy);
+        int within = solve_step(&m, step, &penetrating);
+        if (within && (step + 1) % CHECK_EVERY == 0)
+            within = keeps_limit(rotor, casing, numbers->displacement_limit, m.x.new,
+                                 &scratch->fields);
+        if (step % record_every == 0 || !within)
+            write_record(records, written++, state, rotor, casing, m.x, m.y, dt, energy[0], step,
+                         within);
+        if (!within) {
+            status = DIVERGED;
+            break;
+        }
+        account(&m, penetrating > 0);
+        state->work.at[PARAMETRIC] += energy[1];
+        turn_slots(&m.x);
+        turn_slots(&m.y);
+    }
+    settle(&state->rotor, m.x);
+    settle(&state->casing, m.y);
+    reached[0] = step;
+    reached[1] = written;
+    return status;
+}

@@ -1,0 +1,271 @@
+/* Motion of a body between contacts: recurrence, loads, springs, dampers, energy, records. */
+#ifndef MOTION_H
+#define MOTION_H
+
+#include <math.h>
+
+#include "lanes.h"
+
+#define PI 3.141592653589793238462643383279502884
+
+/* x_{n-1}, x_n, x_{n+1} of a body; they turn with each step. */
+typedef struct {
+    double *old, *now, *new;
+    int64_t entries;
+} Motion;
+
+static inline Motion motion_of(const Matrix *state)
+{
+    double *x = state->at;
+    return (Motion){x, x + state->columns, x + 2 * state->columns, state->columns};
+}
+
+/* Step on to the next. */
+static inline void turn_slots(Motion *x) { *x = (Motion){x->now, x->new, x->old, x->entries}; }
+
+/* x_{n+1} of the free motion from x_n and x_{n-1}, by the recurrence's a and b. */
+static inline void predict_body(const Body *body, Motion x)
+{
+    for (int64_t i = 0; i < x.entries; i += LANES) {
+        Lanes before = mul(load(body->b.at + i), load(x.old + i));
+        store(x.new + i, muladd(load(body->a.at + i), load(x.now + i), before));
+    }
+}
+
+/* Amplitude of each load pattern; whether any is nonzero. */
+static inline int load_amplitudes(const Matrix *loads, double time, double *out)
+{
+    int loaded = 0;
+    for (int64_t p = 0; p < loads->rows; p++) {
+        const double *load = loads->at + p * LOAD_NUMBERS;
+        double factor = 0.0;
+        if (time < load[LOAD_END]) {
+            factor = cos(load[LOAD_FREQUENCY] * time + load[LOAD_PHASE]);
+            if (time < load[LOAD_RAMP])
+                factor *= 0.5 - 0.5 * cos(PI * time / load[LOAD_RAMP]);
+        }
+        out[p] = factor;
+        loaded |= factor != 0.0;
+    }
+    return loaded;
+}
+
+/* Add the response to the load patterns, in the registers that they load. */
+static inline void add_loads(const Body *body, const double *amplitude, Motion x)
+{
+    for (int64_t p = 0; p < body->loaded.rows; p++) {
+        const double *pattern = body->load.at + p * x.entries;
+        const int64_t *places = body->loaded.at + p * body->loaded.columns;
+        for (; *places >= 0; places++) {
+            int64_t i = *places;
+            Lanes force = mul(splat(amplitude[p]), load(pattern + i));
+            store(x.new + i, muladd(force, load(body->c.at + i), load(x.new + i)));
+        }
+    }
+}
+
+/* Work d^T f of the loads with d = (x_{n+1} - x_{n-1}) / 2. */
+static inline double external_work(const Body *body, const double *amplitude, Motion x)
+{
+    double work = 0.0;
+    for (int64_t p = 0; p < body->loaded.rows; p++) {
+        const double *pattern = body->load.at + p * x.entries;
+        const int64_t *places = body->loaded.at + p * body->loaded.columns;
+        Lanes sum = splat(0.0);
+        for (; *places >= 0; places++) {
+            int64_t i = *places;
+            sum = muladd(sub(load(x.new + i), load(x.old + i)), load(pattern + i), sum);
+        }
+        work += 0.5 * amplitude[p] * total(sum);
+    }
+    return work;
+}
+
+/* Waves of one body's radial displacement at the springs. */
+static inline void spring_waves(const SpringEnds *ends, const double *x, double *out, int64_t waves)
+{
+    for (int64_t i = 0; i < waves; i++)
+        out[i] = 0.0;
+    for (int64_t i = 0; i < ends->place.size; i++)
+        out[ends->wave.at[i]] += ends->amplitude.at[i] * x[ends->place.at[i]];
+}
+
+/* Stretch of the springs, casing less rotor: rows 0 and 1 at the last angle for the last
+ * displacement and this one, rows 2 and 3 the same at this angle. */
+static void stretch_springs(const Springs *springs, SpringScratch *s, int64_t step)
+{
+    int64_t waves = springs->factor.size;
+    for (int turned = 0; turned < 2; turned++)
+        for (int64_t h = 0; h < springs->nodal_diameter.size; h++) {
+            double angle = springs->angle_per_step * (double)(step - 1 + turned);
+            double phase = springs->nodal_diameter.at[h] * angle;
+            double c = cos(phase), sine = sin(phase);
+            for (int moved = 0; moved < 2; moved++) {
+                int64_t row = (step + 1 + moved) % 2 * waves + 2 * h;
+                double u_c = s->rotor.at[row], u_s = s->rotor.at[row + 1];
+                double *to = s->stretch.at + (2 * turned + moved) * waves + 2 * h;
+                to[0] = s->casing.at[row] - (u_c * c - u_s * sine);
+                to[1] = s->casing.at[row + 1] - (u_c * sine + u_s * c);
+            }
+        }
+}
+
+/* x_{n-1}^T K* x_n / 2 from the stretches of both displacements at one angle. */
+static inline double spring_energy(const Springs *springs, const double *stretch)
+{
+    int64_t waves = springs->factor.size;
+    double energy = 0.0;
+    for (int64_t i = 0; i < waves; i++)
+        energy += springs->factor.at[i] * stretch[i] * stretch[waves + i];
+    return 0.5 * energy;
+}
+
+/* Forces -C^T f kappa C x_n of the springs on the waves of rotor and casing. `energy` gets their
+ * energy at step n - 1/2 and the work of turning them on to step n. */
+static inline void turn_springs(const Springs *springs, Motion x, Motion y, SpringScratch *s,
+                                int64_t step, double energy[2])
+{
+    int64_t waves = springs->factor.size, row = step % 2 * waves;
+    spring_waves(&springs->rotor, x.now, s->rotor.at + row, waves);
+    spring_waves(&springs->casing, y.now, s->casing.at + row, waves);
+    stretch_springs(springs, s, step);
+    double *on_rotor = s->force.at, *on_casing = s->force.at + waves;
+    for (int64_t h = 0; h < springs->nodal_diameter.size; h++) {
+        double phase = springs->nodal_diameter.at[h] * (springs->angle_per_step * (double)step);
+        double c = cos(phase), sine = sin(phase);
+        int64_t i = 2 * h;
+        double pull_c = springs->factor.at[i] * s->stretch.at[3 * waves + i];
+        double pull_s = springs->factor.at[i + 1] * s->stretch.at[3 * waves + i + 1];
+        on_rotor[i] = c * pull_c + sine * pull_s;
+        on_rotor[i + 1] = c * pull_s - sine * pull_c;
+        on_casing[i] = -pull_c;
+        on_casing[i + 1] = -pull_s;
+    }
+    energy[0] = spring_energy(springs, s->stretch.at);
+    energy[1] = spring_energy(springs, s->stretch.at + 2 * waves) - energy[0];
+}
+
+/* Add the response to the springs, by the amplitude of each mode in its wave. */
+static inline void add_springs(const SpringEnds *ends, const double *force, const double *c,
+                               double *new)
+{
+    for (int64_t i = 0; i < ends->place.size; i++) {
+        int64_t at = ends->place.at[i];
+        new[at] += c[at] * ends->amplitude.at[i] * force[ends->wave.at[i]];
+    }
+}
+
+/* Strokes G (x_{n+1} - x_{n-1}). */
+static inline void damper_strokes(const Matrix *rows, Motion x, double *out)
+{
+    for (int64_t m = 0; m < rows->rows; m++) {
+        const double *row = rows->at + m * rows->columns;
+        Lanes sum = splat(0.0);
+        for (int64_t i = 0; i < x.entries; i += LANES)
+            sum = muladd(load(row + i), sub(load(x.new + i), load(x.old + i)), sum);
+        out[m] = total(sum);
+    }
+}
+
+/* Add the dampers' forces phi, by their strokes to the predicted x_{n+1}, to it. */
+static inline void add_dampers(const DamperEnds *ends, const double *c, Motion x, double *stroke,
+                               double *force)
+{
+    int64_t count = ends->rows.rows;
+    damper_strokes(&ends->rows, x, stroke);
+    for (int64_t m = 0; m < count; m++) {
+        force[m] = 0.0;
+        for (int64_t k = 0; k < count; k++)
+            force[m] -= ends->solve.at[m * count + k] * stroke[k];
+    }
+    for (int64_t i = 0; i < x.entries; i += LANES) {
+        Lanes pull = splat(0.0);
+        for (int64_t m = 0; m < count; m++)
+            pull = muladd(load(ends->rows.at + m * x.entries + i), splat(force[m]), pull);
+        store(x.new + i, muladd(load(c + i), pull, load(x.new + i)));
+    }
+}
+
+/* -d^T G^T phi with d = (x_{n+1} - x_{n-1}) / 2. */
+static inline double damper_loss(const DamperEnds *ends, Motion x, double *stroke,
+                                 const double *force)
+{
+    double loss = 0.0;
+    damper_strokes(&ends->rows, x, stroke);
+    for (int64_t m = 0; m < ends->rows.rows; m++)
+        loss -= 0.5 * force[m] * stroke[m];
+    return loss;
+}
+
+/* d^T D d with d = (x_{n+1} - x_{n-1}) / 2. */
+static inline double damping_loss(const Body *body, Motion x)
+{
+    Lanes loss = splat(0.0);
+    for (int64_t i = 0; i < x.entries; i += LANES) {
+        Lanes moved = sub(load(x.new + i), load(x.old + i));
+        loss = muladd(mul(load(body->damping.at + i), moved), moved, loss);
+    }
+    return 0.25 * total(loss);
+}
+
+/* E_{n-1/2} = v^T v / 2 + x_{n-1}^T K x_n / 2 with v = (x_n - x_{n-1}) / dt. */
+static double half_step_energy(const Body *body, Motion x, double time_step)
+{
+    Lanes energy = splat(0.0), rate = splat(1.0 / time_step);
+    for (int64_t i = 0; i < x.entries; i += LANES) {
+        Lanes now = load(x.now + i), old = load(x.old + i), v = mul(sub(now, old), rate);
+        energy = muladd(mul(load(body->stiffness.at + i), now), old, muladd(v, v, energy));
+    }
+    return 0.5 * total(energy);
+}
+
+/* Displacement and velocity of one body. */
+static void record_motion(Motion x, const double *later, double interval, double *displacement,
+                          double *velocity)
+{
+    for (int64_t i = 0; i < x.entries; i++) {
+        displacement[i] = x.now[i];
+        velocity[i] = (later[i] - x.old[i]) / interval;
+    }
+}
+
+/* Write a record of step n, before x_{n+1} is accepted; sums between records start anew. The
+ * velocity is a central difference or, where x_{n+1} left the limit, a backward one. */
+static void write_record(Records *r, int64_t row, State *state, const Rotor *rotor,
+                         const Casing *casing, Motion x, Motion y, double time_step,
+                         double energy_of_springs, int64_t step, int within)
+{
+    double interval = within ? 2.0 * time_step : time_step;
+    int64_t tips = state->gap.size, first = row * tips;
+    r->step.at[row] = step;
+    r->contacts.at[row] = state->counts.at[STEP_CONTACTS];
+    r->energy.at[row] = half_step_energy(&rotor->body, x, time_step)
+                        + half_step_energy(&casing->body, y, time_step) + energy_of_springs;
+    record_motion(x, within ? x.new : x.now, interval, r->rotor.at + row * x.entries,
+                  r->rotor_velocity.at + row * x.entries);
+    record_motion(y, within ? y.new : y.now, interval, r->casing.at + row * y.entries,
+                  r->casing_velocity.at + row * y.entries);
+    for (int64_t i = 0; i < WORKS; i++)
+        r->work.at[row * WORKS + i] = state->work.at[i];
+    for (int64_t j = 0; j < tips; j++) {
+        r->gap.at[first + j] = state->gap.at[j];
+        r->impulse.at[first + j] = state->impulse.at[j];
+        r->drag.at[first + j] = state->drag.at[j];
+        r->touched.at[first + j] = state->touched.at[j];
+        state->gap.at[j] = INFINITY;
+        state->impulse.at[j] = state->drag.at[j] = state->touched.at[j] = 0.0;
+    }
+}
+
+/* Put x_{n-1} and x_n back into rows 0 and 1. */
+static void settle(Matrix *state, Motion x)
+{
+    for (int64_t i = 0; i < x.entries; i++) {
+        double old = x.old[i], now = x.now[i], new = x.new[i];
+        state->at[i] = old;
+        state->at[x.entries + i] = now;
+        state->at[2 * x.entries + i] = new;
+    }
+}
+
+#endif

@@ -1,0 +1,189 @@
+/* Motion of a rotor that feels Coriolis forces: A couples its modes.
+ *
+ * The recurrence gives A (x_{n+1} - x_{n-1}), without velocities: with A = M / dt^2 + C / (2 dt)
+ * the scheme's (C / (2 dt) - M / dt^2) x_{n-1} is (A - 2 M / dt^2) x_{n-1}. One product by A^-1 does
+ * the rest. Forces are added before it, so the functions of `motion.h` serve with a unit `c`.
+ */
+#ifndef TURNING_H
+#define TURNING_H
+
+#include "forces.h"
+
+/* Scalar product of a row with a padded vector. */
+static inline double product(const Matrix *rows, int64_t row, const double *x)
+{
+    return dot(rows->at + row * rows->columns, x, rows->columns);
+}
+
+/* Add the force of dampers that stand still, by x_n, to x_{n+1}. */
+static inline void add_circulation(const Gyroscopic *g, Motion x)
+{
+    for (int64_t m = 0; m < g->centre.rows; m++) {
+        Lanes moved = splat(product(&g->centre, m, x.now));
+        const double *row = g->circulation.at + m * x.entries;
+        for (int64_t i = 0; i < x.entries; i += LANES)
+            store(x.new + i, muladd(load(row + i), moved, load(x.new + i)));
+    }
+}
+
+/* d^T f of dampers that stand still with d = (x_{n+1} - x_{n-1}) / 2. */
+static inline double circulation_work(const Gyroscopic *g, Motion x)
+{
+    double work = 0.0;
+    for (int64_t m = 0; m < g->centre.rows; m++) {
+        double moved = product(&g->circulation, m, x.new) - product(&g->circulation, m, x.old);
+        work += 0.5 * moved * product(&g->centre, m, x.now);
+    }
+    return work;
+}
+
+/* d^T D d by the triangle of all modes. */
+static double full_loss(const Gyroscopic *g, const double *moved)
+{
+    int64_t entries = g->full_loss.columns;
+    Lanes loss = splat(0.0);
+    for (int64_t n = 0; n < g->full_loss.rows; n++) {
+        Lanes by = splat(moved[n]);
+        for (int64_t i = n - n % LANES; i < entries; i += LANES) {
+            Lanes force = mul(by, load(g->full_loss.at + n * entries + i));
+            loss = muladd(force, load(moved + i), loss);
+        }
+    }
+    return 0.25 * total(loss);
+}
+
+/* d^T D d with d = (x_{n+1} - x_{n-1}) / 2; `moved` is scratch. */
+static double turning_loss(const Rotor *rotor, const Gyroscopic *g, Motion x, double *moved)
+{
+    int64_t rows = rotor->radial.rows, columns = rotor->radial.columns, half = rotor->half;
+    const double *at = g->loss.at;
+    Half lost = half_splat(0.0);
+    for (int64_t i = 0; i < x.entries; i += LANES)
+        store(moved + i, sub(load(x.new + i), load(x.old + i)));
+    if (g->loss.size == 0)
+        return full_loss(g, moved);
+    for (int64_t h = 0; h < half; h += HALF)
+        for (int64_t m = 0; m < rows; m += ROWS) {
+            Half on_cosine[ROWS], on_sine[ROWS];
+            for (int k = 0; k < ROWS; k++)
+                on_cosine[k] = on_sine[k] = half_splat(0.0);
+            for (int64_t n = m; n < rows; n++, at += ROWS * HALF) {
+                Half cosine = half_load(moved + n * columns + h);
+                Half sine = half_load(moved + n * columns + half + h);
+                for (int k = 0; k < ROWS; k++) {
+                    Half d = half_load(at + k * HALF);
+                    on_cosine[k] = half_muladd(d, cosine, on_cosine[k]);
+                    on_sine[k] = half_muladd(d, sine, on_sine[k]);
+                }
+            }
+            for (int k = 0; k < ROWS; k++)
+                if (m + k < rows) {
+                    const double *own = moved + (m + k) * columns + h;
+                    lost = half_muladd(on_sine[k], half_load(own + half), lost);
+                    lost = half_muladd(on_cosine[k], half_load(own), lost);
+                }
+        }
+    return 0.25 * half_total(lost);
+}
+
+/* `out` gets `from` and A^-1 f, on any rotor. */
+static void add_full(const Matrix *full, const double *f, const double *from, double *out)
+{
+    for (int64_t i = 0; i < full->columns; i += 2 * LANES) {
+        Lanes first = load(from + i), second = load(from + i + LANES);
+        const double *row = full->at + i;
+        for (int64_t n = 0; n < full->rows; n++, row += full->columns) {
+            Lanes force = splat(f[n]);
+            first = muladd(load(row), force, first);
+            second = muladd(load(row + LANES), force, second);
+        }
+        store(out + i, first);
+        store(out + i + LANES, second);
+    }
+}
+
+/* x_{n+1} = x_{n-1} + A^-1 f on a cyclic rotor, ROWS rows of cosines and sines at a time. */
+static void add_blocks(const Rotor *rotor, const Gyroscopic *g, const double *f, Motion x)
+{
+    int64_t rows = rotor->radial.rows, columns = rotor->radial.columns, half = rotor->half;
+    const double *at = g->blocks.at;
+    for (int64_t h = 0; h < half; h += HALF)
+        for (int64_t m = 0; m < rows; m += ROWS) {
+            Half to_cosine[ROWS], to_sine[ROWS];
+            for (int k = 0; k < ROWS; k++)
+                to_cosine[k] = to_sine[k] = half_splat(0.0);
+            for (int64_t n = 0; n < rows; n++, at += 2 * ROWS * HALF) {
+                Half cosine = half_load(f + n * columns + h);
+                Half sine = half_load(f + n * columns + half + h);
+                Half minus = half_sub(half_splat(0.0), cosine);
+                for (int k = 0; k < ROWS; k++) {
+                    Half own = half_load(at + k * HALF), across = half_load(at + (ROWS + k) * HALF);
+                    to_cosine[k] = half_muladd(own, cosine, to_cosine[k]);
+                    to_sine[k] = half_muladd(own, sine, to_sine[k]);
+                    to_cosine[k] = half_muladd(across, sine, to_cosine[k]);
+                    to_sine[k] = half_muladd(across, minus, to_sine[k]);
+                }
+            }
+            for (int k = 0; k < ROWS; k++)
+                if (m + k < rows) {
+                    int64_t i = (m + k) * columns + h;
+                    half_store(x.new + i, half_add(half_load(x.old + i), to_cosine[k]));
+                    half_store(x.new + i + half, half_add(half_load(x.old + i + half), to_sine[k]));
+                }
+        }
+    for (int64_t k = 0; k < g->rest.size; k++)
+        x.new[g->to.at[k]] += g->rest.at[k] * f[g->by.at[k]];
+}
+
+/* Make x_{n+1} of the force in its place: x_{n-1} + A^-1 f; `f` is scratch. */
+static inline void turn(const Rotor *rotor, const Gyroscopic *g, Motion x, double *f)
+{
+    for (int64_t i = 0; i < x.entries; i += LANES)
+        store(f + i, load(x.new + i));
+    if (rotor->half == 0)
+        add_full(&g->full, f, x.old, x.new);
+    else
+        add_blocks(rotor, g, f, x);
+}
+
+/* `correct_rotor` where a force moves more modes than its own; `forces` is scratch. */
+static void correct_turning_rotor(const Rotor *rotor, const Gyroscopic *g, int64_t size, int mixed,
+                                  double ratio, Motion x, FieldScratch *f, ContactScratch *c,
+                                  double *forces)
+{
+    Friction friction = rotor_columns(rotor, size, mixed, ratio, c);
+    int64_t rows = rotor->radial.rows, columns = rotor->radial.columns, half = rotor->half;
+    const double *push_at = c->columns.at + PUSH * c->columns.columns;
+    const double *drag_at = c->columns.at + friction.drag * c->columns.columns;
+    Lanes slides = splat(friction.ratio), on_normal = splat(0.0), on_shear = on_normal;
+    if (half == 0) {
+        for (int64_t i = 0; i < columns; i += LANES)
+            store(forces + i, muladd(slides, load(drag_at + i), load(push_at + i)));
+        add_full(&g->full, forces, x.new, x.new);
+    }
+    for (int64_t h = 0; h < columns; h += LANES) {
+        Lanes push = load(push_at + h), pull = load(push_at + half + h), column = splat(0.0);
+        Lanes drag = mul(slides, load(drag_at + h)), cross = mul(slides, load(drag_at + half + h));
+        for (int64_t i = h; i < rows * columns; i += columns) {
+            Lanes moved = load(x.new + i), weight = load(rotor->radial.at + i);
+            if (half > 0) {
+                moved = muladd(push, load(g->normal.at + i), moved);
+                moved = muladd(pull, load(g->normal_across.at + i), moved);
+                moved = muladd(drag, load(g->shear.at + i), moved);
+                moved = muladd(cross, load(g->shear_across.at + i), moved);
+                store(x.new + i, moved);
+            }
+            Lanes change = sub(moved, load(x.old + i));
+            Lanes shear = mul(cross, load(rotor->crossed.at + i));
+            shear = muladd(drag, load(rotor->tangential.at + i), shear);
+            on_normal = muladd(change, mul(push, weight), on_normal);
+            on_shear = muladd(change, shear, on_shear);
+            column = muladd(weight, moved, column);
+        }
+        store(f->rotor.at + h, column);
+    }
+    c->work.at[0] = 0.5 * total(on_normal);
+    c->work.at[1] = 0.5 * total(on_shear);
+}
+
+#endif
