@@ -42,7 +42,7 @@ def write_source() -> None:
     header = (KERNEL / "kernel.h").read_text()
     ffi = FFI()
     ffi.cdef("\n".join(line for line in header.splitlines() if not line.startswith("#")))
-    ffi.set_source(MODULE, '#include "march.c"\n', py_limited_api=True)
+    ffi.set_source(MODULE, '#include "march.c"\n#include "dense.c"\n', py_limited_api=True)
     ffi.emit_c_code(str(KERNEL / "_kernel.c"))
 
 

@@ -21,7 +21,10 @@ _ARRAYS = {
     "Matrix": ("double *", np.dtype(np.float64), 2),
     "IntVector": ("int64_t *", np.dtype(np.int64), 1),
     "IntMatrix": ("int64_t *", np.dtype(np.int64), 2),
+    "Cube": ("double *", np.dtype(np.float64), 3),
 }
+
+_SIZES = {1: ("size",), 2: ("rows", "columns"), 3: ("layers", "rows", "columns")}
 
 
 class Struct(NamedTuple):
@@ -31,15 +34,15 @@ class Struct(NamedTuple):
     bundle: Any
 
 
-def struct(bundle: Any) -> Struct:
-    """C struct of a named tuple; ``None`` becomes NULL.
+def struct(bundle: Any, name: str | None = None) -> Struct:
+    """C struct of a named tuple, by its class's name or another; ``None`` becomes NULL.
 
     Raises:
         TypeError: an array of another type or number of axes, or one that is not contiguous.
     """
     if bundle is None:
         return Struct(ffi.NULL, None)
-    name = type(bundle).__name__
+    name = name or type(bundle).__name__
     pointer = ffi.new(f"{name} *")
     _fill(pointer, name, bundle)
     return Struct(pointer, bundle)
@@ -72,10 +75,8 @@ def _point(
             f"got {array.ndim} of {array.dtype}, strides {array.strides}"
         )
     target.at = ffi.from_buffer(pointer, array)
-    if axes == 1:
-        target.size = array.shape[0]
-    else:
-        target.rows, target.columns = array.shape
+    for size, length in zip(_SIZES[axes], array.shape, strict=True):
+        setattr(target, size, length)
 
 
 def march(
@@ -110,3 +111,17 @@ def march(
 def number(value: float | None) -> Struct:
     """Pointer to a number; NULL for None."""
     return Struct(ffi.NULL if value is None else ffi.new("double *", value), value)
+
+
+def dense_march(
+    stage: Struct,
+    law: Struct,
+    state: Struct,
+    scratch: Struct,
+    time_step: float,
+    first: int,
+    steps: int,
+) -> int:
+    """Do steps of a dense scheme from the first on; see `kernel.h`. Return the number done."""
+    pointers = [part.pointer for part in (stage, law, state, scratch)]
+    return int(lib.dense_march(*pointers, time_step, first, steps))

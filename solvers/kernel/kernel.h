@@ -40,6 +40,11 @@ typedef struct {
     int64_t rows, columns;
 } IntMatrix;
 
+typedef struct {
+    double *at;
+    int64_t layers, rows, columns;
+} Cube;
+
 /* Modal recurrence of one body over its entries (rows * columns), zero where padded. Where Coriolis
  * forces couple modes, A is not diagonal and a, b, c give A (x_{n+1} - x_{n-1}). */
 typedef struct {
@@ -246,5 +251,76 @@ int march(const Rotor *rotor, const Casing *casing, const Springs *springs, cons
           const Gyroscopic *gyroscopic, const double *wheel_speed, const Numbers *numbers,
           State *state, Records *records, Scratch *scratch, int64_t step, int64_t steps,
           int64_t record_every, int64_t *reached);
+
+/* Works, quality, and sums since the last record of the dense schemes. */
+enum { DENSE_EXTERNAL, DENSE_NORMAL, DENSE_FRICTION, DENSE_DAMPING, DENSE_TURNING };
+enum { DENSE_RESIDUAL, DENSE_CONTACT_STEPS, DENSE_UNSOLVED, DENSE_CONTACTS };
+enum { DENSE_GAP, DENSE_IMPULSE, DENSE_DRAG, DENSE_TOUCHED };
+
+/* Constants of a dense march; the modes of the rotor precede those of the casing. */
+typedef struct {
+    Vector stiffness;   /* squared frequencies [rad2/s2], (modes,) */
+    Vector damping;     /* diagonal part of C [1/s], (modes,) */
+    Matrix dampers;     /* rows G of its part G^T G, (dampers, modes) */
+    Matrix by_velocity; /* Coriolis forces and the rest of C, (rotor modes, same) or empty */
+    Matrix inverse;     /* of A, (modes, modes) */
+    Matrix centre;      /* x and y of the rotor's centre, (2, modes) */
+    double circulation; /* of fixed dampers under it [N/m] */
+    IntVector coupled;  /* modes that turning springs join, (coupled,) */
+    Cube turning_cos;   /* their stiffness by harmonics of the rotor's angle, (n, coupled, same) */
+    Cube turning_sin;
+    Matrix loads;          /* (loads, modes) */
+    Matrix load_times;     /* end, ramp, frequency, phase, (loads, 4) */
+    Matrix tip_radial;     /* (tips, rotor modes) */
+    Matrix tip_tangential; /* (tips, rotor modes) */
+    Vector tip_angle;      /* [rad], (tips,) */
+    Vector tip_recess;     /* [m], (tips,) */
+    Cube nodal;            /* w, w', u, u' by node, (nodes, 4, casing modes) */
+    Matrix clearance;      /* and its slope [m, 1], (nodes, 2) */
+    double tip_radius;     /* [m] */
+    double element_length; /* [m] */
+    double speed;          /* [rad/s] */
+    double follows;        /* 1 where a tip's angle follows its displacement, else 0 */
+    double limit;          /* of displacements [m] */
+} DenseStage;
+
+typedef struct {
+    double friction;
+    double restitution;
+    double penalty;     /* [N/m]; 0 for impulses that keep tips from closing in */
+    double stick_speed; /* below which friction grows with the speed [m/s]; 0 where tips stick */
+} DenseLaw;
+
+/* Advanced in place. */
+typedef struct {
+    Vector displacement; /* x_n, (modes,) */
+    Vector velocity;     /* v_n, (modes,) */
+    Matrix sums;         /* smallest gap, impulse, drag, steps touched since the record, (4, tips) */
+    Vector works;        /* DENSE_EXTERNAL ... [J], (5,) */
+    Vector counts;       /* DENSE_RESIDUAL ..., (4,) */
+} DenseState;
+
+typedef struct {
+    Vector load; /* forces of loads, of springs that turn and dampers that stand still, (modes,) */
+    Vector turned;
+    Vector middle; /* x at half the step, without contact, (modes,) */
+    Vector seen;   /* displacement at which gaps are computed, (modes,) */
+    Vector v_free; /* velocities without and with contact, (modes,) */
+    Vector v_after;
+    Vector moved;      /* displacement over the step, (modes,) */
+    Vector force;      /* scratch, (modes,) */
+    Vector row;        /* scratch, (modes,) */
+    Matrix rows;       /* B_N, then B_T of the tips that touch, (2 tips, modes) */
+    Matrix answers;    /* velocities by unit impulses, (2 tips, modes) */
+    Matrix compliance; /* B A^-1 B^T, (2 tips, 2 tips) */
+    IntVector active;  /* tips that touch, (tips,) */
+    Vector free;       /* velocities without impulses, normal then tangential, (2 tips,) */
+    Vector before;     /* normal velocities at the start of the step, (tips,) */
+    Vector impulse;    /* normal then tangential [N s], (2 tips,) */
+} DenseScratch;
+
+/* Do steps of length h in place, until displacements leave their limit; the number done. */
+int64_t dense_march(const DenseStage *stage, const DenseLaw *law, DenseState *state,
+                    DenseScratch *scratch, double h, int64_t first, int64_t steps);
 
 #endif

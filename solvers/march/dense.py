@@ -30,6 +30,7 @@ import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.solvers.kernel.binding import struct
 from bladewhirl.solvers.march import dense_step
 from bladewhirl.solvers.march.central_difference import initial_gap
 from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
@@ -88,12 +89,13 @@ class Dense:
         self._stage = _stage(problem, time_step)
         if penalty := law == "penalty":
             _check_penalty(problem, time_step)
-        self._law = dense_step.Law(
+        law_numbers = dense_step.DenseLaw(
             friction=problem.friction,
             restitution=0.0 if penalty else problem.restitution,
             penalty=problem.penalty_stiffness if penalty else 0.0,
             stick_speed=problem.stick_speed if penalty else 0.0,
         )
+        self._structs = struct(self._stage), struct(law_numbers)
 
     def init(self) -> DenseState:
         """State at t = 0."""
@@ -137,12 +139,12 @@ class Dense:
 
     def _do(self, state: DenseState, steps: int) -> tuple[DenseState, int]:
         """Advance up to a number of steps within the displacement limit."""
-        names = ("displacement", "velocity", "sums", "works", "counts")
-        arrays = {name: getattr(state, name).copy() for name in names}
-        done = dense_step.advance(
-            self._stage, self._law, self._dt, state.step, steps, *arrays.values()
+        arrays = dense_step.DenseArrays(
+            *(getattr(state, name).copy() for name in dense_step.DenseArrays._fields)
         )
-        return DenseState(step=state.step + done, **arrays), done
+        scratch = dense_step.make_scratch(self._stage)
+        done = dense_step.advance(*self._structs, scratch, self._dt, state.step, steps, arrays)
+        return DenseState(step=state.step + done, **arrays._asdict()), done
 
     def _energy(self, state: DenseState) -> float:
         x, v, stage = state.displacement, state.velocity, self._stage
@@ -189,7 +191,7 @@ class Dense:
         )
 
 
-def _stage(problem: ContactProblem, dt: float) -> dense_step.Stage:
+def _stage(problem: ContactProblem, dt: float) -> dense_step.DenseStage:
     rotor, casing = problem.rotor, problem.casing
     frequency = np.abs(np.concatenate([rotor.frequency, casing.frequency]))
     ratio = np.concatenate([rotor.damping_ratio, casing.damping_ratio])
@@ -202,7 +204,7 @@ def _stage(problem: ContactProblem, dt: float) -> dense_step.Stage:
     coupled, cosines, sines = _turning(problem)
     loads = [np.concatenate([load.rotor, load.casing]) for load in problem.loads]
     times = [[load.end, load.ramp, load.frequency, load.phase] for load in problem.loads]
-    return dense_step.Stage(
+    return dense_step.DenseStage(
         stiffness=stiffness,
         damping=damping,
         dampers=dampers,
