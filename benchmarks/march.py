@@ -1,10 +1,8 @@
 """Speed of the contact march as ratios that any machine can give: `python benchmarks/march.py`.
 
-Four things are timed in turn, in one process: the compiled kernel with everything on (contact,
+Three things are timed in turn, in one process: the compiled kernel with everything on (contact,
 ledger, a record every 100 steps), the kernel on the same stage with `rotation.effects = "full"`,
-the march without rotation in plain NumPy (`Reference`), and as a floor the two dense products that
-a step would need without symmetry, compiled: 44 x 156 for the tips, 80 x 160 for the casing's
-nodes. All run on the paper's stage in three states; with rotation the stage marches there by
+and the march without rotation in plain NumPy (`Reference`). All run on the paper's stage in three states; with rotation the stage marches there by
 itself and so may have other contacts:
 
 * no contact: the imbalance load sets in;
@@ -24,7 +22,6 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from numba import njit
 from rich.console import Console
 from rich.table import Table
 
@@ -39,7 +36,7 @@ EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 TIME_STEP = 1e-6  # s
 RECORD_EVERY = 100
 COMPARED_STEPS = 500
-KERNEL_STEPS, NUMPY_STEPS, FLOOR_STEPS = 2000, 25, 2000
+KERNEL_STEPS, NUMPY_STEPS = 2000, 25
 OUT_OF_REACH = 10.0  # m
 
 
@@ -103,33 +100,6 @@ def settings() -> list[tuple[Setting, Setting]]:
     ]
 
 
-@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
-def dense_products(tips, x, on_tips, nodes, y, on_nodes, steps):  # type: ignore[no-untyped-def]
-    """The floor; results feed back, so that no product can be left out."""
-    for step in range(steps):
-        for i in range(tips.shape[0]):
-            total = 0.0
-            for j in range(tips.shape[1]):
-                total += tips[i, j] * x[j]
-            on_tips[i] = total
-        for i in range(nodes.shape[0]):
-            total = 0.0
-            for j in range(nodes.shape[1]):
-                total += nodes[i, j] * y[j]
-            on_nodes[i] = total
-        x[step % len(x)] += 1e-30 * on_nodes[step % len(on_nodes)]
-        y[step % len(y)] += 1e-30 * on_tips[step % len(on_tips)]
-
-
-def floor() -> Callable[[int], None]:
-    """Two dense products a step, on numbers of no meaning."""
-    random = np.random.default_rng(0)
-    tips, nodes = random.standard_normal((44, 156)), random.standard_normal((80, 160))
-    x, y = random.standard_normal(156), random.standard_normal(160)
-    on_tips, on_nodes = np.zeros(44), np.zeros(80)
-    return lambda steps: dense_products(tips, x, on_tips, nodes, y, on_nodes, steps)
-
-
 def microseconds(work: Callable[[int], object], steps: int) -> float:
     """Processor time a step, which other processes disturb little."""
     start = time.thread_time()
@@ -145,12 +115,10 @@ def main() -> None:
     table = Table(title=f"Contact march, best of {repeat} interleaved timings")
     for column in (
         "state", "contacts a step", "the same, full", "kernel [µs]", "full [µs]", "NumPy [µs]",
-        "floor [µs]", "full / kernel", "NumPy / kernel", "floor / kernel",
+        "full / kernel", "NumPy / kernel",
         "kernel and NumPy differ by",
     ):  # fmt: skip
         table.add_column(column, justify="left" if column == "state" else "right")
-    products = floor()
-    products(1)  # compiles
     for setting, turning in settings():
         difference = setting.difference()
         contacts, turning_contacts = setting.kernel(KERNEL_STEPS), turning.kernel(KERNEL_STEPS)
@@ -162,18 +130,16 @@ def main() -> None:
                     microseconds(setting.kernel, KERNEL_STEPS),
                     microseconds(turning.kernel, KERNEL_STEPS),
                     microseconds(numpy_march, NUMPY_STEPS),
-                    microseconds(products, FLOOR_STEPS),
                 )
                 for _ in range(repeat)
             ]
         )
-        kernel, full, numpy, bare = times.min(axis=0)
+        kernel, full, numpy = times.min(axis=0)
         table.add_row(
             setting.name, f"{contacts:.2f}", f"{turning_contacts:.2f}", f"{kernel:.2f}",
-            f"{full:.2f}", f"{numpy:.1f}", f"{bare:.2f}",
+            f"{full:.2f}", f"{numpy:.1f}",
             f"{full / kernel:.2f}",
             f"{numpy / kernel:.1f}",
-            f"{bare / kernel:.2f}",
             f"{difference:.0e}",
         )  # fmt: skip
     Console(width=180).print(table)

@@ -125,7 +125,7 @@ def main() -> None:
         Client(cluster) as client,
     ):
         workers = list(client.scheduler_info(n_workers=-1)["workers"])
-        cost(client, plan, workers, 1)  # compiles
+        cost(client, plan, workers, 1)  # imports
         alone, together = [], []
         for _ in range(given.turns):
             alone.append(cost(client, plan, workers[:1], given.points))

@@ -5,8 +5,7 @@ ParaView series, each in a process of its own, and adds up the processor time of
 threads'; a part that calls another is not charged for it. With `--against DIR` another version
 takes turns with this one: DIR is a folder that holds its package, as
 `pip install --no-deps --target DIR` makes. Parts that it keeps elsewhere count as the rest.
-Compiled code is cached before anything is timed; the best of some turns counts, since what else
-the machine does only ever adds.
+The best of some turns counts, since what else the machine does only ever adds.
 """
 
 from __future__ import annotations
@@ -174,7 +173,7 @@ def main() -> None:
     versions = {"this": None} | ({"other": given.against.resolve()} if given.against else {})
     found: dict[tuple[float, str], list[dict[str, float]]] = {}
     for version in versions.values():
-        parts_of_run(min(given.durations), given.frames, version)  # compiles
+        parts_of_run(min(given.durations), given.frames, version)
     for _ in range(given.repeat):
         for duration in given.durations:
             for name, version in versions.items():

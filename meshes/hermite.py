@@ -1,7 +1,7 @@
 """Cubic Hermite functions of an element, by which beams bend and fields run between nodes.
 
 They multiply value and slope at the first end, then at the second. The march has the same
-functions compiled, in `solvers.kernel`.
+functions in C, in `solvers.kernel`.
 """
 
 from __future__ import annotations

@@ -1,17 +1,14 @@
 """Fixtures that several test modules share."""
 
 import os
-import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 # As the command line does; read when NumPy is first loaded.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
 from hypothesis import settings
-from numba.core import event
 
 # The same examples everywhere, and none judged by the clock.
 settings.register_profile("house", deadline=None, derandomize=True, database=None)
@@ -21,33 +18,9 @@ PROCESSOR_BUDGET = 2.0
 """Processor time that a test may take unless it is marked slow, children included [s]."""
 
 
-class Compilation(event.Listener):  # type: ignore[misc]
-    """Processor time of the kernel's compilation, which the first test to need it would pay."""
-
-    def __init__(self) -> None:
-        self.seconds = 0.0
-        self._depth = 0
-
-    def on_start(self, event: Any) -> None:
-        """Note when the outermost compilation begins."""
-        if self._depth == 0:
-            self._began = time.process_time()
-        self._depth += 1
-
-    def on_end(self, event: Any) -> None:
-        """Add the outermost compilation."""
-        self._depth -= 1
-        if self._depth == 0:
-            self.seconds += time.process_time() - self._began
-
-
-COMPILATION = Compilation()
-event.register("numba:compile", COMPILATION)
-
-
 def processor_seconds() -> float:
-    """Return the processor time of this process and its ended children without compilation."""
-    return sum(os.times()[:4]) - COMPILATION.seconds
+    """Return the processor time of this process and its ended children."""
+    return sum(os.times()[:4])
 
 
 @pytest.hookimpl(wrapper=True)

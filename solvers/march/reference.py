@@ -3,7 +3,7 @@
 Written from the definitions: every product is dense, the rows of B_N and B_T are built for each
 step from the place of each tip on the casing, springs are summed up over angles, and the
 complementarity problem is solved by trying active sets, all of them if need be. The scheme and its
-stages are those of `solvers.kernel.step`; with A = M / dt^2 + D / (2 dt)
+stages are those of `solvers/kernel/march.c`; with A = M / dt^2 + D / (2 dt)
 
     predict   A x_p = f_n - K_n x_n + 2 M / dt^2 x_n + (D / (2 dt) - M / dt^2) x_{n-1}
     look      g_p = clearance + B_N x_p

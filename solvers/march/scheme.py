@@ -37,7 +37,7 @@ def make_scheme(
     kernel = os.environ.get(KERNEL, "compiled")
     if kernel not in ("compiled", "reference"):
         raise UserError(f"{KERNEL}: expected compiled or reference, got {kernel!r}")
-    # numba is slow to import, and the reference does not need it.
+    # The reference needs nothing compiled.
     if name != "central-difference":
         from bladewhirl.solvers.march.dense import Dense
 

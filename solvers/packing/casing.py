@@ -27,9 +27,7 @@ from bladewhirl.solvers.packing.arrangement import (
 from bladewhirl.solvers.packing.body import by_column, by_sliding, pack_body, scheme_inverse
 
 
-def pack_casing(
-    problem: ContactProblem, dt: float, *, cyclic: bool
-) -> tuple[Arrangement, Casing]:
+def pack_casing(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arrangement, Casing]:
     """Arrange the casing; see `pack_rotor`."""
     casing = problem.casing
     nodes, kinds, modes = casing.nodal.shape

@@ -27,9 +27,7 @@ from bladewhirl.solvers.packing.body import (
 from bladewhirl.solvers.packing.turning import turning_inverse
 
 
-def pack_rotor(
-    problem: ContactProblem, dt: float, *, cyclic: bool
-) -> tuple[Arrangement, Rotor]:
+def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arrangement, Rotor]:
     """Arrange the rotor.
 
     Args:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import gc
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,7 +30,7 @@ class Prepared:
 
 
 def prepare(case: Case) -> Prepared:
-    """Build the stage of a case, factorise its march and compile the kernel.
+    """Build the stage of a case and factorise its march.
 
     Raises:
         CaseError: all faults that only show here.
@@ -42,7 +39,7 @@ def prepare(case: Case) -> Prepared:
 
 
 def prepare_stage(stage: Stage) -> Prepared:
-    """Factorise the march of a stage and compile the kernel.
+    """Factorise the march of a stage.
 
     Raises:
         CaseError: all faults that stand in the way of a march.
@@ -58,19 +55,5 @@ def prepare_stage(stage: Stage) -> Prepared:
             raise CaseError(
                 [case_fault(case, "contact.penalty_stiffness", f"less ({error})")]
             ) from None
-        begin = scheme.init()
-    with _no_collection():  # compiles, so that the march's clock does not count it
-        scheme.advance(begin, 0)
+        scheme.init()
     return Prepared(stage=stage, problem=problem, timing=timing, scheme=scheme)
-
-
-@contextmanager
-def _no_collection() -> Iterator[None]:
-    """Keep the garbage collector away: it costs a compilation a tenth of its time."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()

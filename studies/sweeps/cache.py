@@ -97,7 +97,7 @@ class RunStore:
         return march_groups(work, groups, scheduler=self.scheduler, workers=self.workers)
 
     def _is_sound(self, case: Case) -> bool:
-        """Return whether a case can be marched; compiles the kernel for the workers."""
+        """Return whether a case can be marched."""
         try:
             prepare_stage(stage_at(case))
         except UserError as error:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -18,7 +17,6 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 from bladewhirl.solvers.march.free_motion import RULE, StopWhen
 from bladewhirl.studies.runs import folder
-from bladewhirl.studies.runs.prepare import prepare_stage
 from bladewhirl.studies.sweeps.axes import Grid, Value, make_grid
 from bladewhirl.studies.sweeps.cluster import march_groups
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, Plan, plan_sweep, read_plan, write_plan
@@ -175,9 +173,6 @@ def _carry_out(
         )
         state, marched = store.state.copy(), 0
         watch.progress(store.done, 0, plan.grid.size)
-        first = next(plan.left(state), None)
-        if first is not None:
-            _compile(plan.case, next(iter(first.points.values())))
         for outcomes in march_groups(
             work, plan.left(state), scheduler=scheduler, workers=workers, dashboard=dashboard
         ):
@@ -194,12 +189,3 @@ def _carry_out(
             marched=marched,
         )
     return replace(swept, left_out=leave_figures(directory))
-
-
-def _compile(case: Case, values: Mapping[str, Value]) -> None:
-    """Leave compiled code where local workers find it.
-
-    Those that compile side by side may get code that differs in the last bits of a result.
-    """
-    with suppress(UserError):  # a point that cannot be marched is reported by its worker
-        prepare_stage(stage_at(with_values(case, values)))

@@ -23,7 +23,6 @@ BENCHMARKS = ROOT / "benchmarks"
             ["per step of a worker", "efficiency"],
         ),
         ("sweep.py", ["--memory", "2"], ["memory [MB]"]),
-        ("peers/dense_march.py", ["--repeat", "1"], ["plain / kernel", "half of the blades"]),
     ],
 )
 def test_benchmark(script: str, arguments: list[str], words: list[str]) -> None:

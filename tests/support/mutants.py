@@ -1,9 +1,8 @@
 """Score of tests against small faults: `python tests/support/mutants.py MODULE TEST... --count 30`.
 
 Each mutant is the module with one comparison, sign, operator, number or condition changed, drawn
-from all that there are by a seed. It is killed when one of the tests fails. `NUMBA_DISABLE_JIT=1`
-before the command is for what is compiled: registers of the kernel are NumPy arrays then, and short
-tests have to be named. What is loaded beside the program is loaded once.
+from all that there are by a seed. It is killed when one of the tests fails. What is
+loaded beside the program is loaded once.
 """
 
 from __future__ import annotations
@@ -13,7 +12,6 @@ import ast
 import contextlib
 import copy
 import importlib.machinery
-import operator
 import os
 import random
 import signal
@@ -24,8 +22,6 @@ from pathlib import Path
 from typing import Any
 
 import h5py  # noqa: F401 - loaded before the fork, as are those below
-import numba
-import numpy as np
 import pytest
 import scipy.linalg
 import scipy.sparse.linalg  # noqa: F401
@@ -87,35 +83,6 @@ def mutant(source: str, number: int) -> tuple[ast.Module, str]:
     return ast.fix_missing_locations(tree), f"{getattr(where, 'lineno', 0)}: {before} -> {after}"
 
 
-def without_compilation() -> None:
-    """Stand-ins in NumPy for what the kernel's compiled code alone can do."""
-    vectors = importlib.import_module("bladewhirl.solvers.kernel.vectors")
-    lanes, half = vectors.LANES, vectors.HALF
-
-    def store(array: Any, i: int, value: Any) -> None:
-        array[i : i + len(value)] = value
-
-    vars(vectors).update(
-        bare=lambda bundle: bundle,
-        plain=lambda value: value,
-        load=lambda array, i: array[i : i + lanes].copy(),
-        load_row=lambda array, row, i: array[row, i : i + lanes].copy(),
-        load_half=lambda array, i: array[i : i + half].copy(),
-        load_half_row=lambda array, row, i: array[row, i : i + half].copy(),
-        store=store,
-        store_row=lambda array, row, i, value: store(array[row], i, value),
-        splat=lambda value: np.full(lanes, value),
-        splat_half=lambda value: np.full(half, value),
-        fma=lambda a, b, c: a * b + c,
-        add=operator.add,
-        sub=operator.sub,
-        mul=operator.mul,
-        total=np.sum,
-        reverse=lambda a: a[::-1].copy(),
-        totals=lambda *registers: np.array([each.sum() for each in registers]),
-    )
-
-
 class FirstFault:
     """For pytest: hypothesis stops at the first example that fails, and seeks no smaller one."""
 
@@ -147,8 +114,6 @@ def outcome(module: Path, tree: ast.Module, tests: list[str], seconds: int) -> b
 
         loader.get_code = replaced  # type: ignore[method-assign]
         code = 1
-        if numba.config.DISABLE_JIT:
-            without_compilation()
         with contextlib.suppress(BaseException):
             options = ["-x", "-q", "-p", "no:cacheprovider"]
             code = int(pytest.main([*options, *tests], plugins=[FirstFault()]))
