@@ -1,7 +1,7 @@
 """Build backend: setuptools, with the C sources of the marches and a compiler for them.
 
-Where no C compiler is on the path, the `ziglang` package serves as one. `BLADEWHIRL_PORTABLE=1` asks
-for instructions that all processors of a kind have; by default those of this machine are used.
+Where no C compiler is on the path, the `ziglang` package serves as one. `BLADEWHIRL_PORTABLE=1`
+asks for instructions that all processors of a kind have; by default those of this machine are used.
 """
 
 from __future__ import annotations

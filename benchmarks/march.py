@@ -1,9 +1,9 @@
 """Speed of the contact march as ratios that any machine can give: `python benchmarks/march.py`.
 
-Three things are timed in turn, in one process: the compiled kernel with everything on (contact,
-ledger, a record every 100 steps), the kernel on the same stage with `rotation.effects = "full"`,
-and the march without rotation in plain NumPy (`Reference`). All run on the paper's stage in three states; with rotation the stage marches there by
-itself and so may have other contacts:
+Three things are timed in turn, in one process: the kernel in C with everything on (contact, ledger,
+a record every 100 steps), the kernel on the same stage with `rotation.effects = "full"`, and the
+march without rotation in plain NumPy (`Reference`). All run on the paper's stage in three states;
+with rotation the stage marches there by itself and so may have other contacts:
 
 * no contact: the imbalance load sets in;
 * few contacts: the imbalance case at 0.3 s, blades 21 to 3 rubbing;

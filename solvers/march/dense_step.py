@@ -95,7 +95,15 @@ def make_scratch(stage: DenseStage) -> Struct:
     modes, tips = len(stage.stiffness), len(stage.tip_angle)
     return struct(
         DenseScratch(
-            *(np.zeros(modes) for _ in range(9)),
+            load=np.zeros(modes),
+            turned=np.zeros(modes),
+            middle=np.zeros(modes),
+            seen=np.zeros(modes),
+            v_free=np.zeros(modes),
+            v_after=np.zeros(modes),
+            moved=np.zeros(modes),
+            force=np.zeros(modes),
+            row=np.zeros(modes),
             rows=np.zeros((2 * tips, modes)),
             answers=np.zeros((2 * tips, modes)),
             compliance=np.zeros((2 * tips, 2 * tips)),

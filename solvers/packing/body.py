@@ -6,9 +6,9 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.solvers.kernel.arrays import (
+    LANES,
     Body,
 )
-from bladewhirl.solvers.kernel.arrays import LANES
 from bladewhirl.solvers.packing.arrangement import (
     Arrangement,
     aligned,

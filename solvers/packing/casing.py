@@ -7,6 +7,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing
 from bladewhirl.solvers.kernel.arrays import (
+    LANES,
     U_KIND,
     U_SLOPE,
     W_KIND,
@@ -14,7 +15,6 @@ from bladewhirl.solvers.kernel.arrays import (
     Casing,
     NodalField,
 )
-from bladewhirl.solvers.kernel.arrays import LANES
 from bladewhirl.solvers.packing.arrangement import (
     FIT,
     Arrangement,

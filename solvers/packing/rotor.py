@@ -7,9 +7,9 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor
 from bladewhirl.solvers.kernel.arrays import (
+    HALF,
     Rotor,
 )
-from bladewhirl.solvers.kernel.arrays import HALF
 from bladewhirl.solvers.packing.arrangement import (
     FIT,
     Arrangement,

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from bladewhirl.solvers.kernel.arrays import (
+    HALF,
+    LANES,
     Casing,
     ContactScratch,
     Dampers,
@@ -14,7 +16,6 @@ from bladewhirl.solvers.kernel.arrays import (
     Springs,
     SpringScratch,
 )
-from bladewhirl.solvers.kernel.arrays import HALF, LANES
 from bladewhirl.solvers.packing.arrangement import (
     Arrangement,
     aligned,

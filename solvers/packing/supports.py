@@ -8,10 +8,10 @@ from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel.arrays import (
     Body,
-    Dampers,
     DamperEnds,
-    Springs,
+    Dampers,
     SpringEnds,
+    Springs,
 )
 from bladewhirl.solvers.packing.arrangement import (
     Arrangement,

@@ -7,11 +7,12 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel.arrays import (
+    HALF,
+    LANES,
     ROWS,
     Gyroscopic,
     Rotor,
 )
-from bladewhirl.solvers.kernel.arrays import HALF, LANES
 from bladewhirl.solvers.packing.arrangement import (
     Arrangement,
     aligned,

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import dumps_case, with_values
+from bladewhirl.models.case.file import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 from bladewhirl.solvers.march.free_motion import RULE, StopWhen
@@ -20,7 +20,7 @@ from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import Grid, Value, make_grid
 from bladewhirl.studies.sweeps.cluster import march_groups
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, Plan, plan_sweep, read_plan, write_plan
-from bladewhirl.studies.sweeps.points import Work, stage_at
+from bladewhirl.studies.sweeps.points import Work
 from bladewhirl.studies.sweeps.store import Store, create
 
 HISTORIES_NAME = "histories"
