@@ -59,11 +59,10 @@ def build(step: Callable[..., str], *arguments: Any) -> str:
         os.environ["CFLAGS"] = f"{os.environ.get('CFLAGS', '')} {native}"
     try:
         return step(*arguments)
-    except (Exception, SystemExit) as error:
+    except (Exception, SystemExit):
         raise SystemExit(
-            f"bladewhirl: its C sources could not be built with {command!r} ({error}); install a C "
-            "compiler with the headers of the C library, on Debian or Ubuntu: apt-get install gcc "
-            "libc6-dev"
+            f"bladewhirl: {command!r} failed to build its C sources, see above; install a C "
+            "compiler and the headers of the C library (Debian, Ubuntu: apt-get install gcc libc6-dev)"
         ) from None
 
 

@@ -6,6 +6,14 @@
 
 #include "lanes.h"
 
+/* A product that is rounded before it is subtracted: beside a sum of products GCC 12 fuses it in
+ * spite of -ffp-contract=off (the SLP pass makes vfmaddsub of the pair). */
+static inline double rounded(double product)
+{
+    volatile double value = product;
+    return value;
+}
+
 #define PI 3.141592653589793238462643383279502884
 
 /* x_{n-1}, x_n, x_{n+1} of a body; they turn with each step. */
@@ -104,7 +112,7 @@ static void stretch_springs(const Springs *springs, SpringScratch *s, int64_t st
                 int64_t row = (step + 1 + moved) % 2 * waves + 2 * h;
                 double u_c = s->rotor.at[row], u_s = s->rotor.at[row + 1];
                 double *to = s->stretch.at + (2 * turned + moved) * waves + 2 * h;
-                to[0] = s->casing.at[row] - (u_c * c - u_s * sine);
+                to[0] = s->casing.at[row] - (u_c * c - rounded(u_s * sine));
                 to[1] = s->casing.at[row + 1] - (u_c * sine + u_s * c);
             }
         }
@@ -137,7 +145,7 @@ static inline void turn_springs(const Springs *springs, Motion x, Motion y, Spri
         double pull_c = springs->factor.at[i] * s->stretch.at[3 * waves + i];
         double pull_s = springs->factor.at[i + 1] * s->stretch.at[3 * waves + i + 1];
         on_rotor[i] = c * pull_c + sine * pull_s;
-        on_rotor[i + 1] = c * pull_s - sine * pull_c;
+        on_rotor[i + 1] = c * pull_s - rounded(sine * pull_c);
         on_casing[i] = -pull_c;
         on_casing[i + 1] = -pull_s;
     }
