@@ -154,6 +154,7 @@ def command(*arguments: str) -> tuple[int, str, str]:
     return result.exit_code, result.stdout, result.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, store: RunStore) -> None:
     """In a folder where the marches are, as after an interruption."""

@@ -296,6 +296,7 @@ def short_plan(claims: tuple[Claim, ...], repeats: int) -> Plan:
     return Plan(claims=claims, changes=SHORT, quick=False, repeats=repeats)
 
 
+@pytest.mark.slow
 def test_a_claim_on_a_march_is_judged_over_repeats(tmp_path: Path) -> None:
     """Two milliseconds of the imbalance's ramp: no contact, so no limit cycle."""
     plan = short_plan(chosen_claims([33]), 2)
