@@ -62,7 +62,8 @@ def build(step: Callable[..., str], *arguments: Any) -> str:
     except (Exception, SystemExit):
         raise SystemExit(
             f"bladewhirl: {command!r} failed to build its C sources, see above; install a C "
-            "compiler and the headers of the C library (on Debian: apt-get install gcc libc6-dev)"
+            "compiler and the headers of Python and the C library (on Debian: apt-get install gcc "
+            "libc6-dev python3-dev)"
         ) from None
 
 

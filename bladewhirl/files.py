@@ -89,10 +89,10 @@ def claim_file(path: Path, *, overwrite: bool = False) -> None:
 
 
 def check_file(path: Path, *, overwrite: bool = False) -> None:
-    """Check that a file may be written; nothing is listed yet.
+    """Check that a file may be written, without adding it to the manifest.
 
     Raises:
-        FileExistsError: it is there and not listed.
+        FileExistsError: the file exists and is not in the manifest.
     """
     if path.name not in listed(path.parent):
         _refuse_foreign([path], overwrite=overwrite)

@@ -109,7 +109,7 @@ def _cards(text: str) -> Iterator[_Card]:
         while parts[-1].endswith(","):
             following = next(lines, None)
             if following is None:
-                raise MeshFileError("an .inp file that goes on after the comma at its end")
+                raise MeshFileError("a data line after the comma at the end of the file")
             parts.append(following.rstrip())
         line = "".join(parts)
         if card is not None:

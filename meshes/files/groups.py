@@ -89,7 +89,7 @@ def in_plane(points: FloatArray) -> FloatArray:
     if points.ndim != 2 or points.shape[1] not in (2, 3) or not len(points):
         raise MeshFileError("a mesh of nodes with two or three coordinates")
     if not np.isfinite(points).all():
-        raise MeshFileError(f"finite coordinates; node {_first_bad(points)} has others")
+        raise MeshFileError(f"finite coordinates; those of node {_first_bad(points)} are not")
     if points.shape[1] == 3:
         size = np.ptp(points[:, :2], axis=0).max()
         away = np.abs(points[:, 2] - points[0, 2])

@@ -177,7 +177,8 @@ class SectorLayout:
         sectors.
 
         Returns:
-            values (entries,) and, of each, sectors on, row and column within them (3, entries).
+            values (entries,) and their positions (3, entries): offset in sectors to the coupled
+            sector, row, and column within the block.
         """
         count, per_sector = self.sector_dofs.shape
         sector, place = np.full((2, self.size), -1)
@@ -205,8 +206,8 @@ class SectorLayout:
 
         Args:
             k: nodal diameter.
-            vectors: (DoF of the block, m), complex amplitudes p; orthonormal in the block's mass
-                they give fields orthonormal in the structure's mass.
+            vectors: (DoF of the block, m), complex amplitudes p. If they are orthonormal with
+                respect to the block's mass, so are the fields with the structure's mass.
 
         Returns:
             fields (size, m or 2 m) and the DFT column of each.

@@ -66,7 +66,7 @@ def _links(model: BeamModel, key: str) -> Iterator[Fault]:
         yield Fault(key=key, expected=expected)
     for name in ("tips", "centre"):
         for node in np.intersect1d(led, model.mesh.node_sets[name])[:1]:
-            expected = f'{_node(model, int(node))}, of the set "{name}", not to be tied'
+            expected = f'a set "{name}" of nodes that are not tied; {_node(model, int(node))} is'
             yield Fault(key=key, expected=expected)
 
 

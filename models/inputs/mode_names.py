@@ -1,9 +1,9 @@
 """Mode names of a case: "all", the paper's "six", or a list such as "1F:1,suspension,casing:1".
 
-A word is FAMILY or FAMILY:k on the bladed disk, casing:FAMILY or casing:FAMILY:k on the casing,
-without k in all nodal diameters; * stands for every family. "casing:k" is the lowest radial mode
-with k nodal diameters, which may be rigid or flexible and is the one that springs between the
-bodies couple; "casing" is all of these. Degenerate pairs are never cut.
+A name selects modes of the bladed disk (FAMILY or FAMILY:k) or of the casing (casing:FAMILY or
+casing:FAMILY:k). Without ":k" it selects all nodal diameters; * is any family. "casing:k" is the
+lowest radial casing mode with k nodal diameters, rigid or flexible. This mode is coupled by the
+springs between the bodies; "casing" selects it for every k. Degenerate pairs are never split.
 """
 
 from __future__ import annotations
@@ -126,7 +126,7 @@ def _parsed(word: str) -> ModeName:
         return ModeName(
             on_casing=named[1] is not None, family=named[2], nodal_diameter=_number(named[3])
         )
-    raise ValueError(f'"{word}" is no name')
+    raise ValueError(f'"{word}" is not a mode name')
 
 
 def _number(text: str | None) -> int | None:

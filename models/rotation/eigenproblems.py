@@ -47,10 +47,12 @@ def gyroscopic_frequencies(mass: Matrix, stiffness: Matrix, gyroscopic: Matrix) 
 
 
 def _linearised(mass: Matrix, stiffness: Matrix, gyroscopic: Matrix) -> tuple[Matrix, Matrix, bool]:
-    """Return a matrix with the eigenvalues w, the map from the first half of its eigenvectors to
-    fields, and whether it is Hermitian, which holds while the stiffness is positive definite.
+    """Linearise the quadratic eigenproblem.
 
-    An eigenvector of w holds p and root(K) p / w, both in the axes of the stiffness.
+    Returns:
+        a matrix with the eigenvalues w; the map from the first half of its eigenvectors to fields;
+        and whether the matrix is Hermitian, that is, the stiffness is positive definite. The
+        eigenvector of w consists of p and root(K) p / w, both in the eigenbasis of the stiffness.
     """
     size, inverse = len(mass), _inverse_root(mass)
     turned = 1j * inverse @ gyroscopic @ inverse.conj().T

@@ -127,10 +127,13 @@ def line_slope_rows(dataset: xr.Dataset, per_line: int) -> Array:
 
 
 def line_shapes(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array, Array]:
-    """Every beam in its own axes: its start (rotor_line, 2) [m], the span to its end (the same),
-    its axes (rotor_line, axis, 2), along it and a quarter turn further, and for unit modal
-    coordinates its ends' displacement in them (rotor_line, end, axis, rotor_mode) and rotation
-    (rotor_line, end, rotor_mode).
+    """Return geometry and modal displacements of each beam in its local axes.
+
+    Returns:
+        start, (rotor_line, 2) [m]; vector from start to end, (rotor_line, 2) [m]; local axes, the
+        first along the beam, the second turned by 90 degrees, (rotor_line, axis, 2); displacement
+        of the ends in these axes for unit modal coordinates, (rotor_line, end, axis, rotor_mode);
+        and their rotation, (rotor_line, end, rotor_mode).
     """
     ends = dataset["rotor_point"].values[dataset["rotor_line"].values]
     shape = dataset["rotor_shape"].values[dataset["rotor_line"].values]

@@ -30,8 +30,9 @@ def select_window(
     chosen = slice(*np.searchsorted(time, [first - slack, last + slack]))
     if not first < last or len(time[chosen]) < 2:
         raise ViewError(
-            f"window [{first:g}, {last:g}] s must be ordered and hold two records or more of the "
-            f"run, which covers [{time[0]:g}, {time[-1]:g}] s in {len(time)}"
+            f"window [{first:g}, {last:g}] s: expected a start before its end and at least two "
+            f"records between them; the run covers [{time[0]:g}, {time[-1]:g}] s in {len(time)}"
+            " records"
         )
     return dataset.isel(time=chosen)
 

@@ -270,7 +270,7 @@ def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
 
 
 def _mark_crests(axes: Axes, angle: float, k: int) -> None:
-    """Mark the crests of a wave outside of what is drawn; one of them is filled, to follow it."""
+    """Mark the crests of a wave outside the structure; one filled marker identifies a crest."""
     radius = axes.get_xlim()[1]
     for number in range(k):
         turned = angle + 2.0 * np.pi * number / k

@@ -152,7 +152,7 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_truncation(data: xr.Dataset) -> Figure:
-    """Draw what a truncated set of modes hides: zones of the whole set, and of the truncated one.
+    """Draw the zones of all modes beside those of a truncated set, to show what truncation hides.
 
     A zone narrower than a line is drawn as a line.
 

@@ -61,9 +61,9 @@ def export_vtk(
       displacement in them, without the transport velocity of the turning disk.
     * `radial_displacement` [m]: along the outward radius; zero at the centre.
     * `axial_strain`, `bending_strain` [1], `axial_stress`, `bending_stress` [Pa] (`strains`), and
-      `surface_stress` [Pa], their sum at the surface; of lines at the surface where it is larger.
-    * `gap` [m]: of a blade the smallest at its tip since the record before, elsewhere the
-      clearance, so that no value is missing and a threshold selects the blades that touch.
+      `surface_stress` [Pa], their sum at the surface; for lines, at the side with the larger sum.
+    * `gap` [m]: on a blade, the smallest gap of its tip since the previous record; on other parts,
+      the clearance, so that a threshold filter selects the blades in contact.
     * `contact_force` [N], contact only: the impulse since the record before divided by the time
       between, as a vector (normal inward, positive friction towards -theta).
     * on cells `part` and `blade`, whole numbers, -1 for none, and `thickness` [m].
@@ -74,10 +74,10 @@ def export_vtk(
 
     With `surface`, beams and wall are boxes of their true thickness and width, made of quads.
     With `rotating`, the points of the rotor are fixed, those of the casing turn back, and all
-    vectors are in rotating axes. Without `start`, records before the first motion are left out:
-    ParaView would scale the colours to them. Frames listed in the manifest of the folder are
-    removed; other files are replaced with `overwrite` only. `progress` is called with the numbers
-    of frames done and in total.
+    vectors are in rotating axes. If `start` is None, records before the first motion are omitted,
+    because ParaView would scale the colours to them. Frames listed in the manifest of the folder
+    are removed; other files are replaced only with `overwrite`. `progress` is called with the
+    numbers of frames done and in total.
 
     Raises:
         ViewError: an empty window or number of frames, or an exaggeration that is not positive.

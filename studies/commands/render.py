@@ -188,7 +188,7 @@ def _targets(directory: Path, output: Path | None, kinds: list[str]) -> dict[str
     kinds = kinds or [suffix.removeprefix(".")]
     if len(kinds) > 1 or suffixes[kinds[0]] != suffix:
         flags = " ".join(f"--{kind}" for kind in kinds)
-        raise UserError(f"--output {output}: expected one file of the kind asked for by {flags}")
+        raise UserError(f"--output {output}: expected a single file of the type for {flags}")
     return {kinds[0]: output}
 
 

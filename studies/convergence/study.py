@@ -142,8 +142,8 @@ def default_modes(case: Case) -> list[int]:
     counts = [count * case.blades for count in SECTORS if count * case.blades <= inner]
     if len(counts) < 2:
         expected = (
-            f"elements for {SECTORS[1] * case.blades} fixed-interface modes or more, to compare"
-            f" numbers of them; with {inner} inner degrees of freedom name them by --modes"
+            f"at least {SECTORS[1] * case.blades} inner degrees of freedom for the default numbers"
+            f" of modes, it has {inner}; use more elements, or give the numbers by --modes"
         )
         raise CaseError([Fault(key="bladed_disk", expected=expected)])
     return counts

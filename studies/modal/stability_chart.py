@@ -161,7 +161,7 @@ def spectrum_along(system: EvenSystem, omegas: FloatArray, kappa: float) -> xr.D
 
 
 def _branch_names(modes: CouplingModes, omega: float, spectrum: ComplexArray) -> StringArray:
-    """Return the names of branches, those of the nearest waves of single modes at a speed.
+    """Name each branch at a speed after the single-mode wave with the nearest eigenvalue.
 
     Args:
         modes: the coupled modes.

@@ -64,10 +64,10 @@ class Plan:
     speed_step: float | None = None  #: of all sweeps over speed; if None, their own
 
     def __post_init__(self) -> None:
-        """Refuse steps that are none, or wider than the narrowest range.
+        """Check that the speed step is positive and not larger than the narrowest range.
 
         Raises:
-            UserError: saying which are possible.
+            UserError: with the permitted values.
         """
         widest = min(last - first for first, last in (s.speeds for s in SURVEYS.values()))
         if self.speed_step is not None and not SMALLEST_STEP <= self.speed_step <= widest:

@@ -212,7 +212,7 @@ def _imbalance(stage: Stage) -> ImbalanceFigures | None:
 
 
 def _distortion(stage: Stage) -> DistortionFigures | None:
-    """Return the static response; None also for a mode without stiffness."""
+    """Return the static response; None without a distortion, or if the mode has no stiffness."""
     load = stage.case.excitation
     if not isinstance(load, CasingDistortion):
         return None

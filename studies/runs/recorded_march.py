@@ -207,7 +207,7 @@ def state_at(prepared: Prepared, begin: Checkpoint) -> Any:
     try:
         return state_from(prepared.scheme.init(), begin.state)
     except ValueError as error:
-        raise UserError(f"{CHECKPOINT_NAME}: expected the state of this march ({error})") from None
+        raise UserError(f"{CHECKPOINT_NAME}: does not contain the state of this march ({error})") from None
 
 
 def _keep(path: Path, case: str, recorder: Recorder, state: Any, wall_time: float) -> None:

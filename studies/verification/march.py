@@ -116,7 +116,7 @@ def one_pitch() -> Pair:
 
 @verifies()
 def friction_at_standstill() -> Pair:
-    """Compare friction at zero speed with zero, with blades in contact."""
+    """Check that friction vanishes at zero speed, with blades in contact."""
     chunk = turned(speed=0.0)
     if not chunk.contact_impulse.any():
         raise ArithmeticError("expected contact at standstill")
@@ -140,7 +140,7 @@ def oscillations(given: ContactProblem, time: float) -> FloatArray:
 
 
 def free_motion_error(steps: int) -> float:
-    """Return the error of all modes of a body with random initial motion and damping after 2 ms."""
+    """Return the error after 2 ms of damped free motion from random initial conditions."""
     random = np.random.default_rng(1)
     body = coarse({"damping.ratio": 0.01}).rotor
     count = len(body.frequency)

@@ -206,7 +206,7 @@ left, 30
         ("a.inp", "", r"an \.inp file, with keywords"),
         ("a.inp", "1, 2, 3\n", r"an \.inp file, beginning with a keyword"),
         ("a.inp", "*NODE\n1, x\n", r"sound data under \*NODE"),
-        ("a.inp", INP + "*ELSET,", "goes on after the comma at its end"),
+        ("a.inp", INP + "*ELSET,", "a data line after the comma"),
         ("a.inp", "*NODE\n1, nan, 0\n2, 1, 0\n*ELEMENT, TYPE=B21\n1, 1, 2\n", "finite coordinates"),
         ("a.inp", INP, "a mesh of lines; it has none"),
         ("a.inp", INP + "*ELEMENT, TYPE=S3\n1, 1, 2, 3\n", "lines only, found 1 cells of type S3"),

@@ -264,7 +264,7 @@ BAD: list[tuple[Callable[[Sketch], object], str]] = [
     (lambda s: s.move(7, "tip", 0.4), "edit of sector 7: expected a sector from 0 to 4"),
     (lambda s: s.change(1, "blade"), r"sector 1: expected a member of the sketch \(blades"),
     (lambda s: s.set("tips", "end"), "set 'tips': expected a node of the sketch"),
-    (lambda s: s.link("root", "tip"), 'of the set "tips", not to be tied'),
+    (lambda s: s.link("root", "tip"), 'a set "tips" of nodes that are not tied'),
     (
         lambda s: s.member("rim", "root", "root+1", steel(0.01), sectors=[0, 0]),
         "member 'rim': expected sectors from 0 to 4, each once",

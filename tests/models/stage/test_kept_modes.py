@@ -89,10 +89,10 @@ def test_the_radial_mode_by_name_is_the_one_that_a_distortion_pushes(k: int) -> 
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ('"1F:"', '"1F:" is no name'),
-        ('"casing:1:1:1"', "is no name"),
+        ('"1F:"', '"1F:" is not a mode name'),
+        ('"casing:1:1:1"', "is not a mode name"),
         ("3", "modes by name"),
-        ('""', "is no name"),
+        ('""', "is not a mode name"),
     ],
 )
 def test_no_name_of_modes(text: str, expected: str) -> None:

@@ -78,7 +78,7 @@ class TestMaps:
         np.testing.assert_allclose(share[:, 1], 1.0, rtol=1e-12)
 
     def test_a_single_record_shows_nothing(self) -> None:
-        with pytest.raises(ViewError, match="two records or more"):
+        with pytest.raises(ViewError, match="at least two records"):
             contact_maps(synthetic.synthetic_result(records=1))
 
     @pytest.mark.parametrize("shaft_radius", [0.0, 1.5e-3])

@@ -104,6 +104,7 @@ def test_data_that_a_format_cannot_store_are_listed(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
+@pytest.mark.usefixtures("pictures_unsaved")
 def test_a_run_of_a_mesh_file_can_be_rerun_from_its_folder_alone(tmp_path: Path) -> None:
     elsewhere, first, moved, second = (tmp_path / name for name in ("in", "a", "b", "c"))
     elsewhere.mkdir()

@@ -73,8 +73,8 @@ def test_a_page_needs_no_display(run: Path, tmp_path: Path) -> None:
         (["--png", "--time", "0.1", "--time", "9"], "time 9 s lies outside the run"),
         (["--exaggeration", "0"], "exaggeration must be a positive number"),
         (["-o", "film.avi"], "--output film.avi: expected a name that ends in"),
-        (["--png", "-o", "film.gif"], "--output film.gif: expected one file"),
-        (["--gif", "--mp4", "-o", "film.gif"], "asked for by --gif --mp4"),
+        (["--png", "-o", "film.gif"], "--output film.gif: expected a single file"),
+        (["--gif", "--mp4", "-o", "film.gif"], "of the type for --gif --mp4"),
     ],
 )
 def test_bad_input_is_one_line(

@@ -199,7 +199,7 @@ def test_stable_point_has_no_divergent_mode(tmp_path: Path) -> None:
         (["--kappas", "0:10:1"], "--kappas 0:10:1: expected a COUNT from 2"),
         (["--modes", "suspensoin"], ", did you mean suspension?"),
         (["--modes", "1F:99"], "--modes 1F:99: 1F of the bladed disk has nodal diameters 0, 1, 2,"),
-        (["--modes", "1F:one"], '--modes "1F:one" is no name'),
+        (["--modes", "1F:one"], '--modes "1F:one" is not a mode name'),
         (["--modes", "casing:1F:1"], "expected modes that springs couple, of six, all, casing, 1F"),
         (["--set", "shaft.clamped=true"], "--modes six: the stage has no suspension pair"),
         (

@@ -140,7 +140,7 @@ def drawn(blades: int, elements: int) -> Case:
 
 def test_the_blades_of_a_sketch_count() -> None:
     assert default_modes(drawn(12, 5)) == [24, 36, 48, 60, 72]
-    with pytest.raises(CaseError, match="elements for 9 fixed-interface modes or more"):
+    with pytest.raises(CaseError, match="at least 9 inner degrees of freedom"):
         default_modes(drawn(3, 1))
 
 
