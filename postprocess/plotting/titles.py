@@ -12,8 +12,11 @@ from matplotlib.font_manager import FontProperties, findfont, get_font
 LONGEST_NAME = 80
 """Letters of a case's name in a title, at most."""
 
-LETTERS_PER_INCH = 11.5
-"""Letters of a title in an inch of the figure's width, about; longer lines are wrapped."""
+LETTERS_PER_INCH = 16.5
+"""Letters of a line of a title in an inch of the figure's width, about; longer ones wrap."""
+
+NAME_LETTERS_PER_INCH = 11.5
+"""The same for the name of a case, which may consist of wide capitals."""
 
 
 def speed_label(dataset: xr.Dataset) -> str:
@@ -42,6 +45,8 @@ def set_title(figure: Figure, case: str, shown: str) -> None:
     in_font = get_font(findfont(FontProperties())).get_char_index
     name = textwrap.shorten(case, LONGEST_NAME, placeholder=" …")
     name = "".join(c if in_font(ord(c)) else "\N{REPLACEMENT CHARACTER}" for c in name)
-    width = int(LETTERS_PER_INCH * figure.get_figwidth())
-    lines = [textwrap.fill(line, width) for line in (name, *shown.splitlines()) if line]
+    inches = figure.get_figwidth()
+    lines = [textwrap.fill(name, int(NAME_LETTERS_PER_INCH * inches))] if name else []
+    width = int(LETTERS_PER_INCH * inches)
+    lines += [textwrap.fill(line, width) for line in shown.splitlines() if line]
     figure.suptitle("\n".join(lines), parse_math=False)
