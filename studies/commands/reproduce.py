@@ -63,8 +63,8 @@ def reproduce(
     from bladewhirl.models.case.file import override_values
     from bladewhirl.studies.paper.judge import (
         REPEATS,
+        Callbacks,
         Plan,
-        Told,
         chosen_claims,
         reproduce_claims,
         write_scorecard,
@@ -87,9 +87,9 @@ def reproduce(
         interruptible(remedy),
     ):
         watch = Watch(progress=lambda done, failed, total: points(done + failed, total))
-        told = Told(marches=marches, sweep=watch)
+        callbacks = Callbacks(marches=marches, sweep=watch)
         card, evidence = reproduce_claims(
-            plan, output, workers=workers, scheduler=scheduler, progress=told
+            plan, output, workers=workers, scheduler=scheduler, progress=callbacks
         )
     with evidence:
         written = write_scorecard(card, evidence, output)

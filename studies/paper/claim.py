@@ -1,18 +1,17 @@
 """Claims of the source paper, how each is judged, and the list of all of them.
 
-A claim is judged by code: its evaluator looks at numbers computed by bladewhirl and returns checks,
-each a comparison with a stated threshold. All met: it holds; some: partly; none, or an essential
-one not met: it does not hold. What cannot be judged is not testable, with the reason.
-
 What each claim says, where, and the marches (`trials.TRIALS`) and sweeps (`trials.SURVEYS`) it is
-judged by is in claims.csv beside this module; the modules claims_* judge.
+judged by is in claims.csv beside this module. A function in a module claims_* computes the measures
+of a claim; checks.csv compares them with thresholds. All met: the claim holds; some: partly; none,
+or an essential one not met: it does not hold. What cannot be judged is not testable, with the
+reason.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.studies.paper.trials import Evidence, NotTestableError, table
@@ -24,7 +23,7 @@ VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 
 @dataclass(frozen=True, kw_only=True)
 class Check:
-    """Comparison of a number with a criterion."""
+    """Comparison of a measure with a criterion."""
 
     text: str  #: what was compared with which threshold, with our number
     met: bool
@@ -62,88 +61,96 @@ class Finding:
         return f"not met: {'; '.join(failed)}{kept}."
 
 
-Evaluator = Callable[..., Finding]
+Measures = Mapping[str, Any]
+"""Numbers, names and flags by name, for the checks of a claim and for its value in words."""
+
+Measure = Callable[..., Measures]
 """Called with the marches of a claim, then its sweeps; with the `Evidence` where it has neither."""
+
+CRITERIA: Mapping[str, tuple[str, Callable[[float, float, float], bool]]] = {
+    "near": ("{0:g} ± {1:g}{2}", lambda value, target, tolerance: abs(value - target) <= tolerance),
+    "between": ("{0:g} to {1:g}{2}", lambda value, low, high: low <= value <= high),
+    "at least": ("{0:g}{2} or more", lambda value, low, _: value >= low),
+    "at most": ("{0:g}{2} or less", lambda value, high, _: value <= high),
+}
+"""Criteria of numbers: text of the expected value, and whether a number meets it."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Claim:
-    """A statement of the paper that can be computed, and the function that judges it."""
+    """A statement of the paper that can be computed, and the function that measures it."""
 
     number: int
     section: str  #: of the paper
     figures: tuple[str, ...]  #: of the paper
     text: str  #: the claim in our words
     paper: str  #: the paper's value
+    ours: str  #: format of our value, with the names of measures
     trials: tuple[str, ...]  #: marches it is judged by
     sweeps: tuple[str, ...]  #: sweeps it is judged by
-    evaluate: Evaluator
+    checks: tuple[Mapping[str, str], ...]  #: rows of checks.csv
+    measure: Measure
 
     def judge(self, evidence: Evidence) -> Finding:
         """Judge the claim once; an obstacle becomes part of the finding."""
         try:
             motions = [evidence.motion(name) for name in self.trials]
             sweeps = [evidence.sweep(name) for name in self.sweeps]
-            return self.evaluate(*([*motions, *sweeps] or [evidence]))
+            return self.finding(self.measure(*([*motions, *sweeps] or [evidence])))
         except (NotTestableError, ViewError) as error:
             return Finding(ours="–", obstacle=str(error).rstrip("."))
+
+    def finding(self, measures: Measures) -> Finding:
+        """Compare measures with their thresholds; checks of those that are missing are left out."""
+        rows = [row for row in self.checks if row["measure"] in measures]
+        return Finding(
+            ours=self.ours.format_map(measures),
+            checks=tuple(check(row, measures[row["measure"]]) for row in rows),
+        )
+
+
+def check(row: Mapping[str, str], value: Any) -> Check:
+    """Compare a measure with the criterion of a row of checks.csv."""
+    name, criterion = row["name"], row["criterion"]
+    if criterion == "is true":
+        text, met = name, bool(value)
+    elif criterion == "equal":
+        met = str(value) == row["first"]
+        text = f"{name} {value}" if met else f"{name} {value}, expected {row['first']}"
+    else:
+        expected, meets = CRITERIA[criterion]
+        first, second = float(row["first"]), float(row["second"] or "nan")
+        text = f"{name} {value:.4g}{row['unit']}, expected "
+        text += expected.format(first, second, row["unit"])
+        met = bool(meets(value, first, second))
+    return Check(text=text, met=met, essential=row["essential"] == "yes")
 
 
 CLAIMS: dict[int, Claim] = {}
 """All claims by number, filled by the modules claims_*."""
 
 
+TEXTS, LISTS = ("section", "text", "paper", "ours"), ("figures", "trials", "sweeps")
+"""Columns of claims.csv; those of lists have values separated by "; "."""
+
 ROWS = {int(row["number"]): row for row in table("claims")}
+CHECKS = table("checks")
 
 
-def evaluates(number: int) -> Callable[[Evaluator], Evaluator]:
-    """Register the function that judges a claim."""
+def measures(*numbers: int) -> Callable[[Measure], Measure]:
+    """Register the function that computes the measures of claims."""
 
-    def register(evaluate: Evaluator) -> Evaluator:
-        row = ROWS[number]
-        CLAIMS[number] = Claim(
-            number=number,
-            section=row["section"],
-            text=row["text"],
-            paper=row["paper"],
-            evaluate=evaluate,
-            **{name: _listed(row[name]) for name in ("figures", "trials", "sweeps")},
-        )
-        return evaluate
+    def register(measure: Measure) -> Measure:
+        for number in numbers:
+            row = ROWS[number]
+            cells: dict[str, Any] = {name: row[name] for name in TEXTS}
+            cells |= {name: tuple(filter(None, row[name].split("; "))) for name in LISTS}
+            CLAIMS[number] = Claim(
+                number=number,
+                checks=tuple(check for check in CHECKS if check["claim"] == row["number"]),
+                measure=measure,
+                **cells,
+            )
+        return measure
 
     return register
-
-
-def _listed(cell: str) -> tuple[str, ...]:
-    return tuple(cell.split("; ")) if cell else ()
-
-
-def near(name: str, value: float, target: float, tolerance: float, unit: str = "") -> Check:
-    """A number within a tolerance of the paper's."""
-    text = f"{name} {value:.4g}{unit}, expected {target:.4g} ± {tolerance:g}{unit}"
-    return Check(text=text, met=abs(value - target) <= tolerance)
-
-
-def between(name: str, value: float, low: float, high: float, unit: str = "") -> Check:
-    """A number within limits."""
-    text = f"{name} {value:.3g}{unit}, expected {low:g} to {high:g}{unit}"
-    return Check(text=text, met=low <= value <= high)
-
-
-def at_least(name: str, value: float, low: float, unit: str = "") -> Check:
-    """A number from a limit on."""
-    text = f"{name} {value:.3g}{unit}, expected {low:g}{unit} or more"
-    return Check(text=text, met=value >= low)
-
-
-def at_most(name: str, value: float, high: float, unit: str = "") -> Check:
-    """A number up to a limit."""
-    return Check(
-        text=f"{name} {value:.3g}{unit}, expected {high:g}{unit} or less", met=value <= high
-    )
-
-
-def equal(name: str, ours: object, expected: object, *, essential: bool = False) -> Check:
-    """A kind of motion, a direction, and the like."""
-    text = f"{name} {ours}" if ours == expected else f"{name} {ours}, expected {expected}"
-    return Check(text=text, met=ours == expected, essential=essential)

@@ -11,11 +11,9 @@ from typing import Any
 from bladewhirl.files import write_atomically
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.paper import (  # noqa: F401 -- each registers its claims
-    claims_distortion,
-    claims_imbalance,
-    claims_marching,
+    claims_marches,
     claims_modal,
-    claims_truncated,
+    claims_sweeps,
 )
 from bladewhirl.studies.paper.claim import CLAIMS, Claim, Finding
 from bladewhirl.studies.paper.figures import draw_figures
@@ -46,7 +44,7 @@ REPEATS = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Told:
+class Callbacks:
     """Callbacks on the progress of a reproduction."""
 
     marches: Callable[[int, int], None] = lambda done, all_of_them: None
@@ -106,7 +104,7 @@ def reproduce_claims(
     *,
     workers: int | None = None,
     scheduler: str | None = None,
-    progress: Told | None = None,
+    progress: Callbacks | None = None,
 ) -> tuple[Scorecard, Evidence]:
     """Judge claims; existing marches and sweeps in the folder are used again.
 
@@ -123,7 +121,7 @@ def reproduce_claims(
     Raises:
         UserError: the folder can't be written, or the scheduler does not answer.
     """
-    progress = progress or Told()
+    progress = progress or Callbacks()
     store = RunStore(directory=directory / RUNS_NAME, workers=workers, scheduler=scheduler)
     repeats = [
         Evidence(

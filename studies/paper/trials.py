@@ -108,11 +108,6 @@ class Trial:
     repeated: bool  #: with a perturbed force, where a claim is judged several times
 
 
-MODES = (44, 66, 88, 110, 132)
-"""Numbers of fixed-interface modes of the convergence claim; none cuts a pair of 22 blades in two.
-"""
-
-
 def table(name: str) -> list[dict[str, str]]:
     """Return the rows of a CSV file beside this module."""
     text = resources.files(__package__).joinpath(f"{name}.csv").read_text(encoding="utf-8")

@@ -34,11 +34,10 @@ from bladewhirl.studies.paper.claim import (
     Check,
     Claim,
     Finding,
-    at_most,
-    near,
+    Measures,
+    check,
 )
-from bladewhirl.studies.paper.claims_imbalance import done_points
-from bladewhirl.studies.paper.claims_truncated import middle_of_divergence
+from bladewhirl.studies.paper.claims_sweeps import done_points, middle_of_divergence
 from bladewhirl.studies.paper.figures import PAPER_FIGURES, Panel, PaperFigure, draw_figures
 from bladewhirl.studies.paper.judge import Plan, chosen_claims, reproduce_claims
 from bladewhirl.studies.paper.page import scorecard_page
@@ -80,9 +79,28 @@ def test_the_verdict_follows_from_the_checks(finding: Finding, verdict: str) -> 
     assert finding.verdict == verdict
 
 
-def test_a_number_is_near_or_not() -> None:
-    assert near("speed", 1.0699, 1.05, 0.02).met
-    assert not near("speed", 1.0701, 1.05, 0.02).met
+def row(criterion: str, first: str, second: str = "") -> dict[str, str]:
+    """Row of checks.csv."""
+    texts = {"name": "speed", "criterion": criterion, "first": first, "second": second}
+    return texts | {"unit": "", "essential": ""}
+
+
+@pytest.mark.parametrize(
+    ("criterion", "limits", "inside", "outside"),
+    [
+        ("near", ("1.05", "0.02"), 1.0699, 1.0701),
+        ("between", ("1", "2"), 2.0, 2.1),
+        ("at least", ("1",), 1.0, 0.9),
+        ("at most", ("1",), 1.0, float("nan")),
+        ("equal", ("forward",), "forward", "backward"),
+        ("is true", ("",), np.True_, False),
+    ],
+)
+def test_a_measure_is_compared_with_its_limits(
+    criterion: str, limits: tuple[str, ...], inside: Any, outside: Any
+) -> None:
+    assert check(row(criterion, *limits), inside).met
+    assert not check(row(criterion, *limits), outside).met
 
 
 def test_repeats_that_differ_make_it_partly() -> None:
@@ -103,6 +121,7 @@ def test_every_claim_knows_what_it_needs() -> None:
         assert claim.paper
         assert set(claim.trials) <= set(TRIALS)
         assert set(claim.sweeps) <= set(SURVEYS)
+        assert claim.checks
 
 
 @pytest.mark.parametrize(
@@ -277,16 +296,16 @@ def test_a_shift_has_to_be_larger_than_the_step_of_the_sweep(second: int, met: b
     divergent = [[False] * 3 for _ in range(7)]
     divergent[1][0] = divergent[1 + second][1] = divergent[6][2] = True
 
-    finding = CLAIMS[36].evaluate(swept(divergent))
+    finding = CLAIMS[36].finding(CLAIMS[36].measure(swept(divergent)))
     assert [check.met for check in finding.checks] == [met, True]
 
 
-def nothing(*_: object) -> Finding:
+def nothing(*_: object) -> Measures:
     raise NotTestableError("no reason")
 
 
 def test_an_obstacle_becomes_a_finding() -> None:
-    claim = replace(CLAIMS[20], trials=(), evaluate=nothing)
+    claim = replace(CLAIMS[20], trials=(), measure=nothing)
     finding = claim.judge(None)  # type: ignore[arg-type]
     assert finding.verdict == "not testable"
     assert finding.why == "no reason."
@@ -389,8 +408,8 @@ def card_of(make: Callable[[], Finding]) -> Scorecard:
 
 
 def test_a_check_may_be_of_numpy() -> None:
-    checks = (at_most("spread", np.float64(1.0), 2.0), Check(text="rises", met=np.True_))  # type: ignore[arg-type]
-    card = card_of(lambda: Finding(ours="", checks=checks))
+    met = (check(row("at most", "2"), np.float64(1.0)), check(row("is true", ""), np.True_))
+    card = card_of(lambda: Finding(ours="", checks=met))
     assert card.summary.startswith("1 claims: 1 holds")
     (entry,) = json.loads(card.to_json())["claims"]
     assert [check["met"] for check in entry["repeats"][0]["checks"]] == [True, True]
