@@ -12,7 +12,7 @@ enum { MENDED_TOGETHER = 6 };  /* trials of the active set before faults are men
 static inline int64_t sense(double sign) { return sign > 0.0 ? 2 : sign < 0.0 ? 0 : 1; }
 
 /* The rotor's part of W of the active tips; mostly it is there already from the last step. */
-static inline void take_rotor(const Matrix *rotor_w, ContactScratch *c, int64_t size)
+static inline void take_rotor(const Cube *rotor_w, ContactScratch *c, int64_t size)
 {
     int64_t tips = c->known.columns, *tip = c->known.at, *slides = c->known.at + tips;
     int same = size < tips ? tip[size] < 0 : 1;

@@ -9,13 +9,18 @@ import numpy as np
 from bladewhirl.meshes.hermite import cubic_weights
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.solvers.kernel import arrays as kernel_arrays
-from bladewhirl.solvers.kernel.binding import march, number, struct
+from bladewhirl.solvers.kernel.structs import (
+    Arrays,
+    Struct,
+    aligned_copy,
+    lib,
+    march,
+    padded,
+    zeros,
+)
 from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
-from bladewhirl.solvers.packing.arrangement import aligned_copy
 from bladewhirl.solvers.packing.casing import pack_casing
 from bladewhirl.solvers.packing.rotor import pack_rotor
-from bladewhirl.solvers.packing.scratch import make_scratch
 from bladewhirl.solvers.packing.supports import pack_dampers, pack_springs
 from bladewhirl.solvers.packing.turning import pack_gyroscopic
 
@@ -25,18 +30,18 @@ class CentralDifferenceState:
     """State between two steps: x_{n-1}, x_n and what has been summed up since the last record."""
 
     step: int  #: n
-    arrays: kernel_arrays.State
+    arrays: dict[str, FloatArray]  #: of the struct `State`
 
     @property
     def statistics(self) -> Statistics:
         """Quality so far."""
-        count = self.arrays.counts
+        count = self.arrays["counts"]
         return Statistics(
             steps=self.step,
-            contact_steps=int(count[kernel_arrays.CONTACT_STEPS]),
-            complementarity_residual=float(self.arrays.residual[0]),
-            pivots=int(count[kernel_arrays.LCP_PIVOTS]),
-            lcp_failures=int(count[kernel_arrays.LCP_FAILURES]),
+            contact_steps=int(count[lib.CONTACT_STEPS]),
+            complementarity_residual=float(self.arrays["residual"][0]),
+            pivots=int(count[lib.LCP_PIVOTS]),
+            lcp_failures=int(count[lib.LCP_FAILURES]),
         )
 
 
@@ -71,17 +76,16 @@ class CentralDifference:
         casing, self._casing = pack_casing(problem, time_step, cyclic=self.cyclic[1])
         self._arrangements = rotor, casing
         bodies = self._rotor.body, self._casing.body
-        self._dampers = pack_dampers(problem, bodies, self._arrangements, time_step)
-        self._springs = pack_springs(problem, self._arrangements, time_step)
-        gyroscopic = pack_gyroscopic(problem, self._rotor, rotor, time_step)
-        signed = problem.sliding == "signed"
-        wheel_speed = problem.rotor.tip_radius * problem.speed if signed else None
         self._stage = (
-            *map(struct, (self._rotor, self._casing)),
-            *map(struct, (self._springs, self._dampers, gyroscopic)),
-            number(wheel_speed),
-            struct(_numbers(problem, time_step)),
+            self._rotor,
+            self._casing,
+            pack_springs(problem, self._arrangements, time_step),
+            pack_dampers(problem, bodies, self._arrangements, time_step),
+            pack_gyroscopic(problem, self._rotor, rotor, time_step),
         )
+        signed = problem.sliding == "signed"
+        self._wheel_speed = problem.rotor.tip_radius * problem.speed if signed else None
+        self._numbers = _numbers(problem, time_step)
 
     def init(self) -> CentralDifferenceState:
         """State at t = 0; x_{-1} is consistent with initial velocity and acceleration."""
@@ -116,22 +120,9 @@ class CentralDifference:
             acceleration = force - body.frequency * frequency * x - drag
             before = x - dt * v + 0.5 * dt**2 * acceleration
             slots.append(arrangement.pack(np.array([before, x, np.zeros_like(x)])))
-        tips = len(problem.rotor.tip_angle)
-        return CentralDifferenceState(
-            step=0,
-            arrays=kernel_arrays.State(
-                rotor=slots[0],
-                casing=slots[1],
-                gap=initial_gap(problem),
-                impulse=np.zeros(tips),
-                drag=np.zeros(tips),
-                touched=np.zeros(tips),
-                held=np.zeros(tips),
-                work=np.zeros(kernel_arrays.WORKS),
-                residual=np.zeros(1),
-                counts=np.zeros(4),
-            ),
-        )
+        arrays = zeros("State", self._sizes())
+        arrays |= {"rotor": slots[0], "casing": slots[1], "gap": initial_gap(problem)}
+        return CentralDifferenceState(step=0, arrays=arrays)
 
     def advance(
         self, state: CentralDifferenceState, steps: int, record_every: int | None = None
@@ -142,63 +133,81 @@ class CentralDifference:
         The state given stays as it was.
         """
         every = self._record_every if record_every is None else record_every
-        arrays = kernel_arrays.State(*(aligned_copy(array) for array in state.arrays))
-        records = self._make_records(steps // every + 2)
-        scratch = make_scratch(
-            self._rotor, self._casing, self._arrangements, self._springs, self._dampers
-        )
+        arrays = {name: aligned_copy(array) for name, array in state.arrays.items()}
+        records = zeros("Records", self._sizes() | {"records": steps // every + 2})
         status, reached, written = march(
             self._stage,
-            struct(arrays),
-            struct(records),
-            struct(scratch),
+            self._wheel_speed,
+            self._numbers,
+            Struct("State", **arrays),
+            Struct("Records", **records),
+            Struct("Scratch", **self._scratch()),
             state.step,
             steps,
             every,
         )
-        end = EndReason.DIVERGENT if status == kernel_arrays.DIVERGED else None
+        end = EndReason.DIVERGENT if status == lib.DIVERGED else None
         after = CentralDifferenceState(step=reached, arrays=arrays)
         return after, self._chunk(records, written), end
 
-    def _make_records(self, count: int) -> kernel_arrays.Records:
-        tips = len(self._problem.rotor.tip_angle)
+    def _sizes(self) -> dict[str, int]:
+        """Lengths that the header names in state and records."""
         rotor, casing = self._arrangements
-        return kernel_arrays.Records(
-            step=np.zeros(count, dtype=np.int64),
-            rotor=np.zeros((count, rotor.entries)),
-            rotor_velocity=np.zeros((count, rotor.entries)),
-            casing=np.zeros((count, casing.entries)),
-            casing_velocity=np.zeros((count, casing.entries)),
-            gap=np.zeros((count, tips)),
-            impulse=np.zeros((count, tips)),
-            drag=np.zeros((count, tips)),
-            touched=np.zeros((count, tips)),
-            contacts=np.zeros(count),
-            energy=np.zeros(count),
-            work=np.zeros((count, kernel_arrays.WORKS)),
-        )
+        return {
+            "rotor_entries": rotor.entries,
+            "casing_entries": casing.entries,
+            "tips": len(self._problem.rotor.tip_angle),
+        }
 
-    def _chunk(self, records: kernel_arrays.Records, written: int) -> Chunk:
-        kept = kernel_arrays.Records(*(array[:written] for array in records))
+    def _scratch(self) -> Arrays:
+        """Working arrays of a march."""
         rotor, casing = self._arrangements
+        _, _, springs, dampers, _ = self._stage
+        tips, wide = len(self._rotor.spread), len(self._rotor.position)
+        most = [len(dampers.rotor.rows), len(dampers.casing.rows)] if dampers else [0]
+        scratch = zeros(
+            "Scratch",
+            self._sizes()
+            | {
+                "wide": wide,
+                "twice_wide": 2 * wide,
+                "closed": self._casing.radial.start.shape[1],
+                # Columns, the first half once more, and what the last register runs over.
+                "sums": max(padded(a.columns + a.half + lib.LANES) for a in self._arrangements),
+                "entries": max(rotor.entries, casing.entries),
+                "ends": lib.HALF * wide,
+                "bordered": tips + 1,
+                "tableau": 2 * tips + 2,
+                "waves": len(springs.factor) if springs else 0,
+                "patterns": len(self._problem.loads),
+                "dampers": max(most),
+            },
+        )
+        scratch["contact"]["others"] += 1.0 - np.eye(tips, wide)
+        return scratch
+
+    def _chunk(self, records: Arrays, written: int) -> Chunk:
+        kept = {name: array[:written] for name, array in records.items()}
+        rotor, casing = self._arrangements
+        work = kept["work"]
         return Chunk(
-            step=kept.step,
-            time=kept.step * self._time_step,
-            rotor_displacement=rotor.unpack(kept.rotor),
-            rotor_velocity=rotor.unpack(kept.rotor_velocity),
-            casing_displacement=casing.unpack(kept.casing),
-            casing_velocity=casing.unpack(kept.casing_velocity),
-            gap=kept.gap,
-            contact_impulse=kept.impulse,
-            friction_impulse=kept.drag,
-            contact_steps=kept.touched.astype(np.int64),
-            contacts=kept.contacts.astype(np.int64),
-            energy=kept.energy,
-            external_work=kept.work[:, kernel_arrays.EXTERNAL],
-            normal_work=kept.work[:, kernel_arrays.NORMAL],
-            friction_work=kept.work[:, kernel_arrays.FRICTION],
-            damping_work=kept.work[:, kernel_arrays.DAMPING],
-            coupling_work=kept.work[:, kernel_arrays.PARAMETRIC],
+            step=kept["step"],
+            time=kept["step"] * self._time_step,
+            rotor_displacement=rotor.unpack(kept["rotor"]),
+            rotor_velocity=rotor.unpack(kept["rotor_velocity"]),
+            casing_displacement=casing.unpack(kept["casing"]),
+            casing_velocity=casing.unpack(kept["casing_velocity"]),
+            gap=kept["gap"],
+            contact_impulse=kept["impulse"],
+            friction_impulse=kept["drag"],
+            contact_steps=kept["touched"].astype(np.int64),
+            contacts=kept["contacts"].astype(np.int64),
+            energy=kept["energy"],
+            external_work=work[:, lib.EXTERNAL],
+            normal_work=work[:, lib.NORMAL],
+            friction_work=work[:, lib.FRICTION],
+            damping_work=work[:, lib.DAMPING],
+            coupling_work=work[:, lib.PARAMETRIC],
         )
 
 
@@ -237,11 +246,12 @@ def initial_spring_forces(problem: ContactProblem) -> tuple[FloatArray, FloatArr
     return rotor + (swing * (centre @ start.rotor)) @ centre, casing
 
 
-def _numbers(problem: ContactProblem, dt: float) -> kernel_arrays.Numbers:
+def _numbers(problem: ContactProblem, dt: float) -> Struct:
     rotor, casing = problem.rotor, problem.casing
     per_radian = len(casing.nodal) / (2.0 * np.pi)
     loads = [[load.end, load.ramp, load.frequency, load.phase] for load in problem.loads]
-    return kernel_arrays.Numbers(
+    return Struct(
+        "Numbers",
         time_step=dt,
         elements_per_step=problem.speed * dt * per_radian,
         friction=problem.friction,

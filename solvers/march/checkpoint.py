@@ -28,7 +28,7 @@ class Checkpoint:
 
 
 def state_arrays(state: Any, prefix: str = "") -> dict[str, Any]:
-    """Numbers and arrays of a scheme's state by name; dataclasses and named tuples are opened."""
+    """Numbers and arrays of a scheme's state by name; dataclasses and dictionaries are opened."""
     arrays: dict[str, Any] = {}
     for name, value in _parts(state).items():
         whole = prefix + name
@@ -65,8 +65,8 @@ def _filled(like: Any, arrays: dict[str, Any], prefix: str) -> Any:
 
 
 def _parts(value: Any) -> dict[str, Any]:
-    if hasattr(value, "_asdict"):
-        return dict(value._asdict())
+    if isinstance(value, dict):
+        return value
     if is_dataclass(value):
         return {field.name: getattr(value, field.name) for field in fields(value)}
     return {}

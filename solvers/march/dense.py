@@ -1,6 +1,6 @@
 """Two more contact laws behind the contract of the march, on dense matrices, without the kernel.
 
-Both step velocities by the midpoint rule (see `solvers.march.dense_step`) and tell B_N and B_T of
+Both step velocities by the midpoint rule (see `solvers/kernel/dense.c`) and tell B_N and B_T of
 the tips like the central differences. With the gap g, its rate u_N and the relative velocity u_T:
 
 ``moreau-jean`` (Jean 1999; Moreau 1988): a tip whose gap the free step would close has
@@ -30,8 +30,7 @@ import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.solvers.kernel.binding import struct
-from bladewhirl.solvers.march import dense_step
+from bladewhirl.solvers.kernel.structs import Struct, dense_march, lib, zeros
 from bladewhirl.solvers.march.central_difference import initial_gap
 from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
 from bladewhirl.solvers.march.reference import spring_stiffness
@@ -45,21 +44,18 @@ class DenseState:
     """State between two steps; the modes of the rotor precede those of the casing."""
 
     step: int  #: n
-    displacement: FloatArray  #: x_n, (modes,)
-    velocity: FloatArray  #: v_n
-    sums: FloatArray  #: smallest gap, impulse, drag, steps touched since the record, (4, tips)
-    works: FloatArray  #: work of the loads, `dense_step.EXTERNAL`, (5,)
-    counts: FloatArray  #: quality, `dense_step.RESIDUAL`, (4,)
+    arrays: dict[str, FloatArray]  #: of the struct `DenseState`
 
     @property
     def statistics(self) -> Statistics:
         """Quality so far."""
+        counts = self.arrays["counts"]
         return Statistics(
             steps=self.step,
-            contact_steps=int(self.counts[dense_step.CONTACT_STEPS]),
-            complementarity_residual=float(self.counts[dense_step.RESIDUAL]),
+            contact_steps=int(counts[lib.DENSE_CONTACT_STEPS]),
+            complementarity_residual=float(counts[lib.DENSE_RESIDUAL]),
             pivots=0,
-            lcp_failures=int(self.counts[dense_step.UNSOLVED]),
+            lcp_failures=int(counts[lib.DENSE_UNSOLVED]),
         )
 
 
@@ -89,28 +85,24 @@ class Dense:
         self._stage = _stage(problem, time_step)
         if penalty := law == "penalty":
             _check_penalty(problem, time_step)
-        law_numbers = dense_step.DenseLaw(
+        self._law = Struct(
+            "DenseLaw",
             friction=problem.friction,
             restitution=0.0 if penalty else problem.restitution,
             penalty=problem.penalty_stiffness if penalty else 0.0,
             stick_speed=problem.stick_speed if penalty else 0.0,
         )
-        self._structs = struct(self._stage), struct(law_numbers)
+        tips = len(problem.rotor.tip_angle)
+        self._sizes = {"modes": len(self._stage.stiffness), "tips": tips, "twice_tips": 2 * tips}
 
     def init(self) -> DenseState:
         """State at t = 0."""
-        start, stage = self._problem.start, self._stage
-        x = np.concatenate([start.rotor, start.casing])
-        sums = np.zeros((4, len(stage.tip_angle)))
-        sums[dense_step.GAP] = initial_gap(self._problem)
-        return DenseState(
-            step=0,
-            displacement=x,
-            velocity=np.concatenate([start.rotor_velocity, start.casing_velocity]),
-            sums=sums,
-            works=np.zeros(5),
-            counts=np.zeros(4),
-        )
+        start = self._problem.start
+        arrays = zeros("DenseState", self._sizes)
+        arrays["displacement"][:] = np.concatenate([start.rotor, start.casing])
+        arrays["velocity"][:] = np.concatenate([start.rotor_velocity, start.casing_velocity])
+        arrays["sums"][lib.DENSE_GAP] = initial_gap(self._problem)
+        return DenseState(step=0, arrays=arrays)
 
     def advance(
         self, state: DenseState, steps: int, record_every: int | None = None
@@ -126,8 +118,9 @@ class Dense:
         while state.step < last:
             if state.step % every == 0:
                 records.append(state)
-                state = replace(state, sums=np.zeros_like(state.sums))
-                state.sums[dense_step.GAP] = np.inf
+                sums = np.zeros_like(state.arrays["sums"])
+                sums[lib.DENSE_GAP] = np.inf
+                state = DenseState(step=state.step, arrays=state.arrays | {"sums": sums})
             count = min(every - state.step % every, last - state.step)
             state, done = self._do(state, count)
             if done < count:
@@ -135,19 +128,24 @@ class Dense:
                     records.append(state)
                 ended = EndReason.DIVERGENT
                 break
-        return (self._do(state, 0)[0] if steps == 0 else state), self._chunk(records), ended
+        return state, self._chunk(records), ended
 
     def _do(self, state: DenseState, steps: int) -> tuple[DenseState, int]:
         """Advance up to a number of steps within the displacement limit."""
-        arrays = dense_step.DenseArrays(
-            *(getattr(state, name).copy() for name in dense_step.DenseArrays._fields)
+        arrays = {name: array.copy() for name, array in state.arrays.items()}
+        done = dense_march(
+            self._stage,
+            self._law,
+            Struct("DenseState", **arrays),
+            Struct("DenseScratch", **zeros("DenseScratch", self._sizes)),
+            time_step=self._dt,
+            first=state.step,
+            steps=steps,
         )
-        scratch = dense_step.make_scratch(self._stage)
-        done = dense_step.advance(*self._structs, scratch, self._dt, state.step, steps, arrays)
-        return DenseState(step=state.step + done, **arrays._asdict()), done
+        return DenseState(step=state.step + done, arrays=arrays), done
 
     def _energy(self, state: DenseState) -> float:
-        x, v, stage = state.displacement, state.velocity, self._stage
+        x, v, stage = state.arrays["displacement"], state.arrays["velocity"], self._stage
         waves = np.arange(len(stage.turning_cos)) * stage.speed * state.step * self._dt
         turned = np.tensordot(np.cos(waves), stage.turning_cos, 1)
         turned += np.tensordot(np.sin(waves), stage.turning_sin, 1)
@@ -155,18 +153,13 @@ class Dense:
         return float(0.5 * (v @ v + x @ (stage.stiffness * x) + joined @ turned @ joined))
 
     def _chunk(self, records: list[DenseState]) -> Chunk:
-        modes, (tips, rotor) = len(self._stage.stiffness), self._stage.tip_radial.shape
+        rotor = self._stage.tip_radial.shape[1]
         step = np.array([record.step for record in records], dtype=np.int64)
-        shapes = {
-            "displacement": (modes,),
-            "velocity": (modes,),
-            "sums": (4, tips),
-            "works": (5,),
-            "counts": (4,),
-        }
         values = {
-            name: np.reshape([getattr(record, name) for record in records], (len(records), *shape))
-            for name, shape in shapes.items()
+            name: np.reshape(
+                [record.arrays[name] for record in records], (len(records), *array.shape)
+            )
+            for name, array in zeros("DenseState", self._sizes).items()
         }
         gap, impulse, drag, touched = np.moveaxis(values["sums"], 1, 0)
         external, normal, friction, damping, turning = values["works"].T
@@ -181,7 +174,7 @@ class Dense:
             contact_impulse=impulse,
             friction_impulse=drag,
             contact_steps=touched.astype(np.int64),
-            contacts=values["counts"][:, dense_step.CONTACTS].astype(np.int64),
+            contacts=values["counts"][:, lib.DENSE_CONTACTS].astype(np.int64),
             energy=np.array([self._energy(record) for record in records]),
             external_work=external,
             normal_work=normal,
@@ -191,7 +184,7 @@ class Dense:
         )
 
 
-def _stage(problem: ContactProblem, dt: float) -> dense_step.DenseStage:
+def _stage(problem: ContactProblem, dt: float) -> Struct:
     rotor, casing = problem.rotor, problem.casing
     frequency = np.abs(np.concatenate([rotor.frequency, casing.frequency]))
     ratio = np.concatenate([rotor.damping_ratio, casing.damping_ratio])
@@ -204,7 +197,8 @@ def _stage(problem: ContactProblem, dt: float) -> dense_step.DenseStage:
     coupled, cosines, sines = _turning(problem)
     loads = [np.concatenate([load.rotor, load.casing]) for load in problem.loads]
     times = [[load.end, load.ramp, load.frequency, load.phase] for load in problem.loads]
-    return dense_step.DenseStage(
+    return Struct(
+        "DenseStage",
         stiffness=stiffness,
         damping=damping,
         dampers=dampers,

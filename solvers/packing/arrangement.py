@@ -1,18 +1,16 @@
-"""Where each mode of a body stands in what the kernel works on, and memory that suits it."""
+"""Arrangement of a body's modes as the kernel works on them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import prod
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.elements.cyclic import is_pair, nodal_diameter_of, real_dft
-from bladewhirl.solvers.kernel.arrays import LANES
+from bladewhirl.solvers.kernel.structs import aligned, lib, padded
 
-PAIR = 2 * LANES  # the kernel takes a casing's columns two registers at a time
-CACHE_LINE = 64  # bytes
+PAIR = 2 * lib.LANES  # the kernel takes a casing's columns two registers at a time
 FIT = 1e-9  # largest relative misfit of a cyclic body's rows to its DFT columns
 
 
@@ -57,11 +55,6 @@ class Arrangement:
         return packed.take(self.entry, axis=-1)
 
 
-def padded(size: int, unit: int = LANES) -> int:
-    """The next multiple of the unit."""
-    return -(-size // unit) * unit
-
-
 def dense_arrangement(modes: int) -> Arrangement:
     """One row, a column a mode."""
     used = max(modes, 1)
@@ -76,22 +69,6 @@ def _couples(points: int, parity: int | None, *, alone: bool) -> list[tuple[int,
     both = [*zip(paired[::2], paired[1::2], strict=True)]
     together = [(column,) for column in single] if alone else [tuple(single)]
     return [*both, *together] if single else list(both)
-
-
-def aligned(shape: int | tuple[int, ...]) -> FloatArray:
-    """Zeros that start on a cache line."""
-    count = prod(shape) if isinstance(shape, tuple) else shape
-    raw = np.zeros(count + CACHE_LINE // 8)
-    address = raw.ctypes.data
-    first = -(address // 8) % (CACHE_LINE // 8)
-    return raw[first : first + count].reshape(shape)
-
-
-def aligned_copy(values: FloatArray) -> FloatArray:
-    """Copy that starts on a cache line."""
-    out = aligned(values.shape)
-    out[...] = values
-    return out
 
 
 class Harmonics:

@@ -5,15 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.solvers.kernel.arrays import (
-    LANES,
-    Body,
-)
-from bladewhirl.solvers.packing.arrangement import (
-    Arrangement,
-    aligned,
-    padded,
-)
+from bladewhirl.solvers.kernel.structs import Struct, aligned, lib, padded
+from bladewhirl.solvers.packing.arrangement import Arrangement
 
 
 def pack_body(
@@ -24,7 +17,7 @@ def pack_body(
     dt: float,
     *,
     coupled: bool = False,
-) -> Body:
+) -> Struct:
     """Modal recurrence of one body.
 
     Args:
@@ -41,7 +34,8 @@ def pack_body(
     if coupled:
         inverse, decay = np.ones_like(inverse), np.full_like(decay, -1.0 / dt**2)
     load = arrangement.pack(np.reshape(loads, (len(loads), len(frequency))))
-    return Body(
+    return Struct(
+        "Body",
         a=arrangement.pack(inverse * (2.0 / dt**2 - stiffness)),
         b=arrangement.pack(inverse * (decay - 1.0 / dt**2)),
         c=arrangement.pack(inverse),
@@ -79,7 +73,7 @@ def lengthened(values: FloatArray) -> FloatArray:
 
 def _registers_in_use(patterns: FloatArray) -> IntArray:
     """Where each pattern has a register of numbers that are not all zero, then -1."""
-    used = [LANES * np.flatnonzero(p.reshape(-1, LANES).any(axis=1)) for p in patterns]
+    used = [lib.LANES * np.flatnonzero(p.reshape(-1, lib.LANES).any(axis=1)) for p in patterns]
     places = np.full((len(patterns), max(map(len, used), default=0) + 1), -1)
     for row, place in zip(places, used, strict=True):
         row[: len(place)] = place

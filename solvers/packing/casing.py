@@ -6,28 +6,12 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedCasing
-from bladewhirl.solvers.kernel.arrays import (
-    LANES,
-    U_KIND,
-    U_SLOPE,
-    W_KIND,
-    W_SLOPE,
-    Casing,
-    NodalField,
-)
-from bladewhirl.solvers.packing.arrangement import (
-    FIT,
-    Arrangement,
-    Harmonics,
-    aligned,
-    aligned_copy,
-    dense_arrangement,
-    padded,
-)
+from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib, padded
+from bladewhirl.solvers.packing.arrangement import FIT, Arrangement, Harmonics, dense_arrangement
 from bladewhirl.solvers.packing.body import by_column, by_sliding, pack_body, scheme_inverse
 
 
-def pack_casing(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arrangement, Casing]:
+def pack_casing(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arrangement, Struct]:
     """Arrange the casing; see `pack_rotor`."""
     casing = problem.casing
     nodes, kinds, modes = casing.nodal.shape
@@ -46,18 +30,28 @@ def pack_casing(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Ar
     clearance[:, : nodes + 1] = casing.clearance[np.append(np.arange(nodes), 0)].T
     weights, half = [arrangement.grid(w) for w in weight], arrangement.half
     radial, tangential = (
-        NodalField(
-            weights[v], weights[s], *halves, shapes[v], shapes[s], spreads[v], spreads[s], start
+        Struct(
+            "NodalField",
+            weight=weights[v],
+            slope_weight=weights[s],
+            half=first,
+            slope_half=half - first,
+            shape=shapes[v],
+            slope_shape=shapes[s],
+            spread=spreads[v],
+            slope_spread=spreads[s],
+            start=start,
         )
-        for v, s, halves, start in (
-            (W_KIND, W_SLOPE, (0, half), clearance),
-            (U_KIND, U_SLOPE, (half, 0), aligned(clearance.shape)),
+        for v, s, first, start in (
+            (lib.W_KIND, lib.W_SLOPE, 0, clearance),
+            (lib.U_KIND, lib.U_SLOPE, half, aligned(clearance.shape)),
         )
     )
     inverse = scheme_inverse(casing.frequency, casing.damping_ratio, dt)
     blocks = _compliance(casing, inverse, problem.friction, cyclic=cyclic)
     loads = [load.casing for load in problem.loads]
-    return arrangement, Casing(
+    return arrangement, Struct(
+        "Casing",
         body=pack_body(casing.frequency, casing.damping_ratio, loads, arrangement, dt),
         radial=radial,
         tangential=tangential,
@@ -78,12 +72,15 @@ def _cyclic_casing(casing: ReducedCasing) -> tuple[Arrangement, FloatArray, Floa
     and u stands in the partner's place.
     """
     column, nodal = casing.column, casing.nodal
-    harmonics = Harmonics(len(nodal), fold=True, unit=LANES)
+    harmonics = Harmonics(len(nodal), fold=True, unit=lib.LANES)
     single = harmonics.single[column]
     kinds = range(nodal.shape[1])
     pairs = [harmonics.amplitudes(nodal[:, kind], column) for kind in kinds]
     scales = [max(np.abs(nodal[:, kind]).max(), np.finfo(float).tiny) for kind in kinds]
-    direct, turned = (W_KIND, U_SLOPE), (W_SLOPE, U_KIND)  # even and odd under reflection
+    direct, turned = (
+        (lib.W_KIND, lib.U_SLOPE),
+        (lib.W_SLOPE, lib.U_KIND),
+    )  # even and odd under reflection
     size = [np.abs(own) / scale for (own, _), scale in zip(pairs, scales, strict=True)]
     odd = single & (
         np.maximum(*(size[kind] for kind in turned)) > np.maximum(*(size[kind] for kind in direct))
@@ -110,7 +107,7 @@ def _folded(shape: FloatArray, arrangement: Arrangement) -> FloatArray:
     nodes = len(shape)
     width = padded(nodes // 4 + 1)
     if arrangement.parts == 1 or width - 1 > nodes // 2:
-        return aligned((0, LANES))
+        return aligned((0, lib.LANES))
     own = shape[:width]
     last = own[:, arrangement.half + arrangement.used - 1]
     rows = own[:, np.concatenate([arrangement.columns_of(part) for part in range(2)])].T
@@ -137,7 +134,7 @@ def _compliance(
         .reshape(nodes, 4, nodes, 2)[:, :, ends]
         .reshape(nodes, 4, nodes, 4)
         .transpose(2, 0, 1, 3)
-        for force in ([W_KIND, W_SLOPE], [U_KIND, U_SLOPE])
+        for force in ([lib.W_KIND, lib.W_SLOPE], [lib.U_KIND, lib.U_SLOPE])
     )
     blocks = by_sliding(pressed, dragged, friction)
     return np.tile(blocks[:, :, 0], (1, 2, 1, 1)) if cyclic else blocks

@@ -6,17 +6,8 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor
-from bladewhirl.solvers.kernel.arrays import (
-    HALF,
-    Rotor,
-)
-from bladewhirl.solvers.packing.arrangement import (
-    FIT,
-    Arrangement,
-    Harmonics,
-    aligned_copy,
-    dense_arrangement,
-)
+from bladewhirl.solvers.kernel.structs import Struct, aligned_copy, lib
+from bladewhirl.solvers.packing.arrangement import FIT, Arrangement, Harmonics, dense_arrangement
 from bladewhirl.solvers.packing.body import (
     by_column,
     by_sliding,
@@ -27,7 +18,7 @@ from bladewhirl.solvers.packing.body import (
 from bladewhirl.solvers.packing.turning import turning_inverse
 
 
-def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arrangement, Rotor]:
+def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arrangement, Struct]:
     """Arrange the rotor.
 
     Args:
@@ -42,7 +33,7 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
     tips, modes = rotor.tip_radial.shape
     if cyclic:
         turning = rotor.by_velocity is not None
-        harmonics = Harmonics(tips, fold=False, unit=HALF, alone=turning)
+        harmonics = Harmonics(tips, fold=False, unit=lib.HALF, alone=turning)
         arrangement = harmonics.arrangement(harmonics.place[rotor.column])
         radial, across = harmonics.amplitudes(rotor.tip_radial, rotor.column)
         if not np.abs(across).max(initial=0.0) <= FIT * np.abs(radial).max(initial=0.0):
@@ -60,7 +51,8 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
     pressed, dragged = _answer_at_tips(rotor, dt)
     spread = aligned_copy(shape)
     loads = [load.rotor for load in problem.loads]
-    return arrangement, Rotor(
+    return arrangement, Struct(
+        "Rotor",
         body=pack_body(
             rotor.frequency,
             rotor.damping_ratio,
@@ -78,7 +70,7 @@ def pack_rotor(problem: ContactProblem, dt: float, *, cyclic: bool) -> tuple[Arr
         drag_spread=spread if cyclic else aligned_copy(cross_shape),
         half=arrangement.half,
         shared=cyclic,
-        w=by_sliding(pressed, dragged, problem.friction).reshape(3 * tips, tips),
+        w=by_sliding(pressed, dragged, problem.friction),
         position=lengthened(rotor.tip_angle * len(problem.casing.nodal) / (2.0 * np.pi)),
         recess=lengthened(rotor.tip_recess),
     )

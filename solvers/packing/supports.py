@@ -6,24 +6,16 @@ import numpy as np
 
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.solvers.kernel.arrays import (
-    Body,
-    DamperEnds,
-    Dampers,
-    SpringEnds,
-    Springs,
-)
-from bladewhirl.solvers.packing.arrangement import (
-    Arrangement,
-)
+from bladewhirl.solvers.kernel.structs import Arrays, Struct, zeros
+from bladewhirl.solvers.packing.arrangement import Arrangement
 
 
 def pack_dampers(
     problem: ContactProblem,
-    bodies: tuple[Body, Body],
+    bodies: tuple[Struct, Struct],
     arrangements: tuple[Arrangement, Arrangement],
     dt: float,
-) -> Dampers | None:
+) -> Struct | None:
     """Dampers at points of rotor and casing; None without any.
 
     Args:
@@ -39,13 +31,15 @@ def pack_dampers(
         if body is bodies[0] and problem.rotor.by_velocity is not None:  # its A has them
             strong = strong[:0]
         solve = np.linalg.inv(2.0 * dt * np.eye(len(strong)) + strong * body.c @ strong.T)
-        ends.append(DamperEnds(strong, solve))
-    return Dampers(*ends) if any(len(end.rows) for end in ends) else None
+        ends.append({"rows": strong, "solve": solve})
+    if not any(len(end["rows"]) for end in ends):
+        return None
+    return Struct("Dampers", rotor=ends[0], casing=ends[1])
 
 
 def pack_springs(
     problem: ContactProblem, arrangements: tuple[Arrangement, Arrangement], dt: float
-) -> Springs | None:
+) -> Struct | None:
     """Springs between the bodies and under the shaft, by harmonic; None without any.
 
     Args:
@@ -56,42 +50,40 @@ def pack_springs(
     rotor, anisotropy = problem.rotor, problem.rotor.anisotropy
     if problem.springs is None and anisotropy == 0.0:
         return None
-    springs = _springs_between(problem.springs, arrangements, problem.speed * dt)
-    if anisotropy == 0.0:
-        return springs
-    first, modes = len(springs.factor), len(rotor.frequency)
-    ends = springs.rotor
-    return springs._replace(
-        nodal_diameter=np.append(springs.nodal_diameter, 1.0),
-        factor=np.append(springs.factor, [anisotropy, -anisotropy]),
-        rotor=SpringEnds(
-            place=np.append(ends.place, np.tile(arrangements[0].entry, 2)),
-            wave=np.append(ends.wave, np.repeat([first, first + 1], modes)),
-            amplitude=np.append(ends.amplitude, rotor.centre),
-        ),
-    )
+    springs = _springs_between(problem.springs, arrangements)
+    if anisotropy != 0.0:
+        first, modes, ends = len(springs["factor"]), len(rotor.frequency), springs["rotor"]
+        centre = {
+            "place": np.tile(arrangements[0].entry, 2),
+            "wave": np.repeat([first, first + 1], modes),
+            "amplitude": rotor.centre.ravel(),
+        }
+        springs["nodal_diameter"] = np.append(springs["nodal_diameter"], 1.0)
+        springs["factor"] = np.append(springs["factor"], [anisotropy, -anisotropy])
+        springs["rotor"] = {name: np.append(ends[name], centre[name]) for name in ends}
+    return Struct("Springs", **springs, angle_per_step=problem.speed * dt)
 
 
 def _springs_between(
-    springs: CouplingSprings | None,
-    arrangements: tuple[Arrangement, Arrangement],
-    angle_per_step: float,
-) -> Springs:
+    springs: CouplingSprings | None, arrangements: tuple[Arrangement, Arrangement]
+) -> Arrays:
     if springs is None:
-        none = np.zeros(0, dtype=np.int64)
-        ends = SpringEnds(none, none, np.zeros(0))
-        return Springs(np.zeros(0), np.zeros(0), ends, ends, angle_per_step)
+        return zeros("Springs", {"harmonics": 0, "waves": 0, "moved": 0})
     modes, harmonics = springs.modes, np.array(springs.modes.harmonics)
     wave = 2 * np.searchsorted(harmonics, modes.nodal_diameter)[modes.entry] + modes.is_sine
-    both = []
+    ends = []
     for arrangement, on_casing in zip(arrangements, (False, True), strict=True):
         coordinates, numbers = springs.coordinates(on_casing=on_casing)
-        amplitude = modes.amplitude[modes.entry][coordinates]
-        both.append(SpringEnds(arrangement.entry[numbers], wave[coordinates], amplitude))
-    return Springs(
-        nodal_diameter=harmonics.astype(np.float64),
-        factor=np.repeat(springs.factors, 2),
-        rotor=both[0],
-        casing=both[1],
-        angle_per_step=angle_per_step,
-    )
+        ends.append(
+            {
+                "place": arrangement.entry[numbers],
+                "wave": wave[coordinates],
+                "amplitude": modes.amplitude[modes.entry][coordinates],
+            }
+        )
+    return {
+        "nodal_diameter": harmonics.astype(np.float64),
+        "factor": np.repeat(springs.factors, 2),
+        "rotor": ends[0],
+        "casing": ends[1],
+    }

@@ -6,19 +6,8 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.solvers.kernel.arrays import (
-    HALF,
-    LANES,
-    ROWS,
-    Gyroscopic,
-    Rotor,
-)
-from bladewhirl.solvers.packing.arrangement import (
-    Arrangement,
-    aligned,
-    aligned_copy,
-    padded,
-)
+from bladewhirl.solvers.kernel.structs import Struct, aligned, aligned_copy, lib, padded
+from bladewhirl.solvers.packing.arrangement import Arrangement
 
 ROUNDING = 1e-14
 """Entries of A^-1 below this share of the largest are rounding."""
@@ -28,8 +17,8 @@ ALIKE = 1e-12
 
 
 def pack_gyroscopic(
-    problem: ContactProblem, packed: Rotor, arrangement: Arrangement, dt: float
-) -> Gyroscopic | None:
+    problem: ContactProblem, packed: Struct, arrangement: Arrangement, dt: float
+) -> Struct | None:
     """What couples the modes of a rotor that feels Coriolis forces; None where they don't count.
 
     Args:
@@ -51,9 +40,10 @@ def pack_gyroscopic(
         _blocks(inverse, arrangement) if cyclic else (aligned(0), aligned(0), none, none)
     )
     normal, normal_across, shear, shear_across = (
-        _answers(inverse, arrangement, packed) if cyclic else 4 * [aligned((0, LANES))]
+        _answers(inverse, arrangement, packed) if cyclic else 4 * [aligned((0, lib.LANES))]
     )
-    return Gyroscopic(
+    return Struct(
+        "Gyroscopic",
         blocks=blocks,
         rest=rest,
         to=to,
@@ -93,9 +83,11 @@ def _blocks(
     full[empty], full[:, empty] = 0.0, 0.0
     to, by = np.nonzero(np.abs(full) > ROUNDING * np.abs(inverse).max())
     order = np.argsort(by, kind="stable")
-    blocks = np.zeros((2, half, padded(rows, ROWS), rows))
+    blocks = np.zeros((2, half, padded(rows, lib.ROWS), rows))
     blocks[:, :, :rows] = own, across
-    registers = blocks.reshape(2, half // HALF, HALF, -1, ROWS, rows).transpose(1, 3, 5, 0, 4, 2)
+    registers = blocks.reshape(2, half // lib.HALF, lib.HALF, -1, lib.ROWS, rows).transpose(
+        1, 3, 5, 0, 4, 2
+    )
     return aligned_copy(registers.reshape(-1)), full[to, by][order], to[order], by[order]
 
 
@@ -116,22 +108,22 @@ def _losses(damping: FloatArray, arrangement: Arrangement) -> tuple[FloatArray, 
     twice = np.triu(2.0 * full) - np.diag(np.diag(full))
     grid = twice.copy().reshape(2 * [rows, arrangement.columns])
     cosine = np.arange(half)
-    own = np.zeros((half, padded(rows, ROWS), rows))
+    own = np.zeros((half, padded(rows, lib.ROWS), rows))
     own[:, :rows] = grid[:, cosine, :, cosine]
     for column in (cosine, half + cosine):
         grid[:, column, :, column] -= own[:, :rows]
     left = grid.reshape(entries, entries)[np.ix_(arrangement.entry, arrangement.entry)]
     if half == 0 or np.abs(left).max(initial=0.0) > ALIKE * np.abs(damping).max(initial=0.0):
         return aligned(0), aligned_copy(twice)
-    registers = own.reshape(half // HALF, HALF, -1, ROWS, rows).transpose(0, 2, 4, 3, 1)
-    groups = [registers[:, g, g * ROWS :] for g in range(registers.shape[1])]
+    registers = own.reshape(half // lib.HALF, lib.HALF, -1, lib.ROWS, rows).transpose(0, 2, 4, 3, 1)
+    groups = [registers[:, g, g * lib.ROWS :] for g in range(registers.shape[1])]
     by_register = [
         np.concatenate([group[h].ravel() for group in groups]) for h in range(len(registers))
     ]
-    return aligned_copy(np.concatenate(by_register)), aligned((0, LANES))
+    return aligned_copy(np.concatenate(by_register)), aligned((0, lib.LANES))
 
 
-def _answers(inverse: FloatArray, arrangement: Arrangement, rotor: Rotor) -> list[FloatArray]:
+def _answers(inverse: FloatArray, arrangement: Arrangement, rotor: Struct) -> list[FloatArray]:
     """Answer of a cyclic rotor's modes to normal forces and friction on it by column.
 
     Returns:

@@ -6,13 +6,8 @@ from contact_cases import random_problem, stage_problem
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.elements.cyclic import real_dft
-from bladewhirl.solvers.packing.arrangement import (
-    CACHE_LINE,
-    Arrangement,
-    Harmonics,
-    aligned,
-    dense_arrangement,
-)
+from bladewhirl.solvers.kernel.structs import CACHE_LINE, aligned
+from bladewhirl.solvers.packing.arrangement import Arrangement, Harmonics, dense_arrangement
 from bladewhirl.solvers.packing.casing import pack_casing
 from bladewhirl.solvers.packing.rotor import pack_rotor
 from bladewhirl.solvers.packing.supports import pack_dampers, pack_springs

@@ -1,0 +1,191 @@
+"""Structs of `kernel.h` made of NumPy arrays, and calls of the compiled marches."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from importlib import resources
+from math import prod
+from typing import Any
+
+import numpy as np
+
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.inputs.errors import UserError
+
+try:
+    from bladewhirl.solvers.kernel._kernel import ffi
+    from bladewhirl.solvers.kernel._kernel import lib as lib
+except ImportError as error:
+    raise UserError(
+        f"the compiled march is not there ({error}); in a checkout `pip install -e .` builds it"
+    ) from None
+
+_ARRAYS = {
+    "Vector": ("double *", np.dtype(np.float64), ("size",)),
+    "Matrix": ("double *", np.dtype(np.float64), ("rows", "columns")),
+    "Cube": ("double *", np.dtype(np.float64), ("layers", "rows", "columns")),
+    "IntVector": ("int64_t *", np.dtype(np.int64), ("size",)),
+    "IntMatrix": ("int64_t *", np.dtype(np.int64), ("rows", "columns")),
+}
+
+CACHE_LINE = 64
+"""Bytes."""
+
+Arrays = dict[str, Any]
+"""Arrays of a struct by name; those of a struct within it are a dictionary of their own."""
+
+
+@cache
+def _fields(name: str) -> dict[str, tuple[str, list[str]]]:
+    """Type of each field of a struct and, of an array, its shape as the header has it."""
+    header = resources.files(__package__).joinpath("kernel.h").read_text(encoding="utf-8")
+    content = header[: header.index(f"\n}} {name};")].rpartition("typedef struct {")[2]
+    fields = re.findall(r"^ {4}(\w+) (\w+);(?: +/\* \(([\w, ]+)\))?", content, re.MULTILINE)
+    return {field: (kind, shape.split(", ")) for kind, field, shape in fields}
+
+
+def zeros(struct: str, sizes: dict[str, int]) -> Arrays:
+    """Zeros for all arrays of a struct.
+
+    Args:
+        struct: its name.
+        sizes: lengths that the header names.
+    """
+    arrays: Arrays = {}
+    for field, (kind, shape) in _fields(struct).items():
+        if kind in _ARRAYS:
+            lengths = tuple(int(name) if name.isdigit() else sizes[name] for name in shape)
+            arrays[field] = aligned(lengths, _ARRAYS[kind][1])
+        elif kind[0].isupper():
+            arrays[field] = zeros(kind, sizes)
+    return arrays
+
+
+class Struct:
+    """A struct of C, with the arrays that it points to as attributes.
+
+    Args:
+        name: of the struct.
+        fields: arrays, numbers, and structs within it, all of them.
+
+    Raises:
+        TypeError: a field too few or too many, or an array of another type or shape than the
+            header says.
+    """
+
+    def __init__(self, name: str, /, **fields: Any) -> None:
+        expected = _fields(name)
+        if fields.keys() != expected.keys():
+            raise TypeError(f"{name}: expected the fields {', '.join(expected)}")
+        self.pointer = ffi.new(f"{name} *")
+        sizes: dict[str, int] = {}
+        for field, value in fields.items():
+            kind, shape = expected[field]
+            if kind in _ARRAYS:
+                array = getattr(self.pointer, field)
+                _point(array, f"{name}.{field}", _ARRAYS[kind], shape, value, sizes)
+            elif isinstance(value, dict):
+                fields[field] = value = Struct(kind, **value)
+                setattr(self.pointer, field, value.pointer[0])
+            else:
+                setattr(self.pointer, field, value.pointer[0] if kind[0].isupper() else value)
+        self._fields = fields
+
+    def __getattr__(self, name: str) -> Any:
+        """An array, a number, or a struct within this."""
+        return self._fields[name]
+
+
+def _point(
+    target: Any,
+    name: str,
+    kind: tuple[str, np.dtype[Any], tuple[str, ...]],
+    shape: list[str],
+    array: np.ndarray[Any, Any],
+    sizes: dict[str, int],
+) -> None:
+    """Let a vector or matrix of C point to an array, whose lengths are checked by their names."""
+    pointer, dtype, lengths = kind
+    named = {
+        axis: int(axis) if axis.isdigit() else sizes.setdefault(axis, length)
+        for axis, length in zip(shape, array.shape, strict=True)
+        if array.size
+    }
+    fits = array.size == 0 or array.shape == tuple(named[axis] for axis in shape)
+    if array.dtype != dtype or not array.flags.c_contiguous or not fits:
+        raise TypeError(
+            f"{name}: expected contiguous {dtype} ({', '.join(shape)}) with {sizes}, "
+            f"got {array.dtype} {array.shape}, strides {array.strides}"
+        )
+    target.at = ffi.from_buffer(pointer, array)
+    for length, value in zip(lengths, array.shape, strict=True):
+        setattr(target, length, value)
+
+
+def padded(size: int, unit: int = lib.LANES) -> int:
+    """Next multiple of the unit."""
+    return -(-size // unit) * unit
+
+
+def aligned(shape: int | tuple[int, ...], dtype: Any = np.float64) -> np.ndarray[Any, Any]:
+    """Zeros that start on a cache line."""
+    count = prod(shape) if isinstance(shape, tuple) else shape
+    raw = np.zeros(count + CACHE_LINE // 8, dtype)
+    first = -(raw.ctypes.data // 8) % (CACHE_LINE // 8)
+    return raw[first : first + count].reshape(shape)
+
+
+def aligned_copy(values: np.ndarray[Any, Any]) -> FloatArray:
+    """Copy that starts on a cache line."""
+    out = aligned(values.shape, values.dtype)
+    out[...] = values
+    return out
+
+
+def march(
+    stage: tuple[Struct | None, ...],
+    wheel_speed: float | None,
+    numbers: Struct,
+    state: Struct,
+    records: Struct,
+    scratch: Struct,
+    step: int,
+    steps: int,
+    record_every: int,
+) -> tuple[int, int, int]:
+    """March from ``step`` to ``step + steps`` without Python's lock; see `kernel.h`.
+
+    Args:
+        stage: rotor, casing, springs, dampers and gyroscopic forces.
+        wheel_speed: R Omega [m/s] where sliding is permanent, else None.
+        numbers: of the march.
+        state: advanced in place.
+        records: get a row at multiples of ``record_every``.
+        scratch: working arrays.
+        step: n.
+        steps: to do.
+        record_every: steps between records.
+
+    Returns:
+        status (RUNNING or DIVERGED), the step reached, and the number of records written.
+    """
+    reached = ffi.new("int64_t[2]")
+    speed = ffi.NULL if wheel_speed is None else ffi.new("double *", wheel_speed)
+    pointers = [ffi.NULL if part is None else part.pointer for part in stage]
+    others = [part.pointer for part in (numbers, state, records, scratch)]
+    status = lib.march(*pointers, speed, *others, step, steps, record_every, reached)
+    return status, reached[0], reached[1]
+
+
+def dense_march(*structs: Struct, time_step: float, first: int, steps: int) -> int:
+    """Do steps of a dense scheme from the first on; see `kernel.h`. Return the number done.
+
+    Args:
+        structs: stage, law, state (advanced in place) and scratch.
+        time_step: h [s].
+        first: step.
+        steps: to do.
+    """
+    pointers = [struct.pointer for struct in structs]
+    return int(lib.dense_march(*pointers, time_step, first, steps))
