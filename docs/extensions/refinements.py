@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 from pictures_of_the_model import BLUE, GREEN, INK, ORANGE
 
-from bladewhirl.solvers.march.scheme import SchemeName
+from bladewhirl.models.case.schemes import SchemeName
 from bladewhirl.studies.verification import march, modes, rings, rotation, schemes, stability, whirl
 from bladewhirl.studies.verification.bodies import marched
 from bladewhirl.studies.verification.case import Pair

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, StrictBool, StrictStr
 
+from bladewhirl.models.case.schemes import SchemeName
 from bladewhirl.models.inputs.fields import (
     DisplacementPair,
     DisplacementRows,
@@ -26,8 +27,6 @@ from bladewhirl.models.inputs.mode_names import mode_choice
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.inputs.units import Speed, handy
-
-Scheme = Literal["central-difference", "moreau-jean", "penalty"]
 
 MOST_STEPS = 1e12
 """Longest march; it takes days, and step numbers stay far from overflow."""
@@ -144,7 +143,7 @@ class March(Table):
     divergent march ends [m]; a blade's length when left out, where a linear model has nothing left
     to say. It is off by a tenth from a third of that length on, but transients pass that and decay
     (a choice)."""
-    scheme: Scheme = "central-difference"
+    scheme: SchemeName = "central-difference"
     """Contact law and time integration. "central-difference": Lagrange multipliers and sliding
     friction, as in the paper; fast. "moreau-jean": impacts with contact.restitution, friction with
     stick and slip. "penalty": elastic contact of contact.penalty_stiffness, regularised friction

@@ -109,10 +109,12 @@ def _point(
     pointer, dtype, lengths = kind
     named = {
         axis: int(axis) if axis.isdigit() else sizes.setdefault(axis, length)
-        for axis, length in zip(shape, array.shape, strict=True)
+        for axis, length in zip(shape, array.shape, strict=False)
         if array.size
     }
-    fits = array.size == 0 or array.shape == tuple(named[axis] for axis in shape)
+    fits = array.ndim == len(shape) and (
+        array.size == 0 or array.shape == tuple(named[axis] for axis in shape)
+    )
     if array.dtype != dtype or not array.flags.c_contiguous or not fits:
         raise TypeError(
             f"{name}: expected contiguous {dtype} ({', '.join(shape)}) with {sizes}, "

@@ -23,7 +23,6 @@ The residual of a step is max_j |min(u_N,j+ + e u_N,j-, W_jj P_j)| over the larg
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 import scipy.linalg as la
@@ -59,41 +58,31 @@ class DenseState:
         )
 
 
-class Dense:
-    """A march with impulses by restitution, or by a penalty.
+class _Dense:
+    """What both schemes share.
 
     Args:
         problem: what to march.
         time_step: [s]
         record_every: steps between records.
-        law: of contact.
 
     Raises:
         ValueError: a time step at or above the critical one, or too long for the penalty.
     """
 
-    def __init__(
-        self,
-        problem: ContactProblem,
-        time_step: float,
-        record_every: int,
-        law: Literal["moreau-jean", "penalty"],
-    ) -> None:
+    def __init__(self, problem: ContactProblem, time_step: float, record_every: int) -> None:
         check_time_step(problem, time_step)
         self.cyclic = (False, False)
         self._problem, self._dt, self._record_every = problem, time_step, record_every
         self._stage = _stage(problem, time_step)
-        if penalty := law == "penalty":
-            _check_penalty(problem, time_step)
-        self._law = Struct(
-            "DenseLaw",
-            friction=problem.friction,
-            restitution=0.0 if penalty else problem.restitution,
-            penalty=problem.penalty_stiffness if penalty else 0.0,
-            stick_speed=problem.stick_speed if penalty else 0.0,
-        )
+        law = {"restitution": 0.0, "penalty": 0.0, "stick_speed": 0.0} | self._law_numbers()
+        self._law = Struct("DenseLaw", friction=problem.friction, **law)
         tips = len(problem.rotor.tip_angle)
         self._sizes = {"modes": len(self._stage.stiffness), "tips": tips, "twice_tips": 2 * tips}
+
+    def _law_numbers(self) -> dict[str, float]:
+        """Numbers of the contact law, see `kernel.h`."""
+        raise NotImplementedError
 
     def init(self) -> DenseState:
         """State at t = 0."""
@@ -182,6 +171,22 @@ class Dense:
             damping_work=damping,
             coupling_work=turning,
         )
+
+
+class MoreauJean(_Dense):
+    """March with impulses and restitution."""
+
+    def _law_numbers(self) -> dict[str, float]:
+        return {"restitution": self._problem.restitution}
+
+
+class Penalty(_Dense):
+    """March with a penalty and regularised friction."""
+
+    def _law_numbers(self) -> dict[str, float]:
+        problem = self._problem
+        _check_penalty(problem, self._dt)
+        return {"penalty": problem.penalty_stiffness, "stick_speed": problem.stick_speed}
 
 
 def _stage(problem: ContactProblem, dt: float) -> Struct:

@@ -7,8 +7,10 @@ slower and without anything compiled: to tell a fault of the compiled march from
 from __future__ import annotations
 
 import os
-from typing import Any, Literal
+from importlib import import_module
+from typing import Any
 
+from bladewhirl.models.case.schemes import SCHEMES, SchemeName
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.march.march import Scheme
@@ -18,32 +20,23 @@ KERNEL = "BLADEWHIRL_KERNEL"
 """Environment variable: ``compiled`` (also where it is not set) or ``reference``."""
 
 
-SchemeName = Literal["central-difference", "moreau-jean", "penalty"]
-"""Names as in cases."""
-
-
 def make_scheme(
     problem: ContactProblem,
     time_step: float,
     record_every: int,
     name: SchemeName = "central-difference",
 ) -> Scheme[Any]:
-    """Scheme of that name; of the central differences the kernel that the environment names.
+    """Return the scheme of that name; the environment may replace the central differences.
 
     Raises:
-        UserError: it names another.
+        UserError: ``BLADEWHIRL_KERNEL`` is neither of its values.
         ValueError: a time step that is too long.
     """
     kernel = os.environ.get(KERNEL, "compiled")
     if kernel not in ("compiled", "reference"):
         raise UserError(f"{KERNEL}: expected compiled or reference, got {kernel!r}")
-    # The reference needs nothing compiled.
-    if name != "central-difference":
-        from bladewhirl.solvers.march.dense import Dense
-
-        return Dense(problem, time_step, record_every, name)
-    if kernel == "reference":
+    if name == "central-difference" and kernel == "reference":
         return Reference(problem, time_step, record_every)
-    from bladewhirl.solvers.march.central_difference import CentralDifference
-
-    return CentralDifference(problem, time_step, record_every)
+    module, _, scheme = SCHEMES[name].partition(":")
+    made: Scheme[Any] = getattr(import_module(module), scheme)(problem, time_step, record_every)
+    return made

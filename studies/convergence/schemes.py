@@ -5,21 +5,19 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
+from bladewhirl.models.case.schemes import SCHEMES
 from bladewhirl.models.inputs.errors import writing
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.march import Chunk, march
-from bladewhirl.solvers.march.scheme import SchemeName
 from bladewhirl.studies.runs.figures_folder import check_figure_folder
 from bladewhirl.studies.runs.prepare import Prepared, prepare_stage
-
-SCHEMES: tuple[str, ...] = get_args(SchemeName)
 
 Progress = Callable[[int, int], None]
 """Called with finished steps and all steps, of all schemes."""

@@ -10,6 +10,7 @@ import numpy as np
 import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.case.schemes import SchemeName
 from bladewhirl.models.stage.contact_problem import (
     ContactProblem,
     Load,
@@ -18,7 +19,7 @@ from bladewhirl.models.stage.contact_problem import (
     at_rest,
 )
 from bladewhirl.solvers.march.march import Chunk
-from bladewhirl.solvers.march.scheme import SchemeName, make_scheme
+from bladewhirl.solvers.march.scheme import make_scheme
 
 FAR = 1e3
 """A displacement limit out of reach [m]."""

@@ -12,12 +12,13 @@ from places import EXAMPLES
 from scipy.interpolate import CubicHermiteSpline
 
 from bladewhirl.models.case.file import read_case
+from bladewhirl.models.case.schemes import SchemeName
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.march import EndReason
-from bladewhirl.solvers.march.scheme import SchemeName, make_scheme
+from bladewhirl.solvers.march.scheme import make_scheme
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.verification.bodies import marched
 from bladewhirl.studies.verification.contact import pad_on_a_wall
