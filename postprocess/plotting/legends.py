@@ -8,6 +8,7 @@ from typing import NamedTuple, cast
 
 import numpy as np
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend_handler import HandlerTuple
@@ -24,6 +25,15 @@ class Group(NamedTuple):
 
     entries: Sequence[tuple[Artist | tuple[Artist, ...], str]]  #: artists and their labels
     title: str = ""
+
+
+def entries_of(*panels: Axes) -> list[tuple[Artist, str]]:
+    """Return the labelled artists of panels, the first one of each label."""
+    pairs = [zip(*axes.get_legend_handles_labels(), strict=True) for axes in panels]
+    named: dict[str, Artist] = {}
+    for handle, label in (entry for panel in pairs for entry in panel):
+        named.setdefault(label, handle)
+    return [(handle, label) for label, handle in named.items()]
 
 
 def legends_below(figure: Figure, *groups: Group) -> None:

@@ -1,4 +1,4 @@
-"""Axes of figures of sweeps: those of a swept key, and those of growth rates about zero."""
+"""Axes of swept keys in figures of sweeps."""
 
 from __future__ import annotations
 
@@ -17,17 +17,8 @@ WIDE_RANGE = 50.0
 """Ratio of the largest to the smallest value of a key from which its axis is logarithmic."""
 
 MOST_TICKS = 12
-"""Ticks at swept values on an axis as wide as a page; of more than twice as many values, ticks are
-where they usually are."""
-
-MARGIN = 0.03
-"""Share of the swept range that is left free on both sides of points, so that none is cut."""
-
-CLEAR_RATE_RANGE = 30.0
-"""Ratio of the largest rate to what is usual from which a scale is linear about zero only."""
-
-MOST_RATE_TICKS = 3
-"""Ticks on each side of zero of a scale that is linear about zero only."""
+"""Ticks at swept values on an axis as wide as a page; for more than twice as many values
+matplotlib chooses the ticks."""
 
 
 def in_handy_units(data: xr.Dataset) -> xr.Dataset:
@@ -53,38 +44,31 @@ def in_handy_units(data: xr.Dataset) -> xr.Dataset:
 
 
 def key_axis(
-    axes: Axes,
-    data: xr.Dataset,
-    *,
-    of_y: bool = False,
-    key: str = "",
-    cells: bool = False,
-    share: float = 1.0,
+    axes: Axes, data: xr.Dataset, *, of_y: bool = False, key: str = "", share: float = 1.0
 ) -> None:
-    """Label an axis with a swept key over the whole swept range, with ticks at the values if they
-    are few, and make it logarithmic where its values ask for it.
+    """Label an axis with a swept key over the cells of all its values, with ticks at the values if
+    they are few, and make it logarithmic for a wide range.
 
     Args:
-        axes: that has it.
+        axes: the panel.
         data: with the key.
         of_y: the vertical axis.
-        key: other than the one that is gone along.
-        cells: reach to the borders of cells around the values, as of maps; else to the values.
-        share: of a page's width that the axis takes.
+        key: name of the key; the abscissa of the figure by default.
+        share: width of the axis, relative to a page.
     """
     values = data[key or str(data.attrs["along"])]
-    place, wide = values.values, is_wide(values.values)
-    axis = axes.yaxis if of_y else axes.xaxis
-    if of_y:
-        axes.set_yscale("log" if wide else "linear")
-    else:
-        axes.set_xscale("log" if wide else "linear")
-    axis.set_label_text(key_label(values))
-    limits = edges_of(place)[[0, -1]] if cells else _around(place, wide)
-    (axes.set_ylim if of_y else axes.set_xlim)(*limits)
+    place, way = values.values, "y" if of_y else "x"
+    axes.set(
+        **{
+            f"{way}scale": "log" if is_wide(place) else "linear",
+            f"{way}label": key_label(values),
+            f"{way}lim": edges_of(place)[[0, -1]],
+        }
+    )
     most = max(2, int(MOST_TICKS * share))
     if len(place) <= 2 * most:
-        axis.set_major_locator(FixedLocator(_spread(place, most, wide).tolist()))
+        axis = axes.yaxis if of_y else axes.xaxis
+        axis.set_major_locator(FixedLocator(place.tolist(), nbins=most))
         axis.set_minor_locator(NullLocator())
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}"))
 
@@ -132,54 +116,14 @@ def key_label(values: xr.DataArray) -> str:
 
 
 def linear_threshold(rate: Array, error: Array) -> float | None:
-    """Power of ten below which a scale is to be linear; None where all of it is to be.
+    """Return the power of ten up to which a scale of growth rates is linear; None if all of it is.
 
-    It is above most rates, and above what most of them are uncertain by, so that noise is not
-    spread over decades.
-
-    Args:
-        rate: nan where there is none, (...).
-        error: standard error of each, in the same unit, (...).
-    """
-    size, doubt = np.abs(rate), CERTAINTY * error[np.isfinite(error)]
-    size = size[np.isfinite(size) & (size > 0)]
-    if not size.size:
-        return None
-    usual = max(float(np.median(size)), float(np.median(doubt)) if doubt.size else 0.0)
-    if float(size.max()) <= CLEAR_RATE_RANGE * usual:
-        return None
-    return float(10.0 ** np.ceil(np.log10(usual)))
-
-
-def threshold_ticks(threshold: float, largest: float) -> list[float]:
-    """Return zero and powers of ten on both sides of it, few enough not to overlap.
+    Median rate and uncertainty are below it, so that noise is not spread over decades.
 
     Args:
-        threshold: from `linear_threshold`.
-        largest: amount on the scale.
+        rate: nan where there is none, (...) [1/s].
+        error: standard error of each, (...) [1/s].
     """
-    first, last = round(np.log10(threshold)), int(np.floor(np.log10(largest)))
-    powers = range(last, first - 1, -max(1, -(-(last - first + 1) // MOST_RATE_TICKS)))
-    positive = [10.0**power for power in reversed(powers)]
-    return [-value for value in reversed(positive)] + [0.0, *positive]
-
-
-def _around(place: Array, wide: bool) -> Array:
-    """Limits a little outside the first and the last value, (2,)."""
-    if len(place) == 1:
-        return cell_edges(place, logarithmic=wide)
-    ends = np.log(place[[0, -1]]) if wide else place[[0, -1]].astype(np.float64)
-    free = MARGIN * (ends[1] - ends[0])
-    ends = ends + np.array([-free, free])
-    return np.asarray(np.exp(ends) if wide else ends)
-
-
-def _spread(place: Array, most: int, wide: bool) -> Array:
-    """Return the values that are far enough apart for a number of ticks."""
-    at = np.log(place) if wide else place
-    apart = (at[-1] - at[0]) / most
-    kept = [0]
-    for number in range(1, len(at)):
-        if at[number] - at[kept[-1]] >= apart * (1 - 1e-9):
-            kept.append(number)
-    return np.asarray(place[kept])
+    usual = max(np.nanmedian(np.abs(rate)), CERTAINTY * np.nanmedian(error), 1e-12)
+    threshold = float(10.0 ** np.ceil(np.log10(usual)))
+    return threshold if np.nanmax(np.abs(rate)) > threshold else None

@@ -11,11 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, PLOT_DECADES
-from bladewhirl.postprocess.plotting.style import (
-    COLOURS,
-    SEQUENTIAL,
-    styled,
-)
+from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL, styled
 from bladewhirl.postprocess.sweep.axes import key_edges
 from bladewhirl.postprocess.sweep.dataset import GROUP
 from bladewhirl.postprocess.sweep.drawing import DASHES, MARKS, two_columns

@@ -18,22 +18,19 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
-from bladewhirl.postprocess.plotting.legends import Group, legends_below
-from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL, styled
-from bladewhirl.postprocess.plotting.titles import set_title
+from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
+from bladewhirl.postprocess.plotting.style import (
+    COLOURS,
+    FULL_WIDTH,
+    SEQUENTIAL,
+    new_figure,
+    styled,
+)
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.spectra import LINE_DASHES
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edges, rpm_on_top
 from bladewhirl.postprocess.sweep.dataset import swept
-from bladewhirl.postprocess.sweep.drawing import (
-    MOST_PANELS,
-    chosen,
-    label_outer,
-    left_out_note,
-    panel_grid,
-    panel_titles,
-    panels_note,
-)
+from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, line_values, title_figure
 from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges
 
 MOST_COLUMNS = 1000
@@ -97,7 +94,7 @@ def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
     names = ["rotation_speed", "reference_frequency", "mode_frequency", "mode_forward_frequency"]
     points = along(dataset, key, names)
     with_points = np.flatnonzero((points["state"] == "done").any(key).values)
-    drawn = with_points[chosen(len(with_points), MOST_PANELS)]
+    drawn = with_points[chosen(len(with_points), MOST_ROWS)]
     points = points.isel({LINE: drawn})
     unit, units = _unit(points)
     lines = _mode_lines(points)
@@ -194,31 +191,19 @@ def plot_frequency_map(maps: xr.Dataset) -> Figure:
     maps = in_handy_units(maps)
     amplitude = MILLI * maps["amplitude"].values
     top = np.nanmax(amplitude, initial=0.0) or 1.0
-    count, titles = maps.sizes[LINE], panel_titles(maps)
-    figure, panels = panel_grid(count, height=0.1 if count == 1 else 0.07)
+    count, titles = maps.sizes[LINE], line_values(maps)
+    figure = new_figure(width=FULL_WIDTH, height=0.1 if count == 1 else 0.065 * count)
+    panels = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
     for number, axes in enumerate(panels):
         picture = _draw_map(axes, maps.isel({LINE: number}), top)
-        axes.set_title(titles[number])
-        key_axis(axes, maps, cells=True, share=0.9 if count < 4 else 0.55)
-    label_outer(panels)
-    rpm_on_top(maps, *panels[: 2 if count >= 4 else 1])
+        axes.set_title(titles[number], loc="left")
+    key_axis(panels[-1], maps, share=0.9)
+    rpm_on_top(maps, panels[0])
     figure.colorbar(picture, ax=list(panels), label="amplitude of the shaft [mm]", pad=0.01)
     unit = "/ ω₁ [–]" if maps["frequency"].attrs["units"] == "1" else "[Hz]"
-    label = f"frequency {unit}, forward positive"
-    if count == 1:
-        panels[0].set_ylabel(label)
-    else:
-        figure.supylabel(label, fontsize="medium")
-    note = left_out_note(int(maps.attrs["lines"]), MOST_PANELS)
-    shown = maps.attrs["title"] + note + panels_note(maps, "panels")
-    set_title(figure, maps.attrs["case"], shown)
-    named = {
-        name: handle
-        for axes in panels
-        for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
-    names = [name for name in (*LINES, ENGINE_ORDERS) if name in named]
-    legends_below(figure, Group([(named[name], name) for name in names]))
+    figure.supylabel(f"frequency {unit}, forward positive", fontsize="medium")
+    title_figure(figure, maps, most=MOST_ROWS, lines=int(maps.attrs["lines"]))
+    legends_below(figure, Group(entries_of(*panels)))
     return figure
 
 

@@ -9,37 +9,24 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
-from bladewhirl.postprocess.sweep.axes import (
-    edges_of,
-    in_handy_units,
-    key_axis,
-    linear_threshold,
-    threshold_ticks,
-)
+from bladewhirl.postprocess.sweep.axes import edges_of, in_handy_units, key_axis, linear_threshold
 from bladewhirl.postprocess.sweep.drawing import (
+    MARK_SIZE,
     REGIME_COLOURS,
     REGIME_MARKS,
     Line,
     label_figure,
-    line_keys,
     lines_group,
     lines_of,
-    mark_entry,
 )
 
 NOT_JUDGED = "The marches are too short to judge growth: sustained is contact up to the end."
-
-DIVERGES = (
-    "Divergent: the amplitude (root of the mean strain energy of bladed disk and shaft springs) or"
-    " its ripple grows beyond doubt over the last third, without slowing, to more than before."
-)
 
 MOST_MARKED = 24
 """Columns, and rows, of cells up to which each has the mark of its regime."""
@@ -54,47 +41,31 @@ Names = NDArray[np.str_]
 def plot_regimes(data: xr.Dataset) -> Figure:
     """Draw the regime of every point as a strip for each line, and below it the growth rate.
 
-    Bars reach to `regimes.CERTAINTY` standard errors. Points without a result are hatched.
+    Bars reach to `CERTAINTY` standard errors. Points without a result are hatched.
 
     Args:
-        data: from `sweep_quantities.regimes`.
+        data: from `quantities.regimes`.
     """
-    data = in_handy_units(data)
-    key, lines = str(data.attrs["along"]), list(lines_of(data))
+    data, judged = in_handy_units(data), bool(np.isfinite(data["growth_rate"].values).any())
+    lines = lines_of(data)
     strips = 0.005 * len(lines) + 0.005
-    judged = bool(np.isfinite(data["growth_rate"].values).any())
-    entries = regime_entries(data["regime"].values)
-    groups, note = [Group(entries, DIVERGES if judged else NOT_JUDGED)], ""
+    groups = [Group(regime_entries(data["regime"].values), "" if judged else NOT_JUDGED)]
+    figure = new_figure(width=FULL_WIDTH, height=strips + (0.08 if judged else 0.035))
+    heights = (strips, 0.05) if judged else (1.0,)
+    panels = figure.subplots(len(heights), sharex=True, height_ratios=heights, squeeze=False)[:, 0]
+    _draw_strips(panels[0], lines)
     if judged:
-        figure = new_figure(width=FULL_WIDTH, height=0.08 + strips)
-        upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(strips, 0.05))
+        rate, error = data["growth_rate"].values, data["growth_error"].values
         for line in lines:
-            _draw_growth(lower, line, key)
-        _scale_growth(lower, data)
-        lower.axhline(0.0, color=COLOURS["total"], linewidth=0.6, zorder=1)
-        lower.set_ylabel("growth rate [1/s]")
-        groups.append(lines_group(data, lines, "growth_rate", marked=False))
-        note = f", ± {CERTAINTY:g} standard errors"
-    else:
-        figure = new_figure(width=FULL_WIDTH, height=0.035 + strips)
-        upper = lower = figure.subplots()
-        data = data.assign_attrs(title="regime")
-    _draw_strips(upper, lines, key)
-    if len(lines) > 1:
-        upper.set_title(f"rows: {line_keys(data)}", loc="left")
-    key_axis(lower, data, cells=True)
-    label_figure(figure, data, *groups, note=note)
+            _draw_growth(panels[1], line)
+        if threshold := linear_threshold(rate, error):
+            panels[1].set_yscale("symlog", linthresh=threshold)
+        panels[1].axhline(0.0, color=COLOURS["total"], linewidth=0.6, zorder=1)
+        panels[1].set_ylabel(f"growth rate\n± {CERTAINTY:g} errors [1/s]")
+        groups.append(lines_group(lines, marked=False))
+    key_axis(panels[-1], data)
+    label_figure(figure, data, *groups)
     return figure
-
-
-def _scale_growth(axes: Axes, data: xr.Dataset) -> None:
-    """Make the axis of growth rates linear about zero only where a few are far larger."""
-    rate, error = data["growth_rate"].values, data["growth_error"].values
-    if threshold := linear_threshold(rate, error):
-        reach = float(np.nanmax(np.abs(rate) + CERTAINTY * np.nan_to_num(error)))
-        axes.set_yscale("symlog", linthresh=threshold)
-        axes.set_yticks(threshold_ticks(threshold, reach))
-        axes.yaxis.set_minor_locator(NullLocator())
 
 
 def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
@@ -138,7 +109,7 @@ def regime_entries(regime: Names) -> list[tuple[Patch | tuple[Patch, Line2D], st
     entries: list[tuple[Patch | tuple[Patch, Line2D], str]] = []
     for name, colour in REGIME_COLOURS.items():
         if count := int(np.count_nonzero(regime == name)):
-            mark = mark_entry(REGIME_MARKS[name], name)[0]
+            mark = Line2D([], [], color="black", marker=REGIME_MARKS[name], linestyle="none", ms=4)
             entries.append(((Patch(color=colour), mark), f"{name}: {count}"))
     if rest := int(np.count_nonzero(~np.isin(regime, list(REGIME_COLOURS)))):
         hatched = Patch(fc="white", ec=COLOURS["rest"], hatch=HATCH)
@@ -146,28 +117,18 @@ def regime_entries(regime: Names) -> list[tuple[Patch | tuple[Patch, Line2D], st
     return entries
 
 
-def _draw_strips(axes: Axes, lines: list[Line], key: str) -> None:
-    place = lines[0].data[key].values
+def _draw_strips(axes: Axes, lines: list[Line]) -> None:
     rows = np.array([line.data["regime"].values for line in lines])
     at = np.arange(len(lines), dtype=np.float64)
-    draw_regimes(axes, place, at, rows)
-    axes.set(ylim=(-0.5, len(lines) - 0.5), yticks=at)
+    draw_regimes(axes, lines[0].place, at, rows)
+    axes.set(ylim=(len(lines) - 0.5, -0.5), yticks=at)
     axes.set_yticklabels([line.label or "regime" for line in lines])
-    axes.invert_yaxis()
 
 
-def _draw_growth(axes: Axes, line: Line, key: str) -> None:
-    one = line.data
-    place, rate = one[key].values, one["growth_rate"].values
-    drawn, _, _ = axes.errorbar(
-        place,
-        rate,
-        CERTAINTY * one["growth_error"].values,
-        color=line.colour,
-        linewidth=line.width,
-        elinewidth=0.6 * line.width,
-    )
-    drawn.set_linestyle(line.dash)
+def _draw_growth(axes: Axes, line: Line) -> None:
+    rate, error = line.data["growth_rate"].values, line.data["growth_error"].values
+    axes.plot(line.place, rate, color=line.colour, linestyle=line.dash)
+    axes.errorbar(line.place, rate, CERTAINTY * error, fmt="none", ecolor=line.colour)
     for name, mark in REGIME_MARKS.items():
-        of_regime = one["regime"].values == name
-        axes.plot(place[of_regime], rate[of_regime], mark, color=line.colour, markersize=line.size)
+        here = line.data["regime"].values == name
+        axes.plot(line.place[here], rate[here], mark, color=line.colour, markersize=MARK_SIZE)

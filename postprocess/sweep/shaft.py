@@ -2,30 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.transforms import Transform
 
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
 from bladewhirl.postprocess.sweep.drawing import (
-    SIDE_BY_SIDE,
-    SIZES,
-    WIDTHS,
-    Line,
-    dodged,
+    MARK_SIZE,
     draw_marks,
     label_figure,
     lines_group,
     lines_of,
-    mark_entry,
+    open_mark,
 )
 from bladewhirl.solvers.stability.scenario import STEADY
 
@@ -37,24 +28,6 @@ LEAST_WHIRL = 0.1
 
 PARTS = {"shaft_radius_max": "largest", "shaft_radius_final": "at the end"}
 
-SCENARIO_MARKS: Mapping[str, tuple[str, bool]] = {
-    "standard": ("o", True),
-    "inverted": ("s", True),
-    "unsteady": ("o", False),
-}
-"""Mark of each scenario, and whether it is filled."""
-
-BELOW = {"unsteady": f", steadiness below {STEADY:g}"}
-"""What a name of a scenario needs said."""
-
-SCATTER = "scatter within the march, where larger than the mark"
-"""What bars of a whirl are, in words."""
-
-NO_SCATTER = "\nmarches too short to tell its scatter"
-
-UNDRAWN: Mapping[str, str] = {"no-contact": "nothing touches", "at-rest": "the shaft rests"}
-"""Of points without a side of the contact, in words."""
-
 
 @styled
 def plot_shaft_radius(radius: xr.Dataset) -> Figure:
@@ -63,16 +36,18 @@ def plot_shaft_radius(radius: xr.Dataset) -> Figure:
     Divergent points are open: their march was ended, or the motion would have grown further.
 
     Args:
-        radius: from `sweep_quantities.shaft_radius`.
+        radius: from `quantities.shaft_radius`.
     """
     radius = in_handy_units(radius)
     unit, scale = handy_unit(float(radius["shaft_radius_max"].max().fillna(0.0)), "m")
-    lines = list(lines_of(radius))
+    lines = lines_of(radius)
     figure = new_figure(width=FULL_WIDTH, height=0.11)
     panels = figure.subplots(2, 1, sharex=True)
     for axes, (name, label) in zip(panels, PARTS.items(), strict=True):
         for line in lines:
-            _draw_line(axes, line, name, scale)
+            size = scale * line.data[name].values
+            axes.plot(line.place, size, color=line.colour, linestyle=line.dash)
+            draw_marks(axes, line, size, filled=line.data["regime"].values != "divergent")
         values = scale * radius[name].values
         moving = values[values > 0]
         if moving.size and moving.max() > WIDE * np.median(moving):
@@ -83,52 +58,41 @@ def plot_shaft_radius(radius: xr.Dataset) -> Figure:
         axes.set_ylabel(f"{label} [{unit}]")
     key_axis(panels[1], radius)
     divergent = (radius["regime"] == "divergent").any()
-    marks = [mark_entry("o", "divergent (open marks)", filled=False)] if divergent else []
-    group = lines_group(radius, lines, "shaft_radius_max")
-    label_figure(figure, radius, Group(marks), group)
+    marks = [open_mark("divergent (open marks)")] if divergent else []
+    label_figure(figure, radius, Group(marks), lines_group(lines))
     return figure
 
 
 @styled
 def plot_whirls(data: xr.Dataset) -> Figure:
-    """Draw the whirl's frequency in both frames in Hz, forward upwards, with its scatter.
+    """Draw the whirl's frequency in both frames in Hz, forward upwards, with bars for its scatter.
 
     Filled marks have a clear direction. A shaft that hardly moves has no mark.
 
     Args:
-        data: from `sweep_quantities.whirls`.
+        data: from `quantities.whirls`.
     """
     data = in_handy_units(data)
-    lines = list(lines_of(data))
-    several = len(lines) > 1
-    if several:  # side by side, where none has to be seen below another
-        lines = [line._replace(width=WIDTHS[-1], size=SIZES[-1]) for line in lines]
+    lines = lines_of(data)
     figure = new_figure(width=FULL_WIDTH, height=0.12)
     panels = figure.subplots(2, 1, sharex=True)
     for axes, frame in zip(panels, data["frame"].values, strict=True):
         axes.axhline(0.0, color=COLOURS["total"], linewidth=0.6)
-        for number, line in enumerate(lines):
-            place_of = dodged(axes, number, len(lines))
-            _draw_whirl(axes, line._replace(data=line.data.sel(frame=frame)), place_of)
+        for line in lines:
+            one = line.data.sel(frame=frame)
+            frequency, scatter = one["frequency"].values, one["scatter"].fillna(0.0).values
+            clear = np.isin(one["direction"].values, ["forward", "backward"])
+            path = np.where(clear, frequency, np.nan)
+            axes.plot(line.place, path, color=line.colour, linestyle=line.dash)
+            axes.errorbar(line.place, frequency, scatter, fmt="none", ecolor=line.colour)
+            draw_marks(axes, line, frequency, filled=clear)
         axes.set_ylabel(f"{frame} frame [Hz]\n← backward  forward →")
         axes.margins(y=0.1)
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, -LEAST_WHIRL), max(high, LEAST_WHIRL))
     key_axis(panels[1], data)
-    known = bool(np.isfinite(data["scatter"].values).any())
-    marks = [
-        mark_entry("o", "clear direction (filled)"),
-        mark_entry("o", "no clear direction (open): swings to and fro", filled=False),
-    ]
-    marks += [mark_entry("|", SCATTER)] if known else []
-    group = lines_group(data, lines, "frequency")
-    label_figure(
-        figure,
-        data,
-        Group(marks),
-        group,
-        note=(SIDE_BY_SIDE if several else "") + (NO_SCATTER if not known else ""),
-    )
+    marks = Group([open_mark("no clear direction (open marks)")])
+    label_figure(figure, data, marks, lines_group(lines))
     return figure
 
 
@@ -140,15 +104,23 @@ def plot_contact_sides(data: xr.Dataset) -> Figure:
     motions without a steady lead. Points at which nothing touches have no mark.
 
     Args:
-        data: from `sweep_quantities.contact_sides`.
+        data: from `quantities.contact_sides`.
     """
     data = in_handy_units(data)
     figure = new_figure(width=FULL_WIDTH, height=0.11)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, 1.0))
-    lines = list(lines_of(data))
-    for number, line in enumerate(lines):
-        positions = dodged(upper, number, len(lines))
-        _draw_side(upper, lower, line, positions, several=len(lines) > 1)
+    lines = lines_of(data)
+    for line in lines:
+        lead = np.degrees(line.data["shaft_lead"].values)
+        draw_marks(upper, line, lead, filled=line.data["scenario"].values != "unsteady")
+        lower.plot(
+            line.place,
+            line.data["lead_steadiness"].values,
+            marker=line.mark,
+            markersize=MARK_SIZE,
+            color=line.colour,
+            linestyle=line.dash,
+        )
     band = upper.axhspan(-90, 90, color=COLOURS["rest"], alpha=0.25, linewidth=0, zorder=0)
     upper.set(
         ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), ylabel="shaft ahead of\ncontact [°]"
@@ -156,81 +128,7 @@ def plot_contact_sides(data: xr.Dataset) -> Figure:
     lower.set(ylim=(0.0, 1.05), ylabel="steadiness [–]")
     lower.axhline(STEADY, color=COLOURS["total"], linestyle=":", linewidth=0.6)
     key_axis(lower, data)
-    counts = {name: int((data["scenario"] == name).sum()) for name in (*SCENARIO_MARKS, *UNDRAWN)}
-    marks = [
-        mark_entry(
-            "o" if len(lines) > 1 else mark,
-            f"{name}: {counts[name]}{BELOW.get(name, '')}",
-            filled=filled,
-        )
-        for name, (mark, filled) in SCENARIO_MARKS.items()
-        if counts[name]
-    ]
-    unmarked = [
-        (Line2D([], [], linestyle="none"), f"{words}: {counts[name]}, no mark")
-        for name, words in UNDRAWN.items()
-        if counts[name]
-    ]
-    within = (band, "where contact is standard")
-    label_figure(
-        figure,
-        data,
-        Group([within, *marks, *unmarked]),
-        lines_group(data, lines, "shaft_lead"),
-        note=SIDE_BY_SIDE if len(lines) > 1 else "",
-    )
+    marks = [(band, "where contact is standard")]
+    unsteady = open_mark(f"unsteady, below {STEADY:g} (open marks)")
+    label_figure(figure, data, Group([*marks, unsteady]), lines_group(lines))
     return figure
-
-
-def _draw_line(axes: Axes, line: Line, name: str, scale: float) -> None:
-    place = line.data[str(line.data.attrs["along"])].values
-    size = scale * line.data[name].values
-    divergent = line.data["regime"].values == "divergent"
-    axes.plot(place, size, color=line.colour, linestyle=line.dash, linewidth=line.width)
-    draw_marks(axes, line, place, size, filled=~divergent)
-
-
-def _draw_side(upper: Axes, lower: Axes, line: Line, place_of: Transform, *, several: bool) -> None:
-    one = line.data
-    place, lead = one[str(one.attrs["along"])].values, np.degrees(one["shaft_lead"].values)
-    for name, (mark, filled) in SCENARIO_MARKS.items():
-        of_scenario = one["scenario"].values == name
-        face = line.colour if filled else "white"
-        shape = line.mark if several else mark
-        (marks,) = upper.plot(place[of_scenario], lead[of_scenario], shape, color=line.colour)
-        marks.set_transform(place_of)
-        marks.set(markerfacecolor=face, markersize=SIZES[-1] if several else line.size)
-    lower.plot(
-        place,
-        one["lead_steadiness"].values,
-        marker=".",
-        markersize=line.size,
-        color=line.colour,
-        linestyle=line.dash,
-        linewidth=line.width,
-    )
-
-
-def _draw_whirl(axes: Axes, line: Line, place_of: Transform) -> None:
-    one, before = line.data, set(axes.get_children())
-    place, frequency = one[str(one.attrs["along"])].values, one["frequency"].values
-    clear = np.isin(one["direction"].values, ["forward", "backward"])
-    axes.plot(
-        place,
-        np.where(clear, frequency, np.nan),
-        color=line.colour,
-        linestyle=line.dash,
-        linewidth=line.width,
-    )
-    axes.errorbar(
-        place,
-        frequency,
-        one["scatter"].fillna(0.0).values,
-        color=line.colour,
-        linestyle="none",
-        elinewidth=0.6 * line.width,
-        capsize=1.5,
-    )
-    draw_marks(axes, line, place, frequency, filled=clear)
-    for artist in set(axes.get_children()) - before:  # the axes know the data by now
-        artist.set_transform(place_of)

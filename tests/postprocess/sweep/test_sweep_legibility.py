@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.collections import PatchCollection
+from matplotlib.collections import PolyQuadMesh
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
@@ -17,21 +17,16 @@ from synthetic_sweep import synthetic_sweep
 
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.plotting.style import new_figure
-from bladewhirl.postprocess.sweep.axes import (
-    in_handy_units,
-    key_axis,
-    linear_threshold,
-    threshold_ticks,
-)
+from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, linear_threshold
 from bladewhirl.postprocess.sweep.bifurcation import bifurcation, plot_bifurcation
 from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.drawing import REGIME_MARKS, lines_of
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map, plot_frequency_map
 from bladewhirl.postprocess.sweep.maps import DOUBTFUL, plot_sweep_maps, sweep_maps
-from bladewhirl.postprocess.sweep.quantities import contact_sides, regimes, whirls
+from bladewhirl.postprocess.sweep.quantities import contact_sides, regimes
 from bladewhirl.postprocess.sweep.regimes import plot_regimes
-from bladewhirl.postprocess.sweep.shaft import plot_contact_sides, plot_whirls
+from bladewhirl.postprocess.sweep.shaft import plot_contact_sides
 
 REFERENCE = 75.0  # rad/s
 SPEEDS = (1.0, 1.1, 1.2)
@@ -96,18 +91,7 @@ def test_lines_differ_without_their_colour(four: Path) -> None:
     with open_sweep(four) as sweep:
         lines = list(lines_of(in_handy_units(regimes(sweep, "march_speed"))))
     assert len({str(line.dash) for line in lines}) == len({line.mark for line in lines}) == 8
-    assert (np.diff([line.size for line in lines]) < 0).all()
     assert lines[0].label == "20 µm, 1.25 mm, 0.4 mm"
-
-
-def test_lengths_of_a_key_are_in_units_that_read_well(four: Path) -> None:
-    with open_sweep(four) as sweep:
-        found = whirls(sweep, "casing_clearance_amplitude")
-        figure = plot_whirls(found)
-    axes = figure.axes[1]
-    assert axes.get_xlabel() == "casing clearance amplitude [µm]"
-    np.testing.assert_allclose(axes.get_xticks(), [20.0, 50.0])
-    np.testing.assert_allclose(found["casing_clearance_amplitude"], [2e-5, 5e-5])  # the data: SI
 
 
 def keyed(values: np.ndarray) -> xr.Dataset:
@@ -119,11 +103,7 @@ def test_ticks_are_at_the_swept_values_if_these_are_few() -> None:
     axes = new_figure(height=0.05).subplots()
     few = np.array([1.0, 1.5, 1.6, 3.0])
     key_axis(axes, keyed(few))
-    np.testing.assert_allclose(axes.get_xticks(), [1.0, 1.5, 3.0])  # 1.6 would run into 1.5
-    low, high = axes.get_xlim()
-    assert 0.9 < low < 1.0
-    assert 3.0 < high < 3.1
-    key_axis(axes, keyed(few), cells=True)
+    np.testing.assert_allclose(axes.get_xticks(), few)
     np.testing.assert_allclose(axes.get_xlim(), [0.75, 3.7])
     many = np.linspace(0.0, 1.0, 201)
     key_axis(axes, keyed(many))
@@ -141,38 +121,15 @@ def test_points_that_nothing_touches_have_no_side(four: Path) -> None:
     assert np.isfinite(found["shaft_lead"].values[:, 1]).all()
     assert not (found["scenario"].values[:, 1] == "no-contact").any()
     figure = plot_contact_sides(found)
-    words = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
-    assert "nothing touches: 16, no mark" in words
     low, high = figure.axes[1].get_xlim()
     assert low < SPEEDS[0]  # though nothing is drawn there
     assert high > SPEEDS[-1]
-
-
-def test_lines_without_a_point_say_so(four: Path) -> None:
-    with open_sweep(four) as sweep:
-        found = whirls(sweep, "march_speed")
-    found["frequency"][2] = np.nan
-    words = [text.get_text() for text in plot_whirls(found).legends[1].get_texts()]
-    assert [word.endswith(": no point") for word in words] == [n == 2 for n in range(8)]
 
 
 def test_rates_that_are_noise_are_on_a_linear_scale() -> None:
     rate = np.array([1e-4, -2e-4, 3e-4, 0.0, 0.02])
     assert linear_threshold(rate, np.full(5, 1e-2)) is None
     assert linear_threshold(rate, np.full(5, 1e-6)) == pytest.approx(1e-3)
-    assert linear_threshold(np.full(3, np.nan), np.full(3, np.nan)) is None
-
-
-@pytest.mark.parametrize(("threshold", "largest"), [(1e-3, 0.02), (1e-3, 5.0), (1e-4, 3e5)])
-def test_ticks_about_zero_are_few_and_outside_the_linear_part(
-    threshold: float, largest: float
-) -> None:
-    ticks = np.array(threshold_ticks(threshold, largest))
-    np.testing.assert_array_equal(ticks, -ticks[::-1])
-    positive = ticks[ticks > 0]
-    assert 1 <= len(positive) <= 3
-    assert threshold * (1 - 1e-9) <= positive.min()
-    assert positive.max() <= largest
 
 
 def test_growth_that_may_be_none_is_crossed_out(four: Path) -> None:
@@ -187,7 +144,7 @@ def test_growth_that_may_be_none_is_crossed_out(four: Path) -> None:
         len(collection.get_paths())
         for axes in figure.axes
         for collection in axes.collections
-        if isinstance(collection, PatchCollection) and collection.get_hatch()
+        if isinstance(collection, PolyQuadMesh) and collection.get_hatch()
     ]
     assert crossed == [2, 0, 0, 0]
     assert DOUBTFUL in [text.get_text() for text in figure.legends[0].get_texts()]
@@ -216,25 +173,6 @@ def test_a_frequency_map_names_only_modes_that_are_seen(four: Path) -> None:
     assert names == ["suspension", "1F k=1", "engine orders"]
 
 
-def test_marks_of_a_bifurcation_diagram_stand_at_swept_values_inside_it(tmp_path: Path) -> None:
-    """Two values of the key and three lines."""
-    over = {"march.speed": (1.0, 1.1), "contact.friction": (0.1, 0.2, 0.3)}
-    motions = [
-        {"speed": REFERENCE * speed, "shaft_radius": 2e-3, "records": 201}
-        for speed in over["march.speed"]
-        for _ in over["contact.friction"]
-    ]
-    with open_sweep(synthetic_sweep(tmp_path / "sweep", over, motions)) as sweep:
-        figure, _ = SweepFigures(sweep).draw("bifurcation")
-    left, right = figure.axes[0].get_xlim()
-    places = np.concatenate(
-        [np.ravel(line.get_xdata()).astype(float) for line in figure.axes[0].lines]
-    )
-    assert sorted(set(places)) == list(over["march.speed"])
-    assert left < places.min()
-    assert places.max() < right
-
-
 def test_a_bifurcation_diagram_without_a_section_keeps_its_unit(tmp_path: Path) -> None:
     """A last third shorter than a revolution: the largest radius alone says the unit."""
     over = {"march.speed": (1.0, 1.1)}
@@ -246,7 +184,6 @@ def test_a_bifurcation_diagram_without_a_section_keeps_its_unit(tmp_path: Path) 
         figure = plot_bifurcation(found)
         judged = regimes(sweep, "march_speed")
         growth = plot_regimes(judged.assign(growth_rate=np.nan * judged["growth_rate"]))
-    assert "revolutions in it, at most: 0, too few" in figure.get_suptitle()
-    assert "too short to judge" in growth.legends[0].get_title().get_text()
+        assert "too short to judge" in growth.legends[0].get_title().get_text()
     assert not any("growth rate" in axes.get_ylabel() for axes in growth.axes)
     assert all("[mm]" in axes.get_ylabel() for axes in figure.axes)
