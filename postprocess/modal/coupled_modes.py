@@ -11,12 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 from bladewhirl.postprocess.pictures.drawing import Drawing, Ribbon
-from bladewhirl.postprocess.plotting.legends import Group, legends_below
+from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     FULL_WIDTH,
@@ -94,7 +93,7 @@ def plot_phases(data: xr.Dataset) -> Figure:
         axes.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180), xlim=(time[0], time[-1]))
     panels[-1].set_xlabel("time [ms]")
     _title(figure, "Phases of a growing coupled mode", data)
-    legends_below(figure, Group([*zip(*panels[0].get_legend_handles_labels(), strict=True)]))
+    legends_below(figure, Group(entries_of(panels[0])))
     return figure
 
 
@@ -121,30 +120,16 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
         for ribbon in (picture.casing, picture.rotor):
             shown = _draw_ribbon(axes, ribbon, norm)
         near = picture.tips[int(np.argmin(gaps[index]))]
-        dot: Mapping[str, Any] = {
-            "color": COLOURS["contact"],
-            "markersize": 5,
-            "linestyle": "none",
-            "marker": "o",
-        }
-        axes.plot(*near, **dot, markerfacecolor="none")
-        axes.plot(*picture.shaft, "o", color=COLOURS["k = 1"], markersize=5.5)
-        axes.plot(0.0, 0.0, "+", color=COLOURS["total"], markersize=4, markeredgewidth=0.7)
+        axes.plot(0.0, 0.0, "k+", markersize=4, markeredgewidth=0.7, label="axis of rotation")
+        axes.plot(*picture.shaft, "o", color=COLOURS["k = 1"], markersize=5.5, label="shaft")
+        look: dict[str, Any] = {"color": COLOURS["contact"], "markerfacecolor": "none"}
+        axes.plot(*near, "o", markersize=5, label="smallest clearance", **look)
         axes.set(aspect="equal", xlim=(-size, size), ylim=(-size, size))
         axes.set_axis_off()
         axes.set_title(f"{MILLI * picture.time:.4g} ms")
     figure.colorbar(shown, ax=panels, label="displacement [mm]", shrink=0.7)
     _title(figure, "Growing coupled mode, exaggerated; static frame, rotation ↺", dataset)
-    marks = {
-        "axis of rotation": ("+", COLOURS["total"], COLOURS["total"]),
-        "shaft": ("o", COLOURS["k = 1"], COLOURS["k = 1"]),
-        "smallest clearance": ("o", COLOURS["contact"], "none"),
-    }
-    entries = [
-        (Line2D([], [], linestyle="none", marker=marker, color=edge, markerfacecolor=fill), name)
-        for name, (marker, edge, fill) in marks.items()
-    ]
-    legends_below(figure, Group(entries))
+    legends_below(figure, Group(entries_of(panels[0])))
     return figure
 
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.postprocess.plotting.legends import Group, legends_below
+from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import set_title
 
@@ -63,11 +63,7 @@ def plot_scenario(data: xr.Dataset) -> Figure:
     words = f"friction on the blades drives {driven} whirl{opposed}"
     words += f"; where the waves coincide, Ω/ω₁ = {ratio:.4g} ({rpm:.0f} rpm)"
     set_title(figure, data.attrs["case"], f"{title}: {words}")
-    groups = (
-        Group([*zip(*axes.get_legend_handles_labels(), strict=True)], text)
-        for axes, text in ((left, SCHEMATIC), (right, ""))
-    )
-    legends_below(figure, *groups)
+    legends_below(figure, Group(entries_of(left), SCHEMATIC), Group(entries_of(right)))
     return figure
 
 

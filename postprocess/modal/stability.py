@@ -15,7 +15,6 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.models.inputs.units import handy
@@ -27,7 +26,7 @@ from bladewhirl.postprocess.plotting.axes import (
     frequency_axis,
     speed_axis,
 )
-from bladewhirl.postprocess.plotting.legends import Group, legends_below
+from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.plotting.titles import set_title
 from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, is_unstable
@@ -86,8 +85,7 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
     if point is not None:
         axes.plot(*point, "o", color=COLOURS["contact"], markerfacecolor="none", label="point")
     set_title(figure, data.attrs["case"], _words("Growth of coupled modes", data))
-    handles, labels = axes.get_legend_handles_labels()
-    legends_below(figure, Group([*zip(handles, labels, strict=True)]))
+    legends_below(figure, Group(entries_of(axes)))
     if "zone" in data.dims:
         _name_zones(axes, data)
     return figure
@@ -142,9 +140,9 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
     shown = _words(f"Eigenvalues along κ = {handy(data.attrs['kappa'], 'N/m', 4)}", data)
     set_title(figure, data.attrs["case"], f"{shown}\nin the frame that turns at Ω/2")
     legends_below(figure, Group(entries))
-    _name_loops(upper, data)
+    _name_meetings(upper, data, data["zone_growth"].values)
     if many:
-        _name_growing(lower, data, frequency, growing)
+        _name_meetings(lower, data, _growing_frequencies(data, frequency, growing))
     else:
         _name_branches(lower, data, frequency)
     return figure
@@ -162,22 +160,19 @@ def plot_truncation(data: xr.Dataset) -> Figure:
     figure, axes = _new_chart(data)
     whole = data["zone_of"].values == "all"
     first = data["zone_nodal_diameter"].values == 1
-    entries: list[tuple[Patch, str]] = []
     for shown, name in ((whole & first, "k = 1"), (whole & ~first, "other k")):
         for zone in _zones(data.isel(zone=shown)):
             axes.fill_betweenx(
                 zone.kappa,
                 zone.lower,
                 zone.upper,
-                facecolor=COLOURS[name],
-                edgecolor=COLOURS[name],
+                color=COLOURS[name],
                 linewidth=0.5,
+                label=f"zones of all modes, {name}",
             )
-        entries.append((Patch(color=COLOURS[name]), f"zones of all modes, {name}"))
-    _draw_borders(axes, data.isel(zone=~whole))
-    entries.append((Patch(facecolor="none", edgecolor=COLOURS["total"]), "zones of six modes"))
+    _draw_borders(axes, data.isel(zone=~whole), "zones of six modes")
     set_title(figure, data.attrs["case"], "Unstable zones that the six modes hide")
-    legends_below(figure, Group(entries))
+    legends_below(figure, Group(entries_of(axes)))
     _name_zones(axes, data.isel(zone=whole))
     return figure
 
@@ -218,14 +213,20 @@ def _meeting(casing: str, rotor: str, zones: int) -> str:
     return f"{casing} + {rotor}" if zones <= FEW else rotor
 
 
-def _name_loops(axes: Axes, data: xr.Dataset) -> None:
-    """Name the growing stretches of a spectrum by the waves that meet in them."""
+def _name_meetings(axes: Axes, data: xr.Dataset, heights: FloatArray) -> None:
+    """Name the growing stretches of a spectrum by the waves that meet in them, the fastest first.
+
+    Args:
+        axes: the panel.
+        data: a spectrum.
+        heights: of the names, nan for none, (zone,).
+    """
     labels = Labels(axes)
     middle = 0.5 * (data["zone_lower"].values + data["zone_upper"].values)
     for i in np.argsort(-data["zone_growth"].values):
         pair = str(data["zone_casing"].values[i]), str(data["zone_rotor"].values[i])
         text = _meeting(*pair, data.sizes["zone"])
-        labels.add(middle[i], data["zone_growth"].values[i], text, COLOURS["k = 1"], AROUND)
+        labels.add(middle[i], heights[i], text, COLOURS["k = 1"], AROUND)
 
 
 def _name_branches(axes: Axes, data: xr.Dataset, frequency: FloatArray) -> None:
@@ -239,24 +240,20 @@ def _name_branches(axes: Axes, data: xr.Dataset, frequency: FloatArray) -> None:
             labels.add(first, frequency[0, branch], name, COLOURS["total"], LEFT)
 
 
-def _name_growing(axes: Axes, data: xr.Dataset, frequency: FloatArray, growing: BoolArray) -> None:
-    """Name places where branches grow by the waves that meet there."""
-    labels = Labels(axes)
-    speed = data["speed"].values
+def _growing_frequencies(data: xr.Dataset, frequency: FloatArray, growing: BoolArray) -> FloatArray:
+    """Return a frequency that grows in the middle of each zone, nan if none, (zone,)."""
     middle = 0.5 * (data["zone_lower"].values + data["zone_upper"].values)
-    for zone in range(data.sizes["zone"]):
-        row = int(np.abs(speed - middle[zone]).argmin())
-        here = frequency[row][growing[row] & (frequency[row] > 0.0)]
-        if here.size:
-            pair = str(data["zone_casing"].values[zone]), str(data["zone_rotor"].values[zone])
-            text = _meeting(*pair, data.sizes["zone"])
-            labels.add(middle[zone], here[0], text, COLOURS["k = 1"], AROUND)
+    rows = np.abs(data["speed"].values - middle[:, None]).argmin(axis=1)
+    positive = np.where(growing & (frequency > 0.0), frequency, np.nan)[rows]
+    return np.array(
+        [row[np.isfinite(row)][0] if np.isfinite(row).any() else np.nan for row in positive]
+    )
 
 
-def _draw_borders(axes: Axes, data: xr.Dataset) -> None:
+def _draw_borders(axes: Axes, data: xr.Dataset, label: str = "_") -> None:
     for zone in _zones(data):
-        for side in ("lower", "upper"):
-            axes.plot(getattr(zone, side), zone.kappa, color=COLOURS["total"], linewidth=0.5)
+        for side in (zone.lower, zone.upper):
+            axes.plot(side, zone.kappa, color=COLOURS["total"], linewidth=0.5, label=label)
 
 
 @dataclass(frozen=True, kw_only=True)

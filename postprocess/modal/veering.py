@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
@@ -22,7 +21,7 @@ from bladewhirl.postprocess.plotting.axes import (
     Labels,
     frequency_axis,
 )
-from bladewhirl.postprocess.plotting.legends import Group, legends_below
+from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     COLUMN_WIDTH,
@@ -105,7 +104,7 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
     ticks = np.asarray(MaxNLocator(integer=True).tick_values(0, last))
     panels[-1].set_xticks(ticks[ticks <= last])
     set_title(figure, data.attrs["case"], f"Frequencies by nodal diameter{_at_speed(data)}")
-    legends_below(figure, Group(_marks(data, names)))
+    legends_below(figure, Group(entries_of(*panels)))
     for axes, shown in zip(panels, [[name] for name in names] if broken else [names], strict=True):
         labels = Labels(axes)
         for name in shown[::-1]:  # the lowest first
@@ -141,26 +140,24 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
         xlabel="stiffness of each shaft spring [N/m]",
     )
     frequency_axis(axes, float(data.attrs["reference_frequency_hz"]))
-    axes.axvline(data.attrs["case_stiffness"], color=COLOURS["k = 1"], linewidth=0.8, zorder=1)
+    look: dict[str, Any] = {"linewidth": 0.8, "zorder": 1}
+    axes.axvline(data.attrs["case_stiffness"], color=COLOURS["k = 1"], label="the case", **look)
     texts = _characters(share[0], frequency[0], 1 + turns)
     for branch, way in enumerate(ways):
         lines = _coloured_line(axes, stiffness, frequency[:, branch], share[:, branch])
         lines.set_linewidth(0.7 if way == "forward" else 1.4)
     for level in data["normalised_clamped_frequency"].values:
-        axes.axhline(level, color=COLOURS["rest"], linestyle="--", linewidth=0.6, zorder=1)
+        label = "clamped centre, grey names"
+        axes.axhline(level, color=COLOURS["rest"], linestyle="--", label=label, **look)
     figure.colorbar(
         lines, ax=axes, label="share of energy in the springs [–]", location="top", aspect=30
     )
     set_title(figure, data.attrs["case"], f"Modes with k = 1{_at_speed(data)}")
-    handles = [
-        (Line2D([], [], color=COLOURS["k = 1"], linewidth=0.8), "the case"),
-        (Line2D([], [], color=COLOURS["rest"], linestyle="--"), "clamped centre, grey names"),
-    ]
     if turns:
         for name, width in (("backward", 1.4), ("forward", 0.7)):
-            look = Line2D([], [], color=COLOURS["total"], linewidth=width)
-            handles.append((look, f"{name} waves on stiff springs"))
-    legends_below(figure, Group(handles))
+            label = f"{name} waves on stiff springs"
+            axes.plot([], [], color=COLOURS["total"], linewidth=width, label=label)
+    legends_below(figure, Group(entries_of(axes)))
     labels = Labels(axes)
     last = "", 0.0
     for branch in np.argsort(frequency[0]):
@@ -204,32 +201,34 @@ def _is(data: xr.Dataset, family: str) -> BoolArray:
 
 
 def _draw_family(axes: Axes, data: xr.Dataset, family: str) -> None:
-    """Frequencies of a family over nodal diameter, with both centres."""
+    """Draw frequencies of a family over nodal diameter, with both centres."""
     suspension = family == "suspension"
     for way in _ways(data):
+        of_way, thin = ("", 1.0) if way == "both" else (f", {way}", 0.6)
         k, frequency = _chosen(data, "free", family, way)
         if way != "standing":  # k = 0 and half the blades, with all others between them
-            axes.plot(
-                k + ASIDE.get(way, 0.0),
-                frequency,
-                "-",
-                color=COLOURS["rest"],
-                linewidth=0.6,
-                zorder=1,
-            )
-        dot = COLOURS["suspension" if suspension else "total"]
-        shape = "s" if suspension and way == "both" else WAYS[way]
-        mark: dict[str, Any] = {"linestyle": "none", "marker": shape}
-        axes.plot(k + ASIDE.get(way, 0.0), frequency, color=dot, markersize=FREE[way], **mark)
+            x = k + ASIDE.get(way, 0.0)
+            axes.plot(x, frequency, "-", color=COLOURS["rest"], linewidth=0.6, zorder=1)
+        axes.plot(
+            k + ASIDE.get(way, 0.0),
+            frequency,
+            "s" if suspension and way == "both" else WAYS[way],
+            color=COLOURS["suspension" if suspension else "total"],
+            markersize=FREE[way],
+            label="suspension" if suspension else f"free{of_way}",
+        )
         if not suspension:
-            ring: dict[str, Any] = {
-                "color": COLOURS["k = 1"],
-                "markerfacecolor": "none",
-                "markersize": CLAMPED[way],
-                "markeredgewidth": 1.0 if way == "both" else 0.6,
-            }
             k, frequency = _chosen(data, "clamped", family, way)
-            axes.plot(k + CLAMPED_ASIDE.get(way, 0.0), frequency, **mark, **ring)
+            axes.plot(
+                k + CLAMPED_ASIDE.get(way, 0.0),
+                frequency,
+                WAYS[way],
+                color=COLOURS["k = 1"],
+                markerfacecolor="none",
+                markersize=CLAMPED[way],
+                markeredgewidth=thin,
+                label="clamped centre",
+            )
 
 
 def _label_family(labels: Labels, data: xr.Dataset, family: str) -> None:
@@ -249,27 +248,6 @@ def _ways(data: xr.Dataset) -> list[str]:
     """Return the directions to distinguish: both together without Coriolis forces."""
     whirls = "direction" in (data.indexes["mode"].names if "mode" in data.indexes else ())
     return ["backward", "forward", "standing"] if whirls else ["both"]
-
-
-def _marks(data: xr.Dataset, names: list[str]) -> list[tuple[Line2D | tuple[Line2D, ...], str]]:
-    def mark(colour: str, shape: str, **more: Any) -> Line2D:
-        return Line2D([], [], linestyle="none", color=COLOURS[colour], marker=shape, **more)
-
-    ways = _ways(data)
-    ring: dict[str, Any] = {"markersize": CLAMPED[ways[0]], "markerfacecolor": "none"}
-    entries: list[tuple[Line2D | tuple[Line2D, ...], str]] = [
-        (
-            mark("total", WAYS[way], markersize=FREE[way]),
-            f"free{'' if way == 'both' else f', {way}'}",
-        )
-        for way in ways
-    ]
-    entries.append((tuple(mark("k = 1", WAYS[way], **ring) for way in ways), "clamped centre"))
-    if "suspension" in names:
-        shapes = ["s"] if ways == ["both"] else [WAYS["backward"], WAYS["forward"]]
-        symbols = tuple(mark("suspension", shape, markersize=3.0) for shape in shapes)
-        entries.append((symbols, "suspension"))
-    return entries
 
 
 def _coloured_line(axes: Axes, x: FloatArray, y: FloatArray, value: FloatArray) -> LineCollection:

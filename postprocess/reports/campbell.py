@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 import plotly.graph_objects as go
@@ -13,18 +12,19 @@ from bladewhirl.meshes.line_mesh import BoolArray, FloatArray
 from bladewhirl.postprocess.modal.campbell import (
     DRAWN_FAMILIES,
     Frame,
+    Wave,
     drawn_part,
     frequency_limits,
     in_diagram,
     met_frequencies,
     wave_colour,
+    waves,
 )
 from bladewhirl.postprocess.plotting.style import COLOURS
 from bladewhirl.postprocess.reports.interactive import plot
 from bladewhirl.postprocess.reports.page import Explorer, Page, Section, Table
 
-POINTS = 121
-"""Speeds along a line."""
+POINTS = 121  #: speeds along a line
 
 COINCIDENT = ("family", "casing_family")
 
@@ -39,23 +39,6 @@ POINTED = (
     "%{customdata[0]:.5g} Hz, %{y:.5g} ω₁<br>Ω = %{x:.4g} ω₁, %{customdata[1]:.0f} rpm<br>"
     "rotating frame: %{customdata[2]}<br>static frame: %{customdata[3]}"
 )
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Wave:
-    """Wave over the speed; frequencies are normalised, positive backward."""
-
-    body: str
-    family: str
-    nodal_diameter: int
-    direction: str  #: at rest
-    speed: FloatArray
-    rotating: FloatArray
-
-    @property
-    def static(self) -> FloatArray:
-        """Frequency in the static frame."""
-        return self.rotating - self.nodal_diameter * self.speed
 
 
 def campbell_page(data: xr.Dataset) -> Page:
@@ -124,7 +107,7 @@ def _table(data: xr.Dataset, inside: BoolArray) -> Table:
 
 
 def _explorer(data: xr.Dataset, frame: Frame) -> Explorer:
-    traces = [_line(wave, frame, data) for wave in _waves(data)]
+    traces = [_line(wave, frame, data) for wave in waves(data, POINTS)]
     groups = [trace.legendgroup for trace in traces]
     for number, trace in enumerate(traces):  # one entry of the legend for each family
         trace.showlegend = groups.index(groups[number]) == number
@@ -149,44 +132,7 @@ def _explorer(data: xr.Dataset, frame: Frame) -> Explorer:
     )
 
 
-def _waves(data: xr.Dataset) -> Iterator[_Wave]:
-    """All waves: both directions on the bladed disk, forward on the casing."""
-    hertz = float(data.attrs["reference_frequency_hz"])
-    turning = "branch" in data.dims
-    for branch in range(data.sizes.get("branch", 0)):
-        row = data.isel(branch=branch)
-        yield _Wave(
-            body="bladed-disk",
-            family=str(row["branch_family"].values),
-            nodal_diameter=int(row["branch_nodal_diameter"]),
-            direction=str(row["branch_direction"].values),
-            speed=row["line_speed"].values,
-            rotating=row["branch_frequency"].values / hertz,
-        )
-    first, last = data.attrs["speeds"]
-    speed = np.linspace(first, last, POINTS)
-    for mode in range(data.sizes["mode"]):
-        row = data.isel(mode=mode)
-        body, k = str(row["mode_body"].values), int(row["mode_nodal_diameter"])
-        frequency = np.full_like(speed, float(row["normalised_mode_frequency"]))
-        if body == "casing":
-            waves = {"forward": k * speed - frequency}
-        elif turning:
-            continue
-        else:
-            waves = {"backward": frequency, **({"forward": -frequency} if k else {})}
-        for direction, rotating in waves.items():
-            yield _Wave(
-                body=body,
-                family=str(row["mode_family"].values),
-                nodal_diameter=k,
-                direction=direction,
-                speed=speed,
-                rotating=rotating,
-            )
-
-
-def _line(wave: _Wave, frame: Frame, data: xr.Dataset) -> go.Scatter:
+def _line(wave: Wave, frame: Frame, data: xr.Dataset) -> go.Scatter:
     hertz = float(data.attrs["reference_frequency_hz"])
     on_casing = wave.body == "casing"
     frequency = np.abs(getattr(wave, frame))

@@ -86,7 +86,7 @@ def lines_group(lines: Sequence[Line], *, dashed: bool = True, marked: bool = Tr
     """Return the legend entries of lines with their dashes and marks; empty for a single line."""
     entries = []
     for line in lines if len(lines) > 1 else ():
-        style = line.dash if dashed else "none"
+        style: Any = line.dash if dashed else "none"
         mark = line.mark if marked else "none"
         handle = Line2D(
             [], [], color=line.colour, linestyle=style, marker=mark, markersize=MARK_SIZE

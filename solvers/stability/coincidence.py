@@ -77,20 +77,3 @@ def coincidences(
     return Coincidences(
         rotor=on_rotor[order], casing=on_casing[order], nodal_diameter=k[order], speed=speed[order]
     )
-
-
-def frequency_in_other_frame(
-    frequency: ArrayLike, nodal_diameter: ArrayLike, speed: ArrayLike
-) -> FloatArray:
-    """Frequency k Omega - omega at which one body's wave is seen from the other body's frame.
-
-    Of the two waves of a mode the one that friction feeds: forward on the casing, seen from the
-    rotor as backward where the result is positive, or backward on the rotor, seen from the casing
-    as forward where it is positive. Negative values turn the sense round.
-
-    Args:
-        frequency: in the body's own frame [rad/s].
-        nodal_diameter: of each.
-        speed: Omega [rad/s]; all three broadcast.
-    """
-    return np.asarray(np.multiply(nodal_diameter, speed) - np.asarray(frequency))

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from bladewhirl.solvers.stability.coincidence import (
     Coincidences,
     coincidences,
-    frequency_in_other_frame,
 )
 
 ROTOR = np.array([1.03, 1.0, 2.5, 1.02, 6.0])
@@ -62,32 +61,6 @@ def test_speeds_inside_a_range_with_its_ends() -> None:
     assert stage().between(1.1, 2.0).count == 0
 
 
-def travels(field: np.ndarray, k: int) -> float:
-    """Frequency of the wave exp(i (k angle + omega t)) with the most power, by a Fourier transform.
-
-    Positive: backward, against the angle. The field (angles, instants) covers one turn and 1 s.
-    """
-    spectrum = np.fft.fft2(field)
-    at_k = np.abs(spectrum[k])
-    number = int(np.argmax(at_k))
-    return float(number if number <= len(at_k) // 2 else number - len(at_k))
-
-
-@pytest.mark.parametrize("k", [1, 2, 5])
-def test_a_forward_wave_of_the_casing_is_seen_backward_from_the_rotor_above_its_own_speed(
-    k: int,
-) -> None:
-    """Sampled along the turning blades; k Omega - omega in Hz, whole numbers by choice."""
-    omega = 12.0
-    angle = 2.0 * np.pi * np.arange(16) / 16
-    time = np.arange(400) / 400
-    for speed in (1.0, 7.0, 20.0):
-        theta = angle[:, None] + 2.0 * np.pi * speed * time
-        on_casing = np.cos(k * theta - 2.0 * np.pi * omega * time)  # forward: crest at omega t / k
-        seen = float(frequency_in_other_frame(omega, k, speed))
-        assert travels(on_casing, k) == pytest.approx(seen)
-
-
 @given(rotor=st.floats(0.1, 100.0), casing=st.floats(0.0, 100.0), k=st.integers(1, 20))
 def test_both_bodies_see_the_same_wave_at_the_coincidence(
     rotor: float, casing: float, k: int
@@ -98,5 +71,4 @@ def test_both_bodies_see_the_same_wave_at_the_coincidence(
         casing_frequency=[casing],
         casing_nodal_diameter=[k],
     )
-    assert frequency_in_other_frame(casing, k, found.speed)[0] == pytest.approx(rotor, abs=1e-9)
-    assert frequency_in_other_frame(rotor, k, found.speed)[0] == pytest.approx(casing, abs=1e-9)
+    assert k * found.speed[0] - casing == pytest.approx(rotor, abs=1e-9)

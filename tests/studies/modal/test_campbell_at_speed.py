@@ -144,7 +144,7 @@ def test_the_figures_show_branches_and_critical_speeds() -> None:
     speed = small_diagram("full").critical_speed.item()
     critical = f"critical speed, {speed:.4g} ω₁"
     assert {"forward wave", critical} <= set(texts(rotating))
-    assert "forward wave, k = 1" in texts(static)
+    assert "forward wave" in texts(static)
     (cross,) = [line for line in rotating.axes[0].lines if line.get_marker() == "X"]
     np.testing.assert_allclose(np.asarray(cross.get_xdata()), speed, rtol=1e-7)
     np.testing.assert_array_equal(np.asarray(cross.get_ydata()), 0.0)
