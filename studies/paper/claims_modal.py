@@ -24,35 +24,8 @@ BESIDE = np.linspace(-0.02, 0.02, 81)
 
 @measures(*range(1, 10))
 def uncoupled_modes(evidence: Evidence) -> Measures:
-    """Return the numbers of `ModalClaims` by name; errors and shifts in per cent."""
-    modal = evidence.modal
-    centre, shift = modal.centre_motion, modal.clamping_shift
-    families = [f"{rank}F" for rank in range(1, 6)]
-    errors = {family: 100 * modal.reduction_error[family] for family in families}
-    worst = max(errors, key=lambda family: errors[family])
-    crossings = modal.first_family_crossings
-    listed = ", ".join(f"k = {k} at {speed:.3g}" for k, speed in crossings.items())
-    scenarios = modal.scenarios
-    return {
-        "centre_one": centre[1],
-        "centre_others": max(value for k, value in centre.items() if k != 1),
-        "shift_one": 100 * shift[1],
-        "shift_others": 100 * max(value for k, value in shift.items() if k != 1),
-        "suspension": modal.suspension,
-        "second_family": modal.second_family,
-        "relative": modal.suspension / modal.second_family,
-        "shaft_over_blade": modal.shaft_over_blade,
-        "size": modal.reduced_size,
-        "worst": worst,
-        "largest": errors[worst],
-        **{f"error_{family}": error for family, error in errors.items()},
-        "first_coincidence": modal.first_coincidence,
-        "suspension_coincidence": modal.suspension_coincidence,
-        "crossings": len(crossings),
-        "crossing_speeds": listed or "none",
-        **{name: scenario.kind for name, scenario in scenarios.items()},
-        **{f"{name}_lead": abs(np.degrees(s.lead)) for name, s in scenarios.items()},
-    }
+    """Return the numbers of uncoupled modes, see `modal_measures`."""
+    return evidence.modal
 
 
 def _zones(evidence: Evidence) -> dict[str, UnstableZones]:
@@ -80,7 +53,7 @@ def _zones(evidence: Evidence) -> dict[str, UnstableZones]:
 @measures(10, 13)
 def unstable_zones_over_stiffness(evidence: Evidence) -> Measures:
     """Return start and widening of both zones, and the course of the lower border of zone A."""
-    coincidences = (evidence.modal.first_coincidence, evidence.modal.suspension_coincidence)
+    coincidences = [evidence.modal[f"{name}_coincidence"] for name in ("first", "suspension")]
     reference, listed = evidence.system.reference, []
     values: dict[str, Any] = {"borders": "no zone", "rises": False}
     for zone, letter, coincidence in zip(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -14,6 +15,7 @@ import numpy as np
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum
 from bladewhirl.postprocess.plotting.style import save_figure
+from bladewhirl.postprocess.reports.page import ReportFigure
 from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.solvers.stability.growth import is_unstable
@@ -50,18 +52,9 @@ class PaperFigure:
     panels: tuple[Panel, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
-class DrawnPanel:
-    """Picture, or the reason for its absence."""
-
-    caption: str
-    picture: Path | None
-    obstacle: str = ""
-
-
 def draw_figures(
     evidence: Evidence, numbers: Iterable[str], directory: Path
-) -> dict[str, list[DrawnPanel]]:
+) -> dict[str, list[ReportFigure]]:
     """Draw figures of the paper into folders below a directory.
 
     Args:
@@ -73,16 +66,25 @@ def draw_figures(
         UserError: the directory can't be written.
     """
     obstacles: dict[tuple[str, Draw], str] = {}
-    drawn: dict[str, list[DrawnPanel]] = {}
+    drawn: dict[str, list[ReportFigure]] = {}
     for number in numbers:
+        figure = PAPER_FIGURES[number]
         drawn[number] = []
-        for panel in PAPER_FIGURES[number].panels:
+        for place, panel in enumerate(figure.panels, 1):
             folder, key = directory / panel.folder, (panel.folder, panel.draw)
             if key not in obstacles:
                 obstacles[key] = _draw(evidence, panel, folder)
-            picture = None if obstacles[key] else folder / f"{panel.name}.png"
+            file = folder / f"{panel.name}.png"
+            content = b"" if obstacles[key] else file.read_bytes()
             drawn[number].append(
-                DrawnPanel(caption=panel.caption, picture=picture, obstacle=obstacles[key])
+                ReportFigure(
+                    name=f"figure-{number}-{place}",
+                    title=f"Like Fig. {number}: {figure.caption}",
+                    caption=panel.caption,
+                    picture=base64.b64encode(content).decode("ascii"),
+                    obstacle=obstacles[key],
+                    wide=len(figure.panels) == 1,
+                )
             )
     return drawn
 

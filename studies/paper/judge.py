@@ -10,6 +10,7 @@ from typing import Any
 
 from bladewhirl.files import write_atomically
 from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.postprocess.reports.page import write_page
 from bladewhirl.studies.paper import (  # noqa: F401 -- each registers its claims
     claims_marches,
     claims_modal,
@@ -190,7 +191,7 @@ def write_scorecard(card: Scorecard, evidence: Evidence, directory: Path) -> lis
         drawn = draw_figures(evidence, sorted(cited, key=int), directory / FIGURES_NAME)
         document, page = directory / "scorecard.json", directory / "scorecard.html"
         write_atomically(document, card.to_json())
-        write_atomically(page, scorecard_page(card, drawn))
+        write_page(scorecard_page(card, drawn), page)
     except OSError as error:
         raise UserError(
             f"{error.filename or directory}: cannot be written ({error.strerror})"

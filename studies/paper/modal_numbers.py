@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.linalg as la
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.cyclic import wave_shares
-from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
+from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.solvers.stability.scenario import Scenario
 from bladewhirl.studies.modal.campbell import campbell
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
 from bladewhirl.studies.modal.veering import clamping_shifts, suspension_frequency, veering
 
-LOOKED_AT = 12
+SHOWN_FAMILIES = 12
 """Families that the paper's Fig. 7(a) shows."""
+
+FAMILIES = tuple(f"{rank}F" for rank in range(1, 6))
+"""Families with a frequency error in the paper."""
 
 PURE = 0.99
 """Least share of a nodal diameter with which a mode without symmetry is assigned to it."""
@@ -27,35 +29,16 @@ CROSSINGS = (0.7, 1.3)
 """Normalised speeds: the paper's operating range, and where it has first-family crossings."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class ModalClaims:
-    """Numbers of a case where the paper claims something; no verdicts."""
-
-    centre_motion: dict[int, float]
-    """Largest motion of the centre over that of the mode, by nodal diameter (claim 1)."""
-    clamping_shift: dict[int, float]
-    """Largest relative change of a frequency by clamping, by nodal diameter (claim 2)."""
-    suspension: float  #: frequency of the suspension pair, normalised (claim 3)
-    second_family: float  #: lowest frequency of 2F, normalised; 1F's lowest is about 1 (claim 3)
-    shaft_over_blade: float  #: stiffness of a shaft spring over a blade's tangential one (claim 4)
-    reduced_size: int  #: degrees of freedom of the reduced bladed disk (claim 5)
-    reduction_error: dict[str, float]  #: largest relative one, by family (claim 5)
-    first_coincidence: float  #: of 1F with k = 1, normalised (claim 6)
-    suspension_coincidence: float  #: of the suspension pair, normalised (claim 7)
-    first_family_crossings: dict[int, float]
-    """Coincidence speeds of 1F inside `CROSSINGS`, by nodal diameter (claim 8)."""
-    scenarios: dict[str, Scenario]
-    """Contact scenario of 1F, k = 1 by whether the casing moves less or more (claim 9)."""
-
-
-def modal_claims(case: Case) -> ModalClaims:
+def modal_measures(case: Case, stage: ModalStage) -> dict[str, Any]:
     """Compute the modal numbers of a case with a free centre.
+
+    Frequencies and speeds are normalised, changes and errors in per cent, phases in degrees. The
+    errors are those of the reduced bladed disk by family, in `errors`, too.
 
     Raises:
         UserError: the stage has no such modes.
     """
-    stage = modal_stage(case)
-    diagrams = veering(stage, families=LOOKED_AT)
+    diagrams = veering(stage, families=SHOWN_FAMILIES)
     reduced = build_stage(case)
     coincidences = campbell(stage, families=2, operating=OPERATING)["normalised_speed"]
     met: dict[tuple[str, int], float] = {}
@@ -64,27 +47,43 @@ def modal_claims(case: Case) -> ModalClaims:
     ):
         # Ascending: the first is that with the lowest casing mode of the nodal diameter.
         met.setdefault((family, int(k)), float(speed))
-    second = [name == "2F" for name in stage.free_modes.family]
-    return ModalClaims(
-        centre_motion=centre_motion(stage),
-        clamping_shift=clamping_shifts(diagrams),
-        suspension=suspension_frequency(diagrams) or 0.0,
-        second_family=float(stage.free_modes.frequency[second].min() / stage.reference_frequency),
-        shaft_over_blade=case.shaft.stiffness / blade_stiffness(stage),
-        reduced_size=reduced.reduction.modes.count,
-        reduction_error=dict(reduced.frequency_error),
-        first_coincidence=met["1F", 1],
-        suspension_coincidence=met["suspension", 1],
-        first_family_crossings={
-            k: speed
-            for (family, k), speed in sorted(met.items())
-            if family == "1F" and CROSSINGS[0] <= speed <= CROSSINGS[1]
-        },
-        scenarios={
-            name: whirling_modes(stage, casing_share=share).scenario
-            for name, share in CASING_SHARES.items()
-        },
-    )
+    crossings = {
+        k: speed
+        for (family, k), speed in sorted(met.items())
+        if family == "1F" and CROSSINGS[0] <= speed <= CROSSINGS[1]
+    }
+    errors = {family: 100 * error for family, error in reduced.frequency_error.items()}
+    worst = max(FAMILIES, key=lambda family: errors[family])
+    scenarios = {
+        name: whirling_modes(stage, casing_share=share).scenario
+        for name, share in CASING_SHARES.items()
+    }
+    centre, shift = centre_motion(stage), clamping_shifts(diagrams)
+    suspension = suspension_frequency(diagrams) or 0.0
+    second = np.array(stage.free_modes.family) == "2F"
+    second_family = float(stage.free_modes.frequency[second].min() / stage.reference_frequency)
+    listed = ", ".join(f"k = {k} at {speed:.3g}" for k, speed in crossings.items())
+    return {
+        "centre_one": centre.pop(1),
+        "centre_others": max(centre.values()),
+        "shift_one": 100 * shift.pop(1),
+        "shift_others": 100 * max(shift.values()),
+        "suspension": suspension,
+        "second_family": second_family,
+        "relative": suspension / second_family,
+        "shaft_over_blade": case.shaft.stiffness / blade_stiffness(stage),
+        "size": reduced.reduction.modes.count,
+        "errors": errors,
+        "worst": worst,
+        "largest": errors[worst],
+        **{f"error_{family}": errors[family] for family in FAMILIES},
+        "first_coincidence": met["1F", 1],
+        "suspension_coincidence": met["suspension", 1],
+        "crossings": len(crossings),
+        "crossing_speeds": listed or "none",
+        **{name: scenario.kind for name, scenario in scenarios.items()},
+        **{f"{name}_lead": abs(float(np.degrees(s.lead))) for name, s in scenarios.items()},
+    }
 
 
 def centre_motion(stage: ModalStage) -> dict[int, float]:
@@ -96,7 +95,7 @@ def centre_motion(stage: ModalStage) -> dict[int, float]:
     """
     disk, structure = stage.free_disk, stage.free_disk.structure
     assert structure.layout is not None  # a case's bladed disk is made of sectors
-    count = min(LOOKED_AT * structure.layout.sectors, structure.size) - 1
+    count = min(SHOWN_FAMILIES * structure.layout.sectors, structure.size) - 1
     shapes = la.eigh(
         structure.stiffness.toarray(), structure.mass.toarray(), subset_by_index=(0, count)
     )[1]

@@ -22,7 +22,7 @@ from bladewhirl.postprocess.run.measures import Motion
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
 from bladewhirl.studies.modal.coupled_system import EvenSystem, couple_even
 from bladewhirl.studies.paper.cases import changed
-from bladewhirl.studies.paper.modal_numbers import ModalClaims, modal_claims
+from bladewhirl.studies.paper.modal_numbers import modal_measures
 from bladewhirl.studies.sweeps.cache import RunStore, run_key
 from bladewhirl.studies.sweeps.plan import PLAN_NAME
 from bladewhirl.studies.sweeps.sweep import Watch, resume_sweep, run_sweep
@@ -161,9 +161,9 @@ class Evidence:
         return modal_stage(self.modal_case)
 
     @cached_property
-    def modal(self) -> ModalClaims:
+    def modal(self) -> Mapping[str, Any]:
         """Its numbers where the paper claims something."""
-        return modal_claims(self.modal_case)
+        return modal_measures(self.modal_case, self.stage)
 
     @cached_property
     def system(self) -> EvenSystem:

@@ -23,6 +23,7 @@ from typer.testing import CliRunner
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.result import open_result
+from bladewhirl.postprocess.reports.page import page_html
 from bladewhirl.postprocess.run.measures import HOLDERS, Motion
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 from bladewhirl.studies.commands.cli import app
@@ -349,10 +350,10 @@ def test_the_command_writes_the_scorecard(
     assert card["counts"] == holds
     assert card == json.loads((out / "scorecard.json").read_text())
     page = (out / "scorecard.html").read_text()
-    assert [int(n) for n in re.findall(r'<tr id="claim-(\d+)">', page)] == by_section
-    assert re.findall(r"Like Fig\. (\d+):", page) == figures
+    assert [int(n) for n in re.findall(r'<th scope="row">(\d+)</th>', page)] == by_section
+    assert list(dict.fromkeys(re.findall(r"<h3>Like Fig\. (\d+):", page))) == figures
     assert page.count('src="data:image/png;base64,') >= len(figures)
-    assert not re.search(r"(src|href)=\"(?!data:)", page)  # no file beside it
+    assert not re.search(r"(src|href)=\"(?!data:|#)", page)  # no file beside it
 
 
 def test_every_cited_figure_has_its_panels() -> None:
@@ -370,10 +371,11 @@ def test_a_figure_that_cannot_be_had_says_why(tmp_path: Path) -> None:
         changes={"casing.support": 8e6},
     ) as evidence:
         (panel,) = draw_figures(evidence, ["13"], tmp_path / "figures")["13"]
-    assert panel.picture is None
+    assert not panel.picture
     assert "no mode grows" in panel.obstacle
-    page = scorecard_page(card_of(lambda: Finding(ours="<b>", checks=checks(True))), {"6": [panel]})
-    assert "not drawn: no mode grows" in page
+    card = card_of(lambda: Finding(ours="<b>", checks=checks(True)))
+    page = page_html(scorecard_page(card, {"6": [panel]}))
+    assert "Not drawn: no mode grows" in page
     assert "&lt;b&gt;" in page
 
 
