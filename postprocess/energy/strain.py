@@ -86,6 +86,33 @@ def strain_energies(
     )
 
 
+def energy_terms(energies: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Return the energies that are drawn, by their names in `COLOURS`, the total first.
+
+    All nodal diameters of the first family but 0 and 1 are added together.
+
+    Args:
+        energies: `suspension`, `first_family` (..., nodal_diameter), `rest` and `total` [J].
+    """
+    family = energies["first_family"]
+    k = family["nodal_diameter"].values
+    members = {"k = 0": k == 0, "k = 1": k == 1, "other k": k > 1}
+    return {
+        "total": energies["total"],
+        "suspension": energies["suspension"],
+        **{
+            name: family.isel(nodal_diameter=chosen).sum("nodal_diameter")
+            for name, chosen in members.items()
+        },
+        "rest": energies["rest"],
+    }
+
+
+def term_label(name: str) -> str:
+    """Return the label of one of `energy_terms`."""
+    return f"{FIRST_FAMILY}, {name}" if "k" in name.split() else name
+
+
 @styled
 def plot_energy(energies: xr.Dataset) -> Figure:
     """Draw the strain energies over time on a logarithmic axis, from `strain_energies`.
@@ -94,13 +121,7 @@ def plot_energy(energies: xr.Dataset) -> Figure:
     long run is drawn as means over a period of the reference frequency, which the title says.
     The axis ends a decade below the least of the terms' medians; what stays below is left out.
     """
-    family = energies["first_family"]
-    terms = {"total": energies["total"].values, "suspension": energies["suspension"].values}
-    for k in family["nodal_diameter"].values:
-        name = f"k = {k}" if k in (0, 1) else "other k"
-        terms[name] = terms.get(name, 0.0) + family.sel(nodal_diameter=k).values
-    terms["rest"] = energies["rest"].values
-
+    terms = {name: energy.values for name, energy in energy_terms(energies).items()}
     time = energies["time"].values
     first = _drawn_starts(time, 2 * np.pi / energies.attrs["reference_frequency"])
     figure = new_figure(height=0.062)
@@ -115,7 +136,7 @@ def plot_energy(energies: xr.Dataset) -> Figure:
                 span_means(energy, first),
                 color=COLOURS[name],
                 linewidth=2.0 if name == "total" else 1.0,
-                label=f"1F, {name}" if "k" in name.split() else name,
+                label=term_label(name),
             )
     if top > 0:
         axes.set_yscale("log")

@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import nearest_records
-from bladewhirl.postprocess.paraview.grids import CELL_TYPES
 from bladewhirl.postprocess.paraview.parts import StageParts
 
 if TYPE_CHECKING:
@@ -44,7 +43,8 @@ def stage_blocks(
     )
     blocks = pyvista.MultiBlock()
     for name, grid in next(parts.grids()).items():
-        block = pyvista.UnstructuredGrid({CELL_TYPES[grid.kind]: grid.cells}, grid.points)
+        kind = pyvista.CellType[grid.kind.upper()]
+        block = pyvista.UnstructuredGrid({kind: grid.cells}, grid.points)
         block.point_data.update(grid.point_data)
         block.cell_data.update(grid.cell_data)
         if factor:

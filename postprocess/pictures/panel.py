@@ -42,7 +42,7 @@ BAR_SHARE = 0.11  #: longest scale bar, relative to the width of the window
 NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045  #: position of a number, relative to the tip radius
 LETTERS = 3.6  #: size of numbers on a picture of a sheet, relative to a single picture
 KEY_STEP = 0.034
-KEY_LETTERS, LINE_LETTERS, TITLE_LETTERS = 27, 32, 22
+KEY_LETTERS, TITLE_LETTERS = 27, 22
 
 
 class Panel:

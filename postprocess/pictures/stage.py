@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import imageio.v2 as imageio
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from bladewhirl.files import replacing
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.models.modal.stage_arrays import StageArrays
-from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.result import stage_dataset
-from bladewhirl.postprocess.fields.strains import rotor_sections
 from bladewhirl.postprocess.pictures.appearance import FAINT, SQUARE
 from bladewhirl.postprocess.pictures.drawing import Drawing
 from bladewhirl.postprocess.pictures.offscreen import off_screen_plotter, pixels_of
@@ -96,10 +92,9 @@ def _mark_sets(scene: StageScene, node_sets: Mapping[str, IntArray]) -> None:
 
 
 def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, IntArray]) -> None:
-    """Write title, sizes, keys of parts, sets and symbols, and numbers of supports."""
+    """Write title, sizes, and keys of parts, sets and symbols."""
     from bladewhirl.postprocess.pictures.panel import (
         KEY_STEP,
-        LINE_LETTERS,
         draw_scale_bar,
         write,
         write_key,
@@ -110,88 +105,32 @@ def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, In
     plotter, drawing = scene.plotter, scene.drawing
     write_title(plotter, dataset)
     write(plotter, draw_scale_bar(scene, "clearance"), 0.085, 11, indent=-SQUARE)
-    write(plotter, "\n".join(size_lines(dataset)), 0.885, 13)
-    write(plotter, "parts and their thickness", 0.79, 13, color=FAINT)
-    parts = drawing.colouring.parts or {}
-    key = {f"{name}, {thickness(dataset, name)}": colour for name, colour in parts.items()}
+    write(plotter, _sizes(dataset), 0.885, 13)
     sets = [f"set “{name}”: {len(nodes)}" for name, nodes in node_sets.items()]
     dots = dict(zip(sets, SET_COLOURS, strict=False))
     top = 0.76
-    for entries, sign in ((key, "\N{BLACK SQUARE}"), (dots, "\N{BLACK CIRCLE}")):
+    for entries, sign in (
+        (drawing.colouring.parts or {}, "\N{BLACK SQUARE}"),
+        (dots, "\N{BLACK CIRCLE}"),
+    ):
         write_key(plotter, entries, top, sign=sign)
         top -= KEY_STEP * len(entries) + 0.03
-    symbols = write_symbols(scene, top)
-    top -= KEY_STEP * symbols + 0.03 * (symbols > 0)
-    notes = [textwrap.fill(line, LINE_LETTERS) for line in support_lines(dataset)]
+    top -= KEY_STEP * write_symbols(scene, top) + 0.03
     if drawing.exaggeration != 1:
-        notes.append(f"clearance drawn\n{drawing.exaggeration:g} times as large")
-    write(plotter, "\n".join(notes), top, 13, color=FAINT)
+        note = f"clearance drawn\n{drawing.exaggeration:g} times as large"
+        write(plotter, note, top, 13, color=FAINT)
 
 
-def size_lines(dataset: xr.Dataset) -> list[str]:
+def _sizes(dataset: xr.Dataset) -> str:
     """Return number of blades, tip radius and clearance, a line each."""
     clearance = dataset["clearance"].values[:, None] + dataset["tip_recess"].values
-    return [
-        f"{dataset.sizes['blade']} blades",
-        f"tip radius {handy(float(dataset.attrs['tip_radius']), 'm', 4)}",
-        f"clearance {_range(clearance)}",
-    ]
-
-
-def thickness(dataset: xr.Dataset, part: str) -> str:
-    """Return the thickness of a part, or its range."""
-    if part == "casing":
-        return _range(dataset["casing_thickness"].values)
-    names = dataset["rotor_part"].values.astype(str)
-    members = names == ("" if part == "other beams" and part not in names else part)
-    return _range(rotor_sections(dataset, "thickness", 1)[members])
-
-
-def support_lines(dataset: xr.Dataset) -> list[str]:
-    """Return the numbers of supports and attachments, a line each; zero is left out."""
-
-    def positive(name: str, which: Any = ...) -> int:
-        return int(np.count_nonzero(_values(dataset, name)[which] > 0))
-
-    strut = _values(dataset, "support_kind").astype(str) == "strut"
-    radial, tangential = (
-        _values(dataset, f"support_{way}_damping") > 0 for way in ("radial", "tangential")
+    (low, high), (unit, scale) = (
+        np.sort(clearance.ravel())[[0, -1]],
+        handy_unit(clearance.max(), "m"),
     )
-    masses, clamped = _values(dataset, "point_mass"), bool(dataset.attrs["clamped"])
-    stiffness = _values(dataset, "shaft_stiffness")
-    sides = ("support_radial_stiffness", "support_tangential_stiffness")
-    counts = {
-        "shaft springs": 0 if clamped else 2,
-        "shaft dampers": 0 if clamped else positive("shaft_damping"),
-        "casing springs": sum(positive(name, ~strut) for name in sides),
-        "casing struts": np.count_nonzero(strut),
-        "casing dampers": np.count_nonzero([radial & ~strut, tangential & ~strut])
-        + np.count_nonzero((radial | tangential) & strut),
-        "springs on the bladed disk": len(_values(dataset, "rotor_spring")),
-        "rigid links": len(_values(dataset, "rotor_link")),
-        f"point masses ({masses.sum():.4g} kg)": len(masses),
-    }
-    lines = [f"{name}: {count}" for name, count in counts.items() if count]
-    if clamped:
-        lines.insert(0, "centre clamped")
-    elif np.unique(stiffness).size > 1:
-        values = " and ".join(handy(value, "N/m", 3) for value in stiffness)
-        lines.insert(1, f"{values}, {dataset['shaft_frame'].values} frame")
-    if float(dataset["casing_foundation"]) > 0:
-        lines.append("elastic support of the casing")
-    elif not (counts["casing springs"] or counts["casing struts"] or counts["casing dampers"]):
-        lines.append("casing free")
-    return lines
-
-
-def _values(dataset: xr.Dataset, name: str) -> NDArray[Any]:
-    """Values of a variable; empty if a stage has none."""
-    return dataset[name].values if name in dataset else np.zeros(0)
-
-
-def _range(lengths: Array) -> str:
-    low, high = float(lengths.min()), float(lengths.max())
-    if high - low <= 1e-9 * high:
-        return handy(high, "m", 4)
-    unit, scale = handy_unit(high, "m")
-    return f"{scale * low:.3g} to {scale * high:.3g} {unit}"
+    ends = dict.fromkeys(f"{scale * length:.3g}" for length in (low, high))
+    return (
+        f"{dataset.sizes['blade']} blades\n"
+        f"tip radius {handy(float(dataset.attrs['tip_radius']), 'm', 4)}\n"
+        f"clearance {' to '.join(ends)} {unit}"
+    )

@@ -8,7 +8,7 @@ import numpy as np
 import plotly.graph_objects as go
 import xarray as xr
 
-from bladewhirl.postprocess.energy.strain import PLOT_DECADES
+from bladewhirl.postprocess.energy.strain import PLOT_DECADES, energy_terms, term_label
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.windows import span_means, span_starts
 from bladewhirl.postprocess.pictures.appearance import (
@@ -215,26 +215,17 @@ def _histories(maps: xr.Dataset, energy: xr.Dataset) -> go.Figure:
 def _energies(energy: xr.Dataset) -> list[go.Scatter]:
     """Lines of the strain energy; parts that stay zero are left out."""
     starts = span_starts(energy["time"].values, ENERGY_POINTS)
-    family = energy["first_family"]
-    first = family["nodal_diameter"].values == 1
-    parts: list[tuple[str, str, Array]] = [
-        ("total", "total", energy["total"].values),
-        ("suspension", "suspension", energy["suspension"].values),
-        ("1F, k = 1", "k = 1", family.values[:, first].sum(axis=1)),
-        ("1F, other k", "other k", family.values[:, ~first].sum(axis=1)),
-        ("rest", "rest", energy["rest"].values),
-    ]
     return [
         go.Scatter(
             x=span_means(energy["time"].values, starts),
-            y=span_means(values, starts),
+            y=span_means(values.values, starts),
             yaxis="y2",
             mode="lines",
-            name=name,
-            line={"color": COLOURS[colour], "width": 2.5 if name == "total" else 1.5},
-            hovertemplate=f"%{{x:.6g}} s<br>{name} %{{y:.4g}} J<extra></extra>",
+            name=term_label(name),
+            line={"color": COLOURS[name], "width": 2.5 if name == "total" else 1.5},
+            hovertemplate=f"%{{x:.6g}} s<br>{term_label(name)} %{{y:.4g}} J<extra></extra>",
         )
-        for name, colour, values in parts
+        for name, values in energy_terms(energy).items()
         if values.any()
     ]
 

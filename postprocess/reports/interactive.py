@@ -15,25 +15,18 @@ INK, LINE = "#1c2330", "#dfe3e8"
 COLOUR_SCALE = SEQUENTIAL.capitalize()
 """Plotly's name of the common colour map."""
 
-_AXIS = {"gridcolor": LINE, "zerolinecolor": LINE, "linecolor": INK, "ticks": "outside"}
-TEMPLATE = {
-    "layout": {
-        "font": {"family": FONT, "size": 13, "color": INK},
-        "paper_bgcolor": "#ffffff",
-        "plot_bgcolor": "#ffffff",
-        "margin": {"l": 64, "r": 16, "t": 48, "b": 52},
-        "hoverlabel": {"font": {"family": FONT, "size": 13}},
-        "legend": {"orientation": "h", "y": -0.16, "yanchor": "top"},
-        "xaxis": _AXIS,
-        "yaxis": _AXIS,
-    }
-}
-"""Fonts, colours, margins and legends of all plots."""
+FONT_LOOK = {"family": FONT, "size": 13, "color": INK}
 
 
 def plot(traces: Sequence[Any], **layout: Any) -> go.Figure:
-    """Return a plot of traces in the common template."""
-    return go.Figure(data=list(traces), layout=go.Layout(template=TEMPLATE, **layout))
+    """Return a plot of traces in the common style."""
+    return go.Figure(data=list(traces), layout=layout).update_layout(
+        template="plotly_white",
+        font=FONT_LOOK,
+        hoverlabel_font=FONT_LOOK,
+        margin={"l": 64, "r": 16, "t": 48, "b": 52},
+        legend={"orientation": "h", "y": -0.16, "yanchor": "top"},
+    )
 
 
 def buttons(labels: Sequence[str], owner: Sequence[int | None]) -> list[dict[str, Any]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -27,12 +26,7 @@ from bladewhirl.postprocess.reports.sweep_explorer import (
     points_explorer,
     regime_explorer,
 )
-from bladewhirl.postprocess.reports.verdict import (
-    REGIMES,
-    criterion_table,
-    key_heading,
-    regime_table,
-)
+from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table, key_heading
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_label
 from bladewhirl.postprocess.sweep.dataset import swept
@@ -79,7 +73,6 @@ def sweep_report(
         blocks["points"].append(table)
     if points is not None:
         blocks["regimes"][:0] = _regime_maps(dataset, points)
-        blocks["regimes"].append(regime_table(points, counts))
         blocks["frequencies"].insert(0, _frequency_map(dataset))
         blocks["points"].append(_point_table(points))
     blocks["regimes"].append(criterion_table())
@@ -228,24 +221,15 @@ def _point_table(points: xr.Dataset) -> Table:
 
 
 def _case_section(dataset: xr.Dataset, provenance: Provenance) -> Section:
-    """Resolved case, with a comment at swept keys."""
-    lines, table = [], ""
-    sizes = {str(dataset[key].attrs["long_name"]): dataset.sizes[key] for key in swept(dataset)}
-    for line in str(dataset.attrs.get("case", "")).strip().splitlines():
-        if heading := re.fullmatch(r"\[([^\[\]]+)\]", line):
-            table = f"{heading[1]}."
-        name, equals, _ = line.partition(" = ")
-        here = [key for key in sizes if equals and f"{key}.".startswith(f"{table}{name}.")]
-        remarks = ", ".join(f"{key}: {sizes[key]} values" for key in here)
-        lines.append(f"{line}  # swept, {remarks}" if here else line)
-    settings = " ".join(f"--set {key}=VALUE" for key in sizes)
+    """Resolved case, with the swept keys in the caption."""
+    settings = " ".join(f"--set {dataset[key].attrs['long_name']}=VALUE" for key in swept(dataset))
     return case_section(
         dataset,
         provenance,
-        text="\n".join(lines),
-        caption="All keys with the values used, SI units. Lines marked as swept have another value "
-        f"at every point; bladewhirl run on these lines with {settings} (in SI units, or with a "
-        "unit) repeats a point.",
+        text=str(dataset.attrs.get("case", "")).strip(),
+        caption="All keys with the values used, SI units. Swept keys have another value at every "
+        f"point; bladewhirl run on these lines with {settings} (in SI units, or with a unit) "
+        "repeats a point.",
     )
 
 

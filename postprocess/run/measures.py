@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.energy.regimes import Regime, classify
-from bladewhirl.postprocess.energy.strain import strain_energies
+from bladewhirl.postprocess.energy.strain import energy_terms, strain_energies
 from bladewhirl.postprocess.fields.result import reduce_modes
 from bladewhirl.postprocess.fields.windows import late_part, select_window
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, contact_classes
@@ -38,13 +38,7 @@ class Motion:
     @cached_property
     def energies(self) -> xr.Dataset:
         """Strain energy [J] over time of each of `HOLDERS`, and `total`."""
-        energies = strain_energies(self.result)
-        family = energies["first_family"]
-        k = family["nodal_diameter"]
-        groups = {"k = 0": k == 0, "k = 1": k == 1, "other k": k > 1}
-        return energies.drop_dims("nodal_diameter").assign(
-            {name: family[:, part.values].sum("nodal_diameter") for name, part in groups.items()}
-        )
+        return xr.Dataset(energy_terms(strain_energies(self.result)))
 
     @cached_property
     def regime(self) -> Regime:

@@ -37,10 +37,6 @@ PADDING, SLICE_PADDING = 4, 2
 length, for smooth lines."""
 
 DECADES = 4.0  #: decades below the largest amplitude that are drawn
-TOLD, HALF_LINE = 1e-3, 4
-"""Share of the largest amplitude from which on that outside the drawn frequencies is told, and half
-the width of a line under the window, in resolutions."""
-
 MARGIN = 1.12  #: how far the drawn frequencies go beyond the outermost line of a mode
 WITH_K = {"1F": "1F, k = 1", "casing": "casing, k = 1"}
 """Names of modes in the legend that say which of their family."""
@@ -184,9 +180,6 @@ def shaft_spectrogram(
 def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
     """Return the drawn range of a spectrum, with all lines of modes, `modal_line` (line,).
 
-    The attribute `outside` names the strongest line beyond it; it is empty if that is less than a
-    thousandth of the largest.
-
     Args:
         spectrum: from `shaft_spectrum` or `shaft_spectrogram`.
         lines: from `modal_lines`, of the same frame.
@@ -201,27 +194,7 @@ def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
             f"{2e3 * np.pi / resolution:.3g} ms tell frequencies {_hertz(resolution):.3g} Hz apart,"
             f" the modes lie within {_hertz(edge):.3g} Hz: a spectrum needs a longer window"
         )
-    drawn = spectrum.sel(frequency=slice(-edge, edge)).assign(modal_line=lines)
-    return drawn.assign_attrs(outside=_outside(spectrum, edge))
-
-
-def _outside(spectrum: xr.Dataset, edge: float) -> str:
-    """Return the strongest line beyond an edge in words."""
-    amplitude = MILLI * spectrum["amplitude"]
-    amplitude = amplitude.max([name for name in amplitude.dims if name != "frequency"])
-    past = edge + HALF_LINE * spectrum.attrs["resolution"]
-    beyond = amplitude[np.abs(amplitude["frequency"].values) > past]
-    if not beyond.size or not beyond.max() > TOLD * amplitude.max():
-        return ""
-    peak = beyond[int(beyond.values.argmax())]
-    place = f"{_hertz(float(peak['frequency'])):.4g}".replace("-", "−")
-    return f"outside: up to {float(peak):.2g} mm at {place} Hz"
-
-
-def _limits(spectrum: xr.Dataset) -> list[str]:
-    """Return the resolution, and the strongest line outside the drawn range, in words."""
-    resolution = f"resolution {_hertz(spectrum.attrs['resolution']):.3g} Hz"
-    return [*filter(None, [resolution, spectrum.attrs["outside"]])]
+    return spectrum.sel(frequency=slice(-edge, edge)).assign(modal_line=lines)
 
 
 @styled
@@ -250,7 +223,7 @@ def plot_spectrum(spectrum: xr.Dataset) -> Figure:
         axes.set_xlim(low, high)
     _draw_lines(axes, spectrum["modal_line"], axes.axvline)
     frame, window = spectrum.attrs["frame"], spectrum.attrs["window"]
-    head(figure, spectrum, f"{frame} frame, {window}", *_limits(spectrum))
+    head(figure, spectrum, f"{frame} frame, {window}", _resolution(spectrum))
     figure.legend(loc="outside lower center", ncols=2, handlelength=2.6)
     return figure
 
@@ -281,10 +254,14 @@ def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
     axes.set_ylabel("frequency [Hz]\n← backward  forward →")
     frame, slice_length = spectrogram.attrs["frame"], 1e3 * spectrogram.attrs["slice"]
     shown = f"{frame} frame, slices of {slice_length:.3g} ms"
-    head(figure, spectrogram, shown, *_limits(spectrogram))
+    head(figure, spectrogram, shown, _resolution(spectrogram))
     figure.colorbar(picture, ax=axes, label="amplitude [mm]")
     figure.legend(loc="outside lower center", ncols=2, handlelength=2.6)
     return figure
+
+
+def _resolution(spectrum: xr.Dataset) -> str:
+    return f"resolution {_hertz(spectrum.attrs['resolution']):.3g} Hz"
 
 
 def _draw_lines(axes: Axes, lines: xr.DataArray, draw: Any) -> None:

@@ -8,9 +8,13 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, PLOT_DECADES
+from bladewhirl.postprocess.energy.strain import (
+    FIRST_FAMILY,
+    PLOT_DECADES,
+    energy_terms,
+    term_label,
+)
 from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL, styled
 from bladewhirl.postprocess.sweep.axes import key_edges
 from bladewhirl.postprocess.sweep.dataset import GROUP
@@ -77,29 +81,16 @@ def plot_point_energies(data: xr.Dataset) -> Figure:
 
 def _draw_lines(axes: Axes, one: xr.Dataset) -> None:
     place = one[str(one.attrs["along"])].values
-    family = one["first_family"]
-    diameter = family[DIAMETER].values
-
-    def of(members: NDArray[np.bool_]) -> NDArray[np.float64]:
-        return np.asarray(np.nansum(family.values[:, members], axis=1))
-
-    lines = [("total", "total", one["total"].values)]
-    lines += [("suspension", "suspension", one["suspension"].values)]
-    lines += [(f"{FIRST_FAMILY}, k = {k}", f"k = {k}", of(diameter == k)) for k in (0, 1)]
-    lines += [(f"{FIRST_FAMILY}, other k", "other k", of(diameter > 1))]
-    lines += [("rest", "rest", one["rest"].values)]
-    for (label, colour, energy), dash, mark in zip(
-        lines, DASHES[: len(lines)], MARKS[: len(lines)], strict=True
-    ):
+    for (name, energy), dash, mark in zip(energy_terms(one).items(), DASHES, MARKS, strict=False):
         axes.plot(
             place,
-            np.where(energy > 0, energy, np.nan),
+            energy.where(energy > 0),
             linestyle=dash,
             marker=mark,
-            color=COLOURS[colour],
-            linewidth=2.0 if label == "total" else 1.0,
-            markersize=4.5 if label == "total" else 3,
-            label=label,
+            color=COLOURS[name],
+            linewidth=2.0 if name == "total" else 1.0,
+            markersize=3,
+            label=term_label(name),
         )
 
 

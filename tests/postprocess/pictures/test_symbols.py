@@ -7,7 +7,6 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.pictures.drawing import Drawing, Picture
-from bladewhirl.postprocess.pictures.stage import support_lines
 from bladewhirl.postprocess.pictures.symbols import BESIDE, FOUNDATION, HATCHES, TEETH
 
 R = synthetic.TIP_RADIUS
@@ -183,19 +182,3 @@ def test_springs_start_where_the_shaft_is_drawn_whatever_their_frame() -> None:
     seen = Drawing(result, np.array([1]), exaggeration=20.0).picture(0)
     start = seen.symbols.springs.reshape(-1, ZIGZAG, 2, 2)[-SHAFT:, 0, 0]
     np.testing.assert_allclose(start, [seen.shaft] * 2, atol=1e-12)
-
-
-def test_the_lines_count_the_drawn_supports() -> None:
-    at_rest = damped(supported()).isel(time=[0])
-    assert support_lines(at_rest) == [
-        "shaft springs: 2",
-        "30 MN/m and 40 MN/m, rotating frame",
-        "shaft dampers: 1",
-        "casing springs: 2",
-        "casing struts: 1",
-        "casing dampers: 3",
-        "point masses (0.2 kg): 2",
-    ]
-    assert support_lines(at_rest.assign_attrs(clamped=1))[0] == "centre clamped"
-    plain = support_lines(synthetic.synthetic_result(records=1))
-    assert plain == ["shaft springs: 2", "casing free"]
