@@ -96,7 +96,7 @@ def energy_terms(energies: xr.Dataset) -> dict[str, xr.DataArray]:
     """
     family = energies["first_family"]
     k = family["nodal_diameter"].values
-    members = {"k = 0": k == 0, "k = 1": k == 1, "other k": k > 1}
+    members = {"k = 0": k == 0, "k = 1": k == 1, "other k": (k != 0) & (k != 1)}
     return {
         "total": energies["total"],
         "suspension": energies["suspension"],
