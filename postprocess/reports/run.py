@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
 import xarray as xr
 
 from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.energy.strain import strain_energies
-from bladewhirl.postprocess.fields.windows import late_part, window_label
+from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
 from bladewhirl.postprocess.plotting.titles import speed_label
 from bladewhirl.postprocess.reports.instants import instants
@@ -69,7 +68,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
         Section(
             name="contact",
             title="Contact of blades and casing",
-            blocks=[*_drawn(figures, "contact"), _blades(dataset, classes)],
+            blocks=_drawn(figures, "contact"),
         ),
         Section(name="frequencies", title="Frequencies", blocks=_drawn(figures, "frequencies")),
         Section(name="energy", title="Strain energy and stress", blocks=_drawn(figures, "energy")),
@@ -97,39 +96,6 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
 def _drawn(figures: RunFigures, section: str) -> list[ReportFigure]:
     kinds = [kind for kind in RUN_FIGURES.values() if kind.section == section]
     return report_figures(figures.draw, kinds)
-
-
-def _blades(dataset: xr.Dataset, classes: xr.Dataset) -> Table:
-    """Contact of every blade."""
-    late = _late(dataset)
-    since = late.isel(time=slice(1, None))
-    time = dataset["time"].values
-    length = float(late["time"].values[-1] - late["time"].values[0])
-    mean = since["contact_impulse"].sum("time").values / length
-    step = np.diff(time)[:, None]
-    largest = (dataset["contact_impulse"].values[1:] / step).max(axis=0)
-    gap = MILLI * dataset["gap"].values.min(axis=0)
-    rows = [
-        (
-            str(blade),
-            str(classes["contact_class"].values[blade]),
-            f"{100 * float(classes['share'].values[blade]):.4g}",
-            f"{mean[blade]:.4g}",
-            f"{largest[blade]:.4g}",
-            f"{max(gap[blade], 0.0):.4g}",
-        )
-        for blade in range(dataset.sizes["blade"])
-    ]
-    return Table(
-        name="blades",
-        title="Blades",
-        caption=f"Class, share and mean force over {window_label(late)}; largest force (a mean "
-        "over the time between two records) and smallest gap over the whole run.",
-        head=("blade", "class", "time in contact [%]", "mean force [N]", "largest [N]", "gap [mm]"),
-        rows=rows,
-        numbers=True,
-        folded=True,
-    )
 
 
 def _late(dataset: xr.Dataset) -> xr.Dataset:

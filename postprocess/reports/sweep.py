@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,11 +21,7 @@ from bladewhirl.postprocess.reports.page import (
     report_figures,
 )
 from bladewhirl.postprocess.reports.provenance import Provenance, case_section, subject
-from bladewhirl.postprocess.reports.sweep_explorer import (
-    frequency_explorer,
-    points_explorer,
-    regime_explorer,
-)
+from bladewhirl.postprocess.reports.sweep_explorer import frequency_explorer, points_explorer
 from bladewhirl.postprocess.reports.verdict import REGIMES, criterion_table, key_heading
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_label
@@ -72,7 +68,7 @@ def sweep_report(
         table = Table(name="failures", title="Failed points", head=head, rows=failures)
         blocks["points"].append(table)
     if points is not None:
-        blocks["regimes"][:0] = _regime_maps(dataset, points)
+        blocks["regimes"].insert(0, points_explorer(points))
         blocks["frequencies"].insert(0, _frequency_map(dataset))
         blocks["points"].append(_point_table(points))
     blocks["regimes"].append(criterion_table())
@@ -170,13 +166,6 @@ def _windowed(dataset: xr.Dataset, caption: str) -> str:
     """Caption with the time window of spectra and mean energies."""
     window = str(dataset.attrs.get("window", ""))
     return f"{caption} {window[:1].upper()}{window[1:]}." if window else caption
-
-
-def _regime_maps(dataset: xr.Dataset, points: xr.Dataset) -> Iterator[Explorer]:
-    others = [name for name in swept(dataset) if name != points.attrs["along"]]
-    if len(others) == 1 and points.sizes[LINE] > 1:
-        yield regime_explorer(points, others[0])
-    yield points_explorer(points)
 
 
 def _frequency_map(dataset: xr.Dataset) -> Explorer:

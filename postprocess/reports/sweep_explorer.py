@@ -55,11 +55,6 @@ POINTS_CAPTION = (
     "limit bounds what a divergent point shows."
 )
 
-REGIME_MAP_CAPTION = (
-    "Regime over the two swept keys. Point at a cell for its numbers, growth rates ± "
-    f"{CERTAINTY:g} standard errors; look for where one regime borders on another."
-)
-
 
 def frequency_explorer(maps: xr.Dataset) -> Explorer:
     """Return spectra over the swept key; if other keys are swept too, a button for each line.
@@ -128,41 +123,6 @@ def points_explorer(points: xr.Dataset) -> Explorer:
     )
     return Explorer(
         name="points-explorer", title="Every point", caption=POINTS_CAPTION, plots=[figure]
-    )
-
-
-def regime_explorer(points: xr.Dataset, other: str) -> Explorer:
-    """Return the regime over two swept keys, with details of each point.
-
-    Args:
-        points: as in `points_explorer`.
-        other: the other swept key.
-    """
-    points = in_handy_units(points)
-    key = points[str(points.attrs["along"])]
-    names = list(REGIME_COLOURS)
-    code = np.select([points["regime"].values == name for name in names], range(len(names)), np.nan)
-    edges = np.linspace(0.0, 1.0, len(names) + 1).repeat(2)[1:-1].tolist()
-    heat = go.Heatmap(  # categories would hide the distances of the values
-        x=key.values,
-        y=points[other].values,
-        z=code,
-        zmin=-0.5,
-        zmax=len(names) - 0.5,
-        colorscale=[*zip(edges, np.repeat([*REGIME_COLOURS.values()], 2), strict=True)],
-        colorbar={"tickvals": list(range(len(names))), "ticktext": names, "thickness": 14},
-        text=_texts(points),
-        hovertemplate="%{text}<extra></extra>",
-        xgap=1,
-        ygap=1,
-    )
-    figure = plot(
-        [heat],
-        xaxis={**_key_axis(key), "showgrid": False},
-        yaxis={**_key_axis(points[other]), "showgrid": False},
-    )
-    return Explorer(
-        name="regime-explorer", title="Regime map", caption=REGIME_MAP_CAPTION, plots=[figure]
     )
 
 

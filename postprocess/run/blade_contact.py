@@ -210,15 +210,9 @@ def plot_forces(maps: xr.Dataset) -> Figure:
     figure.colorbar(
         picture, ax=axes, label=f"normal force, means over {length} [{unit}]", extend="min"
     )
-    limits, words = contact_span(
-        maps["edge"].values, np.any(force > 0.0, axis=1, keepdims=True)[:, 0]
-    )
-    axes.set_xlim(*limits)
+    axes.set_xlim(*contact_span(maps["edge"].values, np.any(force > 0.0, axis=1)))
     time_axis(axes)
-    cell, blade = np.unravel_index(int(force.argmax()), force.shape)
-    by = maps["edge"].values[cell + 1]
-    largest = f"largest mean: {scale * top:.3g} {unit}, blade {blade}, by {by:.4g} s"
-    head(figure, maps, *filter(None, [words, largest if force.any() else ""]))
+    head(figure, maps, f"largest mean {scale * top:.3g} {unit}" if force.any() else "no contact")
     return figure
 
 
@@ -271,8 +265,8 @@ def _share(steps: Array, time: Array | float, dataset: xr.Dataset) -> Array:
     return np.asarray(steps / np.maximum(np.round(time / dataset.attrs["time_step"]), 1.0))
 
 
-def contact_span(edge: Array, touching: BoolArray) -> tuple[tuple[float, float], str]:
-    """Return limits of a time axis that fit brief contact, and its time in words.
+def contact_span(edge: Array, touching: BoolArray) -> tuple[float, float]:
+    """Return limits of a time axis that fit brief contact [s].
 
     Args:
         edge: borders of the spans of time [s], (span + 1,).
@@ -280,15 +274,13 @@ def contact_span(edge: Array, touching: BoolArray) -> tuple[tuple[float, float],
     """
     spans = np.flatnonzero(touching)
     begin, end = float(edge[0]), float(edge[-1])
-    if not len(spans):
-        return (begin, end), "no contact"
-    first, last = float(edge[spans[0]]), float(edge[spans[-1] + 1])
+    first, last = (
+        (float(edge[spans[0]]), float(edge[spans[-1] + 1])) if len(spans) else (begin, end)
+    )
     if last - first > BRIEF * (end - begin):
-        return (begin, end), ""
-    unit, scale = handy_unit(end, "s")
-    words = f"contact from {scale * first:.3g} to {scale * last:.3g} of {scale * end:.3g} {unit}"
+        return begin, end
     margin = BRIEF_MARGIN * (last - first)
-    return (max(begin, first - margin), min(end, last + margin)), words
+    return max(begin, first - margin), min(end, last + margin)
 
 
 def draw_share(

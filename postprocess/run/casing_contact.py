@@ -88,7 +88,7 @@ def with_last_turns(contact: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
     """
     end = float(contact["time_edge"][-1])
     speed = abs(float(contact.attrs["speed"]))
-    begin, last_drawn = _limits(contact)[0]
+    begin, last_drawn = _limits(contact)
     if (last_drawn - begin) * speed <= 2 * 2 * np.pi * LAST_TURNS:
         return contact
     last = casing_contact(result, start=end - LAST_TURNS * 2 * np.pi / speed, end=end)
@@ -114,15 +114,14 @@ def plot_casing_contact(contact: xr.Dataset) -> Figure:
     turning = float(contact.attrs["speed"]) != 0
     words = "passes in contact [%]" if turning else "time in contact [%]"
     figure.colorbar(picture, ax=[*panels], label=words)
-    limits, when = _limits(contact)
-    panels[0].set_xlim(*((_turns_each(contact) or 1.0) * limit for limit in limits))
+    panels[0].set_xlim(*((_turns_each(contact) or 1.0) * limit for limit in _limits(contact)))
     if not turning:
         time_axis(panels[0])
-    head(figure, contact, *filter(None, [when]))
+    head(figure, contact)
     return figure
 
 
-def _limits(contact: xr.Dataset) -> tuple[tuple[float, float], str]:
+def _limits(contact: xr.Dataset) -> tuple[float, float]:
     """Return the time [s] that the upper panel shows, see `contact_span`."""
     return contact_span(contact["time_edge"].values, (contact["share"] > 0).any("sector").values)
 

@@ -25,9 +25,7 @@ ALIKE = 1e-6
 """Share of the widest spread of gaps below which gaps are alike: none of them is the smallest."""
 
 POINTS = 1200  #: points of a line of phases at most
-MOST_TURNS, LEAST_SHARE = 12.0, 0.3
-"""Turns of the shaft up to which its phase is drawn, since more can't be followed, and the least
-share of the time that these must take."""
+MOST_TURNS = 12.0  #: turns of the shaft that are drawn at most, the last: more can't be followed
 
 
 def contact_phase(
@@ -107,23 +105,21 @@ def _scenario(shaft: Array, clearance: Array, impulse: Array) -> dict[str, str |
 def plot_contact_phase(phases: xr.Dataset) -> Figure:
     """Draw the phase of shaft and smallest clearance, and by how much the shaft leads.
 
-    The phase is drawn in the frame in which the shaft turns less. Of many turns only the last are
-    drawn, or the lead alone if these take little of the time.
+    The phase is drawn in the frame in which the shaft turns less, of many turns the last.
 
     Args:
         phases: from `contact_phase`.
     """
     frame, since = _followed(phases)
-    drawn = phases if frame is None else phases.sel(time=slice(since, None))
+    drawn = phases.sel(time=slice(since, None))
     shown = drawn.isel(time=span_starts(drawn["time"].values, POINTS))
-    figure = new_figure(height=0.1 if frame else 0.06)
-    *uppers, lower = figure.subplots(2 if frame else 1, sharex=True, squeeze=False)[:, 0]
-    for axes in uppers:
-        carried = shown["time"].values * (phases.attrs["speed"] if frame == "rotating" else 0.0)
-        for name, key, size in (("smallest clearance", "contact", 3.6), ("shaft", "rotor", 1.4)):
-            phase = np.degrees(_wrapped(shown[f"{name.replace(' ', '_')}_phase"].values - carried))
-            axes.plot(shown["time"], phase, ".", color=COLOURS[key], markersize=size, label=name)
-        axes.set_ylabel(f"phase in the\n{frame} frame [°]")
+    figure = new_figure(height=0.1)
+    upper, lower = figure.subplots(2, sharex=True)
+    carried = shown["time"].values * (phases.attrs["speed"] if frame == "rotating" else 0.0)
+    for name, key, size in (("smallest clearance", "contact", 3.6), ("shaft", "rotor", 1.4)):
+        phase = np.degrees(_wrapped(shown[f"{name.replace(' ', '_')}_phase"].values - carried))
+        upper.plot(shown["time"], phase, ".", color=COLOURS[key], markersize=size, label=name)
+    upper.set_ylabel(f"phase in the\n{frame} frame [°]")
     lead = np.degrees(shown["shaft_lead"])
     touching = shown["impulse"].values > 0.0
     for here, colour, name in (
@@ -137,33 +133,26 @@ def plot_contact_phase(phases: xr.Dataset) -> Figure:
         -90, 90, color=COLOURS["rest"], alpha=0.25, linewidth=0, zorder=0, label="standard: ±90°"
     )
     lower.set_ylabel("shaft ahead of\nsmallest gap [°]")
-    for axes in (*uppers, lower):
+    for axes in (upper, lower):
         axes.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
-    time_axis(*uppers, lower)
-    figure.legend(loc="outside lower center", ncols=2 if uppers else 3, markerscale=2)
+    time_axis(upper, lower)
+    figure.legend(loc="outside lower center", ncols=2, markerscale=2)
     head(figure, phases, *_words(phases))
     return figure
 
 
-def _followed(phases: xr.Dataset) -> tuple[Frame | None, float]:
-    """Return the frame in which the shaft turns less, None if it turns too often in both, and the
-    time [s] from which its turns can be followed.
+def _followed(phases: xr.Dataset) -> tuple[Frame, float]:
+    """Return the frame in which the shaft turns less, and the time [s] from which its turns can be
+    followed.
     """
     moving = phases["shaft_phase"].dropna("time")
-    time, speed = moving["time"].values, phases.attrs["speed"]
-    if len(time) == 0:
+    time, angle = moving["time"].values, np.unwrap(moving.values)
+    if not len(time):
         return "static", float(phases["time"][0])
-    turns: dict[Frame, tuple[float, float]] = {}
-    for frame in FRAMES:
-        rate = speed if frame == "rotating" else 0.0
-        angle = np.unwrap(moving.values - rate * time)
-        before = np.flatnonzero(np.abs(angle - angle[-1]) > MOST_TURNS * 2 * np.pi)
-        since = float(time[before[-1] + 1]) if len(before) else float(time[0])
-        turns[frame] = since, float(np.ptp(angle))
-    best = min(FRAMES, key=lambda name: turns[name])
-    since, _ = turns[best]
-    enough = since <= time[-1] - LEAST_SHARE * (time[-1] - time[0])
-    return (best if enough else None), since
+    turned = {"rotating": np.unwrap(moving.values - phases.attrs["speed"] * time), "static": angle}
+    frame = min(FRAMES, key=lambda name: np.ptp(turned[name]))
+    ahead = np.abs(turned[frame] - turned[frame][-1]) <= MOST_TURNS * 2 * np.pi
+    return frame, float(time[np.argmax(np.logical_and.accumulate(ahead[::-1])[::-1])])
 
 
 def _words(phases: xr.Dataset) -> list[str]:

@@ -20,11 +20,7 @@ from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 LONG_LINE = 5000
 """Points above which a line is a picture inside a PDF: such files would grow unwieldy."""
 
-SEEN = 0.3
-"""Share of half the axes that a turn must span for arrows on it to be read; a smaller one is drawn
-again in a corner."""
-
-CORNER = (0.02, 0.02, 0.2, 0.2)  #: place of that drawing, in shares of the axes
+SEEN = 0.3  #: share of half the axes that a turn must span for arrows on it to be read
 TINY = 0.05
 """Radius of an orbit, over the clearance, below which the clearance is not drawn around it."""
 
@@ -101,23 +97,21 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
     tiny = 0.0 < radius < TINY * clearance
     reach = radius if tiny else max(radius, clearance)
     unit, scale = handy_unit(reach, "m")
-    small = [frame for frame in FRAMES if _extent(late[frame].values) <= SEEN * 1.1 * reach]
-    edge = (1.35 if small else 1.1) * scale * reach or 1.0  # all at rest: 1 mm
+    edge = 1.1 * scale * reach or 1.0  # all at rest: 1 mm
     figure = new_figure(height=0.1)
-    boxes: list[str] = []
     panels = figure.subplot_mosaic([[*FRAMES], ["radius"] * 2], height_ratios=(2.4, 1.0))
     for frame in FRAMES:
-        axes = panels[frame]
+        axes, turn = panels[frame], scale * late[frame].values
         axes.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge), xlabel=f"x [{unit}]")
         axes.locator_params(nbins=5)
         axes.yaxis.set_major_locator(axes.xaxis.get_major_locator())
         if not tiny:
             axes.add_patch(Circle((0, 0), scale * clearance, fill=False, **CLEARANCE_LINE))
         _draw_path(axes, scale * orbit[frame].values)
-        _draw_turn(axes, scale * late[frame].values, arrows=frame not in small)
-        if frame in small and late[frame].any():
-            wide = _draw_again(axes, late[frame].values)
-            boxes.append(f"box in the {frame} frame: late motion, {wide} wide")
+        long = len(turn) > LONG_LINE
+        axes.plot(*turn.T, color=COLOURS["rotor"], label="late motion", rasterized=long)
+        for share in (0.2, 0.5, 0.8) if np.ptp(turn, axis=0).max() > SEEN * edge else ():
+            _draw_arrow(axes, turn, share)
         axes.set_title(f"{frame} frame\n{whirl(late_part(orbit), frame).text}")
     panels[FRAMES[0]].set_ylabel(f"y [{unit}]")
     panels[FRAMES[1]].tick_params(labelleft=False)
@@ -128,7 +122,7 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
     figure.legend(*entries, loc="outside lower center", ncols=3)
     outside = [f"the clearance, {MILLI * clearance:.3g} mm, is far outside"] if tiny else []
     windows = f"late motion: {window_label(late)}", f"whirl: {window_label(late_part(orbit))}"
-    head(figure, orbit, *windows, *outside, *boxes)
+    head(figure, orbit, *windows, *outside)
     return figure
 
 
@@ -162,32 +156,6 @@ def _draw_path(axes: Axes, place: Array) -> None:
     ends: dict[str, Any] = {"color": COLOURS["rotor"], "linestyle": "none", "markersize": 4}
     axes.plot(*place[:1].T, marker="o", markerfacecolor="white", label="start", **ends)
     axes.plot(*place[-1:].T, marker="s", label="end", **ends)
-
-
-def _extent(path: Array) -> float:
-    """Width or height of a path (record, 2), whichever is larger."""
-    return float(np.ptp(path, axis=0).max())
-
-
-def _draw_turn(axes: Axes, path: Array, *, arrows: bool) -> None:
-    """Draw the end of a path, with arrows on request."""
-    long = len(path) > LONG_LINE
-    axes.plot(*path.T, color=COLOURS["rotor"], label="late motion", rasterized=long)
-    for share in (0.2, 0.5, 0.8) if arrows else ():
-        _draw_arrow(axes, path, share)
-
-
-def _draw_again(axes: Axes, path: Array) -> str:
-    """Draw a small path [m] enlarged in a corner; return the width of its box."""
-    corner = axes.inset_axes(CORNER)
-    corner.plot(*path.T, color=COLOURS["rotor"], linewidth=0.8, rasterized=len(path) > LONG_LINE)
-    size = 1.1 * _extent(path) or 1.0
-    middle = 0.5 * (path.max(axis=0) + path.min(axis=0))
-    corner.set(xticks=[], yticks=[], aspect="equal")
-    corner.set_xlim(middle[0] - size / 2, middle[0] + size / 2)
-    corner.set_ylim(middle[1] - size / 2, middle[1] + size / 2)
-    unit, scale = handy_unit(size, "m")
-    return f"{scale * size:.2g} {unit}"
 
 
 def _draw_arrow(axes: Axes, path: Array, share: float) -> None:

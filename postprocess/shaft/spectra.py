@@ -7,7 +7,8 @@ The side lobes of the Blackman-Harris window are below all that is drawn.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,6 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.patheffects import withStroke
 from numpy.lib.stride_tricks import sliding_window_view
 
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION
@@ -250,7 +250,7 @@ def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
     )
     axes.grid(False)
     time_axis(axes)
-    _draw_lines(axes, spectrogram["modal_line"], _at_both_edges(axes))
+    _draw_lines(axes, spectrogram["modal_line"], partial(axes.axhline, xmin=0.0, xmax=0.15))
     axes.set_ylabel("frequency [Hz]\n← backward  forward →")
     frame, slice_length = spectrogram.attrs["frame"], 1e3 * spectrogram.attrs["slice"]
     shown = f"{frame} frame, slices of {slice_length:.3g} ms"
@@ -277,22 +277,6 @@ def _draw_lines(axes: Axes, lines: xr.DataArray, draw: Any) -> None:
             label=f"_{name}" if mode in named else name,
         )
         named.add(str(mode))
-
-
-def _at_both_edges(axes: Axes) -> Callable[..., object]:
-    """Draws level lines at the edges of axes alone, so that they hide nothing between; the speed's
-    beside those of modes, which may lie on it.
-    """
-
-    def draw(value: float, *, label: str, **look: Any) -> None:
-        is_order = label.endswith(ORDER)
-        first, last = (0.13, 0.19) if is_order else (0.0, 0.12)
-        if is_order:  # it may lie on the brightest line
-            look["path_effects"] = [withStroke(linewidth=3.2, foreground="black")]
-        axes.axhline(value, first, last, label=label, **look)
-        axes.axhline(value, 1.0 - last, 1.0 - first, **look)
-
-    return draw
 
 
 def _hertz(frequency: Array | float) -> Array:

@@ -103,15 +103,6 @@ def plot_whirl_history(whirls: xr.Dataset) -> Figure:
     lower.set_ylabel(f"radius [{unit}]")
     lower.set_ylim(bottom=0.0, top=1.12 * scale * float(whirls["radius"].max()) or 1.0)
     time_axis(upper, lower)
-    upper.plot(
-        [],
-        [],
-        "o",
-        color="0.3",
-        markerfacecolor="white",
-        markersize=2.5,
-        label="open: no net rotation",
-    )
     figure.legend(*upper.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     head(figure, whirls, f"means over {1e3 * whirls.attrs['span']:.3g} ms")
     return figure
@@ -122,15 +113,6 @@ def _draw_frame(axes: Axes, whirls: xr.Dataset, frame: Frame) -> None:
     time, rate = whirls["time"].values, whirls["rate"].values / (2 * np.pi)
     colour = COLOURS[key]
     clear = whirls["direction"].values != 0
-    axes.plot(
-        time,
-        rate,
-        line,
-        marker=marker,
-        color=colour,
-        markersize=2.5,
-        markerfacecolor="white",
-        markeredgewidth=0.6,
-    )
+    axes.plot(time, rate, line, marker=marker, color=colour, markersize=2.5, mfc="white", mew=0.6)
     axes.plot(time[clear], rate[clear], marker, color=colour, markersize=2.5)
     axes.plot([], [], line, marker=marker, color=colour, markersize=2.5, label=f"{frame} frame")

@@ -177,18 +177,11 @@ class TestPhase:
 
 
 @pytest.mark.parametrize(
-    ("touching", "limits", "words"),
-    [
-        ([], (0.0, 0.1), "no contact"),
-        ([3], (0.029, 0.041), "contact from 0.03 to 0.04 of 0.1 s"),
-        ([8, 9], (0.078, 0.1), "contact from 0.08 to 0.1 of 0.1 s"),
-        ([0, 9], (0.0, 0.1), ""),
-    ],
+    ("touching", "limits"),
+    [([], (0.0, 0.1)), ([3], (0.029, 0.041)), ([8, 9], (0.078, 0.1)), ([0, 9], (0.0, 0.1))],
 )
 def test_an_axis_of_time_follows_brief_contact(
-    touching: list[int], limits: tuple[float, float], words: str
+    touching: list[int], limits: tuple[float, float]
 ) -> None:
     spans = np.isin(np.arange(10), touching)
-    found, when = contact_span(np.linspace(0.0, 0.1, 11), spans)
-    assert found == pytest.approx(limits)
-    assert when == words
+    assert contact_span(np.linspace(0.0, 0.1, 11), spans) == pytest.approx(limits)
