@@ -43,6 +43,7 @@ def write_source() -> None:
     ffi = FFI()
     ffi.cdef("\n".join(line for line in header.splitlines() if not line.startswith("#")))
     ffi.set_source(MODULE, '#include "march.c"\n#include "dense.c"\n', py_limited_api=True)
+    (KERNEL / "_kernel.c").unlink(missing_ok=True)  # a new one, so that headers are read anew
     ffi.emit_c_code(str(KERNEL / "_kernel.c"))
 
 

@@ -133,7 +133,7 @@ def padded(size: int, unit: int = lib.LANES) -> int:
 def aligned(shape: int | tuple[int, ...], dtype: Any = np.float64) -> np.ndarray[Any, Any]:
     """Zeros that start on a cache line."""
     count = prod(shape) if isinstance(shape, tuple) else shape
-    raw = np.zeros(count + CACHE_LINE // 8, dtype)
+    raw = np.zeros(count + CACHE_LINE // 8 - 1, dtype)
     first = -(raw.ctypes.data // 8) % (CACHE_LINE // 8)
     return raw[first : first + count].reshape(shape)
 

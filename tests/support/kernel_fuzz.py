@@ -1,0 +1,129 @@
+"""Random stages marched by the kernel and by NumPy: `python tests/support/kernel_fuzz.py`.
+
+Half of them have no symmetry and any sizes; half are cyclic stages of a case. Options of the march
+are on and off by chance: loads, dampers, springs between the bodies and under the shaft, Coriolis
+forces, signed sliding, tips that turn. Each has to agree to 1e-9, except where NumPy finds no
+contact forces. A stage is made from its number alone, so a finding is repeated by
+`--first NUMBER --count 1`. Meant for a build with AddressSanitizer too, see `.ci/sanitize`.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from contact_cases import assert_same, random_problem, thrown
+
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.stage.build import contact_problem
+from bladewhirl.models.stage.contact_problem import ContactProblem
+from bladewhirl.models.stage.stage import build_stage
+from bladewhirl.solvers.kernel import structs
+from bladewhirl.solvers.march.central_difference import CentralDifference
+from bladewhirl.solvers.march.march import Scheme
+from bladewhirl.solvers.march.reference import Reference
+from bladewhirl.solvers.march.scheme import make_scheme
+
+STEPS = 60
+
+
+def without_symmetry(number: int, random: np.random.Generator) -> ContactProblem:
+    """Two bodies without any symmetry, of any sizes."""
+    given = random_problem(
+        number,
+        tips=int(random.integers(1, 8)),
+        nodes=int(random.integers(1, 12)),
+        rotor_modes=int(random.integers(1, 40)),
+        casing_modes=int(random.integers(0, 30)),
+        speed=float(random.choice([-90.0, 0.0, 1.0, 30.0])),
+        sliding=random.choice(["permanent", "signed"]),  # type: ignore[arg-type]
+        tip_rotation=bool(random.integers(2)),
+    )
+    rotor, casing = given.rotor, given.casing
+    modes = len(rotor.frequency)
+    if random.integers(2):
+        skew, half = 30.0 * random.normal(size=(2, modes, modes))
+        turning = skew - skew.T + 0.01 * half.T @ half
+        rotor = replace(rotor, by_velocity=turning, circulation=float(random.choice([0.0, 2e3])))
+    if random.integers(2):
+        rotor = replace(rotor, anisotropy=1e3)
+    if random.integers(2):
+        rows = int(random.integers(1, 4))
+        rotor = replace(rotor, dampers=random.normal(size=(rows, modes)))
+        casing = replace(casing, dampers=random.normal(size=(rows, len(casing.frequency))))
+    loads = given.loads if random.integers(2) else ()
+    return replace(given, rotor=rotor, casing=casing, loads=loads)
+
+
+def cyclic_stage(random: np.random.Generator) -> ContactProblem:
+    """The problem of a small case."""
+    blades = int(random.integers(3, 10))
+    case: dict[str, Any] = {
+        "bladed_disk": {"blades": blades},
+        "casing": {"elements": int(random.integers(max(4, blades), 26)), "support": 7.975e6},
+        "reduction": {"fixed_interface_modes": int(random.integers(1, 5)) * blades},
+        "rotation": {"effects": str(random.choice(["none", "full"]))},
+        "contact": {
+            "sliding": str(random.choice(["permanent", "signed"])),
+            "tip_rotation": bool(random.integers(2)),
+        },
+        "excitation": {"type": str(random.choice(["casing-distortion", "none"]))},
+    }
+    if random.integers(2):
+        case["coupling"] = {"stiffness": 1e6, "modes": str(random.choice(["six", "all"]))}
+    if random.integers(2):
+        stiffness, damping = 1e7, 1e4
+        case["shaft"] = {"stiffness": stiffness, "damping": damping}
+        if case["rotation"]["effects"] == "full":
+            case["shaft"]["damping_frame"] = "static"
+            if "coupling" not in case:
+                case["shaft"]["stiffness_y"] = 0.7 * stiffness
+    given = contact_problem(build_stage(Case.model_validate(case)))
+    return thrown(given, 40.0, spread=0.5)
+
+
+def check(number: int) -> bool:
+    """March the stage of a number in every way; return whether NumPy could."""
+    random = np.random.default_rng([number, 33])
+    if number % 2:
+        given, dt = cyclic_stage(random), 1e-6
+    else:
+        given, dt = without_symmetry(number, random), 1e-4
+    dt = min(dt, 0.5 * given.critical_time_step)
+    every = int(random.integers(1, 9))
+    plain = Reference(given, dt, every)
+    try:
+        _, expected, reason = plain.advance(plain.init(), STEPS)
+    except ArithmeticError:
+        return False
+    for cyclic in (True, False):
+        fast: Scheme[Any] = CentralDifference(given, dt, every, cyclic=cyclic)
+        _, chunk, end = fast.advance(fast.init(), STEPS)
+        assert end is reason
+        assert_same(chunk, expected)
+    for name in ("moreau-jean", "penalty"):
+        fast = make_scheme(replace(given, penalty_stiffness=1e3), dt, every, name)
+        fast.advance(fast.init(), STEPS)
+    return True
+
+
+def main() -> None:
+    """Check stages and print how many."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--first", type=int, default=0)
+    options.add_argument("--count", type=int, default=2000)
+    chosen = options.parse_args()
+    structs.CACHE_LINE = 8  # nothing behind an array: a sanitizer sees where it ends
+    agreed = 0
+    for number in range(chosen.first, chosen.first + chosen.count):
+        try:
+            agreed += check(number)
+        except Exception as error:
+            raise SystemExit(f"stage {number}: {error}") from error
+    print(f"{agreed} of {chosen.count} stages agree; NumPy finds no contact forces of the others")
+
+
+if __name__ == "__main__":
+    main()
