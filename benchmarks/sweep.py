@@ -32,7 +32,7 @@ from rich.table import Table
 from bladewhirl.models.case.file import dumps_case, read_case
 from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.plan import Plan, plan_sweep
-from bladewhirl.studies.sweeps.points import Failure, Group, Work, march_group
+from bladewhirl.studies.sweeps.points import Failure, Point, Work, march_point
 from bladewhirl.studies.sweeps.sweep import run_sweep
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
@@ -53,10 +53,11 @@ class Cost(NamedTuple):
     processor: float  #: mean of the workers [s]
 
 
-def processor_time(work: Work, group: Group) -> float:
-    """Return the processor time of a group [s]."""
+def processor_time(work: Work, points: list[Point]) -> float:
+    """Return the processor time of points [s]."""
     began = time.process_time()
-    for outcome in march_group(work, group).values():
+    for point in points:
+        outcome = march_point(work, point)
         if isinstance(outcome, Failure):
             raise RuntimeError(outcome.reason)
     return time.process_time() - began
@@ -66,14 +67,11 @@ def cost(client: Client, plan: Plan, workers: list[str], points: int) -> Cost:
     """Return the times of a number of workers for the same points each."""
     work = Work(case=dumps_case(plan.case), layout=plan.layout, histories="")
     began = time.perf_counter()
-    futures = []
-    for place, worker in enumerate(workers):
-        group = Group(
-            number=place,
-            points={point: plan.grid.values(point) for point in range(points)},
-            history_names={},
-        )
-        futures.append(client.submit(processor_time, work, group, workers=worker, pure=False))
+    chosen = [Point(number=number, values=plan.grid.values(number)) for number in range(points)]
+    futures = [
+        client.submit(processor_time, work, chosen, workers=worker, pure=False)
+        for worker in workers
+    ]
     used = client.gather(futures)
     return Cost(wall=time.perf_counter() - began, processor=sum(used) / len(used))
 

@@ -7,7 +7,7 @@ goes on where it was, and one that asks for the same run again gets it.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, cast
@@ -17,9 +17,9 @@ from bladewhirl.models.case.file import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.runs.prepare import prepare_stage
-from bladewhirl.studies.sweeps.cluster import march_groups
+from bladewhirl.studies.sweeps.cluster import march_points
 from bladewhirl.studies.sweeps.layout import make_layout, march_extent
-from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work, march_group, stage_at
+from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point, stage_at
 
 KEY_LENGTH = 16
 """Characters of the name of a run."""
@@ -72,29 +72,28 @@ class RunStore:
         work = Work(
             case=dumps_case(sound[0]), layout=layout, histories=str(self.directory.absolute())
         )
-        groups = [
-            Group(
+        points = [
+            Point(
                 number=number,
                 # Whole tables: the cases need not have anything in common.
-                points={number: cast(Any, case.model_dump(exclude_none=True))},
-                history_names={number: self.path(case).name},
+                values=cast(Any, case.model_dump(exclude_none=True)),
+                history=self.path(case).name,
             )
             for number, case in enumerate(sound)
         ]
         done = len(missing) - len(sound)
-        for outcomes in self._marched(work, groups):
-            for point, outcome in outcomes.items():
-                if isinstance(outcome, Failure):
-                    self.failures[run_key(sound[point])] = outcome.reason
-            done += len(outcomes)
+        for number, outcome in self._marched(work, points):
+            if isinstance(outcome, Failure):
+                self.failures[run_key(sound[number])] = outcome.reason
+            done += 1
             if progress is not None:
                 progress(done, len(missing))
 
-    def _marched(self, work: Work, groups: Sequence[Group]) -> Iterator[Mapping[int, Outcome]]:
-        """Outcomes of each group; a single process marches them itself."""
+    def _marched(self, work: Work, points: Sequence[Point]) -> Iterator[tuple[int, Outcome]]:
+        """Yield the outcome of each point; a single process marches them itself."""
         if self.scheduler is None and self.workers == 1:
-            return (march_group(work, group) for group in groups)
-        return march_groups(work, groups, scheduler=self.scheduler, workers=self.workers)
+            return ((point.number, march_point(work, point)) for point in points)
+        return march_points(work, points, scheduler=self.scheduler, workers=self.workers)
 
     def _is_sound(self, case: Case) -> bool:
         """Return whether a case can be marched."""

@@ -1,4 +1,4 @@
-"""Groups of points on dask workers: a few at a time, suspects one by one, results in any order."""
+"""Points on dask workers: a few at a time, suspects one by one, results in any order."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from distributed.scheduler import KilledWorker
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.runs.folder import version
 from bladewhirl.studies.runs.interrupts import held_back
-from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work, march_group
+from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
 
 ENCRYPTION = "distributed.comm.require-encryption"
 """Setting of dask: false permits a scheduler without TLS, which nobody sets by accident."""
@@ -26,7 +26,7 @@ PATIENCE = 30.0
 """Time limit for the answer of an existing scheduler [s]."""
 
 LOCAL: Mapping[str, object] = {
-    # A group whose worker died is suspect at once and then tried alone.
+    # A point whose worker died is suspect at once and then tried alone.
     "distributed.scheduler.allowed-failures": 1,
     # Workers leave with their parent.
     "distributed.worker.daemon": True,
@@ -50,26 +50,26 @@ DASHBOARD = "127.0.0.1:8787"
 """Address of dask's web page of a local cluster, if requested; local only."""
 
 READY = 1
-"""Groups that wait at a worker in addition to the running one, so that it is never idle."""
+"""Points that wait at a worker in addition to the running one, so that it is never idle."""
 
 
-def march_groups(
+def march_points(
     work: Work,
-    groups: Iterable[Group],
+    points: Iterable[Point],
     *,
     scheduler: str | None,
     workers: int | None,
     dashboard: bool = False,
-) -> Iterator[Mapping[int, Outcome]]:
-    """March groups and yield the outcomes of each on arrival.
+) -> Iterator[tuple[int, Outcome]]:
+    """March points and yield the number and the outcome of each on arrival.
 
     A worker that dies takes down nothing but what it was doing: dask starts another and gives the
-    work to the next. A group that was being done when workers died again is put aside and tried
-    alone at the end, when no other can be to blame; if they die even so, its points fail.
+    work to the next. A point that was being marched when workers died again is put aside and tried
+    alone at the end, when no other can be to blame; if they die even so, it fails.
 
     Args:
-        work: what the groups have in common.
-        groups: to march.
+        work: what the points have in common.
+        points: to march.
         scheduler: address of an existing scheduler, or None.
         workers: number of local ones; one a core when None.
         dashboard: show dask's web page of local workers.
@@ -77,35 +77,35 @@ def march_groups(
     Raises:
         UserError: the scheduler does not answer, has no TLS, or its workers have another version.
     """
-    waiting = iter(groups)
+    waiting = iter(points)
     count = workers or CPU_COUNT
     first = list(islice(waiting, count))
     if not first:
         return
     with _client(scheduler, min(count, len(first)), dashboard) as client:
-        suspects: list[Group] = []
+        suspects: list[Point] = []
         yield from _in_flight(client, work, chain(first, waiting), suspects)
-        for group in suspects:
-            dead: list[Group] = []
-            yield from _in_flight(client, work, [group], dead)
+        for point in suspects:
+            dead: list[Point] = []
+            yield from _in_flight(client, work, [point], dead)
             if dead:
                 reason = "the worker died every time it marched this point, alone too"
-                yield {point: Failure(reason=reason) for point in group.points}
+                yield point.number, Failure(reason=reason)
 
 
 def _in_flight(
-    client: Client, work: Work, groups: Iterable[Group], suspects: list[Group]
-) -> Iterator[Mapping[int, Outcome]]:
-    """March groups with a few submitted at a time, which bounds the memory."""
-    waiting, marching = iter(groups), dict[object, Group]()
+    client: Client, work: Work, points: Iterable[Point], suspects: list[Point]
+) -> Iterator[tuple[int, Outcome]]:
+    """March points with a few submitted at a time, which bounds the memory."""
+    waiting, marching = iter(points), dict[object, Point]()
     results = as_completed(loop=client.loop)
     together = "sweep-" + uuid.uuid4().hex  # one name: the scheduler keeps books on each
 
     def submit(most: int) -> None:
-        for group in islice(waiting, most):
-            key = (together, group.number)
-            future = client.submit(march_group, work, group, key=key, pure=False)
-            marching[future.key] = group
+        for point in islice(waiting, most):
+            key = (together, point.number)
+            future = client.submit(march_point, work, point, key=key, pure=False)
+            marching[future.key] = point
             results.add(future)
 
     while True:
@@ -114,11 +114,11 @@ def _in_flight(
         if not marching:
             return
         future = next(results)
-        group = marching.pop(future.key)
+        point = marching.pop(future.key)
         try:
-            outcomes = future.result()
+            outcome = future.result()
         except KilledWorker:
-            suspects.append(group)
+            suspects.append(point)
             continue
         except (ImportError, AttributeError) as error:  # those of a march become failures
             raise UserError(
@@ -127,7 +127,7 @@ def _in_flight(
             ) from None
         finally:
             future.release()
-        yield outcomes
+        yield point.number, outcome
 
 
 @contextmanager

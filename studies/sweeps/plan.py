@@ -31,17 +31,13 @@ from bladewhirl.studies.sweeps.axes import (
     value_at,
 )
 from bladewhirl.studies.sweeps.layout import history_bytes, make_layout, march_extent
-from bladewhirl.studies.sweeps.points import Group, stage_at
+from bladewhirl.studies.sweeps.points import Point, stage_at
 from bladewhirl.studies.sweeps.store import Coordinates
 
 STOP_WHEN = "--stop-when"
 
 PLAN_NAME = "sweep.json"
 """File with the plan of a sweep, for resuming it."""
-
-GROUP_SIZE = 1
-"""Points in a unit of work. Part of the plan: what is marched together must not change on
-resume."""
 
 CHECKED_STAGES = 32
 """Number of stages validated before a sweep; faults of others appear as failed points."""
@@ -61,7 +57,6 @@ class Plan:
     coordinates: Coordinates
     layout: Layout
     histories: bool
-    group_size: int
     stop_when: StopWhen | None
     steps: int  #: of all marches together, if none ends early
     history_bytes: int  #: of all full histories
@@ -74,33 +69,19 @@ class Plan:
     @property
     def digest(self) -> str:
         """See `plan_digest`."""
-        return plan_digest(self.case, self.grid.over, self.group_size, self.stop_when)
+        return plan_digest(self.case, self.grid.over, self.stop_when)
 
-    @property
-    def groups(self) -> Iterator[range]:
-        """Points of each unit of work, in order."""
-        size, width = self.grid.size, self.group_size
-        return (range(first, min(first + width, size)) for first in range(0, size, width))
-
-    def left(self, state: NDArray[np.int8]) -> Iterator[Group]:
-        """Units of work with a point that is not done, one at a time.
+    def left(self, state: NDArray[np.int8]) -> Iterator[Point]:
+        """Yield points that are not done.
 
         Args:
             state: of every point.
         """
         digits = len(str(self.grid.size - 1))
-        for number, points in enumerate(self.groups):
-            if all(state[point] == DONE for point in points):
-                continue
-            yield Group(
-                number=number,
-                points={point: self.grid.values(point) for point in points},
-                history_names=(
-                    {point: f"point_{point:0{digits}d}.nc" for point in points}
-                    if self.histories
-                    else {}
-                ),
-            )
+        for number in range(self.grid.size):
+            if state[number] != DONE:
+                name = f"point_{number:0{digits}d}.nc" if self.histories else None
+                yield Point(number=number, values=self.grid.values(number), history=name)
 
 
 def plan_sweep(
@@ -109,7 +90,6 @@ def plan_sweep(
     *,
     histories: bool,
     large: bool = True,
-    group_size: int = GROUP_SIZE,
     stop_when: StopWhen | None = None,
 ) -> Plan:
     """Validate every point of a sweep and estimate its cost.
@@ -121,7 +101,6 @@ def plan_sweep(
         grid: its points.
         histories: full histories are kept.
         large: more than a billion steps of a march, or a trillion of all, are meant.
-        group_size: points in a unit of work.
         stop_when: what a march ends early for, see `free_motion.RULE`.
 
     Raises:
@@ -151,18 +130,15 @@ def plan_sweep(
         coordinates=coordinates,
         layout=make_layout(extent, stage),
         histories=histories,
-        group_size=group_size,
         stop_when=stop_when,
         steps=extent.steps,
         history_bytes=history_bytes(extent, stage) if histories else 0,
     )
 
 
-def plan_digest(
-    case: Case, over: Mapping[str, Any], group_size: int, stop_when: StopWhen | None
-) -> str:
+def plan_digest(case: Case, over: Mapping[str, Any], stop_when: StopWhen | None) -> str:
     """Digest of all that the points of a sweep depend on, SHA-256, the same in plan and dataset."""
-    made_by = [folder.version(), SWEEP_FORMAT, dict(over), group_size]
+    made_by = [folder.version(), SWEEP_FORMAT, dict(over), 1]  # 1: points marched together
     made_by += [] if stop_when is None else [stop_when]
     whole = sha256(json.dumps(made_by).encode())
     for name, content in folder.case_files(case).items():
@@ -180,7 +156,6 @@ def write_plan(plan: Plan, directory: Path) -> None:
         "case": files.pop(folder.CASE_NAME).decode(),
         "over": plan.grid.over,
         "histories": plan.histories,
-        "group_size": plan.group_size,
         "stop_when": plan.stop_when,
     }
     text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
@@ -201,7 +176,7 @@ def read_plan(directory: Path) -> Plan:
         document: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
         made_by, text = str(document[folder.PACKAGE]), str(document["case"])
         over = {str(key): tuple(values) for key, values in dict(document["over"]).items()}
-        histories, group_size = bool(document["histories"]), int(document["group_size"])
+        histories = bool(document["histories"])
         stop_rule = document.get("stop_when")
         stop_when = None if stop_rule is None else STOPS[STOPS.index(stop_rule)]
     except OSError as error:
@@ -220,7 +195,7 @@ def read_plan(directory: Path) -> Plan:
         )
     case = loads(text, file=str(path))
     try:
-        digest = plan_digest(case, over, group_size, stop_when)
+        digest = plan_digest(case, over, stop_when)
     except OSError as error:  # of the mesh file
         raise UserError(f"{error.filename}: expected a readable file ({error.strerror})") from None
     if document.get("digest") != digest:
@@ -232,7 +207,6 @@ def read_plan(directory: Path) -> Plan:
         case,
         make_grid(case, over, large=True),
         histories=histories,
-        group_size=group_size,
         stop_when=stop_when,
     )
 

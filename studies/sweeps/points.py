@@ -1,7 +1,7 @@
-"""Unit of work of a sweep: a group of points, marched and reduced to the data of the sweep.
+"""Points of a sweep, marched and reduced to the data of the sweep.
 
 What comes back is a function of the case at each point alone, so that it does not matter which
-worker does a group, when, or how often.
+worker marches a point, when, or how often.
 """
 
 from __future__ import annotations
@@ -46,12 +46,12 @@ _OWN = threading.local()
 
 
 @dataclass(frozen=True, kw_only=True)
-class Group:
-    """Points that one worker does at a time."""
+class Point:
+    """A point for a worker to march."""
 
-    number: int  #: of the group
-    points: Mapping[int, Mapping[str, Value]]  #: values of the swept keys by number of the point
-    history_names: Mapping[int, str]  #: file of each full history to leave; empty for none
+    number: int
+    values: Mapping[str, Value]  #: of the swept keys
+    history: str | None = None  #: name of the file of its full history; None if it is not kept
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +66,7 @@ Outcome = Digest | Failure
 
 @dataclass(frozen=True, kw_only=True)
 class Work:
-    """Data common to all groups of a sweep."""
+    """Data common to all points of a sweep."""
 
     case: str  #: the case that the sweep varies, TOML
     layout: Layout
@@ -74,16 +74,18 @@ class Work:
     stop_when: StopWhen | None = None  #: what a march ends early for
 
 
-def march_group(work: Work, group: Group) -> dict[int, Outcome]:
-    """March the points of a group and reduce each; one that fails does not stop the others.
+def march_point(work: Work, point: Point) -> Outcome:
+    """March a point and reduce it, or return the reason of its failure.
 
-    Runs in a worker. Full histories, where asked for, appear under their names when complete.
+    Runs in a worker. A full history, where requested, appears under its name when complete.
     """
-    case = loads(work.case)
-    return {
-        point: _outcome(work, case, values, group.history_names.get(point))
-        for point, values in group.points.items()
-    }
+    try:
+        return _march_point(work, with_values(loads(work.case), point.values), point.history)
+    except UserError as error:
+        return Failure(reason=error.lines[0])
+    except Exception as error:  # whatever it is, it belongs to this point
+        text = " ".join(str(error).split())
+        return Failure(reason=f"{type(error).__name__}: {text}")
 
 
 def stage_at(case: Case) -> Stage:
@@ -108,16 +110,6 @@ def stage_at(case: Case) -> Stage:
 @lru_cache(maxsize=KEPT_STAGES)
 def _body(case: Case) -> Stage:
     return build_stage(case)
-
-
-def _outcome(work: Work, case: Case, values: Mapping[str, Value], name: str | None) -> Outcome:
-    try:
-        return _march_point(work, with_values(case, values), name)
-    except UserError as error:
-        return Failure(reason=error.lines[0])
-    except Exception as error:  # whatever it is, it belongs to this point
-        text = " ".join(str(error).split())
-        return Failure(reason=f"{type(error).__name__}: {text}")
 
 
 def _march_point(work: Work, case: Case, name: str | None) -> Digest:

@@ -2,7 +2,7 @@
 
 Every array has its room from the start and is written where it lies, so nothing of the file's
 structure changes while points arrive: a kill leaves a file that opens. A point counts once its
-state says so, which is written after everything else of its group has been flushed. Files of
+state says so, which is written after its data have been flushed. Files of
 sweeps of the same points are equal whatever the order in which points arrived.
 """
 
@@ -160,23 +160,20 @@ class Store(AbstractContextManager["Store"]):
         """Number of points done."""
         return int(np.count_nonzero(self.state == DONE))
 
-    def write(self, outcomes: Mapping[int, Outcome]) -> None:
-        """Write the points of a group: first their data, then their states."""
-        for point, outcome in outcomes.items():
-            if isinstance(outcome, Failure):
-                self.failures[point] = outcome.reason
-                continue
+    def write(self, point: int, outcome: Outcome) -> None:
+        """Write a point: first its data, then its state."""
+        index = np.unravel_index(point, self._grid.shape)
+        if isinstance(outcome, Failure):
+            self.failures[point] = outcome.reason
+        else:
             self.failures.pop(point, None)
-            index = np.unravel_index(point, self._grid.shape)
             for name, values in outcome.items():
                 self._variables[name][index] = values
             self._variables["checksum"][index] = checksum(outcome, self._coordinates)
         self._h5.flush()
         self._write_failures()
-        for point, outcome in outcomes.items():
-            index = np.unravel_index(point, self._grid.shape)
-            self.state[point] = FAILED if isinstance(outcome, Failure) else DONE
-            self._variables["state"][index] = self.state[point]
+        self.state[point] = FAILED if isinstance(outcome, Failure) else DONE
+        self._variables["state"][index] = self.state[point]
         self._h5.flush()
 
     def _write_failures(self) -> None:

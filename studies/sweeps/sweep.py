@@ -18,7 +18,7 @@ from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 from bladewhirl.solvers.march.free_motion import RULE, StopWhen
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import Grid, Value, make_grid
-from bladewhirl.studies.sweeps.cluster import march_groups
+from bladewhirl.studies.sweeps.cluster import march_points
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, Plan, plan_sweep, read_plan, write_plan
 from bladewhirl.studies.sweeps.points import Work
 from bladewhirl.studies.sweeps.store import Store, create
@@ -33,7 +33,7 @@ class Watch:
 
     planned: Callable[[Plan], None] = lambda plan: None  #: once, before anything is written
     progress: Callable[[int, int, int], None] = lambda done, failed, points: None
-    """After every group: points done, points failed, points in all."""
+    """After every point: points done, points failed, points in all."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,7 +150,7 @@ def _carry_out(
     workers: int | None,
     dashboard: bool,
 ) -> Sweep:
-    """March every group that is not done yet."""
+    """March every point that is not done yet."""
     from bladewhirl.postprocess.sweep.figures import leave_figures
 
     began = time.perf_counter()
@@ -173,11 +173,11 @@ def _carry_out(
         )
         state, marched = store.state.copy(), 0
         watch.progress(store.done, 0, plan.grid.size)
-        for outcomes in march_groups(
+        for number, outcome in march_points(
             work, plan.left(state), scheduler=scheduler, workers=workers, dashboard=dashboard
         ):
-            store.write(outcomes)
-            marched += len(outcomes)
+            store.write(number, outcome)
+            marched += 1
             watch.progress(store.done, len(store.failures), plan.grid.size)
         swept = Sweep(
             directory=directory,

@@ -62,5 +62,6 @@ def synthetic_sweep(
             result = motion if isinstance(motion, xr.Dataset) else synthetic_result(**motion)
             outcomes[point] = digest(result, REPORT, LAYOUT)
     with Store(folder, grid) as store:
-        store.write(outcomes)
+        for point, outcome in outcomes.items():
+            store.write(point, outcome)
     return folder

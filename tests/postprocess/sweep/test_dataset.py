@@ -31,7 +31,7 @@ def folder(tmp_path: Path) -> Path:
     grid = Grid(axes=(Axis(key="march.speed", values=("2500 rpm", "2600 rpm")),))
     create(tmp_path, grid, {"march.speed": (RAD_PER_S, "rad/s")}, LAYOUT, {"title": "rpm"})
     with Store(tmp_path, grid) as store:
-        store.write({0: digest(synthetic_result(speed=RAD_PER_S[0]), REPORT, LAYOUT)})
+        store.write(0, digest(synthetic_result(speed=RAD_PER_S[0]), REPORT, LAYOUT))
     return tmp_path
 
 

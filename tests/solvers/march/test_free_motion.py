@@ -124,7 +124,7 @@ def test_motion_that_may_be_driven_for_ever_is_told_before_a_sweep(
 def test_a_sweep_records_where_and_why_points_stopped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("bladewhirl.studies.sweeps.sweep.march_groups", march_in_process)
+    monkeypatch.setattr("bladewhirl.studies.sweeps.sweep.march_points", march_in_process)
     speeds = {"march.speed": [1.0, 1.1]}
     run_sweep(pulse(1e3), speeds, tmp_path / "early", stop_when="damped")
     run_sweep(pulse(1e3), speeds, tmp_path / "whole")

@@ -14,7 +14,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a sweep of six points, marched in this process with full histories."""
     folder = tmp_path_factory.mktemp("sweep") / "swept"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sweep, "march_groups", march_in_process)
+        patch.setattr(sweep, "march_points", march_in_process)
         done = run_sweep(CASE, OVER, folder, histories=True)
     assert (done.points, done.done, done.failed) == (6, 6, 0)
     return folder
@@ -23,4 +23,4 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def in_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make sweeps march in this process."""
-    monkeypatch.setattr(sweep, "march_groups", march_in_process)
+    monkeypatch.setattr(sweep, "march_points", march_in_process)

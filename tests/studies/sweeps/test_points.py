@@ -12,7 +12,7 @@ from bladewhirl.studies.runs.prepare import prepare_stage
 from bladewhirl.studies.runs.recorded_march import march_in_memory, march_to_file
 from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.plan import plan_sweep
-from bladewhirl.studies.sweeps.points import Group, Work, march_group, stage_at
+from bladewhirl.studies.sweeps.points import Point, Work, march_point, stage_at
 
 
 @pytest.mark.parametrize("effects", ["none", "centrifugal"])
@@ -51,11 +51,11 @@ def test_points_that_share_their_room_are_those_marched_in_their_own() -> None:
     grid = make_grid(case, {"march.duration": [0.004, 0.002, 0.006]}, large=False)
     layout = plan_sweep(case, grid, histories=False).layout
     work = Work(case=dumps_case(case), layout=layout, histories="")
-    points = {point: grid.values(point) for point in range(grid.size)}
-    shared = march_group(work, Group(number=0, points=points, history_names={}))
-    for point, at_point in enumerate(grid.cases(case)):
+    points = [Point(number=number, values=grid.values(number)) for number in range(grid.size)]
+    for shared, at_point in zip(
+        [march_point(work, p) for p in points], grid.cases(case), strict=True
+    ):
         own = digest(*march_in_memory(prepare_stage(stage_at(at_point))), layout)
-        found = shared[point]
-        assert isinstance(found, dict)
+        assert isinstance(shared, dict)
         for name in own:
-            assert_array_equal(found[name], own[name])
+            assert_array_equal(shared[name], own[name])

@@ -24,7 +24,7 @@ from bladewhirl.models.case.file import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.sweep.dataset import DONE, Layout
 from bladewhirl.studies.sweeps import cluster as sweep_cluster
-from bladewhirl.studies.sweeps.points import Failure, Group, Outcome, Work
+from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work
 from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("pictures_unsaved")]
@@ -142,34 +142,34 @@ def work(folder: Path) -> Work:
     return Work(case="", layout=layout, histories=str(folder))
 
 
-GROUPS = [Group(number=i, points={i: {}}, history_names={}) for i in range(6)]
+POINTS = [Point(number=i, values={}) for i in range(6)]
 
 
 def test_a_point_that_kills_every_worker_fails_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sweep_cluster, "march_group", sweep_work.deadly)
-    outcomes_by_point: dict[int, Outcome] = {}
-    for outcomes in sweep_cluster.march_groups(work(tmp_path), GROUPS, scheduler=None, workers=2):
-        outcomes_by_point.update(outcomes)
-    assert sorted(outcomes_by_point) == list(range(6))
-    failed = {point for point, outcome in outcomes_by_point.items() if isinstance(outcome, Failure)}
+    monkeypatch.setattr(sweep_cluster, "march_point", sweep_work.deadly)
+    outcomes: dict[int, Outcome] = dict(
+        sweep_cluster.march_points(work(tmp_path), POINTS, scheduler=None, workers=2)
+    )
+    assert sorted(outcomes) == list(range(6))
+    failed = {point for point, outcome in outcomes.items() if isinstance(outcome, Failure)}
     assert failed == {sweep_work.DEADLY}
 
 
 def test_a_worker_that_dies_once_is_forgiven(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sweep_cluster, "march_group", sweep_work.deadly_once)
-    outcomes_by_point: dict[int, Outcome] = {}
-    for outcomes in sweep_cluster.march_groups(work(tmp_path), GROUPS, scheduler=None, workers=2):
-        outcomes_by_point.update(outcomes)
-    assert outcomes_by_point == {i: Failure(reason=f"point {i}") for i in range(6)}
+    monkeypatch.setattr(sweep_cluster, "march_point", sweep_work.deadly_once)
+    outcomes: dict[int, Outcome] = dict(
+        sweep_cluster.march_points(work(tmp_path), POINTS, scheduler=None, workers=2)
+    )
+    assert outcomes == {i: Failure(reason=f"point {i}") for i in range(6)}
 
 
 def test_workers_of_another_version_are_reported_in_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sweep_cluster, "march_group", sweep_work.of_another_version)
+    monkeypatch.setattr(sweep_cluster, "march_point", sweep_work.of_another_version)
     with pytest.raises(UserError, match=r"workers: expected bladewhirl .*No module named 'old'"):
-        list(sweep_cluster.march_groups(work(tmp_path), GROUPS[:1], scheduler=None, workers=1))
+        list(sweep_cluster.march_points(work(tmp_path), POINTS[:1], scheduler=None, workers=1))

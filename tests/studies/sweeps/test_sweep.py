@@ -34,9 +34,9 @@ from bladewhirl.studies.sweeps import cluster as sweep_cluster
 from bladewhirl.studies.sweeps import plan as sweep_plan
 from bladewhirl.studies.sweeps import sweep as sweep_module
 from bladewhirl.studies.sweeps.axes import make_grid
-from bladewhirl.studies.sweeps.cluster import march_groups
+from bladewhirl.studies.sweeps.cluster import march_points
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, plan_sweep, read_plan, write_plan
-from bladewhirl.studies.sweeps.points import Group, Work
+from bladewhirl.studies.sweeps.points import Point, Work
 from bladewhirl.studies.sweeps.sweep import HISTORIES_NAME, resume_sweep, run_sweep
 
 pytestmark = pytest.mark.usefixtures("pictures_unsaved")
@@ -102,14 +102,14 @@ def test_figures_are_left(swept: Path) -> None:
 def test_an_interrupted_sweep_is_finished_with_the_same_bits(
     swept: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def interrupted(work: Work, groups: Iterable[Group], **_: object) -> Any:
-        yield from march_in_process(work, islice(groups, 2))
+    def interrupted(work: Work, points: Iterable[Point], **_: object) -> Any:
+        yield from march_in_process(work, islice(points, 2))
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sweep_module, "march_groups", interrupted)
+    monkeypatch.setattr(sweep_module, "march_points", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run_sweep(CASE, OVER, tmp_path / "sweep")
-    monkeypatch.setattr(sweep_module, "march_groups", march_in_process)
+    monkeypatch.setattr(sweep_module, "march_points", march_in_process)
     done = resume_sweep(tmp_path / "sweep")
     assert (done.marched, done.done) == (4, 6)
     assert same_bits(swept, tmp_path / "sweep")
@@ -186,7 +186,6 @@ def test_a_folder_in_use_is_refused(swept: Path) -> None:
         ("0.95", "1.5", "it was changed"),
         ("duration = 0.006", "duration = 0.009", "it was changed"),
         ('"over"', '"ov', "expected the plan of a sweep"),
-        ('"group_size": 1', '"group_size": 1e999', "expected the plan of a sweep"),
         ('"over": {', '"over": {"x": 3, ', "expected the plan of a sweep"),
     ],
 )
@@ -254,13 +253,13 @@ def test_a_scheduler_without_encryption_has_to_be_allowed(
 ) -> None:
     refused = pytest.raises(UserError, match=r"expected tls://HOST:PORT; without TLS anybody")
     work = Work(case="", layout=LAYOUT, histories="")
-    groups = [Group(number=0, points={0: {}}, history_names={})]
+    points = [Point(number=0, values={})]
     with refused:
-        next(march_groups(work, groups, scheduler=address, workers=None))
+        next(march_points(work, points, scheduler=address, workers=None))
     monkeypatch.setattr(sweep_cluster, "PATIENCE", 1.0)
     allowed = pytest.raises(UserError, match="expected the address of a dask scheduler")
     with dask.config.set({sweep_cluster.ENCRYPTION: False}), allowed:
-        next(march_groups(work, groups, scheduler=address, workers=None))
+        next(march_points(work, points, scheduler=address, workers=None))
 
 
 def test_what_is_no_sweep_is_refused(tmp_path: Path, swept: Path) -> None:
