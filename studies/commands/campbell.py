@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -16,30 +16,15 @@ from bladewhirl.studies.commands.options import (
     output_option,
     span_option,
 )
-from bladewhirl.studies.commands.output import Column, emit, facts, table
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from rich.table import Table
+from bladewhirl.studies.commands.output import emit, facts, table
+from bladewhirl.studies.modal.columns import Column, texts
 
 SPEEDS: Any = "0:3"
 OPERATING: Any = "0.6:2"
 
-COINCIDENCES = (
-    Column("nodal_diameter", "k", "d"),
-    Column("rotor_family", "bladed disk"),
-    Column("casing_family", "casing"),
-    Column("speed", "Ω / ω₁ [–]", ".4f"),
-    Column("speed_rpm", "[rpm]", ".1f"),
-    Column("in_operating_range", "operating"),
-)
-CRITICAL_SPEEDS = (
-    Column("k", "k", "d"),
-    Column("family", "family at rest"),
-    Column("ratio", "Ω / ω₁ [–]", ".5f"),
-    Column("rpm", "[rpm]", ".1f"),
-    Column("spring_share", "strain energy in shaft springs [%]", ".3g", 100.0),
+SPECIAL_SPEEDS = (
+    Column("waves_meet", "two waves merge and grow without contact from", ".6g"),
+    Column("clearance_gone", "the growth of the tips equals the cold clearance at", ".6g"),
 )
 
 
@@ -98,24 +83,11 @@ def campbell(
     if html is not None:
         study.write_campbell_page(diagram, html, overwrite=overwrite)
     document = study.coincidence_list(diagram)
-    emit(document, *_tables(document, first, last), json=json, written=[folder, html])
-
-
-def _tables(document: dict[str, Any], first: float, last: float) -> Iterator[Table]:
-    """Yield the tables of a document; speeds from `first` to `last`, normalised."""
     rows = [row for row in document["coincidences"] if first <= row["speed"] <= last]
-    yield table(rows, COINCIDENCES, f"Coincidence speeds from {first:g} to {last:g} ω₁")
-    if "critical_speeds" not in document:
-        return
-    yield table(document["critical_speeds"], CRITICAL_SPEEDS, f"Critical speeds up to {last:g} ω₁")
-    names = {
-        "waves_meet": "two waves merge and grow without contact from",
-        "clearance_gone": "the growth of the tips equals the cold clearance at",
-    }
-    yield facts(
-        {
-            name: f"{document[key]['ratio']:.4f} ω₁ = {document[key]['rpm']:.1f} rpm"
-            for key, name in names.items()
-            if document[key] is not None
-        }
-    )
+    title = f"Coincidence speeds from {first:g} to {last:g} ω₁"
+    parts = [table(rows, study.COINCIDENCES, title)]
+    if "critical_speeds" in document:
+        title = f"Critical speeds up to {last:g} ω₁"
+        parts.append(table(document["critical_speeds"], study.CRITICAL_SPEEDS, title))
+        parts.append(facts(texts(document, SPECIAL_SPEEDS)))
+    emit(document, *parts, json=json, written=[folder, html])

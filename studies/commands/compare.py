@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Annotated
 
 from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, Overwrite, output_option
-from bladewhirl.studies.commands.output import Column, emit, table
+from bladewhirl.studies.commands.output import emit, table
 from bladewhirl.studies.commands.progress import progress_bar
+from bladewhirl.studies.modal.columns import Column
 
 QUANTITIES = (
     Column("end_time", "end [ms]", ".4g", 1e3),

@@ -19,8 +19,9 @@ from bladewhirl.studies.commands.options import (
     parse_number,
     parse_several,
 )
-from bladewhirl.studies.commands.output import Column, emit, facts, table
+from bladewhirl.studies.commands.output import emit, facts, table
 from bladewhirl.studies.commands.progress import progress_bar
+from bladewhirl.studies.modal.columns import Column
 
 if TYPE_CHECKING:
     from rich.table import Table

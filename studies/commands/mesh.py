@@ -9,7 +9,8 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.studies.commands.options import Changes, Force, output_option
-from bladewhirl.studies.commands.output import Column, emit, table
+from bladewhirl.studies.commands.output import emit, table
+from bladewhirl.studies.modal.columns import Column
 
 if TYPE_CHECKING:
     from bladewhirl.meshes.files.groups import GroupedLines

@@ -9,21 +9,11 @@ import typer
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands.options import AsJson, CaseFile, Changes, Replace, output_option
-from bladewhirl.studies.commands.output import Column, emit, table
+from bladewhirl.studies.commands.output import emit, table
+from bladewhirl.studies.modal.columns import rows_of
 
 if TYPE_CHECKING:
     from rich.table import Table
-
-COLUMNS = (
-    Column("number", "mode", "d"),
-    Column("family", "family"),
-    Column("nodal_diameter", "k", "d"),
-    Column("frequency", "[Hz]", ".4f"),
-    Column("normalised_frequency", "/ ω₁", ".5f"),
-    Column("purity", "purity", ".3f"),
-    Column("spring_share", "springs [%]", ".1f", 100.0),
-)
-DIRECTIONS = (Column("direction", "rotating"), Column("direction_static", "static"))
 
 
 def modes(
@@ -80,13 +70,14 @@ def modes(
     computed = study.modes(stage)
     lists = study.mode_lists(computed, count)
     centre, hertz = (computed.attrs[key] for key in ("centre", "reference_frequency_hz"))
-    columns = (*COLUMNS, *DIRECTIONS) if "wave" in computed["pattern"].values else COLUMNS
+    waves = "wave" in computed["pattern"].values
+    columns = (*study.COLUMNS, *study.DIRECTIONS) if waves else study.COLUMNS
 
     def lowest(title: str, **body: str) -> Table:
         """Return the table of a body; both modes of a pair are one row."""
         data = computed.sel(body).isel(mode=slice(count))
         single = data.isel(mode=(data["pattern"] != "sine").values)
-        return table(study.rows_of(single, {c.key: c.key for c in columns}), columns, title)
+        return table(rows_of(single, columns), columns, title)
 
     tables = (
         lowest(f"Bladed disk, {centre} centre", body="bladed-disk", centre=centre),

@@ -3,37 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
+from bladewhirl.studies.modal.columns import Column
+
 if TYPE_CHECKING:
     from rich.table import Table
 
 
-@dataclass(frozen=True)
-class Column:
-    """Column of a table: which value of a row it shows, and in which format."""
-
-    key: str  #: of the value in a row
-    heading: str  #: with the unit
-    form: str = ""  #: format specification of a number, such as ".4g"
-    scale: float = 1.0  #: factor from the SI value to the unit of the heading
-
-    def text(self, row: Mapping[str, Any]) -> str:
-        """Return the text of a row's cell; a missing value is a dash, a flag "yes" or nothing."""
-        value = row[self.key]
-        if value is None:
-            return "–"
-        if isinstance(value, bool):
-            return "yes" if value else ""
-        return format(value if self.scale == 1.0 else self.scale * value, self.form)
-
-
 def table(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column], title: str = "") -> Table:
-    """Return a table with a line for each row."""
+    """Return a table with a line for each row, and the columns that have a heading."""
     from rich import box
     from rich.markup import escape
     from rich.table import Table
@@ -46,6 +28,7 @@ def table(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column], title: s
         pad_edge=False,
         collapse_padding=True,
     )
+    columns = [column for column in columns if column.heading]
     for place, column in enumerate(columns):
         printed.add_column(
             escape(column.heading), justify="right" if column.form else "left", no_wrap=place > 0

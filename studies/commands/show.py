@@ -16,7 +16,8 @@ from bladewhirl.studies.commands.options import (
     claim_output,
     output_option,
 )
-from bladewhirl.studies.commands.output import Column, emit, facts, table
+from bladewhirl.studies.commands.output import emit, facts, table
+from bladewhirl.studies.modal.columns import Column
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

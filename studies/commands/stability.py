@@ -19,26 +19,15 @@ from bladewhirl.studies.commands.options import (
     parse_stiffness,
     span_option,
 )
-from bladewhirl.studies.commands.output import Column, emit, facts, table
+from bladewhirl.studies.commands.output import emit, facts, table
 from bladewhirl.studies.commands.progress import progress_bar
+from bladewhirl.studies.modal.columns import texts
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from rich.table import Table
+    pass
 
 SPEEDS: Any = "0.6:3:600"
 KAPPAS: Any = "0:1000:300"
-
-ZONES = (
-    Column("casing", "casing"),
-    Column("rotor", "bladed disk"),
-    Column("coincidence", "coincidence [ω₁]", ".4f"),
-    Column("kappa", "at [N/m]", ".4g"),
-    Column("lower", "from [ω₁]", ".4f"),
-    Column("upper", "to [ω₁]", ".4f"),
-)
-"""Columns of the zones."""
 
 
 def stability(
@@ -143,7 +132,9 @@ def stability(
         document = study.point_report(
             system, omega, kappa, folder, films=films, overwrite=overwrite
         )
-        parts = [_point(document)]
+        verdict = "unstable" if document["unstable"] else "stable"
+        values = texts(document | {"stability": verdict}, study.POINT)
+        tables = []
     else:
         omegas = speeds.values(system.reference) * system.reference
         with progress_bar("growth rates") as progress:
@@ -156,58 +147,26 @@ def stability(
                 overwrite=overwrite,
                 progress=progress,
             )
-        parts = [*_chart(document)]
-    emit(document, *parts, json=json, written=[folder])
-
-
-def _point(point: dict[str, Any]) -> Table:
-    verdict = "unstable" if point["unstable"] else "stable"
-    texts = {
-        "speed": f"{point['speed']:.6g} ω₁ = {point['speed_rad_per_s']:.6g} rad/s",
-        "coupling stiffness": f"{point['kappa']:.6g} N/m",
-        "coupled modes": ", ".join(point["modes"]),
-        "growth rate": f"{point['growth_rate']:.6g} 1/s ({verdict})",
-    }
-    if "growth_rate_floquet" in point:
-        texts["growth rate, monodromy"] = f"{point['growth_rate_floquet']:.6g} 1/s"
-    for name, value in point.get("coupled_mode", {}).items():
-        unit = " rad/s" if "speed" in name else "°" if "degrees" in name else ""
-        texts[name.removesuffix("_degrees").replace("_", " ")] = f"{value:.6g}{unit}"
-    return facts(texts | _rotor_alone(point))
-
-
-def _chart(chart: dict[str, Any]) -> Iterator[Table]:
-    """Yield the zones of a chart at their largest stiffness, and its largest growth rate."""
-    if "zones" in chart:
-        rows = [
-            zone | {key: zone[key][-1] for key in ("kappa", "lower", "upper")}
-            for zone in chart["zones"]
+        values = texts(document, study.CHART)
+        last = {column.key: -1 for column in study.BORDERS}
+        zones = [
+            zone | {key: zone[key][place] for key, place in last.items()}
+            for zone in document.get("zones", [])
         ]
-        yield table(rows, ZONES, "Unstable zones")
-    place = f"at {chart['at_speed']:.4g} ω₁ and {chart['at_kappa']:.4g} N/m"
-    texts = {
-        "largest growth rate": f"{chart['largest_growth_rate']:.4g} 1/s {place}",
-        "unstable share of the chart": f"{100.0 * chart['unstable_share']:.3g} %",
-    }
-    yield facts(texts | _rotor_alone(chart))
+        tables = [table(zones, study.ZONES, "Unstable zones")] if "zones" in document else []
+    values |= texts(document | _cause(document), study.ROTOR_ALONE)
+    emit(document, *tables, facts(values), json=json, written=[folder])
 
 
-def _rotor_alone(document: dict[str, Any]) -> dict[str, str]:
-    """Return the stability of the bladed disk alone at the speed, or the highest, in texts."""
+def _cause(document: dict[str, Any]) -> dict[str, str]:
+    """Return why the bladed disk alone grows past a critical speed."""
     if document.get("critical_speed") is None:
         return {}
-    texts = {"critical speed": f"{document['critical_speed']:.5g} ω₁"}
-    growth, k = document["rotor_growth_rate"], document["rotor_nodal_diameter"]
     if document["rotation_effects"] == "centrifugal":
-        texts["note"] = "past it only Coriolis forces, rotation.effects = full, stabilise a rotor"
-        return texts
-    texts["growth rate, bladed disk alone"] = f"{growth:.4g} 1/s, k = {k}"
+        return {"cause": "no Coriolis forces; only rotation.effects = full stabilises a rotor"}
     if document["waves_met"]:
-        texts["cause"] = "two of its waves have merged; it grows without damping"
-    elif growth > 0.0:
-        damping = document["holding_damping"]
-        texts["cause"] = "internal damping of its forward wave"
-        texts["bearing damping that stabilises it"] = (
-            "none" if damping is None else f"{damping:.4g} N s/m in each of two static bearings"
-        )
-    return texts
+        return {"cause": "two of its waves have merged; it grows without damping"}
+    if document["rotor_growth_rate"] <= 0.0:
+        return {}
+    limit = ", which no bearing stops" if document["holding_damping"] is None else ""
+    return {"cause": f"internal damping of its forward wave{limit}"}

@@ -23,7 +23,8 @@ from bladewhirl.studies.modal.campbell_at_speed import (
     meetings,
     names_of,
 )
-from bladewhirl.studies.modal.modes import full_stage, quantity, rows_of
+from bladewhirl.studies.modal.columns import Column, quantity, rows_of
+from bladewhirl.studies.modal.modes import full_stage
 from bladewhirl.studies.runs.figures_folder import save_figures
 
 Interval = tuple[float | str, float | str]
@@ -157,26 +158,24 @@ def _multiples(name: str, ends: Interval, reference: float) -> tuple[float, floa
     return first, last
 
 
-COINCIDENCE_KEYS = {
-    "nodal_diameter": "nodal_diameter",
-    "rotor_family": "family",
-    "casing_family": "casing_family",
-    "rotor_frequency_hz": "rotor_frequency",
-    "casing_frequency_hz": "casing_frequency",
-    "speed": "normalised_speed",
-    "speed_rpm": "speed",
-    "in_operating_range": "in_operating_range",
-}
-"""Variables of a coincidence by their keys in JSON."""
-
-CRITICAL_KEYS = {
-    "ratio": "speed",
-    "rpm": "rpm",
-    "k": "nodal_diameter",
-    "family": "family",
-    "spring_share": "spring_share",
-}
-"""Variables of critical speeds and engine orders, without prefix, by their keys in JSON."""
+COINCIDENCES = (
+    Column("nodal_diameter", "k", "d"),
+    Column("rotor_family", "bladed disk", variable="family"),
+    Column("casing_family", "casing"),
+    Column("rotor_frequency_hz", variable="rotor_frequency"),
+    Column("casing_frequency_hz", variable="casing_frequency"),
+    Column("speed", "Ω / ω₁ [–]", ".4f", variable="normalised_speed"),
+    Column("speed_rpm", "[rpm]", ".1f", variable="speed"),
+    Column("in_operating_range", "operating"),
+)
+CRITICAL_SPEEDS = (
+    Column("k", "k", "d", variable="nodal_diameter"),
+    Column("family", "family at rest"),
+    Column("ratio", "Ω / ω₁ [–]", ".5f", variable="speed"),
+    Column("rpm", "[rpm]", ".1f"),
+    Column("spring_share", "strain energy in shaft springs [%]", ".3g", 100.0),
+)
+"""Columns of critical speeds and engine orders, whose variables have a prefix."""
 
 
 def coincidence_list(diagram: xr.Dataset) -> dict[str, Any]:
@@ -184,13 +183,10 @@ def coincidence_list(diagram: xr.Dataset) -> dict[str, Any]:
     document = {
         "reference_frequency_hz": diagram.attrs["reference_frequency_hz"],
         "operating_range": list(diagram.attrs["operating_range"]),
-        "coincidences": rows_of(diagram, COINCIDENCE_KEYS),
+        "coincidences": rows_of(diagram, COINCIDENCES),
     }
     if "branch" not in diagram.dims:
         return document
-
-    def listed(kind: str) -> list[dict[str, Any]]:
-        return rows_of(diagram, {key: f"{kind}_{name}" for key, name in CRITICAL_KEYS.items()})
 
     def speed(name: str) -> dict[str, float] | None:
         ratio = float(diagram.attrs[name])
@@ -200,8 +196,8 @@ def coincidence_list(diagram: xr.Dataset) -> dict[str, Any]:
 
     return document | {
         "rotation_effects": diagram.attrs["rotation_effects"],
-        "critical_speeds": listed("critical"),
-        "engine_orders": listed("engine_order"),
+        "critical_speeds": rows_of(diagram, CRITICAL_SPEEDS, "critical_"),
+        "engine_orders": rows_of(diagram, CRITICAL_SPEEDS, "engine_order_"),
         "waves_meet": speed("waves_meet"),
         "clearance_gone": speed("clearance_gone"),
     }

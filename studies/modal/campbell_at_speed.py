@@ -21,7 +21,7 @@ from bladewhirl.models.rotation.at_speed import TurningDisk
 from bladewhirl.models.rotation.growth import speed_of_growth
 from bladewhirl.models.rotation.waves import REAL, Waves, waves
 from bladewhirl.solvers.stability.coincidence import Coincidences
-from bladewhirl.studies.modal.modes import quantity
+from bladewhirl.studies.modal.columns import quantity
 
 LINE_SPEEDS = 61
 """Number of speeds along a branch."""

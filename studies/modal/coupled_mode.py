@@ -13,8 +13,8 @@ from bladewhirl.solvers.stability.coupled_modes import (
     coupled_modes,
     coupled_motion,
 )
+from bladewhirl.studies.modal.columns import quantity
 from bladewhirl.studies.modal.coupled_system import EvenSystem
-from bladewhirl.studies.modal.modes import quantity
 
 RECORDS_PER_TURN = 48
 """Twice the number of a smooth animation."""

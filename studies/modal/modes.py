@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from bladewhirl.models.modal.modes import is_first_of_pair
 from bladewhirl.models.rotation.at_speed import check_effects
 from bladewhirl.models.rotation.whirl_modes import Direction, WhirlModes, directions
 from bladewhirl.models.stage.stage import Stage
+from bladewhirl.studies.modal.columns import Column, quantity, rows_of
 
 LEVELS = {
     "body": "bladed-disk or casing",
@@ -35,21 +35,17 @@ LISTS = {
 }
 """Selections of modes by their keys in JSON."""
 
-KEYS = {
-    "frequency_hz": "frequency",
-    "normalised": "normalised_frequency",
-    "nodal_diameter": "nodal_diameter",
-    "family": "family",
-    "purity": "purity",
-}
-"""Variables of a mode by their keys in JSON."""
-
-
-def quantity(
-    dims: str | tuple[str, ...], values: Any, unit: str, name: str = ""
-) -> tuple[str | tuple[str, ...], Any, dict[str, str]]:
-    """Return a variable of a Dataset with its unit and, if there is one, its long name."""
-    return dims, values, {"units": unit} | ({"long_name": name} if name else {})
+COLUMNS = (
+    Column("number", "mode", "d"),
+    Column("family", "family"),
+    Column("nodal_diameter", "k", "d"),
+    Column("frequency_hz", "[Hz]", ".4f", variable="frequency"),
+    Column("normalised", "/ ω₁", ".5f", variable="normalised_frequency"),
+    Column("purity", "purity", ".3f"),
+    Column("spring_share", "springs [%]", ".1f", 100.0),
+)
+DIRECTIONS = (Column("direction", "rotating"), Column("direction_static", "static"))
+"""Columns of a mode; the directions of waves with rotation effects."""
 
 
 def full_stage(case_or_stage: Case | Stage | ModalStage) -> ModalStage:
@@ -202,22 +198,10 @@ def mode_lists(computed: xr.Dataset, count: int) -> dict[str, list[dict[str, Any
         computed: from `modes`.
         count: number of modes in each list.
     """
-    keys = KEYS
-    if computed.attrs["rotation_effects"] != "none":
-        keys = KEYS | {name: name for name in ("direction", "direction_static")}
+    effects = computed.attrs["rotation_effects"] != "none"
+    columns = (*COLUMNS, *DIRECTIONS) if effects else COLUMNS
     lists = {"bladed_disk": {"body": "bladed-disk", "centre": computed.attrs["centre"]}} | LISTS
     return {
-        name: rows_of(computed.sel(selection).isel(mode=slice(count)), keys)
+        name: rows_of(computed.sel(selection).isel(mode=slice(count)), columns)
         for name, selection in lists.items()
     }
-
-
-def rows_of(data: xr.Dataset, keys: Mapping[str, str]) -> list[dict[str, Any]]:
-    """Return variables over one dimension as rows.
-
-    Args:
-        data: with the variables.
-        keys: names of the variables by their keys in a row.
-    """
-    columns = [data[variable].values.tolist() for variable in keys.values()]
-    return [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)]

@@ -21,7 +21,7 @@ from bladewhirl.solvers.stability.scenario import (
     motion_scenario,
     smallest_clearance_angle,
 )
-from bladewhirl.studies.modal.modes import quantity
+from bladewhirl.studies.modal.columns import quantity
 
 TIMES, ANGLES = 97, 1440
 """Number of instants of one turn, and of angles around the casing."""

@@ -14,8 +14,8 @@ from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.solvers.stability.growth import Progress, coincidence_speeds, eigenvalues
 from bladewhirl.solvers.stability.tracking import track
 from bladewhirl.solvers.stability.zones import UnstableZones, unstable_zones
+from bladewhirl.studies.modal.columns import quantity
 from bladewhirl.studies.modal.coupled_system import EvenSystem, System
-from bladewhirl.studies.modal.modes import quantity
 
 StringArray = NDArray[np.str_]
 

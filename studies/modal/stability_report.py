@@ -12,9 +12,9 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum, plot_truncation
 from bladewhirl.solvers.stability.growth import Progress, is_unstable
+from bladewhirl.studies.modal.columns import Column, rows_of
 from bladewhirl.studies.modal.coupled_mode import MEASURES
 from bladewhirl.studies.modal.coupled_system import EvenSystem, System
-from bladewhirl.studies.modal.modes import rows_of
 from bladewhirl.studies.modal.stability import stability_point
 from bladewhirl.studies.modal.stability_chart import (
     spectrum_along,
@@ -24,23 +24,57 @@ from bladewhirl.studies.modal.stability_chart import (
 )
 from bladewhirl.studies.runs.figures_folder import save_figures
 
-ZONE_KEYS = {
-    "casing": "zone_casing",
-    "rotor": "zone_rotor",
-    "nodal_diameter": "zone_nodal_diameter",
-    "coincidence": "zone_start",
-}
-"""Variables of a zone by their keys in JSON."""
+BORDERS = (
+    Column("kappa", "at [N/m]", ".4g"),
+    Column("lower", "from [ω₁]", ".4f"),
+    Column("upper", "to [ω₁]", ".4f"),
+    Column("growth"),
+)
+"""Columns of a zone with a list of values in JSON, one at each stiffness."""
 
-BORDER_KEYS = ("kappa", "lower", "upper", "growth")
-"""Keys of lists in a zone, with a value at each stiffness."""
+ZONES = (
+    Column("casing", "casing"),
+    Column("rotor", "bladed disk"),
+    Column("nodal_diameter"),
+    Column("coincidence", "coincidence [ω₁]", ".4f", variable="start"),
+    *BORDERS,
+)
+COINCIDENCES = (
+    Column("casing", variable="coincidence_casing"),
+    Column("rotor", variable="coincidence_rotor"),
+    Column("speed", variable="coincidence"),
+)
+"""Columns of zones, whose variables have the prefix "zone_", and of coincidences."""
 
-COINCIDENCE_KEYS = {
-    "casing": "coincidence_casing",
-    "rotor": "coincidence_rotor",
-    "speed": "coincidence",
-}
-"""Variables of a coincidence by their keys in JSON."""
+POINT = (
+    Column("speed", "speed [ω₁]", ".6g"),
+    Column("speed_rad_per_s", "speed [rad/s]", ".6g"),
+    Column("kappa", "coupling stiffness [N/m]", ".6g"),
+    Column("modes", "coupled modes"),
+    Column("growth_rate", "growth rate [1/s]", ".6g"),
+    Column("stability", "stability"),
+    Column("growth_rate_floquet", "growth rate, monodromy [1/s]", ".6g"),
+    Column("coupled_mode.nodal_diameter", "nodal diameter", "d"),
+    Column("coupled_mode.rotor_wave_speed", "rotor wave speed [rad/s]", ".6g"),
+    Column("coupled_mode.casing_wave_speed", "casing wave speed [rad/s]", ".6g"),
+    Column("coupled_mode.whirl_speed_rotating", "whirl speed, rotating [rad/s]", ".6g"),
+    Column("coupled_mode.whirl_speed_static", "whirl speed, static [rad/s]", ".6g"),
+    Column("coupled_mode.shaft_lead_degrees", "shaft lead [°]", ".6g"),
+)
+CHART = (
+    Column("largest_growth_rate", "largest growth rate [1/s]", ".4g"),
+    Column("at_speed", "at the speed [ω₁]", ".4g"),
+    Column("at_kappa", "and the stiffness [N/m]", ".4g"),
+    Column("unstable_share", "unstable share of the chart [%]", ".3g", 100.0),
+)
+ROTOR_ALONE = (
+    Column("critical_speed", "critical speed [ω₁]", ".5g"),
+    Column("rotor_growth_rate", "growth rate, bladed disk alone [1/s]", ".4g"),
+    Column("rotor_nodal_diameter", "its nodal diameter", "d"),
+    Column("cause", "its cause"),
+    Column("holding_damping", "damping of two static bearings to stop it [N s/m]", ".4g"),
+)
+"""Values of a point, a chart and the bladed disk alone."""
 
 
 def point_report(
@@ -135,13 +169,9 @@ def chart_report(
 def _zones(chart: xr.Dataset) -> dict[str, Any]:
     """Return the zones and coincidence speeds of a chart."""
     merged: dict[tuple[str, str], dict[str, Any]] = {}
-    keys = ZONE_KEYS | {name: f"zone_{name}" for name in BORDER_KEYS}
-    for row in rows_of(chart, keys):
-        first = {name: [] if name in BORDER_KEYS else value for name, value in row.items()}
-        zone = merged.setdefault((row["casing"], row["rotor"]), first)
-        for name in BORDER_KEYS:
-            zone[name].append(row[name])
-    return {
-        "zones": [*merged.values()],
-        "coincidence_speeds": rows_of(chart, COINCIDENCE_KEYS),
-    }
+    lists = [column.key for column in BORDERS]
+    for row in rows_of(chart, ZONES, "zone_"):
+        zone = merged.setdefault((row["casing"], row["rotor"]), row | {key: [] for key in lists})
+        for key in lists:
+            zone[key].append(row[key])
+    return {"zones": [*merged.values()], "coincidence_speeds": rows_of(chart, COINCIDENCES)}

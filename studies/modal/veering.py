@@ -16,7 +16,8 @@ from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
 from bladewhirl.solvers.stability.veering import ShaftVeering, shaft_veering, whirl_veering
-from bladewhirl.studies.modal.modes import full_stage, modes, quantity, rows_of
+from bladewhirl.studies.modal.columns import Column, quantity, rows_of
+from bladewhirl.studies.modal.modes import full_stage, modes
 from bladewhirl.studies.runs.figures_folder import save_figures
 
 STIFFNESSES, DECADES = 241, 3
@@ -112,14 +113,12 @@ def veering_facts(diagrams: xr.Dataset) -> dict[str, str]:
 
 def veering_document(diagrams: xr.Dataset) -> dict[str, Any]:
     """Return the JSON document of `veering`."""
-    keys = {
-        **{str(name): str(name) for name in diagrams.indexes["mode"].names},
-        "frequency_hz": "frequency",
-        "normalised": "normalised_frequency",
-    }
+    columns = [Column(str(name)) for name in diagrams.indexes["mode"].names]
+    columns += [Column("frequency_hz", variable="frequency")]
+    columns += [Column("normalised", variable="normalised_frequency")]
     return {
         "reference_frequency_hz": diagrams.attrs["reference_frequency_hz"],
-        "modes": rows_of(diagrams, keys),
+        "modes": rows_of(diagrams, columns),
         "shaft": {
             "stiffness": diagrams["stiffness"].values.tolist(),
             "normalised": diagrams["normalised_branch_frequency"].values.tolist(),

@@ -104,13 +104,12 @@ def test_data_that_a_format_cannot_store_are_listed(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
-@pytest.mark.usefixtures("pictures_unsaved")
 def test_a_run_of_a_mesh_file_can_be_rerun_from_its_folder_alone(tmp_path: Path) -> None:
     elsewhere, first, moved, second = (tmp_path / name for name in ("in", "a", "b", "c"))
     elsewhere.mkdir()
     for suffix in (".toml", ".msh"):
         shutil.copy(EXAMPLES / f"shrouded_fan{suffix}", elsewhere)
-    short = ["--set", "march.duration=2e-3", "--frames", "0"]
+    short = ["--set", "march.duration=1e-3", "--frames", "0"]
     bladewhirl("run", elsewhere / "shrouded_fan.toml", "-o", first, *short)
     shutil.rmtree(elsewhere)
     first.rename(moved)

@@ -63,7 +63,7 @@ def test_modes_of_the_literature_stage_equal_an_independent_program() -> None:
         modes = content[f"bladed_disk_{name}"]
         assert len(modes) == 92
         assert all(
-            set(mode) == {"frequency_hz", "normalised", "nodal_diameter", "family", "purity"}
+            set(mode) >= {"frequency_hz", "normalised", "nodal_diameter", "family", "purity"}
             for mode in modes
         )
         frequency = [mode["frequency_hz"] for mode in modes]

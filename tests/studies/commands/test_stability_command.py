@@ -83,8 +83,9 @@ def test_rest_has_no_monodromy(speed: str) -> None:
 
 
 def test_point_as_a_table() -> None:
-    printed = run(*POINT)
-    assert "7.50348 1/s (unstable)" in printed
+    rows = [line.split() for line in run(*POINT).splitlines()]
+    assert ["growth", "rate", "[1/s]", "7.50348"] in rows
+    assert ["stability", "unstable"] in rows
 
 
 def test_chart_with_its_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

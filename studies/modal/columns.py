@@ -1,0 +1,71 @@
+"""Columns: one description of a value for Datasets, JSON documents and printed tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Column:
+    """Value of a row or a document: its variable, its key in JSON, its heading and format."""
+
+    key: str  #: in JSON; dots separate keys of nested tables
+    heading: str = ""  #: with the unit; empty if the value is in JSON only
+    form: str = ""  #: format specification of a number, such as ".4g"
+    scale: float = 1.0  #: factor from the SI value to the unit of the heading
+    variable: str = ""  #: of the Dataset, if its name is not the key
+
+    def value(self, row: Mapping[str, Any]) -> Any:
+        """Return the value in a row; None if it is missing."""
+        value: Any = row
+        for part in self.key.split("."):
+            value = value.get(part) if isinstance(value, Mapping) else None
+        return value
+
+    def text(self, row: Mapping[str, Any]) -> str:
+        """Return the text of a row's cell; a missing value is a dash, a flag "yes" or nothing."""
+        return self._text(self.value(row))
+
+    def _text(self, value: Any) -> str:
+        if value is None:
+            return "–"
+        if isinstance(value, bool):
+            return "yes" if value else ""
+        if isinstance(value, str):
+            return value
+        if isinstance(value, Mapping):
+            return ", ".join(f"{name} {self._text(item)}" for name, item in value.items())
+        if isinstance(value, Sequence):
+            return ", ".join(map(self._text, value))
+        return format(value if self.scale == 1.0 else self.scale * value, self.form)
+
+
+def texts(document: Mapping[str, Any], columns: Sequence[Column]) -> dict[str, str]:
+    """Return the texts of values by heading; those that a document lacks are left out."""
+    present = [column for column in columns if column.value(document) is not None]
+    return {column.heading: column.text(document) for column in present}
+
+
+def rows_of(data: xr.Dataset, columns: Sequence[Column], prefix: str = "") -> list[dict[str, Any]]:
+    """Return variables over one dimension as rows.
+
+    Args:
+        data: with the variables.
+        columns: of the rows.
+        prefix: of the names of the variables.
+    """
+    names = [f"{prefix}{column.variable or column.key}" for column in columns]
+    values = zip(*(data[name].values.tolist() for name in names), strict=True)
+    return [dict(zip([column.key for column in columns], row, strict=True)) for row in values]
+
+
+def quantity(
+    dims: str | tuple[str, ...], values: Any, unit: str, name: str = ""
+) -> tuple[str | tuple[str, ...], Any, dict[str, str]]:
+    """Return a variable of a Dataset with its unit and, if there is one, its long name."""
+    return dims, values, {"units": unit} | ({"long_name": name} if name else {})
