@@ -53,13 +53,6 @@ class TestStrainEnergies:
         np.testing.assert_allclose(energies.rest[7], spring[2], rtol=1e-14)
         assert not energies.suspension.values.any()
 
-    def test_a_stage_without_blade_families_has_suspension_and_rest(self) -> None:
-        result = synthetic.synthetic_result(records=5)
-        result["rotor_family"] = "rotor_mode", np.array(["", "", "", "", ""], dtype=object)
-        energies = strain_energies(result)
-        assert energies.sizes["nodal_diameter"] == 0
-        np.testing.assert_array_equal(energies.rest, energies.total)
-
 
 def lines(figure: Figure) -> dict[str, str]:
     """Colours of the lines of a figure by label."""
@@ -91,13 +84,6 @@ class TestPlotEnergy:
         result = synthetic.synthetic_result(records=5)
         result["rotor_nodal_diameter"] = "rotor_mode", np.full(5, -1)
         assert "1F, other k" in lines(plot_energy(strain_energies(result)))
-
-    def test_short_runs_are_drawn_record_by_record(self) -> None:
-        energies = strain_energies(synthetic.synthetic_result())
-        figure = plot_energy(energies)
-        total = figure.axes[0].lines[0]
-        np.testing.assert_array_equal(np.asarray(total.get_ydata()), energies.total)
-        assert "mean" not in figure.axes[0].get_title()
 
     def test_long_runs_are_drawn_as_means_over_periods(self) -> None:
         result = synthetic.synthetic_result(records=3001)

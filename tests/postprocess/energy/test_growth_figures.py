@@ -59,22 +59,6 @@ def test_it_is_the_growth_of_the_regime_and_says_so() -> None:
     assert axes.get_yscale() == "log"  # it grows by more than ten times
 
 
-def test_a_march_ended_at_its_limit_is_fitted_over_its_last_windows() -> None:
-    result = growing(1.5).isel(time=slice(0, 700))
-    with pytest.raises(ViewError, match="too short a history"):
-        amplitude_growth(result)
-    result.attrs |= {"end_reason": "divergent", "end_message": "a tip went too far"}
-    growth = amplitude_growth(result)
-    fitted = np.isfinite(growth["fit"].values)
-    assert fitted.sum() == 8
-    assert not fitted[:-8].any()
-    begin = float(growth["time"][-8]) - growth.attrs["window"] / 2
-    assert growth.attrs["span"] == f"{begin:.3g} to {float(result['time'][-1]):.3g} s"
-    axes, _ = plot_growth(growth).axes
-    labels = axes.get_legend_handles_labels()[1]
-    assert f"fit, {growth.attrs['span']}" in labels
-
-
 def test_a_short_history_has_none() -> None:
     with pytest.raises(ViewError, match="too short a history"):
         amplitude_growth(synthetic.synthetic_result(blades=6, records=40))

@@ -14,9 +14,8 @@ from typer.testing import CliRunner
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import read_case, with_values
+from bladewhirl.models.case.file import read_case
 from bladewhirl.models.geometry.sketch import Sketch
-from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.sections.materials import Material
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.stage.stage import build_stage
@@ -109,38 +108,6 @@ def test_the_same_stage_with_every_sector_drawn_out() -> None:
     whole.move(0, "horn 3", 0.0, -0.12)
     assert build_stage(case(whole)).symmetry["bladed_disk"] == "no sectors: dense path"
     assert drawn.disk.model.mass == pytest.approx(found.disk.model.mass, rel=1e-12)
-
-
-def test_commands_work_on_it(tmp_path: Path) -> None:
-    """What was drawn in Python and written is a case file as any other."""
-    from bladewhirl.models.case.file import dumps_case
-
-    sketch = propeller()
-    sketch.move(2, "tip", "399.9 mm")
-    path = tmp_path / "propeller.toml"
-    path.write_text(dumps_case(case(sketch)))
-    shown = CliRunner().invoke(app, ["show", str(path)])
-    assert shown.exit_code == 0, shown.output
-    assert "4 sectors that differ: dense path" in shown.output
-    listed = CliRunner().invoke(app, ["modes", str(path), "--count", "6"])
-    assert listed.exit_code == 0, listed.output
-
-
-def test_parts_beyond_the_tips_are_named() -> None:
-    """A blade that goes on behind what was called its tip would stand in the casing's wall."""
-    sketch = Sketch(4)
-    sketch.node("hub", 0.0, shared=True)
-    sketch.node("tip", 0.4)
-    sketch.node("end", 0.41)
-    steel = Section(width=0.1, thickness=0.01, material=STEEL)
-    sketch.member("blades", "hub", "tip", steel)
-    sketch.member("hooks", "tip", "end", steel)
-    sketch.set("centre", "hub")
-    sketch.set("tips", "tip")
-    message = r"narrowest; part 'hooks' at \(0.41, 0\) m is outside by 0.0096 m"
-    with pytest.raises(CaseError, match=message):
-        build_stage(case(sketch))
-    build_stage(with_values(case(sketch), {"casing.clearance": "11 mm"}))
 
 
 def test_pictures_of_modes_without_nodal_diameters(tmp_path: Path) -> None:

@@ -82,19 +82,6 @@ def test_the_figure_shows_blades_and_the_rest(result: xr.Dataset) -> None:
     assert "Pa]" in over_time.get_ylabel()
 
 
-def test_labels_keep_out_of_the_panel_beside(result: xr.Dataset) -> None:
-    """With the widest ticks, halves with a sign, as stresses of some GPa have them."""
-    history = stress_history(result)
-    size = 9e9 / float(abs(history["peak_stress"]).max())
-    stresses_of = [name for name in history.data_vars if str(name).endswith("_stress")]
-    figure = plot_stress(history.assign({name: size * history[name] for name in stresses_of}))
-    figure.draw_without_rendering()
-    left, right = figure.axes
-    assert right.get_ylabel() == "stress [GPa]"
-    gap = 0.03 * figure.bbox.width
-    assert right.yaxis.label.get_window_extent().x0 > left.get_window_extent().x1 + gap
-
-
 class TestBlades:
     def test_of_the_usual_stage(self, result: xr.Dataset) -> None:
         blade = line_blades(result)

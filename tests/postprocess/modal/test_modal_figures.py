@@ -7,26 +7,22 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Literal
 
-import meshio
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.text import Annotation, Text
+from matplotlib.text import Text
 from numpy.typing import NDArray
 from PIL import Image, ImageSequence
-from places import EXAMPLES
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import read_case, with_values
+from bladewhirl.models.case.file import with_values
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.kinematics import casing_rows, combine, rotate, turn
-from bladewhirl.postprocess.modal.campbell import drawn_part, met_frequencies, plot_campbell
+from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
 from bladewhirl.postprocess.modal.mode_shapes import (
-    Outline,
     animate_mode,
     mode_title,
     plot_mode_shapes,
@@ -35,7 +31,6 @@ from bladewhirl.postprocess.modal.mode_shapes import (
 from bladewhirl.postprocess.modal.motion import PICTURES, Wave, mode_motion, shapes_dataset
 from bladewhirl.postprocess.modal.scenarios import plot_scenario
 from bladewhirl.postprocess.modal.veering import plot_families, plot_shaft_veering
-from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.solvers.stability.coupled_modes import phase_rate, wave_coefficient
 from bladewhirl.studies.modal.campbell import campbell
 from bladewhirl.studies.modal.scenarios import scenario_dataset, whirling_modes
@@ -196,17 +191,6 @@ def test_films_loop_and_move(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["mode.gif"]
 
 
-def test_paraview_series_of_a_mode(tmp_path: Path) -> None:
-    data = moving("bladed-disk", "1F", 1, "backward")
-    export_vtk(data, tmp_path, frames=PICTURES)
-    frames = sorted((tmp_path / "frames").glob("rotor_*.vtu"))
-    assert len(frames) == PICTURES
-    mesh = meshio.read(frames[5])
-    expected = rotor_field(data)[5]
-    ends = expected[data["rotor_line"].values].reshape(-1, 2)
-    np.testing.assert_allclose(mesh.point_data["displacement"][:, :2], ends, rtol=1e-6, atol=1e-12)
-
-
 def shapes(body: Body) -> xr.Dataset:
     own = stage()
     modes, ks = (
@@ -224,15 +208,6 @@ def test_the_centre_is_said_to_move_with_one_nodal_diameter_only() -> None:
     figure = plot_mode_shapes(shapes("bladed-disk"), "bladed-disk")
     moves = [text.get_text().splitlines()[2] for axes in figure.axes for text in axes.texts]
     assert [text == "centre at rest" for text in moves] == [True, False, True, True]
-
-
-def test_beams_are_drawn_along_their_hermite_curve() -> None:
-    """A cubic between the nodes: its third differences do not vary along a beam."""
-    outline = Outline(shapes("bladed-disk"), "bladed-disk")
-    across = outline.moved(np.array([1.0, 0.0, 0.0, 0.0]), 1e-6) - outline.rest
-    third = np.diff(across, n=3, axis=1)
-    np.testing.assert_allclose(third, np.broadcast_to(third[:, :1], third.shape), atol=1e-15)
-    assert np.abs(np.diff(across, n=2, axis=1)).max() > 1e-10
 
 
 @cache
@@ -260,28 +235,6 @@ def test_coincidences_are_marked_where_a_level_meets_a_ray(
             if abs(np.interp(speed, x, y) - frequency) < 1e-3:
                 through.append(line.get_linestyle())
         assert {"-", "--"} <= set(through)  # one body's level and the other's ray
-
-
-@pytest.mark.parametrize("frame", ["rotating", "static"])
-def test_a_campbell_diagram_names_each_ring_beside_it_and_lists_what_is_drawn(
-    frame: Literal["rotating", "static"],
-) -> None:
-    data = campbell(modal_stage(read_case(EXAMPLES / "imbalance.toml")), speeds=(0.0, 3.0))
-    figure = plot_campbell(data, frame)
-    (axes,) = figure.axes
-    shown = drawn_part(data).sel(coincidence=drawn_part(data)["normalised_speed"] <= 3.0)
-    rings = np.vstack([line.get_xydata() for line in axes.lines if line.get_marker() == "o"])
-    rings = axes.transData.transform(rings)
-    met = met_frequencies(shown, frame)
-    own = axes.transData.transform(np.column_stack([shown["normalised_speed"], met]))
-    labels = {text.get_text(): text for text in axes.texts if isinstance(text, Annotation)}
-    for k, ring in zip(shown["nodal_diameter"].values, own, strict=True):
-        place = axes.transData.transform(np.asarray(labels[str(k)].xy))
-        assert np.hypot(*(place - rings).T).min() < 1.0
-        assert np.hypot(*(place - ring)) < 1.0
-    entries = {text.get_text() for legend in figure.legends for text in legend.get_texts()}
-    assert ("suspension" in entries) == (frame == "rotating")
-    assert ("casing, k = 1" in entries) == (frame == "static")
 
 
 @cache
@@ -369,16 +322,6 @@ def test_veering_at_speed_tells_waves_both_ways() -> None:
     for figure in (plot_families(data), plot_families(data, 2), plot_shaft_veering(data)):
         figure.draw_without_rendering()
         assert figure.get_suptitle().startswith("Fan stage")
-
-
-def test_branches_take_the_colour_of_the_energy_in_the_springs() -> None:
-    axes = plot_shaft_veering(diagrams()).axes[0]
-    branches = [item for item in axes.collections if isinstance(item, LineCollection)]
-    shares = diagrams()["branch_spring_share"].values
-    assert len(branches) == shares.shape[1]
-    for number, branch in enumerate(branches):
-        middle = 0.5 * (shares[1:, number] + shares[:-1, number])
-        np.testing.assert_allclose(np.asarray(branch.get_array()), middle)
 
 
 @pytest.mark.parametrize(

@@ -137,12 +137,6 @@ def test_phases_and_their_difference(tmp_path: Path) -> None:
     save_figure(figure, tmp_path / "phases", data)
 
 
-def test_waves_that_move_no_shaft_have_no_shaft_phase() -> None:
-    data = motion_dataset(replace(motion(), nodal_diameter=2), reference=UNIT)
-    assert np.isnan(data["shaft_phase"]).all()
-    assert data["smallest_clearance_phase"].notnull().all()
-
-
 def test_orbits_are_named_as_measured(tmp_path: Path) -> None:
     """The synthetic shaft whirls backward in rotating axes, forward in static ones."""
     orbit = shaft_orbit(synthetic_result(growth=5.0))

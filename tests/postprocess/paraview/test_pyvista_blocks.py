@@ -30,9 +30,3 @@ def test_moved_by_a_factor(result: xr.Dataset) -> None:
         shift = moved[name].points - rest[name].points
         np.testing.assert_allclose(shift, moved[name]["warp"], atol=1e-6)
         assert np.abs(shift).max() > 1e-3
-
-
-def test_seen_from_the_rotor(result: xr.Dataset) -> None:
-    rotor = stage_blocks(result, 0.1, surface=False, rotating=True)["rotor"]
-    ends = result["rotor_point"].values[result["rotor_line"].values].reshape(-1, 2)
-    np.testing.assert_allclose(rotor.points[:, :2], ends, atol=1e-15)

@@ -1,6 +1,5 @@
 """The ParaView series, read back with readers that are not ours."""
 
-import logging
 import runpy
 import sys
 import xml.etree.ElementTree as ET
@@ -10,7 +9,6 @@ from unittest.mock import MagicMock
 import meshio
 import numpy as np
 import pytest
-import pyvista
 import synthetic_result as synthetic
 import xarray as xr
 
@@ -65,17 +63,6 @@ class TestIndex:
             times = [float(entry["timestep"]) for entry in part]
             np.testing.assert_allclose(times, np.linspace(0.1, 0.2, 21), atol=1e-12)
         assert all((series.parent / entry["file"]).is_file() for entry in listed)
-
-    def test_pyvista_opens_it_at_a_time(self, series: Path, result: xr.Dataset) -> None:
-        reader = pyvista.PVDReader(series)
-        assert len(reader.time_values) == 21
-        reader.set_active_time_value(reader.time_values[4])
-        rotor, casing, contact, supports = reader.read()
-        assert rotor.n_cells == result.sizes["rotor_line"]
-        assert np.all(rotor.celltypes == pyvista.CellType.LINE)
-        assert casing.n_cells == 360
-        assert contact.n_points == 22
-        assert np.all(supports.celltypes == pyvista.CellType.LINE)
 
     def test_killed_while_writing_frames(
         self, result: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -241,49 +228,6 @@ class TestFrames:
             still[f"{body}_displacement"][:2] = 0.0
         index = export_vtk(still, tmp_path, frames=401)
         assert float(entries(index)[0]["timestep"]) == pytest.approx(2 * synthetic.RECORD_STEP)
-
-    def test_velocity_and_radial_displacement(self, result: xr.Dataset, tmp_path: Path) -> None:
-        index = export_vtk(result, tmp_path, frames=1, start=0.123)
-        mesh = meshio.read(index.parent / "frames" / "casing_00000.vtu")
-        angle = np.arctan2(mesh.points[:, 1], mesh.points[:, 0])
-        w = synthetic.casing_w(angle, result.casing_displacement.values[123])
-        w_dot = synthetic.casing_w(angle, result.casing_velocity.values[123])
-        outward = mesh.points / result.attrs["casing_radius"]
-        velocity = np.sum(mesh.point_data["velocity"] * outward, axis=1)
-        np.testing.assert_allclose(
-            mesh.point_data["radial_displacement"], w, atol=3e-5 * np.abs(w).max()
-        )
-        np.testing.assert_allclose(velocity, w_dot, atol=3e-5 * np.abs(w_dot).max())
-
-    def test_rotating_frame_keeps_the_rotor_and_turns_the_casing_back(
-        self, result: xr.Dataset, tmp_path: Path
-    ) -> None:
-        time = 0.25
-        static = export_vtk(result, tmp_path / "static", frames=1, start=time)
-        turning = export_vtk(result, tmp_path / "turning", frames=1, start=time, rotating=True)
-        angle = -synthetic.SPEED * time
-        back = np.array(
-            [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
-        )
-        for name in ("rotor", "casing"):
-            seen, stood = (
-                meshio.read(index.parent / "frames" / f"{name}_00000.vtu")
-                for index in (turning, static)
-            )
-            np.testing.assert_allclose(seen.points, stood.points @ back.T, atol=SINGLE)
-            np.testing.assert_allclose(place(seen), place(stood) @ back.T, atol=2 * SINGLE)
-            if name == "rotor":
-                ends = result.rotor_point.values[result.rotor_line.values].reshape(-1, 2)
-                np.testing.assert_allclose(seen.points[:, :2], ends, atol=SINGLE)
-
-    def test_a_hint_if_the_rotation_is_not_resolved(
-        self, result: xr.Dataset, tmp_path: Path, caplog: pytest.LogCaptureFixture
-    ) -> None:
-        caplog.set_level(logging.INFO)
-        export_vtk(result, tmp_path, frames=10, start=0.0, end=0.02)
-        assert "revolution" not in caplog.text
-        export_vtk(result, tmp_path, frames=10)
-        assert "a revolution" in caplog.text
 
 
 class TestUndeformedMesh:

@@ -92,20 +92,6 @@ class TestStill:
         assert not vermilion(image).any()
         assert len(np.unique(image.reshape(-1, 3), axis=0)) > 100  # and yet a picture
 
-    def test_frames_and_exaggeration_change_the_picture(
-        self, result: xr.Dataset, tmp_path: Path
-    ) -> None:
-        images = [
-            pixels(render_still(result, tmp_path / "a.png", time=0.1, size=SMALL)),
-            pixels(
-                render_still(result, tmp_path / "b.png", time=0.1, size=SMALL, frame="rotating")
-            ),
-            pixels(render_still(result, tmp_path / "c.png", time=0.1, size=SMALL, exaggeration=3)),
-        ]
-        for one, other in ((0, 1), (0, 2), (1, 2)):
-            differing = np.any(images[one][:, :STAGE] != images[other][:, :STAGE], axis=-1)
-            assert differing.mean() > 0.02
-
     def test_rest_is_drawn(self, tmp_path: Path) -> None:
         rest = synthetic.synthetic_result(records=1)
         for name in ("rotor_displacement", "casing_displacement", "contact_impulse"):

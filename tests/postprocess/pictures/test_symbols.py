@@ -107,19 +107,6 @@ def test_springs_and_links_of_the_rotor_join_its_nodes() -> None:
     np.testing.assert_allclose(seen.struts[0], points[[0, tips[3]]], atol=1e-12)
 
 
-@pytest.mark.parametrize("frame", ["static", "rotating"])
-def test_symbols_belong_to_the_axes_of_their_body(frame: str) -> None:
-    result = supported()
-    first, later = (
-        Drawing(result, np.array([record]), exaggeration=20.0, frame=frame).picture(0).symbols  # type: ignore[arg-type]
-        for record in (0, 1)
-    )
-    on_casing, on_rotor = first.struts[-1] - later.struts[-1], first.masses - later.masses
-    moving, standing = (on_rotor, on_casing) if frame == "static" else (on_casing, on_rotor)
-    assert np.abs(standing).max() < 1e-12
-    assert np.abs(moving).max() > 0.01
-
-
 DASHPOT = 6  # strokes of a damper
 
 

@@ -68,11 +68,6 @@ class TestColours:
                 for other in seen[:i]:
                     assert np.linalg.norm(one - other) > 0.1
 
-    def test_the_map_of_magnitudes_grows_lighter_all_the_way(self) -> None:
-        colours = matplotlib.colormaps[style.SEQUENTIAL](np.linspace(0, 1, 64))[:, :3] ** 2.2
-        lightness = colours @ [0.2126, 0.7152, 0.0722]
-        assert (np.diff(lightness) > 0).all()
-
 
 class TestSaveFigure:
     def figure(self) -> Figure:

@@ -6,7 +6,6 @@ import synthetic_result as synthetic
 import xarray as xr
 from numpy.typing import NDArray
 
-from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.run.blade_contact import (
     contact_classes,
     contact_maps,
@@ -41,12 +40,6 @@ class TestClasses:
         assert classes.contact_class.values.tolist() == expected
         np.testing.assert_allclose(classes.share[:4], [1.0, 0.5, 1e-5, 0.0], rtol=1e-12)
 
-    def test_what_came_before_the_window_does_not_count(self) -> None:
-        steps = np.zeros((101, 22), dtype=np.int64)
-        steps[:51] = STEPS
-        classes = contact_classes(rubbing(steps).isel(time=slice(50, None)))
-        assert set(classes.contact_class.values) == {"free"}
-
     def test_the_figure_counts_the_classes(self) -> None:
         steps = np.zeros((11, 22), dtype=np.int64)
         steps[1:, :3], steps[1:, 3] = STEPS, 100
@@ -76,10 +69,6 @@ class TestMaps:
         share = contact_maps(rubbing(steps), columns).share
         assert 0.0 < share[:, 0].max() <= 1.0 / STEPS
         np.testing.assert_allclose(share[:, 1], 1.0, rtol=1e-12)
-
-    def test_a_single_record_shows_nothing(self) -> None:
-        with pytest.raises(ViewError, match="at least two records"):
-            contact_maps(synthetic.synthetic_result(records=1))
 
     @pytest.mark.parametrize("shaft_radius", [0.0, 1.5e-3])
     def test_maps_can_be_drawn_with_and_without_contact(self, shaft_radius: float) -> None:
@@ -169,11 +158,6 @@ class TestPhase:
             drawn = np.asarray(axes.lines[0].get_xdata())
             assert np.ptp(drawn) == pytest.approx(turns * 2 * np.pi / 10, rel=0.01)
             assert drawn[-1] == pytest.approx(result.time.values[-1], abs=0.02)
-
-    def test_without_contact_no_scenario_is_reported(self) -> None:
-        result = synthetic.synthetic_result(shaft_radius=0.2e-3)
-        result["contact_impulse"] = 0.0 * result["contact_impulse"]
-        assert "no contact" in plot_contact_phase(contact_phase(result)).get_suptitle()
 
 
 @pytest.mark.parametrize(

@@ -97,11 +97,3 @@ def test_forces_are_impulses_over_the_time_since_the_record_before(result: xr.Da
     expected = 0.5 / (RECORD_STEP * np.array([1, 1, 1, 1, 0.5]))
     np.testing.assert_allclose(forces["normal"], expected)
     np.testing.assert_allclose(forces["friction"], 0.1 * expected)
-
-
-def test_gaps_tell_of_contact(result: xr.Dataset) -> None:
-    gaps = bw.gap(result).sel(blade=3)
-    np.testing.assert_array_equal(gaps["gap"], result["gap"][:, 3])
-    np.testing.assert_array_equal(gaps["contact"], result["contact_steps"][:, 3] > 0)
-    assert gaps["contact"].any()
-    assert not gaps["contact"].all()

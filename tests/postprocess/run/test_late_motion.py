@@ -7,35 +7,14 @@ import pytest
 import synthetic_result as synthetic
 import xarray as xr
 
-from bladewhirl.postprocess.fields.windows import late_part
 from bladewhirl.postprocess.run.late_motion import late_motion, radius_peaks
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
-from bladewhirl.postprocess.shaft.poincare import poincare_map
 
 WHIRL = -70.0 / (2 * np.pi)  # Hz in rotating axes, counter-clockwise
 
 
 def of(result: xr.Dataset) -> xr.Dataset:
     return late_motion(result, shaft_orbit(result))
-
-
-@pytest.mark.parametrize(
-    ("speed", "frequency", "rotating", "static"),
-    [
-        (80.0, WHIRL, "backward", "forward"),
-        (60.0, WHIRL, "backward", "backward"),
-        (-80.0, -WHIRL, "forward", "forward"),
-    ],
-)
-def test_a_circle_has_its_own_frequency(
-    speed: float, frequency: float, rotating: str, static: str
-) -> None:
-    found = of(synthetic.synthetic_result(speed=speed, records=1501))
-    assert found["late_radius"].item() == pytest.approx(0.8e-3)
-    assert found["whirl_frequency"].item() == pytest.approx(frequency)
-    assert found["whirl_scatter"].item() == pytest.approx(0.0, abs=1e-9)
-    assert found["whirl_rotating"].item() == rotating
-    assert found["whirl_static"].item() == static
 
 
 def test_a_drifting_whirl_scatters() -> None:
@@ -67,17 +46,6 @@ def test_maxima_of_an_ellipse_are_its_long_half_axis() -> None:
     peaks = radius_peaks(orbit)
     assert len(peaks) == 28  # twice a turn, the first record itself left out
     np.testing.assert_allclose(peaks, 3.0, rtol=0.02)
-
-
-def test_sections_and_contacts_are_those_of_the_run() -> None:
-    result = synthetic.synthetic_result(shaft_radius=1.5e-3, records=1001)
-    found = of(result)
-    expected = poincare_map(late_part(shaft_orbit(result)))["place"].values
-    np.testing.assert_array_equal(found["section"], expected)
-    steps = late_part(result)["contact_steps"].isel(time=slice(1, None)).sum("time").values
-    assert steps.any()
-    np.testing.assert_allclose(found["late_contact_share"], steps / 333_000, rtol=1e-12)
-    assert found["scenario"].item() in ("standard", "inverted", "unsteady")
 
 
 @pytest.mark.parametrize("records", [1, 2, 401])

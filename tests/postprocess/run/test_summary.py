@@ -118,14 +118,6 @@ class TestSummarise:
                 result, {k: v for k, v in REPORT.items() if k not in ("wall_time", "us_per_step")}
             )
 
-    def test_a_clamped_shaft_rests(self, result: xr.Dataset) -> None:
-        result["rotor_shape"][0] = 0.0
-        result["rotor_family"][:2] = "2F"
-        summary = summarise(result, REPORT)
-        assert summary.shaft_radius_max == summary.shaft_radius_final == 0.0
-        assert summary.strain_energy_final["suspension"] == 0.0
-        assert summary.strain_energy_final["rest"] > 0.0
-
     @pytest.mark.parametrize("records", [1, 2, 3, 10])
     def test_runs_of_few_records_say_what_they_can(self, records: int) -> None:
         short = synthetic.synthetic_result(records=records)
@@ -178,21 +170,6 @@ class TestEnergyLedger:
         largest = max(float(np.abs(result[name]).max()) for name in names)
         result[term][137] += 1e-6 * largest
         assert energy_residual(result) == pytest.approx(1e-6, rel=1e-4)
-
-    def test_damping_takes_energy(self) -> None:
-        """An oscillator that loses half of its energy to damping and nothing else."""
-        result = synthetic.synthetic_result(records=11)
-        share = np.linspace(0.0, 0.5, 11)
-        for work in WORKS:
-            result[work] = "time", np.zeros(11)
-        result["energy"] = "time", 8.0 * (1 - share)
-        result["damping_work"] = "time", 8.0 * share
-        assert energy_residual(result) < 1e-15
-
-    def test_nothing_moves_nothing_is_missing(self, result: xr.Dataset) -> None:
-        for name in ("energy", "damping_work", *WORKS):
-            result[name] = 0.0 * result[name]
-        assert energy_residual(result) == 0.0
 
 
 END = 3.0
@@ -260,17 +237,6 @@ class TestRegimes:
         assert regime.name == "divergent"
         assert regime.growth is not None
         assert regime.growth.rate == pytest.approx(rate, abs=0.03)
-
-    def test_growth_through_noise_diverges_within_its_uncertainty(self) -> None:
-        rng = np.random.default_rng(3)
-        found = [judged(np.exp(1.5 * TIME + wander(rng, 0.05, 0.1))) for _ in range(40)]
-        assert sum(regime.name == "divergent" for regime in found) >= 34
-        pulls = [(r.growth.rate - 1.5) / r.growth.error for r in found if r.growth is not None]
-        assert np.sqrt(np.mean(np.square(pulls))) < 2.0
-
-    def test_growth_after_a_larger_transient_that_it_overtakes(self) -> None:
-        amplitude = 1.5 * np.exp(-4 * TIME) + np.exp(5 * (TIME - 2.8))
-        assert judged(amplitude, contact=ALWAYS).name == "divergent"
 
     def test_the_displacement_limit_is_divergence_however_short_the_run(self) -> None:
         result = synthetic.synthetic_result(records=3)
@@ -345,15 +311,6 @@ class TestRegimes:
         assert judged(steady, contact=slice(100, 2701)).name == "damped"
         assert judged(steady, contact=slice(2701, 2702)).name == "sustained"
 
-    def test_at_rest_nothing_grows(self) -> None:
-        regime = judged(np.zeros(len(TIME)))
-        assert regime.name == "no-contact"
-        assert regime.growth is None
-
-    def test_growth_out_of_rest_is_growth(self) -> None:
-        amplitude = np.where(TIME < 1.9, 0.0, np.exp(3 * (TIME - END)))
-        assert judged(amplitude, contact=ALWAYS).name == "divergent"
-
     @pytest.mark.parametrize(
         ("frequency", "half_period"),
         [([190.0, 75.0], np.pi / 75.0), ([1e-5, 75.0], np.pi / 75.0), ([0.0, 0.0], np.inf)],
@@ -389,11 +346,6 @@ class TestRegimes:
         else:  # the load, which drives it faster, is in it
             assert regime.growth.rate > 7.0
         result.attrs["end_reason"] = "completed"
-        assert classify(result, amplitude**2).growth is None
-
-    def test_a_march_of_four_windows_to_its_limit_has_no_rate(self) -> None:
-        period = np.pi / FREQUENCY
-        result, amplitude = _ended_at_the_limit(4.9 * period, 4.9 * period)
         assert classify(result, amplitude**2).growth is None
 
     def test_what_left_all_numbers_has_no_rate(self) -> None:
@@ -468,11 +420,6 @@ class TestRegimes:
         assert growth.residual == pytest.approx(np.std((middle[24:] - middle[24:].mean()) ** 2))
         assert f"{growth.end_rate:.3g} ±" in growth.sentence
 
-    def test_the_criterion_is_written_with_every_regime(self, result: xr.Dataset) -> None:
-        text = summarise(result, REPORT).regime_criterion
-        for name in ("divergent:", "no-contact:", "damped:", "sustained:", "Here: "):
-            assert name in text
-
 
 class TestWriting:
     def test_json_has_the_keys_at_full_precision(self, result: xr.Dataset, tmp_path: Path) -> None:
@@ -482,18 +429,6 @@ class TestWriting:
         assert set(document) == KEYS
         assert Summary(**document) == summary
         assert set(document["strain_energy_final"]) == {"suspension", "1F", "rest"}
-
-    def test_json_has_the_growth_rate_of_the_regime(self) -> None:
-        result = synthetic.synthetic_result(records=4001, growth=1.5)
-        summary = summarise(result, REPORT)
-        growth = classify(result, strain_energies(result)["total"].values).growth
-        assert growth is not None
-        document = json.loads(summary.to_json())
-        assert (document["growth_rate"], document["growth_rate_error"]) == (
-            growth.rate,
-            growth.error,
-        )
-        assert document["growth_rate_error"] > 0.0
 
     def test_the_table_reads_in_handy_units(self, result: xr.Dataset) -> None:
         text = io.StringIO()

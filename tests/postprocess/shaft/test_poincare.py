@@ -56,13 +56,6 @@ class TestPoincareMap:
             poincare_map(synchronous(speed=0.0))
 
 
-def test_state_space_has_both_axes_of_one_frame() -> None:
-    orbit = synchronous()
-    states = state_space(orbit, "rotating")
-    np.testing.assert_array_equal(states.place, orbit.rotating)
-    np.testing.assert_array_equal(states.velocity, orbit.rotating_velocity)
-
-
 def test_the_figure_shows_place_in_mm_and_velocity() -> None:
     orbit = synchronous()
     panels = plot_state_space(state_space(orbit)).axes

@@ -7,7 +7,6 @@ import xarray as xr
 from bladewhirl.postprocess.fields.kinematics import rotate
 from bladewhirl.postprocess.shaft.transforms import Frame, strongest_lines
 from bladewhirl.postprocess.shaft.whirl import FRAMES, ripple, whirl
-from bladewhirl.postprocess.shaft.whirl_history import whirl_history
 
 SPEEDS = [10.0, 30.0, -10.0]  # turns a second
 RADIUS = 0.8e-3
@@ -105,14 +104,6 @@ def test_the_error_gives_how_the_rate_wanders() -> None:
     found = whirl(orbit, "rotating")
     assert found.frequency == pytest.approx(12.0, rel=0.02)
     assert found.error / (2 * np.pi) == pytest.approx(2 * np.sqrt(10 / 9) / np.sqrt(10), rel=1e-3)
-
-
-@pytest.mark.parametrize("speed", SPEEDS)
-def test_the_history_is_the_same_measure(speed: float) -> None:
-    orbit = orbit_of({-40.5: RADIUS, 100.0: 0.3 * RADIUS}, speed)
-    rates = whirl_history(orbit)["rate"] / (2 * np.pi)
-    for frame in FRAMES:
-        np.testing.assert_allclose(rates.sel(frame=frame), seen(-40.5, speed, frame), atol=0.5)
 
 
 @pytest.mark.parametrize("records", [1, 2, 15])

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import synthetic_result as synthetic
-import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.windows import (
@@ -15,7 +14,6 @@ from bladewhirl.postprocess.fields.windows import (
     span_starts,
 )
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
-from bladewhirl.postprocess.shaft.poincare import plot_state_space, state_space
 from bladewhirl.postprocess.shaft.whirl_history import plot_whirl_history, whirl_history
 
 RATE = -70.0  # rad/s, of the synthetic shaft in rotating axes
@@ -27,10 +25,6 @@ class TestWindows:
         assert window.time.values[0] == pytest.approx(0.1)
         assert window.time.values[-1] == pytest.approx(0.3)
         assert window.sizes["time"] == 201
-
-    def test_without_ends_it_is_the_run(self) -> None:
-        result = synthetic.synthetic_result(records=20)
-        xr.testing.assert_identical(select_window(result), result)
 
     @pytest.mark.parametrize(("start", "end"), [(0.3, 0.1), (0.5, None), (0.1, 0.1003)])
     def test_a_window_that_shows_nothing_is_refused(self, start: float, end: float | None) -> None:
@@ -77,11 +71,6 @@ class TestWhirlHistory:
         np.testing.assert_array_equal(whirls.direction.sel(frame="static"), 1)
         np.testing.assert_allclose(whirls.radius, 0.8e-3, rtol=1e-12)
 
-    def test_forward_is_the_sense_of_rotation(self) -> None:
-        whirls = whirl_history(synthetic.synthetic_result(records=2001, speed=-20.0))
-        np.testing.assert_allclose(whirls.rate.sel(frame="rotating"), -RATE, rtol=1e-12)
-        np.testing.assert_array_equal(whirls.direction.sel(frame="rotating"), 1)
-
     def test_a_rate_that_changes_is_followed(self) -> None:
         orbit = shaft_orbit(synthetic.synthetic_result(records=4001))
         time = orbit.time.values
@@ -110,12 +99,3 @@ class TestWhirlHistory:
         drawn = np.asarray(lines["rotating frame"].get_ydata())
         np.testing.assert_allclose(drawn, 70 / (2 * np.pi))
         assert "Hz" in upper.get_ylabel()
-
-
-def test_small_amounts_have_small_units() -> None:
-    orbit = shaft_orbit(synthetic.synthetic_result(records=801, shaft_radius=1e-6))
-    assert plot_whirl_history(whirl_history(orbit)).axes[1].get_ylabel() == "radius [µm]"
-    axes = plot_state_space(state_space(orbit)).axes[0]
-    assert axes.get_xlabel() == "x [µm]"
-    assert axes.get_ylabel() == "velocity along x [µm/s]"
-    assert np.max(np.asarray(axes.get_lines()[1].get_xdata())) == pytest.approx(1.0, rel=0.01)

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.text import Annotation
 from synthetic_result import synthetic_result
 from synthetic_sweep import synthetic_sweep
 from typer.testing import CliRunner, Result
@@ -20,7 +19,7 @@ from bladewhirl.postprocess.sweep.blades import blade_contacts
 from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.energies import point_energies
 from bladewhirl.postprocess.sweep.figures import SweepFigures
-from bladewhirl.postprocess.sweep.frequency_map import frequency_map, plot_frequency_map
+from bladewhirl.postprocess.sweep.frequency_map import frequency_map
 from bladewhirl.postprocess.sweep.maps import plot_sweep_maps, sweep_maps
 from bladewhirl.postprocess.sweep.quantities import (
     cell_edges,
@@ -236,26 +235,6 @@ def test_a_third_key_makes_rows_of_maps(tmp_path: Path) -> None:
     ratio = top.values / radius["shaft_radius_max"].values
     np.testing.assert_allclose(ratio, ratio[0, 0], rtol=1e-6)
     assert len(plot_sweep_maps(maps).axes) == 2 * 2 + 1
-
-
-def test_names_of_engine_orders_stay_inside_and_apart(one: Path) -> None:
-    with open_sweep(one) as sweep:
-        figure = plot_frequency_map(frequency_map(sweep, "march_speed"))
-    figure.draw_without_rendering()
-    axes = figure.axes[0]
-    frame = axes.get_window_extent()
-    boxes = [
-        text.get_window_extent()
-        for text in axes.texts
-        if isinstance(text, Annotation) and text.get_text()
-    ]
-    assert len(boxes) >= 4
-    for number, box in enumerate(boxes):
-        assert frame.x0 < box.x0
-        assert box.x1 < frame.x1
-        assert frame.y0 < box.y0
-        assert box.y1 < frame.y1
-        assert not any(box.overlaps(other) for other in boxes[:number])
 
 
 def test_cells_reach_midway_to_their_neighbours() -> None:

@@ -11,7 +11,6 @@ import pytest
 import xarray as xr
 from matplotlib.collections import PolyQuadMesh
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 from synthetic_sweep import synthetic_sweep
 
@@ -20,7 +19,7 @@ from bladewhirl.postprocess.plotting.style import new_figure
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, linear_threshold
 from bladewhirl.postprocess.sweep.bifurcation import bifurcation, plot_bifurcation
 from bladewhirl.postprocess.sweep.dataset import open_sweep
-from bladewhirl.postprocess.sweep.drawing import REGIME_MARKS, lines_of
+from bladewhirl.postprocess.sweep.drawing import lines_of
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map, plot_frequency_map
 from bladewhirl.postprocess.sweep.maps import DOUBTFUL, plot_sweep_maps, sweep_maps
@@ -148,19 +147,6 @@ def test_growth_that_may_be_none_is_crossed_out(four: Path) -> None:
     ]
     assert crossed == [2, 0, 0, 0]
     assert DOUBTFUL in [text.get_text() for text in figure.legends[0].get_texts()]
-
-
-def test_the_legend_of_regimes_has_their_marks(four: Path) -> None:
-    with open_sweep(four) as sweep:
-        found = regimes(sweep, "march_speed")
-    found["regime"][0, 0] = "divergent"
-    found["growth_rate"][:] = 1.0
-    found["growth_error"][:] = 0.1
-    figure = plot_regimes(found)
-    drawn = figure.legends[0].findobj(Line2D)
-    marks = {line.get_marker() for line in drawn if isinstance(line, Line2D)}
-    assert marks == {REGIME_MARKS[name] for name in np.unique(found["regime"])}
-    assert "^" in marks
 
 
 def test_a_frequency_map_names_only_modes_that_are_seen(four: Path) -> None:
