@@ -1,7 +1,8 @@
 """Build backend: setuptools, with the C sources of the marches and a compiler for them.
 
 Where no C compiler is on the path, the `ziglang` package serves as one. `BLADEWHIRL_PORTABLE=1`
-asks for instructions that all processors of a kind have; by default those of this machine are used.
+asks for a build that runs on all processors of a kind (`solvers/kernel/variants.h`); by default it is
+made for this machine.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ def write_source() -> None:
     header = (KERNEL / "kernel.h").read_text()
     ffi = FFI()
     ffi.cdef("\n".join(line for line in header.splitlines() if not line.startswith("#")))
-    ffi.set_source(MODULE, '#include "march.c"\n#include "dense.c"\n', py_limited_api=True)
+    ffi.set_source(MODULE, '#include "variants.c"', py_limited_api=True)
     (KERNEL / "_kernel.c").unlink(missing_ok=True)  # a new one, so that headers are read anew
     ffi.emit_c_code(str(KERNEL / "_kernel.c"))
 
@@ -54,10 +55,11 @@ def build(step: Callable[..., str], *arguments: Any) -> str:
     os.environ["CC"], os.environ["LDSHARED"] = command, f"{command} -shared"
     if sys.platform == "darwin":
         os.environ["LDSHARED"] = f"{command} -bundle -undefined dynamic_lookup"
-    if os.environ.get("BLADEWHIRL_PORTABLE", "0") in ("", "0"):
-        x86 = platform.machine().lower() in ("x86_64", "amd64")
-        native = "-march=native" if x86 else "-mcpu=native"
-        os.environ["CFLAGS"] = f"{os.environ.get('CFLAGS', '')} {native}"
+    x86 = platform.machine().lower() in ("x86_64", "amd64")
+    flag = "-march=native" if x86 else "-mcpu=native"
+    if os.environ.get("BLADEWHIRL_PORTABLE", "0") not in ("", "0"):
+        flag = "-DPORTABLE"
+    os.environ["CFLAGS"] = f"{os.environ.get('CFLAGS', '')} {flag}"
     try:
         return step(*arguments)
     except (Exception, SystemExit):

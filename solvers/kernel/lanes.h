@@ -10,7 +10,8 @@
 
 #include "kernel.h"
 
-#if defined(__AVX512F__)
+#if defined(WIDTH) /* a build for another processor, see `variants.h` */
+#elif defined(__AVX512F__)
 #define WIDTH 8
 #define HALF_WIDTH 4
 #elif defined(__AVX__)

@@ -38,7 +38,7 @@ def without_symmetry(number: int, random: np.random.Generator) -> ContactProblem
         rotor_modes=int(random.integers(1, 40)),
         casing_modes=int(random.integers(0, 30)),
         speed=float(random.choice([-90.0, 0.0, 1.0, 30.0])),
-        sliding=random.choice(["permanent", "signed"]),  # type: ignore[arg-type]
+        sliding=random.choice(["permanent", "signed"]),
         tip_rotation=bool(random.integers(2)),
     )
     rotor, casing = given.rotor, given.casing

@@ -1,0 +1,16 @@
+/* The marches for processors with AVX512F; see `variants.h`. */
+#include "variants.h"
+
+#if VARIANTS
+#define march march_avx512
+#define dense_march dense_march_avx512
+#define WIDTH 8
+#define HALF_WIDTH 4
+TARGET("avx512f")
+#include "march.c"
+
+#include "dense.c"
+TARGET_END
+#else
+typedef int nothing; /* a file is not empty */
+#endif
