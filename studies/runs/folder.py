@@ -143,17 +143,13 @@ def read_failures(directory: Path, size: float = float("inf")) -> list[dict[str,
         return []
     try:
         rows = [dict(row) for row in json.loads(path.read_text(encoding="utf-8"))]
-        points = [row["point"] for row in rows if row["reason"]]
-        sound = len(points) == len(rows)
-        sound &= all(isinstance(point, int) and 0 <= point < size for point in points)
+        if all(row["reason"] and 0 <= row["point"] < size for row in rows):
+            return rows
     except (OSError, ValueError, TypeError, KeyError, RecursionError):
-        sound = False
-    if not sound:
-        raise UserError(
-            f"{path}: expected the failed points of a sweep; without this file --resume tries them"
-            " again"
-        )
-    return rows
+        pass
+    raise UserError(
+        f"{path}: expected the failed points of a sweep; without this file --resume tries them again"
+    )
 
 
 def write_provenance(directory: Path, case: Case) -> None:

@@ -8,8 +8,6 @@ from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.runs import folder
 
@@ -22,37 +20,26 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Window:
-    """Instants of a run that its ParaView series shows.
-
-    Raises:
-        UserError: fewer than no frames, or a window that is empty or begins before the run.
-    """
+    """Instants of a run that its ParaView series shows."""
 
     frames: int  #: spread evenly; 0 for no series
-    start: float | None  #: [s]; that of the run when None
-    end: float | None  #: [s]; that of the run when None
-    rotating: bool  #: seen from the rotor
+    start: float | None = None  #: [s]; that of the run if None
+    end: float | None = None  #: [s]; that of the run if None
+    rotating: bool = False  #: seen from the rotor
 
-    def __post_init__(self) -> None:
-        if self.frames < 0:
-            raise UserError(f"--frames {self.frames}: expected 0 or more")
-        start = 0.0 if self.start is None else self.start
-        end = np.inf if self.end is None else self.end
-        if not 0.0 <= start <= end:
-            raise UserError(
-                f"--from {start:g} --to {end:g}: expected a window in order that begins at 0 s or"
-                " later"
-            )
-
-    def check_within(self, duration: float) -> None:
-        """Check that the window contains part of the run.
+    def check(self, duration: float) -> None:
+        """Check that the window is in order and contains part of a run of some duration [s].
 
         Raises:
-            UserError: it begins when the run has ended.
+            UserError: it is not, or the number of frames is negative.
         """
-        if self.frames > 0 and self.start is not None and self.start > duration:
+        if self.frames < 0:
+            raise UserError(f"--frames {self.frames}: expected 0 or more")
+        start, end = self.start or 0.0, duration if self.end is None else self.end
+        if self.frames and not 0.0 <= start <= min(end, duration):
             raise UserError(
-                f"--from {self.start:g}: expected a time before the end of the run, {duration:g} s"
+                f"--from {start:g} --to {end:g}: expected a window in order within the"
+                f" {duration:g} s of the run"
             )
 
 

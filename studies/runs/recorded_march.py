@@ -54,9 +54,8 @@ Progress = Callable[[Activity, int, int], None]
 """Called with what is being done, steps done and steps in all."""
 
 REMEDY = (
-    "there is nothing left for a linear model to say; if the stage is not meant to diverge, look "
-    "at its speed, load, damping and friction, else raise march.displacement_limit to follow it "
-    "further"
+    "the linear model no longer applies; check speed, load, damping, friction, or raise"
+    " march.displacement_limit"
 )
 
 
@@ -91,7 +90,13 @@ def march_to_file(
             recorder.write(chunk)
             # Only before the record at the end that a longer march would not make.
             if checkpoints is not None and state.step <= prepared.timing.whole_steps + 1:
-                _keep(checkpoints, digest, recorder, state, wall_time)
+                checkpoint = Checkpoint(
+                    case=digest,
+                    records=recorder.records,
+                    wall_time=wall_time,
+                    state=state_arrays(state),
+                )
+                write_checkpoint(checkpoints, checkpoint)
 
         return _march_into(recorder, prepared, flush, FLUSH_TIME, progress, begin)
 
@@ -210,18 +215,6 @@ def state_at(prepared: Prepared, begin: Checkpoint) -> Any:
         raise UserError(f"{CHECKPOINT_NAME}: does not contain the state of this march ({error})") from None
 
 
-def _keep(path: Path, case: str, recorder: Recorder, state: Any, wall_time: float) -> None:
-    write_checkpoint(
-        path,
-        Checkpoint(
-            case=case,
-            records=recorder.records,
-            wall_time=wall_time,
-            state=state_arrays(state),
-        ),
-    )
-
-
 def check_room(directory: Path, needed: int) -> None:
     """Check that the disk has space for a number of bytes and a little more.
 
@@ -279,27 +272,19 @@ def _divergence(prepared: Prepared, chunk: Chunk) -> str:
     The last record is the last state within the limit, so what goes beyond it is sought a step on.
     """
     rotor, casing = prepared.problem.rotor, prepared.problem.casing
-    limit, step = prepared.problem.displacement_limit, prepared.timing.time_step
-    moved = chunk.rotor_displacement[-1], chunk.rotor_velocity[-1]
-    wall = chunk.casing_displacement[-1], chunk.casing_velocity[-1]
-    angles = 360.0 * np.arange(len(casing.nodal)) / len(casing.nodal)
-    tips = [f"blade {blade}" for blade in range(len(rotor.tip_angle))]
-    candidates = (
-        (tips, "radially", [rotor.tip_radial @ part for part in moved]),
-        (tips, "tangentially", [rotor.tip_tangential @ part for part in moved]),
-        (
-            [f"the casing at {angle:.4g}°" for angle in angles],
-            "radially",
-            [casing.nodal[:, 0] @ part for part in wall],
-        ),
-    )
-    places = [
-        (abs(at + step * rate), name, way, at)
-        for names, way, (values, rates) in candidates
-        for name, at, rate in zip(names, values, rates, strict=True)
-    ]
-    _, place, way, value = max(places)
-    return (
-        f"{place} passed march.displacement_limit = {limit:g} m at {chunk.time[-1]:.6g} s"
-        f" ({value:.4g} m {way}); {REMEDY}"
-    )
+    step, largest, text = prepared.timing.time_step, 0.0, ""
+    for body, way, shapes in (
+        ("rotor", "radially", rotor.tip_radial),
+        ("rotor", "tangentially", rotor.tip_tangential),
+        ("casing", "radially", casing.nodal[:, 0]),
+    ):
+        moved = shapes @ getattr(chunk, f"{body}_displacement")[-1]
+        ahead = np.abs(moved + step * (shapes @ getattr(chunk, f"{body}_velocity")[-1]))
+        place = int(ahead.argmax())
+        if ahead[place] >= largest:
+            angle = 360.0 * place / len(shapes)
+            name = f"blade {place}" if body == "rotor" else f"the casing at {angle:.4g}°"
+            limit = f"march.displacement_limit = {prepared.problem.displacement_limit:g} m"
+            text = f"{name} passed {limit} at {chunk.time[-1]:.6g} s ({moved[place]:.4g} m {way})"
+            largest = ahead[place]
+    return f"{text}; {REMEDY}"

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
-from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.plotting.files import checked_target
 from bladewhirl.postprocess.reports.page import Page, write_page
@@ -31,10 +29,10 @@ def report(directory: str | Path, output: str | Path | None = None) -> Path:
     directory = Path(directory)
     target = report_target(directory, None if output is None else Path(output))
     make = next(make for name, make in PAGES.items() if (directory / name).is_file())
-    with _writing(target):
+    with writing(target):
         target.parent.mkdir(parents=True, exist_ok=True)  # before anything is drawn
     page = make(directory)
-    with _writing(target):
+    with writing(target):
         return write_page(page, target)
 
 
@@ -50,14 +48,6 @@ def report_target(directory: Path, output: Path | None) -> Path:
             f"{directory}: expected the folder of a run or a sweep, with its {' or '.join(PAGES)}"
         )
     return target
-
-
-@contextmanager
-def _writing(target: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise UserError(f"{target}: cannot be written ({error.strerror})") from None
 
 
 def _run_page(directory: Path) -> Page:

@@ -64,7 +64,7 @@ def run(
     """
     directory = Path(directory)
     window = Window(frames=frames, start=start, end=end, rotating=rotating)
-    window.check_within(case.march.duration)
+    window.check(case.march.duration)
     folder.check_free(directory, overwrite=overwrite)
     prepared = prepare(case)
     with writing(directory):
@@ -109,11 +109,12 @@ def resume(
             f"{path}: expected the case, and the version of bladewhirl, that the run was begun"
             " with; only march.duration may change"
         )
+    window = Window(frames=frames, rotating=rotating)
+    window.check(case.march.duration)
     prepared = prepare(case)
     state_at(prepared, checkpoint)  # nothing is written if the run cannot continue
     with writing(directory), locked(directory):
         write_atomically(path, folder.portable_case(case))
-        window = Window(frames=frames, start=None, end=None, rotating=rotating)
         return _march_and_sum_up(prepared, directory, window, progress, checkpoint)
 
 

@@ -16,10 +16,8 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.runs import folder
-from bladewhirl.studies.runs.prepare import prepare_stage
 from bladewhirl.studies.sweeps.cluster import march_points
-from bladewhirl.studies.sweeps.layout import make_layout, march_extent
-from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point, stage_at
+from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
 
 KEY_LENGTH = 16
 """Characters of the name of a run."""
@@ -61,16 +59,14 @@ class RunStore:
         missing = self.missing(cases)
         if progress is not None:
             progress(0, len(missing))
-        sound = [case for case in missing if self._is_sound(case)]
-        if not sound:
+        if not missing:
             return
         try:
             self.directory.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise UserError(f"{self.directory}: cannot be written ({error.strerror})") from None
-        layout = make_layout(march_extent(sound), stage_at(sound[0]))
         work = Work(
-            case=dumps_case(sound[0]), layout=layout, histories=str(self.directory.absolute())
+            case=dumps_case(missing[0]), layout=None, histories=str(self.directory.absolute())
         )
         points = [
             Point(
@@ -79,13 +75,11 @@ class RunStore:
                 values=cast(Any, case.model_dump(exclude_none=True)),
                 history=self.path(case).name,
             )
-            for number, case in enumerate(sound)
+            for number, case in enumerate(missing)
         ]
-        done = len(missing) - len(sound)
-        for number, outcome in self._marched(work, points):
+        for done, (number, outcome) in enumerate(self._marched(work, points), 1):
             if isinstance(outcome, Failure):
-                self.failures[run_key(sound[number])] = outcome.reason
-            done += 1
+                self.failures[run_key(missing[number])] = outcome.reason
             if progress is not None:
                 progress(done, len(missing))
 
@@ -94,12 +88,3 @@ class RunStore:
         if self.scheduler is None and self.workers == 1:
             return ((point.number, march_point(work, point)) for point in points)
         return march_points(work, points, scheduler=self.scheduler, workers=self.workers)
-
-    def _is_sound(self, case: Case) -> bool:
-        """Return whether a case can be marched."""
-        try:
-            prepare_stage(stage_at(case))
-        except UserError as error:
-            self.failures[run_key(case)] = error.lines[0]
-            return False
-        return True

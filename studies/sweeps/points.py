@@ -69,7 +69,7 @@ class Work:
     """Data common to all points of a sweep."""
 
     case: str  #: the case that the sweep varies, TOML
-    layout: Layout
+    layout: Layout | None  #: of the data of a point; None if only histories are kept
     histories: str  #: folder of full histories
     stop_when: StopWhen | None = None  #: what a march ends early for
 
@@ -118,7 +118,7 @@ def _march_point(work: Work, case: Case, name: str | None) -> Digest:
         with suppress(ValueError):  # without an early end it runs to its end
             stop = FreeMotion.of(prepared.problem, prepared.timing.time_step)
             prepared = replace(prepared, stop=stop)
-    if name is None and expected_bytes(prepared) <= IN_MEMORY:
+    if work.layout is not None and name is None and expected_bytes(prepared) <= IN_MEMORY:
         room = _OWN.__dict__.setdefault("room", {})
         return digest(*march_in_memory(prepared, room), work.layout)
     # A history to keep is written where it will stay, under another name until it is whole.
@@ -126,8 +126,10 @@ def _march_point(work: Work, case: Case, name: str | None) -> Digest:
     with TemporaryDirectory(prefix=".point-", dir=folder) as scratch:
         path = Path(scratch) / RESULT_NAME
         report = march_to_file(prepared, path, portable_case(case, os.pardir))
-        with open_result(path) as result:
-            kept = digest(result, report, work.layout)
+        kept: Digest = {}
+        if work.layout is not None:
+            with open_result(path) as result:
+                kept = digest(result, report, work.layout)
         if name is not None:
             os.replace(path, Path(work.histories) / name)
     return kept
