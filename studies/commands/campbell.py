@@ -10,10 +10,10 @@ import typer
 from bladewhirl.studies.commands.options import (
     AsJson,
     CaseFile,
+    CaseFolder,
     Changes,
     Replace,
     Span,
-    output_option,
     span_option,
 )
 from bladewhirl.studies.commands.output import emit, facts, table
@@ -41,10 +41,7 @@ def campbell(
     families: Annotated[
         int, typer.Option(help="Families of the bladed disk, the suspension pair apart.", min=1)
     ] = 5,
-    output: Annotated[
-        Path | None,
-        output_option("Folder to make; CASE-campbell by default."),
-    ] = None,
+    output: CaseFolder = None,
     html: Annotated[
         Path | None,
         typer.Option(help="Interactive page of both diagrams to write, FILE.html.", metavar="FILE"),

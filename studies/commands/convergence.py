@@ -12,10 +12,10 @@ import typer
 from bladewhirl.studies.commands.options import (
     AsJson,
     CaseFile,
+    CaseFolder,
     Changes,
     Overwrite,
     Workers,
-    output_option,
     parse_number,
     parse_several,
 )
@@ -56,10 +56,7 @@ def convergence(
             help="Numbers of fixed-interface modes; 2 to 6 a blade if none.",
         ),
     ] = None,
-    output: Annotated[
-        Path | None,
-        output_option("Folder to make; CASE-convergence by default."),
-    ] = None,
+    output: CaseFolder = None,
     overwrite: Overwrite = False,
     workers: Workers = None,
     json: AsJson = False,

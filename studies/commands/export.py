@@ -36,10 +36,7 @@ def export(
         float | None,
         typer.Option(help="Factor on displacement and clearance of warp; chosen by default."),
     ] = None,
-    output: Annotated[
-        Path | None,
-        output_option(f"Folder for the series; DIR/{VTK} if none."),
-    ] = None,
+    output: Annotated[Path | None, output_option(f"Folder; DIR/{VTK} if none.")] = None,
     overwrite: Replace = False,
 ) -> None:
     """Write a series for ParaView: run its view.py, or open series.pvd and Warp By Vector.

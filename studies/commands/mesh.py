@@ -22,10 +22,7 @@ def mesh(
     source: Annotated[
         Path, typer.Argument(help="Case file, or a mesh file: .msh of Gmsh, .vtu, .inp of Abaqus.")
     ],
-    output: Annotated[
-        Path | None,
-        output_option("Write it: .vtu, .msh or .inp.", "FILE"),
-    ] = None,
+    output: Annotated[Path | None, output_option("Write it: .vtu, .msh or .inp.", "FILE")] = None,
     overrides: Changes = None,
     force: Force = False,
 ) -> None:

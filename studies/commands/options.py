@@ -159,6 +159,9 @@ def span_option(name: str, help_text: str, *, unit: str = "", counted: bool = Fa
     return typer.Option(name, parser=parser, metavar=form, help=help_text)
 
 
+CaseFolder = Annotated[
+    Path | None, output_option("Folder to make; CASE-COMMAND by default, for a chart or figures.")
+]
 CaseFile = Annotated[Path, typer.Argument(help="Case file.", show_default=False)]
 RunFolder = Annotated[
     Path, typer.Argument(metavar="DIR", help="Folder of a run, or its result.nc.")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -17,20 +17,58 @@ from bladewhirl.studies.commands.options import (
     output_option,
 )
 from bladewhirl.studies.commands.output import emit, facts, table
-from bladewhirl.studies.modal.columns import Column
+from bladewhirl.studies.modal.columns import Column, texts
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from bladewhirl.models.stage.stage import Stage
-    from bladewhirl.studies.runs.properties import Mode, Rate, StageProperties
+
+RATES = (
+    Column("name", " "),
+    Column("normalised", "× reference", ".5g"),
+    Column("hz", "[Hz]", ".5g"),
+    Column("rpm", "[rpm]", ".5g"),
+    Column("rad_per_s", "[rad/s]", ".5g"),
+)
+NAMES = {
+    "reference_frequency": "reference frequency, at rest",
+    "speed": "speed",
+    "suspension": "suspension modes, reduced model",
+    "distortion.frequency": "casing mode loaded",
+}
+"""Columns and names of frequencies and speeds."""
 
 MODES = (
     Column("nodal_diameter", "k", "d"),
-    Column("hz", "[Hz]", ".6g"),
-    Column("normalised", "normalised", ".5g"),
+    Column("frequency.hz", "[Hz]", ".6g"),
+    Column("frequency.normalised", "normalised", ".5g"),
     Column("purity", "purity", ".3f"),
 )
+PROPERTIES = (
+    Column("bladed_disk_mass", "bladed disk [kg]", ".5g"),
+    Column("bladed_disk_parts", "its parts [kg]", ".3g"),
+    Column("casing_mass", "casing [kg]", ".5g"),
+    Column("rotation_effects", "rotation effects, in modes and campbell"),
+    Column("shaft_stiffness", "springs of the shaft [N/m]", ".5g"),
+    Column("suspension_spring_share", "suspension, strain energy in the springs [%]", ".3g", 100.0),
+    Column("imbalance.unbalance", "imbalance [kg m]", ".4g"),
+    Column("imbalance.force", "its force at this speed [N]", ".5g"),
+    Column("imbalance.closing", "its static answer, share of the clearance [%]", ".3g", 100.0),
+    Column("distortion.static_displacement", "static answer of the loaded mode [mm]", ".4g", 1e3),
+    Column("reduction.modes", "modes of the reduced model", "d"),
+    Column("reduction.boundary", "its boundary", "d"),
+    Column("reduction.fixed_interface_modes", "its fixed-interface modes", "d"),
+    Column("reduction.internal", "inner degrees of freedom", "d"),
+    Column("reduction.frequency_error", "its errors against the full model [%]", ".2g", 100.0),
+    Column("symmetry", "symmetry"),
+    Column("reduction.marched", "modes of the march", "d"),
+    Column("marched", "method of the march"),
+    Column("critical_time_step", "critical time step [s]", ".4g"),
+    Column("dt_over_critical", "time step / critical", ".3g"),
+    Column("steps", "steps", "d"),
+    Column("records", "records", "d"),
+    Column("result_bytes", "result.nc, about [MB]", ".3g", 1e-6),
+)
+"""Properties of a stage."""
 
 
 def show(
@@ -60,7 +98,7 @@ def show(
     from bladewhirl.models.stage.build import time_step_faults
     from bladewhirl.models.stage.hints import stage_hints
     from bladewhirl.models.stage.stage import build_stage
-    from bladewhirl.studies.runs.properties import stage_properties
+    from bladewhirl.studies.runs.properties import MARCHES, stage_properties
 
     if output is not None and not png:
         raise UserError("--output: not without --png, which draws")
@@ -82,13 +120,19 @@ def show(
         "case": checked.model_dump(mode="json", exclude_none=True),
         "derived": asdict(properties),
     }
-    tables = (
-        facts(dict(_texts(properties))),
-        table(_rows(properties.bladed_disk), MODES, "Bladed disk, full model"),
-        table(_rows(properties.casing), MODES, "Casing, full model"),
-    )
-    texts = (f"\n{dumps_case(checked)}".removesuffix("\n"),) if with_case else ()
-    emit(document, *tables, *texts, json=json)
+    marched = {body: MARCHES[cyclic] for body, cyclic in properties.cyclic.items()}
+    derived = document["derived"] | {"marched": marched}
+    rates = [
+        {"name": name} | rate
+        for key, name in NAMES.items()
+        if (rate := Column(key).value(derived)) is not None
+    ]
+    tables = [facts(texts(derived, PROPERTIES)), table(rates, RATES, "Frequencies and speed")]
+    for body, title in (("bladed_disk", "Bladed disk"), ("casing", "Casing")):
+        modes = sorted(derived[body], key=lambda mode: mode["nodal_diameter"])
+        tables.append(table(modes, MODES, f"{title}, full model"))
+    full = (f"\n{dumps_case(checked)}".removesuffix("\n"),) if with_case else ()
+    emit(document, *tables, *full, json=json)
 
 
 def _draw(stage: Stage, target: Path) -> None:
@@ -105,74 +149,3 @@ def _draw(stage: Stage, target: Path) -> None:
     with writing(target):
         draw_stage(at_rest, target, node_sets=stage.disk.mesh.node_sets)
     typer.echo(f"Wrote {target}.", err=True)
-
-
-def _texts(properties: StageProperties) -> Iterator[tuple[str, str]]:
-    """Yield names and texts of the properties."""
-    from bladewhirl.models.inputs.units import handy
-    from bladewhirl.studies.runs.properties import MARCHES
-
-    reduction = properties.reduction
-    parts = properties.bladed_disk_parts
-    yield "bladed disk", f"{properties.bladed_disk_mass:.5g} kg"
-    if len(parts) > 1:
-        yield "its parts", ", ".join(f"{name} {mass:.3g} kg" for name, mass in parts.items())
-    yield "casing", f"{properties.casing_mass:.5g} kg"
-    yield "reference frequency, at rest", _rate(properties.reference_frequency)
-    yield "speed", _rate(properties.speed)
-    if properties.rotation_effects != "none":
-        yield "rotation.effects", f"{properties.rotation_effects}; modes at speed, rotating axes"
-        yield "Coriolis forces", "in modes and campbell only"
-    if properties.shaft_stiffness is not None:
-        springs = dict.fromkeys(handy(value, "N/m") for value in properties.shaft_stiffness)
-        yield "springs of the shaft", " and ".join(springs)
-    if properties.suspension is not None:
-        yield "suspension modes, reduced model", _rate(properties.suspension)
-        share = 100.0 * (properties.suspension_spring_share or 0.0)
-        yield "their strain energy in the springs", f"{share:.3g} %"
-    if properties.imbalance is not None:
-        load = properties.imbalance
-        yield "imbalance", f"{load.unbalance:.4g} kg m, {load.force:.5g} N at this speed"
-        yield "its static answer closes", f"{100.0 * load.closing:.3g} % of the clearance"
-    if properties.distortion is not None:
-        yield "casing mode loaded", _rate(properties.distortion.frequency)
-        yield "its static answer", f"{1e3 * properties.distortion.static_displacement:.4g} mm"
-    sets = ", ".join(f"{size} {name}" for name, size in reduction.boundary.items())
-    fixed = f"{reduction.fixed_interface_modes} of {reduction.internal} fixed-interface"
-    yield "reduced model", f"{reduction.modes} modes: {sets}, {fixed}"
-    shown = ("suspension", *(f"{rank}F" for rank in range(1, 6)))
-    errors = reduction.frequency_error
-    yield (
-        "its errors against the full model",
-        ", ".join(f"{name} {100 * errors[name]:.2g} %" for name in shown if name in errors),
-    )
-    for body, symmetry in properties.symmetry.items():
-        yield f"symmetry, {body.replace('_', ' ')}", symmetry
-    for body, cyclic in properties.cyclic.items():
-        count = reduction.marched[body]
-        yield f"march, {body.replace('_', ' ')}", f"{count} modes, {MARCHES[cyclic]}"
-    yield (
-        "critical time step",
-        f"{properties.critical_time_step:.4g} s, time step / critical "
-        f"{properties.dt_over_critical:.3g}",
-    )
-    yield "steps", f"{properties.steps}, {properties.records} records"
-    yield "result.nc", f"about {properties.result_bytes / 1e6:.3g} MB"
-
-
-def _rows(modes: tuple[Mode, ...]) -> Iterator[dict[str, Any]]:
-    """Yield rows of the table of modes, by nodal diameter."""
-    for mode in sorted(modes, key=lambda mode: mode.nodal_diameter):
-        yield {
-            "nodal_diameter": mode.nodal_diameter,
-            "hz": mode.frequency.hz,
-            "normalised": mode.frequency.normalised,
-            "purity": mode.purity,
-        }
-
-
-def _rate(rate: Rate) -> str:
-    return (
-        f"{rate.normalised:.5g} × reference = {rate.hz:.5g} Hz = {rate.rpm:.5g} rpm"
-        f" = {rate.rad_per_s:.5g} rad/s"
-    )

@@ -11,10 +11,10 @@ import typer
 from bladewhirl.studies.commands.options import (
     AsJson,
     CaseFile,
+    CaseFolder,
     Changes,
     Replace,
     Span,
-    output_option,
     parse_speed,
     parse_stiffness,
     span_option,
@@ -82,10 +82,7 @@ def stability(
     physical: Annotated[
         bool, typer.Option("--physical", help="With the modes' own amplitudes, not one for all.")
     ] = False,
-    output: Annotated[
-        Path | None,
-        output_option("Folder to make; for a chart CASE-stability by default."),
-    ] = None,
+    output: CaseFolder = None,
     films: Annotated[
         bool, typer.Option(help="Also the divergent mode as VTK series and GIF.")
     ] = True,

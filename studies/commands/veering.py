@@ -10,10 +10,10 @@ import typer
 from bladewhirl.studies.commands.options import (
     AsJson,
     CaseFile,
+    CaseFolder,
     Changes,
     Replace,
     Span,
-    output_option,
     span_option,
 )
 from bladewhirl.studies.commands.output import emit, facts
@@ -33,10 +33,7 @@ def veering(
             unit="N/m",
         ),
     ] = None,
-    output: Annotated[
-        Path | None,
-        output_option("Folder to make; CASE-veering by default."),
-    ] = None,
+    output: CaseFolder = None,
     overwrite: Replace = False,
     json: AsJson = False,
     overrides: Changes = None,

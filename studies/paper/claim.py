@@ -76,7 +76,7 @@ CRITERIA: Mapping[str, tuple[str, Callable[[float, float, float], bool]]] = {
 """Criteria of numbers: text of the expected value, and whether a number meets it."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Claim:
     """A statement of the paper that can be computed, and the function that measures it."""
 

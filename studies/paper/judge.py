@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from bladewhirl.files import write_atomically
 from bladewhirl.models.inputs.errors import UserError
@@ -16,10 +16,10 @@ from bladewhirl.studies.paper import (  # noqa: F401 -- each registers its claim
     claims_modal,
     claims_sweeps,
 )
-from bladewhirl.studies.paper.claim import CLAIMS, Claim, Finding
+from bladewhirl.studies.paper.claim import CLAIMS, Claim
 from bladewhirl.studies.paper.figures import draw_figures
 from bladewhirl.studies.paper.page import scorecard_page
-from bladewhirl.studies.paper.scorecard import Scorecard, joined
+from bladewhirl.studies.paper.scorecard import Score, Scorecard
 from bladewhirl.studies.paper.trials import (
     PERTURBATION,
     SURVEYS,
@@ -79,7 +79,7 @@ class Plan:
     def sweeps(self) -> str:
         """Sweeps over speed, as text."""
         named = []
-        for name in needed_sweeps(self.claims):
+        for name in needed(self.claims, "sweeps"):
             speeds, *others = SURVEYS[name].axes(coarse=self.quick, step=self.speed_step).values()
             lines = f" by {len(others[0])}" if others else ""
             named.append(f"{name}: {len(speeds)}{lines} from {speeds[0]:g} to {speeds[-1]:g}")
@@ -136,17 +136,19 @@ def reproduce_claims(
         for repeat in range(plan.repeats)
     ]
     first, *others = repeats
-    names = needed_trials(plan.claims)
+    names = needed(plan.claims, "trials")
     store.make([case for evidence in repeats for case in evidence.cases(names)], progress.marches)
-    for name in needed_sweeps(plan.claims):
+    for name in needed(plan.claims, "sweeps"):
         with suppress(NotTestableError):  # reported by the claims that need it
             first.sweep(name, progress.sweep)
-    findings = [{claim.number: claim.judge(first) for claim in plan.claims}]
+    findings = {claim: [claim.judge(first)] for claim in plan.claims}
     for evidence in others:
         with evidence:
-            findings.append(_judged(evidence, _repeated(plan.claims)))
+            for claim in plan.claims:
+                if any(TRIALS[name].repeated for name in claim.trials):
+                    findings[claim].append(claim.judge(evidence))
     card = Scorecard(
-        scores=tuple(joined(findings, CLAIMS)),
+        scores=tuple(Score(claim=claim, findings=tuple(f)) for claim, f in findings.items()),
         conditions={
             run_directory.PACKAGE: run_directory.version(),
             "cases": CASES_IN_WORDS,
@@ -160,23 +162,9 @@ def reproduce_claims(
     return card, first
 
 
-def needed_trials(claims: Iterable[Claim]) -> list[str]:
-    """Names of the marches that claims are judged by, each once."""
-    return list(dict.fromkeys(name for claim in claims for name in claim.trials))
-
-
-def needed_sweeps(claims: Iterable[Claim]) -> list[str]:
-    """Names of the sweeps that claims are judged by, each once."""
-    return list(dict.fromkeys(name for claim in claims for name in claim.sweeps))
-
-
-def _repeated(claims: Iterable[Claim]) -> list[Claim]:
-    """Claims that a perturbed force might change."""
-    return [claim for claim in claims if any(TRIALS[name].repeated for name in claim.trials)]
-
-
-def _judged(evidence: Evidence, claims: Iterable[Claim]) -> dict[int, Finding]:
-    return {claim.number: claim.judge(evidence) for claim in claims}
+def needed(claims: Iterable[Claim], kind: Literal["trials", "sweeps"]) -> list[str]:
+    """Return the names of the marches or sweeps that claims are judged by, each once."""
+    return list(dict.fromkeys(name for claim in claims for name in getattr(claim, kind)))
 
 
 def write_scorecard(card: Scorecard, evidence: Evidence, directory: Path) -> list[Path]:

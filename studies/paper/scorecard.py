@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -130,14 +130,3 @@ def scorecard_table(card: Scorecard) -> Table:
             f"[{STYLES[score.verdict]}]{score.verdict}[/]",
         )
     return table
-
-
-def joined(cards: Sequence[Mapping[int, Finding]], claims: Mapping[int, Claim]) -> list[Score]:
-    """Scores of claims from the findings of each repeat."""
-    return [
-        Score(
-            claim=claims[number],
-            findings=tuple(card[number] for card in cards if number in card),
-        )
-        for number in cards[0]
-    ]

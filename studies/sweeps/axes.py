@@ -29,7 +29,7 @@ ASKED_POINTS = 100_000
 """Largest number of points of a sweep without confirmation."""
 
 MOST_POINTS = 10_000_000
-"""Points that no sweep has: more is a slip of the pen."""
+"""Largest number of points of a range; more is a typing error."""
 
 SHOWN_FAULTS = 5
 """Points with faults that are named; the others are counted."""
@@ -140,11 +140,10 @@ def make_grid(case: Case, over: Mapping[str, Sequence[Value]], *, large: bool) -
         check_key(case, key)
     grid = Grid(axes=tuple(Axis(key=key, values=tuple(values)) for key, values in over.items()))
     for axis in grid.axes:
-        _check_values(axis)
-    if grid.size > MOST_POINTS:
-        raise UserError(
-            f"{OVER}: expected at most {MOST_POINTS} points, got {grid.size}; take larger steps"
-        )
+        if len(axis.values) < 2 or len(set(axis.values)) < len(axis.values):
+            raise UserError(
+                f"{OVER} {axis.key}: expected two or more different values; --set changes one"
+            )
     if grid.size > ASKED_POINTS and not large:
         raise UserError(
             f"{OVER}: {grid.size} points are more than {ASKED_POINTS}; --yes runs them all"
@@ -208,16 +207,15 @@ def check_key(case: Case, key: str) -> None:
     Raises:
         UserError: it does not; the message names the nearest that does.
     """
-    known = dict(_numeric_keys(case))
-    if key in known:
-        return
-    near = get_close_matches(key, known, n=1, cutoff=0.0)[0]
-    last = key.rpartition(".")[2]
-    namesake = [name for name in known if name.rpartition(".")[2] == last]
-    nearest = " or ".join(namesake or [near])
-    raise UserError(
-        f"{OVER} {key}: expected a key of the case that holds a number; the nearest is {nearest}"
-    )
+    keys = [name for name, _ in _numeric_keys(case)]
+    if key not in keys:
+        last = key.rpartition(".")[2]
+        nearest = [name for name in keys if name.rpartition(".")[2] == last]
+        nearest = nearest or get_close_matches(key, keys, n=1, cutoff=0.0)
+        raise UserError(
+            f"{OVER} {key}: expected a key of the case that holds a number; the nearest is"
+            f" {' or '.join(nearest)}"
+        )
 
 
 def unit_of(case: Case, key: str) -> str:
@@ -244,61 +242,35 @@ def _numeric_keys(table: Table) -> Iterator[tuple[str, str]]:
             yield name, descriptions.get(name, "")
 
 
-def _check_values(axis: Axis) -> None:
-    if len(axis.values) < 2:
-        raise UserError(
-            f"{OVER} {axis.key}: expected at least two values, got {len(axis.values)};"
-            " --set changes one"
-        )
-    twice = len(axis.values) - len(set(axis.values))
-    if twice:
-        raise UserError(f"{OVER} {axis.key}: expected each value once, {twice} come again")
-
-
 def _range(option: str, text: str) -> tuple[Value, ...]:
-    parts = text.split(":")
-    if len(parts) != 3:
-        raise UserError(f"{OVER} {option}: expected START:STOP:STEP, got {len(parts)} numbers")
-    numbers, unit = _numbers(option, parts)
-    start, stop, step = numbers
-    if step == 0:
-        raise UserError(f"{OVER} {option}: expected a step that is not zero")
-    if (stop - start) * step < 0 or step < 0:
-        raise UserError(f"{OVER} {option}: expected START below STOP and a positive STEP")
-    steps = (stop - start) / step
-    if steps < 1 - ON_GRID:
-        raise UserError(f"{OVER} {option}: expected more than a single point")
-    if steps >= MOST_POINTS:
-        raise UserError(f"{OVER} {option}: expected at most {MOST_POINTS} points")
-    last = int(steps + ON_GRID)
-    grid = [start + i * step for i in range(last + 1)]
+    numbers, unit = _numbers(option, text.split(":"))
+    steps = Decimal(0)
+    if len(numbers) == 3 and numbers[2] > 0:
+        start, stop, step = numbers
+        steps = (stop - start) / step
+    if not 1 - ON_GRID <= steps < MOST_POINTS:
+        raise UserError(
+            f"{OVER} {option}: expected START:STOP:STEP with START below STOP, a positive STEP and"
+            f" 2 to {MOST_POINTS} points"
+        )
+    grid = [start + i * step for i in range(int(steps + ON_GRID) + 1)]
     if abs(grid[-1] - stop) <= ON_GRID * step:
         grid[-1] = stop
     return tuple(_value(number, unit) for number in grid)
 
 
 def _list(option: str, text: str) -> tuple[Value, ...]:
-    parts = text.removesuffix(",").split(",")
-    if len(parts) < 2:
-        raise UserError(
-            f"{OVER} {option}: expected START:STOP:STEP or at least two values; --set changes one"
-        )
-    numbers, unit = _numbers(option, parts)
+    numbers, unit = _numbers(option, text.removesuffix(",").split(","))
     return tuple(_value(number, unit) for number in numbers)
 
 
 def _numbers(option: str, parts: Sequence[str]) -> tuple[list[Decimal], str]:
     """Numbers, and the unit that they share; empty where they have none."""
-    parsed = [_NUMBER.fullmatch(part) for part in parts]
-    matches = [match for match in parsed if match is not None]
-    if len(matches) < len(parts):
-        bad = parts[parsed.index(None)].strip()
-        raise UserError(f"{OVER} {option}: expected numbers, got {bad!r}")
-    units = [match[2] or "" for match in matches]
-    if len(set(units)) > 1:
-        example = f"{matches[0][1]} {max(units)}"
-        raise UserError(f"{OVER} {option}: expected the same unit on every number, {example}")
-    return [Decimal(match[1]) for match in matches], units[0]
+    matches = [match for match in map(_NUMBER.fullmatch, parts) if match is not None]
+    units = {match[2] or "" for match in matches}
+    if len(matches) < len(parts) or len(units) > 1:
+        raise UserError(f"{OVER} {option}: expected numbers, all with the same unit or none")
+    return [Decimal(match[1]) for match in matches], units.pop()
 
 
 def _value(number: Decimal, unit: str) -> Value:

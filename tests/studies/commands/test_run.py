@@ -233,7 +233,7 @@ def test_a_series_that_begins_after_the_end_is_left_out(path: Path) -> None:
         (["--from", "-1"], "--from -1 --to 0.01: expected a window in order"),
         (
             ["--from", "20 ms"],
-            "--from 0.02 --to 0.01: expected a window in order within the 0.01 s",
+            "--from 0.02 --to 0.01: expected a window in order within",
         ),
     ],
 )

