@@ -7,12 +7,10 @@ every instant, so that an interrupted export is readable.
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
 from pprint import pformat
 from typing import Any
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 import xarray as xr
@@ -133,8 +131,9 @@ def write_series(
     claimed = {frame_name(part, number) for part in PARTS for number in range(len(records))}
     earlier = [*owned(folder)]
     claim(folder, {"series.pvd", "mesh.vtu", "view.py", *claimed}, overwrite=overwrite)
-    # The index is emptied first: it must not name removed frames.
-    series = SeriesWriter(folder=folder)
+    (folder / "frames").mkdir(exist_ok=True)
+    index = folder / "series.pvd"
+    _write_index(index, [])  # first: it must not name removed frames
     for path in earlier:
         if path.parent == folder / "frames":
             path.unlink()
@@ -143,11 +142,28 @@ def write_series(
     script = files("bladewhirl.postprocess.paraview").joinpath("view.py").read_text("utf-8")
     about = f"SERIES: dict[str, Any] = {pformat(_about(dataset, records, parts))}"
     write_atomically(folder / "view.py", script.replace(FILL, about))
-    for time, grids in zip(dataset["time"].values[records], parts.grids(), strict=True):
-        series.add(float(time), grids)
+    entries: list[str] = []
+    times = dataset["time"].values[records].tolist()
+    for frame, (time, grids) in enumerate(zip(times, parts.grids(), strict=True)):
+        for number, (name, grid) in enumerate(grids.items()):
+            file = frame_name(name, frame)
+            write_vtu(folder / file, grid)
+            entries.append(
+                f'    <DataSet timestep="{time!r}" part="{number}" name="{name}" file="{file}"/>\n'
+            )
+        _write_index(index, entries)
         if progress is not None:
-            progress(series.frames, len(records))
-    return series.index
+            progress(frame + 1, len(records))
+    return index
+
+
+def _write_index(path: Path, entries: list[str]) -> None:
+    write_atomically(
+        path,
+        '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" '
+        f'byte_order="LittleEndian">\n  <Collection>\n{"".join(entries)}'
+        "  </Collection>\n</VTKFile>\n",
+    )
 
 
 PARTS = ("rotor", "casing", "contact", "supports")
@@ -172,46 +188,6 @@ def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts) -> dict[st
         "tip_radius": float(dataset.attrs["tip_radius"]),
         "parts": parts.names,
     }
-
-
-FOOT = b"  </Collection>\n</VTKFile>\n"
-
-
-@dataclass(kw_only=True)
-class SeriesWriter:
-    """Writer of one .vtu file per part and instant, and of the index `series.pvd`."""
-
-    folder: Path
-    frames: int = field(default=0, init=False)  #: number of instants written
-
-    def __post_init__(self) -> None:
-        (self.folder / "frames").mkdir(parents=True, exist_ok=True)
-        head = (
-            b'<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" '
-            b'byte_order="LittleEndian">\n  <Collection>\n'
-        )
-        write_atomically(self.index, head + FOOT)
-
-    @property
-    def index(self) -> Path:
-        """Path of the .pvd file."""
-        return self.folder / "series.pvd"
-
-    def add(self, time: float, parts: dict[str, Grid]) -> None:
-        """Write the parts at an instant [s] and add them to the index."""
-        entries = ""
-        for number, (name, grid) in enumerate(parts.items()):
-            file = frame_name(name, self.frames)
-            write_vtu(self.folder / file, grid)
-            entries += (
-                f'    <DataSet timestep="{time!r}" part="{number}" name={quoteattr(name)} '
-                f"file={quoteattr(file)}/>\n"
-            )
-        # In place and at once: an interrupted index ends before or after this instant.
-        with self.index.open("r+b", buffering=0) as index:
-            index.seek(-len(FOOT), 2)
-            index.write(entries.encode() + FOOT)
-        self.frames += 1
 
 
 def undeformed_mesh(dataset: xr.Dataset) -> Grid:

@@ -1,8 +1,4 @@
-"""Frequency map of a sweep: spectrum of the shaft over a swept key (Figs 15 and 19).
-
-Spectra are read a few points at a time, and only the frequencies and as many columns as a map can
-show are kept, so that the map of a sweep of any size takes the same memory.
-"""
+"""Frequency map of a sweep: spectrum of the shaft over a swept key (Figs 15 and 19)."""
 
 from __future__ import annotations
 
@@ -17,7 +13,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from bladewhirl.postprocess.fields.kinematics import Array, IntArray
+from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
@@ -29,15 +25,11 @@ from bladewhirl.postprocess.plotting.style import (
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.spectra import LINE_DASHES
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edges, rpm_on_top
-from bladewhirl.postprocess.sweep.dataset import swept
 from bladewhirl.postprocess.sweep.drawing import MOST_ROWS, chosen, line_values, title_figure
 from bladewhirl.postprocess.sweep.quantities import LINE, along, cell_edges
 
 MOST_COLUMNS = 1000
 """Columns of a map at most: of more points, neighbours share one."""
-
-PORTION = 256
-"""Points whose spectra are read at a time."""
 
 DECADES = 4.0
 """Decades below the largest amplitude that a map shows."""
@@ -98,31 +90,28 @@ def frequency_map(dataset: xr.Dataset, key: str) -> xr.Dataset:
     points = points.isel({LINE: drawn})
     unit, units = _unit(points)
     lines = _mode_lines(points)
-    frequency = dataset["frequency"].values
-    reach = _reach(lines, float(frequency[-1]))
-    inside = slice(*np.searchsorted(frequency, [-reach, np.nextafter(reach, np.inf)]))
-    column = _columns(points.sizes[key])
-    amplitude = [
-        _amplitudes(dataset.isel(_position(dataset, key, number)), key, column, inside)
-        for number in drawn
-    ]
+    reach = _reach(lines, float(dataset["frequency"][-1]))
+    inside = dataset.sel(frequency=slice(-reach, np.nextafter(reach, np.inf)))
+    spectra = along(inside, key, ["spectrum"])["spectrum"].isel({LINE: drawn})
+    group = -(-points.sizes[key] // MOST_COLUMNS)
+    amplitude = spectra.coarsen({key: group}, boundary="pad", coord_func="min").max()
     speed = np.abs(points["rotation_speed"]) / (2 * np.pi)
     orders = speed * xr.DataArray(list(ORDERS), dims="order", coords={"order": list(ORDERS)})
-    points = points.assign(mode_line=lines / unit, engine_order=orders / unit)
-    at = points.isel({key: np.unique(column, return_index=True)[1]})
-    maps = at.drop_vars([*names, "state"]).assign(
-        amplitude=((LINE, key, "frequency"), np.array(amplitude), {"units": "m"})
-    )
+    maps = points.assign(mode_line=lines / unit, engine_order=orders / unit)
+    maps = maps.isel({key: slice(None, None, group)}).drop_vars([*names, "state"])
     for name in ("mode_line", "engine_order"):
         maps[name].attrs = {"units": units}
-    resolution = float(np.diff(frequency[:2]).sum())
-    return maps.assign_coords(
-        frequency=("frequency", frequency[inside] / unit, {"units": units})
-    ).assign_attrs(
-        title=f"spectra of the shaft, rotating frame, resolution {resolution:.3g} Hz",
-        lines=len(with_points),
-        window=dataset.attrs["window"],
-        points_per_column=int(np.bincount(column).max()),
+    resolution = float(np.diff(dataset["frequency"].values[:2]).sum())
+    cells = amplitude.astype(np.float64).transpose(LINE, key, "frequency").values
+    return (
+        maps.assign(amplitude=((LINE, key, "frequency"), cells, {"units": "m"}))
+        .assign_coords(frequency=("frequency", inside["frequency"].values / unit, {"units": units}))
+        .assign_attrs(
+            title=f"spectra of the shaft, rotating frame, resolution {resolution:.3g} Hz",
+            lines=len(with_points),
+            window=dataset.attrs["window"],
+            points_per_column=group,
+        )
     )
 
 
@@ -150,35 +139,6 @@ def _reach(lines: xr.DataArray, available: float) -> float:
     names = [name for name, (_, reached) in LINES.items() if reached]
     outermost = np.nanmax(np.abs(lines.sel(mode=names).values), initial=0.0)
     return float(min(MARGIN * outermost, available)) if outermost > 0.0 else available
-
-
-def _columns(points: int) -> IntArray:
-    """Column of each point, in order."""
-    return np.arange(points) * min(points, MOST_COLUMNS) // points
-
-
-def _position(dataset: xr.Dataset, key: str, line: int) -> dict[str, int]:
-    """Place of a line of `along` in the dataset, whose values may be in any order."""
-    others = [name for name in swept(dataset) if name != key]
-    place = np.unravel_index(line, [dataset.sizes[name] for name in others]) if others else ()
-    return {
-        name: int(np.argsort(dataset[name].values)[number])
-        for name, number in zip(others, place, strict=True)
-    }
-
-
-def _amplitudes(one: xr.Dataset, key: str, column: IntArray, inside: slice) -> Array:
-    """Spectra of a line of points [m], (columns, frequencies); read a few at a time."""
-    spectrum = one["spectrum"].isel(frequency=inside)
-    rank = np.argsort(np.argsort(one[key].values))
-    done = one["state"].values == "done"
-    amplitudes = np.full((column[-1] + 1, spectrum.sizes["frequency"]), np.nan)
-    for first in range(0, len(rank), PORTION):
-        part = slice(first, first + PORTION)
-        values = spectrum.isel({key: part}).transpose(key, "frequency").values
-        kept = done[part]
-        np.fmax.at(amplitudes, column[rank[part][kept]], values[kept])
-    return amplitudes
 
 
 @styled

@@ -123,11 +123,10 @@ def test_a_map_peaks_at_the_whirl(one: Path) -> None:
 
 
 def test_many_points_share_columns(one: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Five points in two columns, read two at a time: the largest of each is seen."""
+    """Five points in two columns: the largest of each is seen."""
     with open_sweep(one) as sweep:
         every = frequency_map(sweep, "march_speed")["amplitude"].values[0]
         monkeypatch.setattr(map_module, "MOST_COLUMNS", 2)
-        monkeypatch.setattr(map_module, "PORTION", 2)
         few = frequency_map(sweep, "march_speed")
     np.testing.assert_array_equal(few["march_speed"], [0.8, 1.4])
     np.testing.assert_array_equal(few["amplitude"].values[0, 0], every[:3].max(axis=0))
