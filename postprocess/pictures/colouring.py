@@ -6,7 +6,7 @@ strains differ.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
 
@@ -115,26 +115,33 @@ def colouring(
     """
     if field not in get_args(Field):
         raise ViewError(f"colour must be one of {', '.join(get_args(Field))}, got {field!r}")
-    makers: Mapping[str, Callable[[], Colouring]] = {
-        "displacement": lambda: _magnitude(dataset, "displacement", records, stations),
-        "deformation": lambda: _magnitude(dataset, "deformation", records, stations),
-        "velocity": lambda: _magnitude(dataset, "velocity", records, stations, rotating),
-        "gap": lambda: _gap(dataset, records, stations),
-        "part": lambda: _parts(dataset, records, stations),
-    }
-    make = makers.get(field, lambda: _strained(dataset, field, records, stations))
-    return make()
+    if field == "part":
+        return _parts(dataset, records, stations)
+    if field == "gap":
+        rotor, casing = _gap(dataset, records, stations)
+    elif field in ("displacement", "deformation", "velocity"):
+        rotor, casing = _magnitude(dataset, field, records, stations, rotating)
+    else:
+        rotor, casing = _strained(dataset, field, records, stations)
+    base = {"velocity": "m/s", "stress": "Pa"}.get(field, "m/m" if "strain" in field else "m")
+    largest = float(max(np.nanmax(np.abs(rotor)), np.nanmax(np.abs(casing), initial=0.0)))
+    unit, scale = ("m/s", 1.0) if field == "velocity" else handy_unit(largest, base)
+    names = {"stress": "surface stress", "gap": "gap at the tip"}
+    return Colouring(
+        name=names.get(field, field.replace("-", " ")),
+        unit=unit,
+        scale=scale,
+        rotor=rotor,
+        casing=casing,
+        signed=field in ("stress", "axial-strain", "bending-strain"),
+    )
 
 
 def _magnitude(
-    dataset: xr.Dataset,
-    field: str,
-    records: IntArray,
-    stations: Stations,
-    rotating: bool = False,
-) -> Colouring:
+    dataset: xr.Dataset, field: str, records: IntArray, stations: Stations, rotating: bool
+) -> tuple[Array, Array]:
     """Magnitude of displacement, of deformation without the mean motion of the body, or of velocity
-    in the axes of the picture.
+    in the axes of the picture, of rotor and casing.
     """
     _, rows = line_rows(dataset, stations.per_line)
     beams = rows.reshape(-1, 2, rows.shape[-1])
@@ -143,7 +150,7 @@ def _magnitude(
     ring = np.moveaxis(rotate(polar, angle[:, None]), 2, 1)
     centre = dataset["rotor_shape"].values[int(dataset["centre_node"]), :2]
     speed = float(dataset.attrs["speed"])
-    seen = []
+    sizes = []
     for body, shape, mean, spin in (
         ("rotor", beams, centre, 0.0 if rotating else speed),
         ("casing", ring, ring.mean(axis=0), -speed if rotating else 0.0),
@@ -153,21 +160,15 @@ def _magnitude(
         if field == "velocity":
             rate = combine(history(dataset, f"{body}_velocity", records), rows_shown)
             values = rate + spin * rotate(values, np.pi / 2)
-        seen.append(np.linalg.norm(values, axis=-1))
-    rotor, casing = seen
-    largest = float(max(rotor.max(), casing.max()))
-    unit, scale = ("m/s", 1.0) if field == "velocity" else handy_unit(largest, "m")
-    return Colouring(
-        name=field,
-        unit=unit,
-        scale=scale,
-        rotor=_on_both_sides(rotor.reshape(len(records), *rows.shape[:2])),
-        casing=_on_both_sides(casing),
-    )
+        sizes.append(np.linalg.norm(values, axis=-1))
+    rotor, casing = sizes
+    return _on_both_sides(rotor.reshape(len(records), *rows.shape[:2])), _on_both_sides(casing)
 
 
-def _strained(dataset: xr.Dataset, field: str, records: IntArray, stations: Stations) -> Colouring:
-    """Axial or bending strain, or surface stress."""
+def _strained(
+    dataset: xr.Dataset, field: str, records: IntArray, stations: Stations
+) -> tuple[Array, Array]:
+    """Axial or bending strain, or surface stress, of rotor and casing."""
     rotor = Strains.of(
         history(dataset, "rotor_displacement", records),
         rotor_strain_rows(dataset, stations.per_line),
@@ -176,19 +177,10 @@ def _strained(dataset: xr.Dataset, field: str, records: IntArray, stations: Stat
         history(dataset, "casing_displacement", records),
         casing_strain_rows(dataset, stations.per_element),
     )
-    both = [
+    casing = _at_surfaces(wall, field, dataset["casing_young_modulus"].values[:, None])[:, :, :-1]
+    return (
         _at_surfaces(rotor, field, rotor_sections(dataset, "young_modulus", stations.per_line)),
-        _at_surfaces(wall, field, dataset["casing_young_modulus"].values[:, None])[:, :, :-1],
-    ]
-    largest = float(max(np.abs(values).max() for values in both))
-    unit, scale = handy_unit(largest, "Pa" if field == "stress" else "m/m")
-    return Colouring(
-        name={"stress": "surface stress"}.get(field, field.replace("-", " ")),
-        unit=unit,
-        scale=scale,
-        rotor=both[0],
-        casing=both[1].reshape(len(records), -1, 2),
-        signed=True,
+        casing.reshape(len(records), -1, 2),
     )
 
 
@@ -203,20 +195,13 @@ def _at_surfaces(strains: Strains, field: str, modulus: Array) -> Array:
     return np.asarray(modulus[..., None] * (axial + bend))
 
 
-def _gap(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colouring:
-    """Gap at the tip of every blade."""
+def _gap(dataset: xr.Dataset, records: IntArray, stations: Stations) -> tuple[Array, Array]:
+    """Gap at the tip of every blade; none on the casing."""
     gap, blade = history(dataset, "gap", records), line_blades(dataset)
     values = np.where(blade >= 0, gap[:, blade], np.nan)
     rotor = np.repeat(values[:, :, None], stations.per_line + 1, axis=2)
-    unit, scale = handy_unit(float(gap.max()), "m")
     casing = np.full((len(records), stations.per_element * dataset.sizes["casing_node"]), np.nan)
-    return Colouring(
-        name="gap at the tip",
-        unit=unit,
-        scale=scale,
-        rotor=_on_both_sides(rotor),
-        casing=_on_both_sides(casing),
-    )
+    return _on_both_sides(rotor), _on_both_sides(casing)
 
 
 def _parts(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colouring:
