@@ -6,7 +6,6 @@ exact for a stage with equal sectors and those of most of its motion for another
 
 import numpy as np
 import xarray as xr
-from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -21,14 +20,9 @@ from bladewhirl.postprocess.fields.windows import (
     span_starts,
     window_label,
 )
+from bladewhirl.postprocess.plotting.axes import decades, draw_map
 from bladewhirl.postprocess.plotting.legends import Group, legends_below
-from bladewhirl.postprocess.plotting.style import (
-    COLOURS,
-    SEQUENTIAL,
-    new_figure,
-    styled,
-    time_axis,
-)
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 
 SUSPENSION = "suspension"
@@ -225,21 +219,20 @@ def plot_family_energies(energies: xr.Dataset) -> Figure:
     diameters, families = energies["nodal_diameter"].values, energies["family"].values
     columns, rows = np.arange(len(diameters)), np.arange(len(families))
     top = float(by_diameter.max()) or 1.0
-    look = {"norm": LogNorm(top * 10**-PLOT_DECADES, top), "cmap": SEQUENTIAL}
+    norm = decades(top, PLOT_DECADES)
     figure = new_figure(height=0.1)
     upper, lower = figure.subplots(2, 1)
     edges = np.concatenate([[energies.attrs["begin"]], energies["time"].values])
     place = np.arange(len(diameters) + 1) - 0.5
-    drawn = upper.pcolormesh(edges, place, _shown(by_diameter.values.T), rasterized=True, **look)
+    drawn = draw_map(upper, edges, place, _shown(by_diameter.values.T), norm=norm)
     upper.set_ylabel("nodal diameter k")
     upper.set_yticks(columns[::2], labels=[str(k) for k in diameters[::2]])
     time_axis(upper)
-    lower.pcolormesh(columns, rows, _shown(by_both.values), **look)
+    draw_map(lower, columns, rows, _shown(by_both.values), norm=norm)
     lower.set(xlabel="nodal diameter k", title=f"by family, mean over {window_label(late)}")
     lower.set_xticks(columns, labels=[str(k) for k in diameters])
     lower.set_yticks(rows, labels=list(families))
     for axes in (upper, lower):
-        axes.grid(False)
         axes.set_facecolor(NONE)
     figure.colorbar(
         drawn,

@@ -348,11 +348,6 @@ def mode_title(family: str, nodal_diameter: int, purity: float = 1.0) -> str:
 
 
 def _frequency(data: xr.Dataset, frequency: float) -> str:
-    """A frequency [rad/s] in multiples of the reference and in Hz."""
-    ratio = _digits(frequency / float(data.attrs["reference_frequency"]))
-    return f"{ratio} ω₁ = {frequency / (2 * np.pi):.4g} Hz"
-
-
-def _digits(ratio: float) -> str:
-    """A normalised frequency: three decimals, or four digits where it is small."""
-    return f"{ratio:.3f}" if ratio >= 0.1 else f"{ratio:.4g}"
+    """Return a frequency [rad/s] in multiples of the reference and in Hz."""
+    ratio = frequency / float(data.attrs["reference_frequency"])
+    return f"{ratio:.4g} ω₁ = {frequency / (2 * np.pi):.4g} Hz"

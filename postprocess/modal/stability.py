@@ -23,6 +23,7 @@ from bladewhirl.postprocess.plotting.axes import (
     LEFT,
     SPEED,
     Labels,
+    draw_map,
     frequency_axis,
     speed_axis,
 )
@@ -75,9 +76,8 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
     unstable = is_unstable(growth, speed * data.attrs["reference_frequency"])
     shown = np.ma.masked_array(growth, ~unstable)
     colours = Normalize(0.0, float(growth[unstable].max()) if unstable.any() else 1.0)
-    mesh = axes.pcolormesh(
-        speed, kappa, shown, norm=colours, cmap=GROWTH_COLOURS, rasterized=True, shading="nearest"
-    )
+    look = {"norm": colours, "cmap": GROWTH_COLOURS, "shading": "nearest"}
+    mesh = draw_map(axes, speed, kappa, shown, **look)
     figure.colorbar(mesh, ax=axes, label="growth rate [1/s]; white is stable", pad=0.02)
     if "zone" in data.dims:
         _draw_borders(axes, data)

@@ -1,14 +1,19 @@
-"""Axes of speed and frequency, and labels beside points and lines."""
+"""Axes of speed and frequency, maps, and labels beside points and lines."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import LogNorm
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike
+
+from bladewhirl.postprocess.plotting.style import SEQUENTIAL
 
 SPEED = "speed Ω / ω₁ [–]"
 FREQUENCY = "frequency / ω₁ [–]"
@@ -62,6 +67,24 @@ def frequency_axis(axes: Axes, reference_hz: float, label: str = FREQUENCY) -> N
     axes.set_ylabel(label)
     functions = (lambda x: np.asarray(x) * reference_hz, lambda x: np.asarray(x) / reference_hz)
     axes.secondary_yaxis("right", functions=functions).set_ylabel("frequency [Hz]")
+
+
+def draw_map(axes: Axes, x: ArrayLike, y: ArrayLike, values: ArrayLike, **look: Any) -> QuadMesh:
+    """Draw values (row, column) as coloured cells, a picture inside a PDF, without grid lines.
+
+    Args:
+        axes: the panel.
+        x, y: borders of the columns and rows, or their centres.
+        values: colours; masked values and nan are left out.
+        look: arguments of `pcolormesh`.
+    """
+    axes.grid(False)
+    return axes.pcolormesh(x, y, values, rasterized=True, **{"cmap": SEQUENTIAL, **look})
+
+
+def decades(top: float, number: float) -> LogNorm:
+    """Return a logarithmic scale of colours over that many decades up to the largest value."""
+    return LogNorm(top * 10**-number, top)
 
 
 class Labels:

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
-from matplotlib.colors import LinearSegmentedColormap, LogNorm
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -22,7 +22,8 @@ from bladewhirl.postprocess.fields.windows import (
     span_starts,
     window_label,
 )
-from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL, new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.axes import decades, draw_map
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 
 PERMANENT = 0.99  #: share of the time in contact from which a blade counts as in permanent contact
@@ -31,7 +32,7 @@ BRIGHTEST = 99.0
 """Percentile of the forces above zero that gets the brightest colour, where a few peaks would
 leave the rest dark."""
 
-FORCE_RANGE = 1e3  #: largest over smallest force that colours tell apart
+FORCE_DECADES = 3.0  #: decades below the largest force that colours tell apart
 SHARE_COLOURS: Mapping[str, list[str]] = {
     "gaps": ["#00224E", COLOURS["contact"], "#FFE9F5"],  # begins as SEQUENTIAL does, at no gap
     "white": ["#FBEAF4", COLOURS["contact"], "#4A1238"],
@@ -163,14 +164,8 @@ def plot_gaps(maps: xr.Dataset) -> Figure:
     """
     figure, axes = _map_axes()
     unit, scale = handy_unit(float(maps["gap"].max()), "m")
-    picture = axes.pcolormesh(
-        maps["edge"],
-        _blade_edges(maps),
-        np.maximum(scale * maps["gap"].values.T, 0.0),
-        cmap=SEQUENTIAL,
-        vmin=0.0,
-        rasterized=True,
-    )
+    gap = np.maximum(scale * maps["gap"].values.T, 0.0)
+    picture = draw_map(axes, maps["edge"], _blade_edges(maps), gap, vmin=0.0)
     touching = draw_share(axes, maps["edge"], _blade_edges(maps), maps["share"], on="gaps")
     for drawn, label in ((touching, "time in contact [%]"), (picture, f"smallest gap [{unit}]")):
         figure.colorbar(drawn, ax=axes, label=label, pad=0.02)
@@ -199,14 +194,9 @@ def plot_forces(maps: xr.Dataset) -> Figure:
     span = float(np.diff(maps["edge"]).max())
     small, larger = handy_unit(span, "s")
     length = f"{larger * span:.2g} {small}"
-    picture = axes.pcolormesh(
-        maps["edge"],
-        _blade_edges(maps),
-        np.ma.masked_less_equal(scale * force.T, 0.0),
-        cmap=SEQUENTIAL,
-        norm=LogNorm(scale * top / FORCE_RANGE, scale * top),
-        rasterized=True,
-    )
+    positive = np.ma.masked_less_equal(scale * force.T, 0.0)
+    norm = decades(scale * top, FORCE_DECADES)
+    picture = draw_map(axes, maps["edge"], _blade_edges(maps), positive, norm=norm)
     figure.colorbar(
         picture, ax=axes, label=f"normal force, means over {length} [{unit}]", extend="min"
     )
@@ -292,7 +282,7 @@ def draw_share(
     """
     percent = np.ma.masked_less_equal(100.0 * np.nan_to_num(share.values.T), 0.0)
     scale = LinearSegmentedColormap.from_list(on, SHARE_COLOURS[on])
-    return axes.pcolormesh(across, up, percent, cmap=scale, vmin=0.0, vmax=100.0, rasterized=True)
+    return draw_map(axes, across, up, percent, cmap=scale, vmin=0.0, vmax=100.0)
 
 
 def force_limit(force: Array) -> float:
@@ -307,7 +297,6 @@ def force_limit(force: Array) -> float:
 def _map_axes() -> tuple[Figure, Axes]:
     figure = new_figure(height=0.06)
     axes = figure.add_subplot()
-    axes.grid(False)
     axes.set_ylabel("blade")
     axes.locator_params(axis="y", integer=True)
     return figure, axes

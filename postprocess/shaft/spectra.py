@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from numpy.lib.stride_tricks import sliding_window_view
 
@@ -22,7 +21,8 @@ from bladewhirl.postprocess.energy.strain import FIRST_FAMILY, SUSPENSION
 from bladewhirl.postprocess.fields.kinematics import Array, ViewError
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.windows import evenly_spaced, window_label
-from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL, new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.axes import decades, draw_map
+from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Frame, phasor, spectrum
@@ -239,22 +239,15 @@ def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
     axes = figure.add_subplot()
     amplitude = MILLI * spectrogram["amplitude"].values
     top = amplitude.max() or 1.0
-    picture = axes.pcolormesh(
-        spectrogram["time"],
-        _hertz(spectrogram["frequency"].values),
-        np.maximum(amplitude, top * 10**-DECADES),
-        norm=LogNorm(top * 10**-DECADES, top),
-        cmap=SEQUENTIAL,
-        shading="nearest",
-        rasterized=True,
-    )
-    axes.grid(False)
+    hertz, norm = _hertz(spectrogram["frequency"].values), decades(top, DECADES)
+    shown = np.maximum(amplitude, top * 10**-DECADES)
+    picture = draw_map(axes, spectrogram["time"], hertz, shown, norm=norm, shading="nearest")
     time_axis(axes)
     _draw_lines(axes, spectrogram["modal_line"], partial(axes.axhline, xmin=0.0, xmax=0.15))
     axes.set_ylabel("frequency [Hz]\n← backward  forward →")
     frame, slice_length = spectrogram.attrs["frame"], 1e3 * spectrogram.attrs["slice"]
-    shown = f"{frame} frame, slices of {slice_length:.3g} ms"
-    head(figure, spectrogram, shown, _resolution(spectrogram))
+    about = f"{frame} frame, slices of {slice_length:.3g} ms"
+    head(figure, spectrogram, about, _resolution(spectrogram))
     figure.colorbar(picture, ax=axes, label="amplitude [mm]")
     figure.legend(loc="outside lower center", ncols=2, handlelength=2.6)
     return figure

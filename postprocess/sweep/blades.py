@@ -9,7 +9,8 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from bladewhirl.postprocess.plotting.style import SEQUENTIAL, styled
+from bladewhirl.postprocess.plotting.axes import draw_map
+from bladewhirl.postprocess.plotting.style import styled
 from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, CLASS_HATCHES, PERMANENT
 from bladewhirl.postprocess.sweep.axes import key_edges
 from bladewhirl.postprocess.sweep.drawing import two_columns
@@ -64,21 +65,13 @@ def _draw_shares(axes: Axes, one: xr.Dataset) -> QuadMesh:
     edges = key_edges(one)
     blades = np.arange(one.sizes["blade"] + 1) - 0.5
     share = 100 * one["late_contact_share"].values.T
-    axes.grid(False)
     axes.set(ylabel="blade, by its number")
     axes.locator_params(axis="y", integer=True)
     free = np.ma.masked_not_equal(share, 0.0)
-    axes.pcolormesh(edges, blades, free, cmap=ListedColormap(["white"]), rasterized=True)
+    draw_map(axes, edges, blades, free, cmap=ListedColormap(["white"]))
     axes.patch.set(hatch=HATCH, edgecolor=CLASS_COLOURS["free"])  # where there is no result
-    return axes.pcolormesh(
-        edges,
-        blades,
-        np.ma.masked_equal(share, 0.0),
-        cmap=SEQUENTIAL,
-        vmin=0.0,
-        vmax=100.0,
-        rasterized=True,
-    )
+    touching = np.ma.masked_equal(share, 0.0)
+    return draw_map(axes, edges, blades, touching, vmin=0.0, vmax=100.0)
 
 
 def _draw_counts(axes: Axes, one: xr.Dataset) -> None:

@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
-from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.energy.strain import (
@@ -15,7 +14,8 @@ from bladewhirl.postprocess.energy.strain import (
     energy_terms,
     term_label,
 )
-from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL, styled
+from bladewhirl.postprocess.plotting.axes import decades, draw_map
+from bladewhirl.postprocess.plotting.style import COLOURS, styled
 from bladewhirl.postprocess.sweep.axes import key_edges
 from bladewhirl.postprocess.sweep.dataset import GROUP
 from bladewhirl.postprocess.sweep.drawing import DASHES, MARKS, two_columns
@@ -74,7 +74,7 @@ def plot_point_energies(data: xr.Dataset) -> Figure:
         _draw_lines(left, one)
         left.set_yscale("log")
         left.set(ylim=(floor, 3 * top), ylabel="strain energy [J]")
-        return _draw_diameters(right, one, floor, top)
+        return _draw_diameters(right, one, top)
 
     return two_columns(data, draw_line, coloured=1, label=f"{FIRST_FAMILY} [J]")
 
@@ -94,17 +94,10 @@ def _draw_lines(axes: Axes, one: xr.Dataset) -> None:
         )
 
 
-def _draw_diameters(axes: Axes, one: xr.Dataset, floor: float, top: float) -> QuadMesh:
+def _draw_diameters(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
     diameters = one[DIAMETER].values
-    energy = one["first_family"].values.T
-    axes.grid(False)
     axes.set(ylabel="nodal diameter k")
     axes.locator_params(axis="y", integer=True)
-    return axes.pcolormesh(
-        key_edges(one),
-        np.append(diameters, len(diameters)) - 0.5,
-        np.maximum(energy, floor),
-        norm=LogNorm(floor, top),
-        cmap=SEQUENTIAL,
-        rasterized=True,
-    )
+    rows = np.append(diameters, len(diameters)) - 0.5
+    energy = np.maximum(one["first_family"].values.T, top * 10**-PLOT_DECADES)
+    return draw_map(axes, key_edges(one), rows, energy, norm=decades(top, PLOT_DECADES))

@@ -9,19 +9,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
-from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.plotting.axes import decades, draw_map
 from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
-from bladewhirl.postprocess.plotting.style import (
-    COLOURS,
-    FULL_WIDTH,
-    SEQUENTIAL,
-    new_figure,
-    styled,
-)
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.spectra import LINE_DASHES
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edges, rpm_on_top
@@ -170,19 +164,12 @@ def plot_frequency_map(maps: xr.Dataset) -> Figure:
 def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
     """Draw one map and return its image for the colour bar."""
     key = str(one.attrs["along"])
-    edges, floor = key_edges(one), top * 10.0**-DECADES
+    edges = key_edges(one)
     heights = cell_edges(one["frequency"].values, logarithmic=False)
-    picture = axes.pcolormesh(
-        edges,
-        heights,
-        np.maximum(MILLI * one["amplitude"].values, floor).T,
-        norm=LogNorm(floor, top),
-        cmap=SEQUENTIAL,
-        rasterized=True,
-    )
+    amplitude = np.maximum(MILLI * one["amplitude"].values, top * 10**-DECADES).T
+    picture = draw_map(axes, edges, heights, amplitude, norm=decades(top, DECADES))
     limit = float(np.abs(heights).max())
     axes.set(xlim=edges[[0, -1]], ylim=(-limit, limit))
-    axes.grid(False)
     # Lines go on where a point has no result.
     one = one.isel({key: np.flatnonzero(np.isfinite(one["engine_order"][:, 0].values))})
     place = one[key].values

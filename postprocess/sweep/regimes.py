@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from bladewhirl.postprocess.energy.growth_rates import CERTAINTY
 from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.plotting.axes import draw_map
 from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
 from bladewhirl.postprocess.sweep.axes import edges_of, in_handy_units, key_axis, linear_threshold
@@ -80,16 +81,15 @@ def draw_regimes(axes: Axes, x: Array, y: Array, regime: Names) -> None:
     codes = np.full(regime.shape, -1)
     for number, name in enumerate(REGIME_COLOURS):
         codes[regime == name] = number
-    axes.grid(False)
     axes.patch.set(hatch=HATCH, edgecolor=COLOURS["rest"])
-    axes.pcolormesh(
+    draw_map(
+        axes,
         edges_of(x),
         edges_of(y),
         np.ma.masked_less(codes, 0),
         cmap=ListedColormap(list(REGIME_COLOURS.values())),
         vmin=-0.5,
         vmax=len(REGIME_COLOURS) - 0.5,
-        rasterized=True,
     )
     if max(regime.shape) > MOST_MARKED:
         return
