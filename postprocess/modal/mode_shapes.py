@@ -12,7 +12,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize, to_rgb
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from bladewhirl.files import replacing
 from bladewhirl.meshes.line_mesh import FloatArray
@@ -21,7 +20,7 @@ from bladewhirl.postprocess.fields.enlarged import magnify
 from bladewhirl.postprocess.fields.kinematics import casing_rows, line_rows, ring_angles, rotate
 from bladewhirl.postprocess.pictures.films import shared_palette, write_gif
 from bladewhirl.postprocess.pictures.offscreen import Pixels
-from bladewhirl.postprocess.plotting.legends import Group, legends_below
+from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
 from bladewhirl.postprocess.plotting.style import (
     COLOURS,
     FULL_WIDTH,
@@ -204,7 +203,7 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
         axes.set_title(mode_title(str(mode_data[f"{prefix}_family"].values), k, purity))
         lines = [*_frequency(data, float(mode_data[f"{prefix}_frequency"])).split(" = "), moves]
         if purity < PURE:
-            lines.append(f"k = {k} holds {100 * purity:.0f} %" if k >= 0 else "no nodal diameter")
+            lines.append(f"k = {k}: {100 * purity:.0f} %" if k >= 0 else "no nodal diameter")
         if f"{prefix}_direction" in data:
             lines.append(str(mode_data["rotor_direction"].values))
             lines.append(f"static: {mode_data['rotor_direction_static'].values}")
@@ -221,11 +220,10 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
     )
     names = {"bladed-disk": "the bladed disk, rotating frame", "casing": "the casing"}
     set_title(figure, data.attrs["case"], f"Modes of {names[body]}; {TURNS}")
-    marks = [(shape.rest, "centre at rest"), (shape.centre, "displaced")]
-    note = "Drawn exaggerated. centre: its displacement over the largest of the mode"
-    if (data[f"{prefix}_purity"].values < PURE).any():
-        note += "; k = … holds: its share of the kinetic energy; mixed k: none holds half of it"
-    legends_below(figure, Group(marks, f"{note}."))
+    note = (
+        "Drawn exaggerated; percents of the largest displacement, and of the kinetic energy in k."
+    )
+    legends_below(figure, Group(entries_of(panels[0]), note))
     return figure
 
 
@@ -243,13 +241,12 @@ def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
     panels = figure.subplots(1, INSTANTS)
     outline = Outline(data, body)
     k = int(data[f"{prefix}_nodal_diameter"].values[0])
-    crests = Line2D([], [], linestyle="none", marker="D", color=COLOURS["contact"])
-    furthest = "tips furthest ahead, ↺" if body == "bladed-disk" else "wall furthest out"
+    crests = "tips furthest ahead, ↺" if body == "bladed-disk" else "wall furthest out"
     for number, axes in enumerate(panels):
         record = len(coordinates) * number // (4 * (INSTANTS - 1))
         shape = DrawnShape(axes, outline, coordinates, linewidth=0.8)
         shape.show(coordinates[record])
-        _mark_crests(axes, _crest(data, prefix, coordinates[record], k), k)
+        _mark_crests(axes, _crest(data, prefix, coordinates[record], k), k, f"crest: {crests}")
         degrees = 90 * number // (INSTANTS - 1)
         axes.set_title("start" if not number else f"{degrees}° of its period")
     figure.colorbar(
@@ -260,28 +257,18 @@ def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
     name = str(data.attrs["title"])
     title = f"{name[:1].upper()}{name[1:]}, {hertz}, {frame}; {TURNS}"
     set_title(figure, data.attrs["case"], title)
-    marks = [
-        (shape.rest, "centre at rest"),
-        (shape.centre, "displaced"),
-        (crests, f"crest: {furthest}"),
-    ]
-    legends_below(figure, Group(marks))
+    legends_below(figure, Group(entries_of(panels[0])))
     return figure
 
 
-def _mark_crests(axes: Axes, angle: float, k: int) -> None:
+def _mark_crests(axes: Axes, angle: float, k: int, label: str) -> None:
     """Mark the crests of a wave outside the structure; one filled marker identifies a crest."""
     radius = axes.get_xlim()[1]
     for number in range(k):
         turned = angle + 2.0 * np.pi * number / k
         place = radius * np.array([np.cos(turned), np.sin(turned)])
-        axes.plot(
-            *place,
-            marker="D",
-            markersize=4.0,
-            color=COLOURS["contact"],
-            markerfacecolor="none" if number else COLOURS["contact"],
-        )
+        face = "none" if number else COLOURS["contact"]
+        axes.plot(*place, "D", ms=4.0, color=COLOURS["contact"], mfc=face, label=label)
     reach = OUTSIDE * radius
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
 

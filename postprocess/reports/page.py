@@ -128,25 +128,24 @@ def report_figures(
         draw: function that draws the figure of a name, or raises ViewError.
         kinds: entries of the registry.
     """
-    return [_report_figure(draw, kind) for kind in kinds]
-
-
-def _report_figure(
-    draw: Callable[[str], tuple[Figure, xr.Dataset]], kind: FigureKind
-) -> ReportFigure:
-    picture, obstacle = "", ""
-    try:
-        picture = _as_png(draw(kind.name)[0])
-    except ViewError as error:
-        obstacle = str(error)
-    return ReportFigure(
-        name=kind.name,
-        title=kind.title,
-        caption=kind.caption,
-        picture=picture,
-        obstacle=obstacle,
-        wide=kind.wide,
-    )
+    figures = []
+    for kind in kinds:
+        picture, obstacle = "", ""
+        try:
+            picture = _as_png(draw(kind.name)[0])
+        except ViewError as error:
+            obstacle = str(error)
+        figures.append(
+            ReportFigure(
+                name=kind.name,
+                title=kind.title,
+                caption=kind.caption,
+                picture=picture,
+                obstacle=obstacle,
+                wide=kind.wide,
+            )
+        )
+    return figures
 
 
 @styled
@@ -159,17 +158,11 @@ def _as_png(figure: Figure) -> str:
 def page_html(page: Page) -> str:
     """Return the page as HTML."""
     draws = any(isinstance(block, Explorer) for part in page.sections for block in part.blocks)
+    plotly = resources.files("plotly").joinpath("package_data/plotly.min.js")
+    program = plotly.read_text("utf-8") if draws else ""  # five megabytes
     return filled_template(
-        "bladewhirl.postprocess.reports",
-        "page.html",
-        page=page,
-        program=_plotly() if draws else "",
+        "bladewhirl.postprocess.reports", "page.html", page=page, program=program
     )
-
-
-def _plotly() -> str:
-    """Program that draws interactive plots, five megabytes."""
-    return resources.files("plotly").joinpath("package_data/plotly.min.js").read_text("utf-8")
 
 
 def write_page(page: Page, path: str | Path) -> Path:
