@@ -30,16 +30,14 @@ REGIMES: Mapping[str, Regime] = {
 
 def criterion_table(regime: str = "") -> Table:
     """Return the criterion of the regimes; the line of the given regime is marked."""
-    rows = [(str(name), rule) for name, rule in CRITERION.items()]
-    if regime:
-        marked = [name for name, _ in rows].index(regime)
-        return Table(name="criterion", title="Criterion", rows=rows, wide=False, marked=marked)
     return Table(
         name="criterion",
         title="Criterion of the regimes",
         caption="The first line that applies is the regime.",
-        rows=rows,
-        folded=True,
+        rows=[(str(name), rule) for name, rule in CRITERION.items()],
+        wide=not regime,
+        folded=not regime,
+        marked=[*map(str, CRITERION)].index(regime) if regime else None,
     )
 
 

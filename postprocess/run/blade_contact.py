@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from bladewhirl.meshes.line_mesh import BoolArray
 from bladewhirl.models.inputs.units import handy_unit
@@ -52,16 +51,6 @@ CLASS_COLOURS: Mapping[str, str] = {
 }
 
 CLASS_HATCHES: Mapping[str, str] = {"permanent": "////", "intermittent": "....", "free": ""}
-
-CLASS_MARKS: Mapping[str, tuple[str, bool]] = {
-    "permanent": ("s", True),
-    "intermittent": ("D", True),
-    "free": ("o", False),
-}
-"""Mark of each class, and whether it is filled."""
-
-
-STRIP = 0.14  #: share of the axes above their bars that the marks take
 
 
 def contact_maps(
@@ -210,8 +199,6 @@ def plot_forces(maps: xr.Dataset) -> Figure:
 def plot_contact_classes(classes: xr.Dataset) -> Figure:
     """Draw the share of the time each blade is in contact, coloured by class.
 
-    Marks of the classes are in a strip above the bars, also for the smallest shares.
-
     Args:
         classes: from `contact_classes`.
     """
@@ -220,26 +207,12 @@ def plot_contact_classes(classes: xr.Dataset) -> Figure:
     blade, share = classes["blade"].values, 100 * classes["share"].values
     for name, colour in CLASS_COLOURS.items():
         members = classes["contact_class"].values == name
-        axes.bar(blade[members], share[members], color=colour)
         label = f"{name}: {np.count_nonzero(members)}"
-        mark, filled = CLASS_MARKS[name]
-        above = np.full(np.count_nonzero(members), 1.0 - 0.5 * STRIP)
-        (marks,) = axes.plot(
-            blade[members],
-            above,
-            mark,
-            color=colour,
-            label=label,
-            transform=axes.get_xaxis_transform(),
+        axes.bar(
+            blade[members], share[members], color=colour, hatch=CLASS_HATCHES[name], label=label
         )
-        marks.set(markersize=3.0, markerfacecolor=colour if filled else "white")
     top = 1.1 * share.max() if 0 < share.max() < FEW_PERCENT else 102.0
-    axes.axhline(top, color="black", linewidth=0.6)
-    ticks = np.asarray(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, top))
-    axes.set(
-        xlabel="blade", ylabel="time in contact [%]", yticks=ticks[(0 <= ticks) & (ticks <= top)]
-    )
-    axes.set_ylim(0, top / (1.0 - STRIP))
+    axes.set(xlabel="blade", ylabel="time in contact [%]", ylim=(0, top))
     axes.set_xlim(-0.7, len(blade) - 0.3)
     axes.locator_params(axis="x", integer=True)
     axes.grid(axis="x", visible=False)

@@ -137,7 +137,7 @@ def plot_contact_phase(phases: xr.Dataset) -> Figure:
         axes.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
     time_axis(upper, lower)
     figure.legend(loc="outside lower center", ncols=2, markerscale=2)
-    head(figure, phases, *_words(phases))
+    head(figure, phases, _words(phases))
     return figure
 
 
@@ -155,20 +155,13 @@ def _followed(phases: xr.Dataset) -> tuple[Frame, float]:
     return frame, float(time[np.argmax(np.logical_and.accumulate(ahead[::-1])[::-1])])
 
 
-def _words(phases: xr.Dataset) -> list[str]:
+def _words(phases: xr.Dataset) -> str:
     kind = phases.attrs["scenario"]
     if kind == "at rest":
-        return ["the shaft is at rest"]
-    if kind == "unsteady":
-        return [phases.attrs["window"], "no steady contact scenario"]
+        return "the shaft is at rest"
+    contact = f"{kind} contact" if phases["impulse"].any() else "no contact"
     lead = f"{np.degrees(phases.attrs['lead']):.0f}°".replace("-", "−")
-    if not phases["impulse"].any():
-        return [phases.attrs["window"], f"no contact, shaft ahead of the smallest gap by {lead}"]
-    return [
-        f"{kind} contact, shaft ahead of it by {lead}",
-        f"mean by impulse, {phases.attrs['window']}",
-        f"mean resultant length {phases.attrs['steadiness']:.2f}",
-    ]
+    return f"{contact}, shaft ahead by {lead}, mean over {phases.attrs['window']}"
 
 
 def _wrapped(angle: Array) -> Array:
