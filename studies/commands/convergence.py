@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from functools import partial
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -16,16 +15,14 @@ from bladewhirl.studies.commands.options import (
     Changes,
     Overwrite,
     Workers,
-    parse_number,
-    parse_several,
+    in_si,
+    several,
 )
 from bladewhirl.studies.commands.output import emit, facts, table
 from bladewhirl.studies.commands.progress import progress_bar
-from bladewhirl.studies.modal.columns import Column
+from bladewhirl.studies.modal.columns import Column, rows_of, texts
 
-if TYPE_CHECKING:
-    from rich.table import Table
-
+TIME_STEP, MODES = Column("time_step", "Δt [µs]", ".4g", 1e6), Column("modes", "modes η", "d")
 COLUMNS = (
     Column("regime", "regime"),
     Column("radius_max", "radius [mm]", ".5g", 1e3),
@@ -35,15 +32,22 @@ COLUMNS = (
 )
 """The last two are differences from the finest march."""
 
+ORDERS = (
+    Column("time_steps.free_until", "first contact [ms]", ".4g", 1e3),
+    Column("time_steps.free_order", "order in the time step, before contact", ".3g"),
+    Column("time_steps.displacement_order", "order in the time step, displacement", ".3g"),
+    Column("time_steps.impulse_order", "order in the time step, contact impulse", ".3g"),
+    Column("modes.motion_converged", "same regime with all numbers of modes (1: yes)", "d"),
+)
+"""Orders are missing with too few differences, or where these are not monotone."""
+
 
 def convergence(
     case: CaseFile,
     time_steps: Annotated[
         Sequence[float] | None,
         typer.Option(
-            parser=partial(
-                parse_several, "--time-steps", read=partial(parse_number, unit="s"), name="times"
-            ),
+            parser=several("--time-steps", in_si("s"), "times"),
             metavar="STEP,STEP,...",
             help="Time steps, s or with a unit; 4, 2, 1 and 1/2 times the case's if none.",
         ),
@@ -51,7 +55,7 @@ def convergence(
     modes: Annotated[
         Sequence[int] | None,
         typer.Option(
-            parser=partial(parse_several, "--modes", read=int, name="whole numbers"),
+            parser=several("--modes", int, "whole numbers"),
             metavar="COUNT,COUNT,...",
             help="Numbers of fixed-interface modes; 2 to 6 a blade if none.",
         ),
@@ -84,36 +88,11 @@ def convergence(
             progress=update,
         )
     document = result.as_json()
-    emit(document, *_tables(document), json=json, written=[folder])
-
-
-def _tables(document: dict[str, Any]) -> Iterator[Table]:
-    """Yield the tables of both refinements, and the orders."""
-    steps, modes = document["time_steps"], document["modes"]
-    for data, refined, title in (
-        (steps, Column("time_step", "Δt [µs]", ".4g", 1e6), "Refinement of the time step"),
-        (modes, Column("modes", "modes η", "d"), "Refinement of the modes"),
-    ):
-        columns = (refined, *COLUMNS)
-        keys = [column.key for column in columns]
-        rows = [
-            dict(zip(keys, row, strict=True))
-            for row in zip(*(data[key] for key in keys), strict=True)
-        ]
-        yield table(rows, columns, title)
-    order = "order in the time step"
-    yield facts(
-        {
-            f"{order}, before contact (to {1e3 * steps['free_until']:.4g} ms)": _order(
-                steps, "free"
-            ),
-            f"{order}, displacement": _order(steps, "displacement"),
-            f"{order}, contact impulse": _order(steps, "impulse"),
-            "same regime with all numbers of modes": "yes" if modes["motion_converged"] else "no",
-        }
-    )
-
-
-def _order(steps: dict[str, Any], kind: str) -> str:
-    order = steps[f"{kind}_order"]
-    return "none: too few differences, or not monotone" if order is None else f"{order:.3g}"
+    tables = [
+        table(rows_of(data, columns), columns, title)
+        for data, columns, title in (
+            (result.time_steps, (TIME_STEP, *COLUMNS), "Refinement of the time step"),
+            (result.modes, (MODES, *COLUMNS), "Refinement of the modes"),
+        )
+    ]
+    emit(document, *tables, facts(texts(document, ORDERS)), json=json, written=[folder])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -23,45 +23,67 @@ MOST_POINTS = 100_000
 """Largest COUNT of a range; larger ones are typing errors."""
 
 
-def parse_number(text: str, unit: str) -> float:
-    """Convert a number in SI units, or text with a unit, to an SI value.
+def parsed(option: str, read: Callable[[str], Any], expected: str) -> Callable[[str], Any]:
+    """Return the parser of an option, which names the option and what it expects in errors.
 
-    Raises:
-        ValueError: neither, or not finite.
+    Args:
+        option: its name.
+        read: converts its text, or raises a ValueError.
+        expected: values of the option.
     """
-    from bladewhirl.models.inputs.units import finite, to_si
 
-    try:
-        return finite(text)  # type: ignore[arg-type]  # float() reads text
-    except ValueError:
-        return to_si(text, unit)
+    def parse(text: str) -> Any:
+        try:
+            return read(text)
+        except ValueError:
+            raise UserError(f"{option} {text}: expected {expected}") from None
 
-
-def parse_time(option: str, text: str) -> float:
-    """Convert the text of an option, "0.25" or "0.8 ms", to a time [s]."""
-    try:
-        return parse_number(text, "s")
-    except ValueError:
-        expected = 'a time in seconds, or with a unit such as "0.8 ms"'
-        raise UserError(f"{option} {text}: expected {expected}") from None
+    return parse
 
 
-def parse_stiffness(option: str, text: str) -> float:
-    """Convert the text of an option to a stiffness of zero or more [N/m]."""
-    with suppress(ValueError):
-        value = parse_number(text, "N/m")
-        if value >= 0.0:
-            return value
-    raise UserError(f"{option} {text}: expected a number of zero or more, in N/m or with a unit")
+def in_si(unit: str, least: float = float("-inf")) -> Callable[[str], float]:
+    """Return a function that converts a number in an SI unit, or text with a unit, to a float."""
+
+    def read(text: str) -> float:
+        from bladewhirl.models.inputs.units import finite, to_si
+
+        try:
+            value = finite(text)  # type: ignore[arg-type]  # float() reads text
+        except ValueError:
+            value = to_si(text, unit)
+        if value < least:
+            raise ValueError
+        return value
+
+    return read
 
 
-def parse_speed(option: str, text: str) -> Speed:
-    """Convert the text of an option to a speed, with a unit or relative to the reference."""
-    try:
-        return _speed(text)
-    except ValueError as error:
-        expected = "multiples of the reference frequency, or text in rpm, Hz or rad/s"
-        raise UserError(f"{option} {text}: expected {expected} ({error})") from None
+def time_of(option: str) -> Callable[[str], float]:
+    """Return the parser of a time [s]."""
+    return parsed(option, in_si("s"), 'a time in seconds, or with a unit such as "0.8 ms"')
+
+
+def stiffness_of(option: str) -> Callable[[str], float]:
+    """Return the parser of a stiffness [N/m]."""
+    return parsed(option, in_si("N/m", 0.0), "a number of zero or more, in N/m or with a unit")
+
+
+def speed_of(option: str) -> Callable[[str], Speed]:
+    """Return the parser of a speed, with a unit or relative to the reference frequency."""
+    expected = "multiples of the reference frequency, or text in rpm, Hz or rad/s"
+    return parsed(option, _speed, expected)
+
+
+def several(option: str, read: Callable[[str], Any], name: str) -> Callable[[str], list[Any]]:
+    """Return the parser of different positive values, separated by commas; it sorts them."""
+
+    def read_all(text: str) -> list[Any]:
+        values = sorted({read(word.strip()) for word in text.split(",")})
+        if len(values) < 2 or values[0] <= 0:
+            raise ValueError
+        return values
+
+    return parsed(option, read_all, f"two or more different {name} above zero")
 
 
 def _speed(text: str) -> Speed:
@@ -113,7 +135,7 @@ def parse_span(option: str, text: str, *, unit: str = "", counted: bool = False)
         UserError: another form.
     """
     ends, _, last = text.rpartition(":") if counted else (text, "", "2")
-    read: Callable[[str], Speed | float] = partial(parse_number, unit=unit) if unit else _speed
+    read: Callable[[str], Speed | float] = in_si(unit) if unit else _speed
     try:
         start, stop = map(read, ends.split(":"))
         count = int(last)
@@ -124,27 +146,6 @@ def parse_span(option: str, text: str, *, unit: str = "", counted: bool = False)
     if not 2 <= count <= MOST_POINTS:
         raise UserError(f"{option} {text}: expected a COUNT from 2 to {MOST_POINTS}")
     return Span(f"{option} {text}", start, stop, count)
-
-
-def parse_several(option: str, text: str, *, read: Callable[[str], Any], name: str) -> list[Any]:
-    """Convert two or more different positive values, separated by commas; ascending.
-
-    Args:
-        option: its name, for errors.
-        text: of the option.
-        read: converts one value, or raises a ValueError.
-        name: of the values, for errors.
-
-    Raises:
-        UserError: fewer than two, or another value.
-    """
-    try:
-        values = sorted({read(word.strip()) for word in text.split(",")})
-    except ValueError:
-        values = []
-    if len(values) < 2 or values[0] <= 0:
-        raise UserError(f"{option} {text}: expected two or more different {name} above zero")
-    return values
 
 
 def output_option(help_text: str, metavar: str | None = None) -> Any:
@@ -180,16 +181,14 @@ Start = Annotated[
     float | None,
     typer.Option(
         "--from",
-        parser=partial(parse_time, "--from"),
+        parser=time_of("--from"),
         metavar="TIME",
         help='Start of the window: seconds, or "0.8 ms"; of the run if none.',
     ),
 ]
 End = Annotated[
     float | None,
-    typer.Option(
-        "--to", parser=partial(parse_time, "--to"), metavar="TIME", help="End of the window."
-    ),
+    typer.Option("--to", parser=time_of("--to"), metavar="TIME", help="End of the window."),
 ]
 Rotating = Annotated[
     bool, typer.Option("--rotating", help="Show the series as seen from the rotor.")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import StrEnum
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -19,7 +18,7 @@ from bladewhirl.studies.commands.options import (
     claim_output,
     options_of_window,
     output_option,
-    parse_time,
+    time_of,
 )
 from bladewhirl.studies.commands.progress import progress_bar
 
@@ -85,7 +84,7 @@ def render(
     time: Annotated[
         list[float] | None,
         typer.Option(
-            parser=partial(parse_time, "--time"),
+            parser=time_of("--time"),
             metavar="TIME",
             help="Instant of a still, any number; by default that of the largest force, normal and"
             " friction, over a record step.",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,9 +14,9 @@ from bladewhirl.studies.commands.options import (
     Changes,
     Replace,
     Span,
-    parse_speed,
-    parse_stiffness,
     span_option,
+    speed_of,
+    stiffness_of,
 )
 from bladewhirl.studies.commands.output import emit, facts, table
 from bladewhirl.studies.commands.progress import progress_bar
@@ -35,7 +34,7 @@ def stability(
     speed: Annotated[
         Any,
         typer.Option(
-            parser=partial(parse_speed, "--speed"),
+            parser=speed_of("--speed"),
             metavar="SPEED",
             help='One speed: multiples of ω₁, or text such as "2500 rpm".',
         ),
@@ -43,7 +42,7 @@ def stability(
     kappa: Annotated[
         float | None,
         typer.Option(
-            parser=partial(parse_stiffness, "--kappa"),
+            parser=stiffness_of("--kappa"),
             metavar="STIFFNESS",
             help="One coupling stiffness [N/m]; with --speed.",
         ),
@@ -63,7 +62,7 @@ def stability(
     line: Annotated[
         float,
         typer.Option(
-            parser=partial(parse_stiffness, "--line"),
+            parser=stiffness_of("--line"),
             metavar="STIFFNESS",
             help="Stiffness [N/m] along which eigenvalues are drawn.",
         ),
@@ -130,7 +129,7 @@ def stability(
             system, omega, kappa, folder, films=films, overwrite=overwrite
         )
         verdict = "unstable" if document["unstable"] else "stable"
-        values = texts(document | {"stability": verdict}, study.POINT)
+        values = texts(document | {"stability": verdict}, (*study.POINT, *study.MOTION))
         tables = []
     else:
         omegas = speeds.values(system.reference) * system.reference

@@ -32,7 +32,7 @@ class Column:
         return self._text(self.value(row))
 
     def _text(self, value: Any) -> str:
-        if value is None:
+        if value is None or value != value:  # NaN
             return "–"
         if isinstance(value, bool):
             return "yes" if value else ""

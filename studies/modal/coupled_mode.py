@@ -25,16 +25,6 @@ GROWTHS = 2.5
 FEWEST_TURNS, MOST_TURNS = 3, 40
 """... within these numbers of turns of the rotor."""
 
-MEASURES = (
-    "nodal_diameter",
-    "rotor_wave_speed",
-    "casing_wave_speed",
-    "whirl_speed_rotating",
-    "whirl_speed_static",
-    "shaft_lead_degrees",
-)
-"""Names in `motion_measures`."""
-
 
 def fastest_mode(system: EvenSystem, omega: float, kappa: float) -> CoupledMode:
     """Return the fastest growing coupled mode at a point."""

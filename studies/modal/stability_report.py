@@ -13,7 +13,6 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum, plot_truncation
 from bladewhirl.solvers.stability.growth import Progress, is_unstable
 from bladewhirl.studies.modal.columns import Column, rows_of
-from bladewhirl.studies.modal.coupled_mode import MEASURES
 from bladewhirl.studies.modal.coupled_system import EvenSystem, System
 from bladewhirl.studies.modal.stability import stability_point
 from bladewhirl.studies.modal.stability_chart import (
@@ -54,6 +53,8 @@ POINT = (
     Column("growth_rate", "growth rate [1/s]", ".6g"),
     Column("stability", "stability"),
     Column("growth_rate_floquet", "growth rate, monodromy [1/s]", ".6g"),
+)
+MOTION = (
     Column("coupled_mode.nodal_diameter", "nodal diameter", "d"),
     Column("coupled_mode.rotor_wave_speed", "rotor wave speed [rad/s]", ".6g"),
     Column("coupled_mode.casing_wave_speed", "casing wave speed [rad/s]", ".6g"),
@@ -74,7 +75,7 @@ ROTOR_ALONE = (
     Column("cause", "its cause"),
     Column("holding_damping", "damping of two static bearings to stop it [N s/m]", ".4g"),
 )
-"""Values of a point, a chart and the bladed disk alone."""
+"""Values of a point, its divergent mode, a chart and the bladed disk alone."""
 
 
 def point_report(
@@ -118,7 +119,8 @@ def point_report(
     from bladewhirl.studies.modal.coupled_mode_figures import draw_coupled_mode
 
     draw_coupled_mode(system, omega, kappa, folder, films=films, overwrite=overwrite)
-    return point | {"coupled_mode": {n: data[n].item() for n in MEASURES if n in data}}
+    measures = [column.key.removeprefix("coupled_mode.") for column in MOTION]
+    return point | {"coupled_mode": {name: data[name].item() for name in measures if name in data}}
 
 
 def chart_report(
