@@ -208,9 +208,8 @@ def plot_contact_classes(classes: xr.Dataset) -> Figure:
     for name, colour in CLASS_COLOURS.items():
         members = classes["contact_class"].values == name
         label = f"{name}: {np.count_nonzero(members)}"
-        axes.bar(
-            blade[members], share[members], color=colour, hatch=CLASS_HATCHES[name], label=label
-        )
+        height = np.where(members, share, 0.0)
+        axes.bar(blade, height, color=colour, hatch=CLASS_HATCHES[name], label=label)
     top = 1.1 * share.max() if 0 < share.max() < FEW_PERCENT else 102.0
     axes.set(xlabel="blade", ylabel="time in contact [%]", ylim=(0, top))
     axes.set_xlim(-0.7, len(blade) - 0.3)

@@ -92,12 +92,6 @@ class TestStill:
         assert not vermilion(image).any()
         assert len(np.unique(image.reshape(-1, 3), axis=0)) > 100  # and yet a picture
 
-    def test_rest_is_drawn(self, tmp_path: Path) -> None:
-        rest = synthetic.synthetic_result(records=1)
-        for name in ("rotor_displacement", "casing_displacement", "contact_impulse"):
-            rest[name] *= 0.0
-        assert render_still(rest, tmp_path / "rest.png", size=SMALL).is_file()
-
 
 @pytest.mark.usefixtures("can_draw")
 class TestAnimation:

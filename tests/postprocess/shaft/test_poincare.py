@@ -7,7 +7,7 @@ import xarray as xr
 
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
-from bladewhirl.postprocess.shaft.poincare import plot_state_space, poincare_map, state_space
+from bladewhirl.postprocess.shaft.poincare import poincare_map
 
 RADIUS = 0.8e-3
 
@@ -54,19 +54,3 @@ class TestPoincareMap:
             poincare_map(orbit.isel(time=slice(5, 15)))
         with pytest.raises(ViewError, match="a revolution or more"):
             poincare_map(synchronous(speed=0.0))
-
-
-def test_the_figure_shows_place_in_mm_and_velocity() -> None:
-    orbit = synchronous()
-    panels = plot_state_space(state_space(orbit)).axes
-    # A circle passes +x along +y.
-    for (left, right), point in zip(
-        (panels[:2], panels[2:]), ((0.8, 0.0), (0.0, 0.8 * synthetic.SPEED)), strict=True
-    ):
-        circle = np.concatenate([np.asarray(line.get_xydata()) for line in left.lines])
-        np.testing.assert_allclose(
-            np.hypot(circle[:, 0], circle[:, 1] / synthetic.SPEED), 0.8, rtol=1e-9
-        )
-        points = np.concatenate([np.asarray(line.get_xydata()) for line in right.lines])
-        np.testing.assert_allclose(points, [point] * len(points), atol=1e-5)
-        assert "[mm/s]" in left.get_ylabel()

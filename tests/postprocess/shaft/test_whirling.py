@@ -91,11 +91,3 @@ class TestWhirlHistory:
         assert np.isnan(whirls.rate).all()
         assert not whirls.direction.any()
         plot_whirl_history(whirls)
-
-    def test_the_figure_is_in_hertz_with_forward_upwards(self) -> None:
-        whirls = whirl_history(synthetic.synthetic_result(records=2001, speed=-20.0))
-        upper = plot_whirl_history(whirls).axes[0]
-        lines = {str(line.get_label()): line for line in upper.lines}
-        drawn = np.asarray(lines["rotating frame"].get_ydata())
-        np.testing.assert_allclose(drawn, 70 / (2 * np.pi))
-        assert "Hz" in upper.get_ylabel()
