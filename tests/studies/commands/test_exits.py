@@ -30,13 +30,6 @@ def test_full_standard_output() -> None:
     assert (ended.returncode, ended.stderr) == (2, expected)
 
 
-def test_a_name_too_long_for_the_system(tmp_path: Path) -> None:
-    ended = bladewhirl("new", str(tmp_path / f"{'a' * 300}.toml"))
-    assert ended.returncode == 2
-    assert ended.stderr.endswith("(File name too long)\n")
-    assert len(ended.stderr.splitlines()) == 1
-
-
 def test_a_pipe_is_no_case(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "case.toml")
     ended = bladewhirl("show", str(tmp_path / "case.toml"))

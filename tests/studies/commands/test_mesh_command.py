@@ -122,16 +122,10 @@ def test_a_run_of_a_mesh_file_can_be_rerun_from_its_folder_alone(tmp_path: Path)
     assert read_case(second / "case.toml").blades == 12
 
 
-def test_modes_of_a_mesh_file() -> None:
-    printed = bladewhirl("modes", EXAMPLES / "shrouded_fan.toml")
-    assert "56.5255" in printed
-
-
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
         (["none.msh"], "none.msh: expected a readable file (No such file or directory)"),
-        (["none.toml"], "none.toml: expected a readable file (No such file or directory)"),
         (["bad.msh"], "bad.msh: expected a .msh file that meshio can read"),
         (["bad.vtu", "--set", "march.speed=1"], "--set march.speed=1: expected a case file"),
     ],
@@ -145,7 +139,7 @@ def test_faults_of_the_source(
     assert [*tmp_path.iterdir()] == [tmp_path / "bad.msh"]
 
 
-@pytest.mark.parametrize("name", ["out.stl", "no/such/out.vtu", "no/such/out.msh"])
+@pytest.mark.parametrize("name", ["out.stl", "no/such/out.vtu"])
 def test_faults_of_the_target(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     monkeypatch.chdir(tmp_path)
     done = RUNNER.invoke(app, ["mesh", str(EXAMPLES / "shrouded_fan.msh"), "-o", name])

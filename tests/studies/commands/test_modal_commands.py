@@ -89,12 +89,6 @@ def test_a_clamped_case_lists_its_own_modes_first_and_stays_normalised() -> None
     assert all(mode["family"] != "suspension" for mode in clamped["bladed_disk"])
 
 
-def test_fewer_modes_have_the_same_labels() -> None:
-    few, many = document("modes", "--count", "5"), document("modes")
-    for name, modes in few.items():
-        assert modes == many[name][:5]
-
-
 def test_the_table_lists_both_bodies(case: Path) -> None:
     result = run("modes", case, "--count", "24")
     assert result.exit_code == 0
@@ -188,17 +182,6 @@ def test_every_nodal_diameter_and_family_has_its_speed() -> None:
         assert row["in_operating_range"] == (0.6 <= row["speed"] <= 2.0)
 
 
-def test_a_clamped_centre_has_no_suspension_and_the_free_reference() -> None:
-    free, clamped = (
-        document("campbell"),
-        document("campbell", "--set", "shaft.clamped=true"),
-    )
-    assert clamped["reference_frequency_hz"] == free["reference_frequency_hz"]
-    assert {row["rotor_family"] for row in clamped["coincidences"]} == {
-        f"{n}F" for n in range(1, 6)
-    }
-
-
 Figures = dict[str, tuple[Figure, xr.Dataset]]
 
 
@@ -227,17 +210,6 @@ def test_campbell_diagrams_and_table(case: Path, saved: Figures) -> None:
     diameters = data["mode_nodal_diameter"].values[~on_rotor]
     np.testing.assert_array_equal(np.sort(diameters), np.arange(1, 12))
     np.testing.assert_allclose(data.attrs["operating_range"], (1.0, 1.2))
-
-
-@pytest.mark.usefixtures("pictures_unsaved")
-def test_files_of_the_user_are_not_replaced(case: Path, tmp_path: Path) -> None:
-    folder = tmp_path / "fan-campbell"
-    folder.mkdir()
-    mine = folder / "campbell-static.png"
-    mine.write_text("mine")
-    refused = run("campbell", case, *SMALL)
-    assert (refused.exit_code, mine.read_text()) == (2, "mine")
-    assert "--overwrite replaces it" in refused.stderr
 
 
 def test_the_interactive_page_has_every_wave(case: Path, tmp_path: Path) -> None:
@@ -306,12 +278,9 @@ BAD_INPUT = {
     "modes -o new --animate 1F:0 --wave forward": "--wave forward: expected standing,"
     " the only waves of 1F:0",
     "campbell --speeds 3:1": f"--speeds 3:1: {NOT_ASCENDING}",
-    "campbell --speeds ''": f"--speeds {NO_SPEEDS}",
-    "campbell --speeds 0:1:5": f"--speeds 0:1:5{NO_SPEEDS}",
     "campbell --speeds 0:inf": f"--speeds 0:inf{NO_SPEEDS}",
     "campbell --operating -1:2": f"--operating -1:2: {NOT_ASCENDING}",
     "veering --stiffnesses 0:1e9": "--stiffnesses 0: expected a START above zero",
-    "veering --stiffnesses 2e9:1e9": f"--stiffnesses 2e9:1e9: {NOT_ASCENDING}",
     "veering --stiffnesses soft": "--stiffnesses soft: expected START:STOP, ends numbers [N/m]"
     " or with a unit",
 }

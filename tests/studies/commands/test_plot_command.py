@@ -10,10 +10,7 @@ import synthetic_result as synthetic
 import xarray as xr
 from typer.testing import CliRunner, Result
 
-from bladewhirl.postprocess.fields.kinematics import ViewError
-from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES
-from bladewhirl.postprocess.run.figures import RunFigures
 from bladewhirl.studies.commands.cli import app
 
 
@@ -83,12 +80,6 @@ def test_bad_input_is_one_line(directory: Path, arguments: list[str], complaint:
     assert not (directory / "plots").exists()
 
 
-def test_a_folder_without_a_run(tmp_path: Path) -> None:
-    result = plot(tmp_path, "orbit")
-    assert result.exit_code == 2
-    assert "expected a result" in result.stderr
-
-
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_figures_that_a_run_does_not_have_are_left_out_of_all(tmp_path: Path) -> None:
     still = made(tmp_path / "still", 0.0)
@@ -103,8 +94,3 @@ def test_without_a_name_the_names_are_listed(directory: Path) -> None:
     result = plot(directory)
     assert result.exit_code == 0
     assert [line.partition(":")[0] for line in result.stdout.splitlines()] == [*RUN_FIGURES]
-
-
-def test_an_unknown_figure_lists_the_available_ones(directory: Path) -> None:
-    with open_result(directory) as result, pytest.raises(ViewError, match="one of orbit, whirl"):
-        RunFigures(result).draw("orbt")

@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 from bladewhirl.studies.commands.cli import app
 
 RUNNER = CliRunner()
+SMALL = ("--set", "bladed_disk.blades=5", "--set", "bladed_disk.elements_per_blade=2")
 
 
 @pytest.mark.parametrize(
@@ -18,6 +19,8 @@ RUNNER = CliRunner()
         (["plot", "RUN", "orbit"], "orbit.png"),
         (["show", "CASE", "--png"], "mine.png"),
         (["export", "RUN", "--frames", "2"], "mesh.vtu"),
+        (["report", "RUN"], "mine.html"),
+        (["veering", "CASE", *SMALL], "families.png"),
     ],
 )
 def test_a_file_that_is_not_listed_stays(
@@ -28,7 +31,7 @@ def test_a_file_that_is_not_listed_stays(
     theirs.parent.mkdir(parents=True)
     theirs.write_text("precious")
     places = {"RUN": str(run), "CASE": str(EXAMPLES / "imbalance.toml")}
-    target = folder if command[0] in ("export", "plot") else theirs
+    target = folder if command[0] in ("export", "plot", "veering") else theirs
     words = [places.get(word, word) for word in command]
     refused = RUNNER.invoke(app, [*words, "-o", str(target)])
     assert refused.exit_code == 2

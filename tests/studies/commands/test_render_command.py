@@ -108,22 +108,6 @@ def test_options_of_the_view(run: Path, monkeypatch: pytest.MonkeyPatch) -> None
 
 
 @pytest.mark.usefixtures("can_draw")
-def test_where_nothing_can_be_written(run: Path, tmp_path: Path) -> None:
-    (tmp_path / "file").touch()
-    target = tmp_path / "file" / "still.png"
-    done = RUNNER.invoke(app, ["render", str(run), "-o", str(target)])
-    assert done.exit_code == 2
-    assert done.stderr.startswith(f"{target}: cannot be written")
-    assert len(done.stderr.splitlines()) == 1
-
-
-def test_no_run_there(tmp_path: Path) -> None:
-    done = RUNNER.invoke(app, ["render", str(tmp_path)])
-    assert done.exit_code == 2
-    assert "result.nc: expected a result" in done.stderr
-
-
-@pytest.mark.usefixtures("can_draw")
 def test_from_python_the_suffix_decides(run: Path, tmp_path: Path) -> None:
     sheet = bw.render(run, tmp_path / "sheet.png", time=[0.0, 0.1, 0.2, 0.3, 0.4])
     with bw.open_result(run) as result:

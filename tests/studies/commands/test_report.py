@@ -196,17 +196,3 @@ def test_invalid_targets(folder: Path, tmp_path: Path) -> None:
         assert done.exit_code == 2
         assert complaint in done.stderr
         assert len(done.stderr.splitlines()) == 1
-
-
-@pytest.mark.usefixtures("undrawn")
-def test_files_of_the_user_are_not_replaced(tmp_path: Path) -> None:
-    run = made(tmp_path / "run")
-    theirs = [run / "report.html", tmp_path / "theirs.html"]
-    for path, option in zip(theirs, ([], ["-o", str(tmp_path / "theirs.html")]), strict=True):
-        path.write_text("precious")
-        refused = report(run, *option)
-        assert refused.exit_code == 2
-        assert "--overwrite replaces it" in refused.stderr
-        assert path.read_text() == "precious"
-    assert report(run, "--overwrite").exit_code == 0
-    assert report(run).exit_code == 0  # its own now

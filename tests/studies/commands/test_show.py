@@ -16,7 +16,6 @@ import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_from, with_values
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.postprocess.pictures import panel
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.properties import stage_properties
 
@@ -199,20 +198,6 @@ def test_a_drawing_of_the_stage(
     assert reach[1] / reach[0] == pytest.approx(0.5 / 0.065, rel=0.03)  # half of the rim's 30 mm
     for name, part_colour in (("blue", blade), ("sky", casing)):
         assert np.all(image[:, 960:] == part_colour, axis=-1).any(), name  # and so in the key
-
-
-@pytest.mark.usefixtures("can_draw")
-def test_the_key_of_a_drawing_is_not_cut(
-    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    written: list[str] = []
-    monkeypatch.setattr(panel, "write_key", lambda plotter, key, top, **more: written.extend(key))
-    taper = "[{ thickness = 0.01234 }, { thickness = 0.00567 }]"
-    path.write_text(f"bladed_disk.taper = {taper}\nreduction.fixed_interface_modes = 10")
-    done = RUNNER.invoke(app, ["show", str(path), "--png", "-o", str(tmp_path / "a.png")])
-    assert done.exit_code == 0, done.stderr
-    assert "blades" in written
-    assert max(map(len, written)) <= panel.KEY_LETTERS
 
 
 def test_a_drawing_where_none_can_be_written(path: Path, tmp_path: Path) -> None:

@@ -191,16 +191,10 @@ def test_stable_point_has_no_divergent_mode(tmp_path: Path) -> None:
         (["--speed", "1", "--kappa", "-1"], "--kappa -1: expected a number of zero or more"),
         (["--speed", "1"], "--speed, --kappa: expected both"),
         (["--speed", "fast", "--kappa", "1"], "--speed fast: expected multiples of"),
-        (
-            ["--speeds", "3:1:5"],
-            "--speeds 3:1:5: expected a START of zero or more and a STOP above",
-        ),
         (["--speeds", "1:2"], "--speeds 1:2: expected START:STOP:COUNT"),
-        (["--kappas=-1:2:3"], "--kappas -1:2:3: expected a START of zero or more"),
         (["--kappas", "0:10:1"], "--kappas 0:10:1: expected a COUNT from 2"),
         (["--modes", "suspensoin"], ", did you mean suspension?"),
         (["--modes", "1F:99"], "--modes 1F:99: 1F of the bladed disk has nodal diameters 0, 1, 2,"),
-        (["--modes", "1F:one"], '--modes "1F:one" is not a mode name'),
         (["--modes", "casing:1F:1"], "expected modes that springs couple, of six, all, casing, 1F"),
         (["--set", "shaft.clamped=true"], "--modes six: the stage has no suspension pair"),
         (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 import pytest
@@ -91,14 +90,3 @@ def test_a_case_and_its_reduced_stage_have_the_same_modes() -> None:
     clamped = bw.modes(case(**{"shaft.clamped": True}))
     assert clamped.attrs["centre"] == "clamped"
     np.testing.assert_array_equal(clamped.frequency, studies()["modes"].frequency)
-
-
-def test_bw_plot_draws_them() -> None:
-    frames: tuple[Literal["rotating", "static"], ...] = ("rotating", "static")
-    for frame in frames:
-        (axes,) = bw.plot.campbell(studies()["campbell"], frame).axes
-        assert axes.get_ylabel() == f"frequency / ω₁, {frame} frame [–]"
-        upper, right = axes.child_axes
-        assert (upper.get_xlabel(), right.get_ylabel()) == ("speed [rpm]", "frequency [Hz]")
-    assert len(bw.plot.veering(studies()["veering"], families=2).axes) == 3
-    assert bw.plot.shaft_veering(studies()["veering"]).axes[0].get_xscale() == "log"

@@ -189,12 +189,6 @@ def test_runs_are_kept_and_used_again(workers: int, tmp_path: Path) -> None:
     assert len(list((tmp_path / "runs").iterdir())) == 2
 
 
-def test_the_name_of_a_run_tells_cases_apart() -> None:
-    case = CASES["imbalance"]
-    assert run_key(case) == run_key(with_values(case, {}))
-    assert run_key(case) != run_key(with_values(case, {"damping.ratio": 0.006}))
-
-
 def test_motion_of_a_known_result() -> None:
     """The closed form whirls backward at 70 rad/s while the rotor turns at 80."""
     motion = Motion(synthetic_result(growth=2.0))
@@ -407,14 +401,6 @@ def test_faults_end_in_one_line(arguments: list[str], message: str, tmp_path: Pa
 
 def card_of(make: Callable[[], Finding]) -> Scorecard:
     return Scorecard(scores=(Score(claim=CLAIMS[1], findings=(make(),)),), conditions={})
-
-
-def test_a_check_may_be_of_numpy() -> None:
-    met = (check(row("at most", "2"), np.float64(1.0)), check(row("is true", ""), np.True_))
-    card = card_of(lambda: Finding(ours="", checks=met))
-    assert card.summary.startswith("1 claims: 1 holds")
-    (entry,) = json.loads(card.to_json())["claims"]
-    assert [check["met"] for check in entry["repeats"][0]["checks"]] == [True, True]
 
 
 @pytest.mark.slow
