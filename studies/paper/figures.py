@@ -101,20 +101,6 @@ def _draw(evidence: Evidence, panel: Panel, folder: Path) -> str:
     return ""
 
 
-def _draw_modes(evidence: Evidence, folder: Path) -> None:
-    draw_modes(
-        evidence.stage, plan_pictures(evidence.stage, shapes=None, animate="", wave=None), folder
-    )
-
-
-def _draw_veering(evidence: Evidence, folder: Path) -> None:
-    draw_veering(veering(evidence.stage, families=5), folder)
-
-
-def _draw_campbell(evidence: Evidence, folder: Path) -> None:
-    draw_campbell(campbell(evidence.stage, families=2), folder)
-
-
 def _draw_chart(evidence: Evidence, folder: Path) -> None:
     system = evidence.system
     omegas = CHART_SPEEDS * system.reference
@@ -151,9 +137,13 @@ def _slug(text: str) -> str:
 
 
 _MODAL: Mapping[str, Draw] = {
-    "modes": _draw_modes,
-    "veering": _draw_veering,
-    "campbell": _draw_campbell,
+    "modes": lambda evidence, folder: draw_modes(
+        evidence.stage, plan_pictures(evidence.stage, shapes=None, animate="", wave=None), folder
+    ),
+    "veering": lambda evidence, folder: draw_veering(veering(evidence.stage, families=5), folder),
+    "campbell": lambda evidence, folder: draw_campbell(
+        campbell(evidence.stage, families=2), folder
+    ),
     "stability": _draw_chart,
     "coupled-mode": _draw_coupled_mode,
 }

@@ -36,9 +36,6 @@ PERTURBATION = 1e-7
 QUICK_DURATION = 2.5
 """Duration of a quick march [s]: the casing distortion at 1.05 diverges within 1.8 to 2.1 s."""
 
-SIX = {"reduction.modes": "six"}
-"""Change of a case that makes its space the paper's truncated one."""
-
 KAPPAS = (0.0, 500.0, 1000.0)
 """Coupling stiffnesses of the truncated space [N/m] (paper, Section 4.3.3)."""
 
@@ -72,32 +69,6 @@ class Survey:
         return {"march.speed": speeds, **{key: list(values) for key, values in self.over.items()}}
 
 
-WHOLE_RANGE = (0.95, 2.0)
-"""Speeds of the paper's Table 2."""
-
-SURVEYS: Mapping[str, Survey] = {
-    "distortion": Survey(load="distortion", speeds=WHOLE_RANGE, step=0.01, coarse_step=0.15),
-    "imbalance": Survey(load="imbalance", speeds=WHOLE_RANGE, step=0.025, coarse_step=0.15),
-    "six modes, distortion": Survey(
-        load="distortion",
-        speeds=(0.9, 1.5),
-        step=0.01,
-        coarse_step=0.1,
-        changes=SIX,
-        over={"coupling.stiffness": KAPPAS},
-    ),
-    "six modes, imbalance": Survey(
-        load="imbalance",
-        speeds=WHOLE_RANGE,
-        step=0.35,
-        coarse_step=1.05,
-        changes=SIX,
-        over={"coupling.stiffness": KAPPAS},
-    ),
-}
-"""Sweeps by name."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class Trial:
     """A march that claims are judged by."""
@@ -124,6 +95,20 @@ TRIALS: Mapping[str, Trial] = {
     for row in table("trials")
 }
 """Rows of trials.csv by name: all begin a contact, changed as by --set."""
+
+
+SURVEYS: Mapping[str, Survey] = {
+    row["name"]: Survey(
+        load=cast(Load, row["load"]),
+        speeds=(float(row["first"]), float(row["last"])),
+        step=float(row["step"]),
+        coarse_step=float(row["coarse step"]),
+        changes=override_values([row["changes"]] if row["changes"] else []),
+        over={"coupling.stiffness": KAPPAS} if row["over stiffness"] else {},
+    )
+    for row in table("surveys")
+}
+"""Rows of surveys.csv by name: sweeps over speed, some of them also over `KAPPAS`."""
 
 
 @dataclass(kw_only=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from decimal import Decimal
 from difflib import get_close_matches
@@ -16,7 +17,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
-from bladewhirl.models.inputs.errors import CaseError, UserError, shown
+from bladewhirl.models.inputs.errors import UserError, shown
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
 
@@ -30,9 +31,6 @@ ASKED_POINTS = 100_000
 
 MOST_POINTS = 10_000_000
 """Largest number of points of a range; more is a typing error."""
-
-SHOWN_FAULTS = 5
-"""Points with faults that are named; the others are counted."""
 
 ON_GRID = Decimal("1e-6")
 """Share of a step by which a range may miss its stop and still include it."""
@@ -95,31 +93,28 @@ class Grid:
         return ", ".join(f"{key} = {shown(value)}" for key, value in self.values(point).items())
 
     def cases(self, case: Case) -> Iterator[Case]:
-        """The case at every point, in order.
+        """Yield the case at every point, in order.
 
         Raises:
-            UserError: naming the points at which it has faults.
+            UserError: naming the first point at which it has faults.
         """
-        faults: list[str] = []
+        keys = [axis.key for axis in self.axes]
         for point, combination in enumerate(product(*(axis.values for axis in self.axes))):
-            keys = (axis.key for axis in self.axes)
-            try:
-                yield with_values(case, dict(zip(keys, combination, strict=True)))
-            except CaseError as error:
-                faults.append(f"{OVER}, point {self.label(point)}: {error.lines[0]}")
-        refuse_faulty(faults)
+            with self.naming(point):
+                at_point = with_values(case, dict(zip(keys, combination, strict=True)))
+            yield at_point
 
+    @contextmanager
+    def naming(self, point: int) -> Iterator[None]:
+        """Name a point in errors.
 
-def refuse_faulty(faults: Sequence[str]) -> None:
-    """Raise what is wrong with points, one line each, if anything is.
-
-    Raises:
-        UserError: there are faults.
-    """
-    if faults:
-        more = len(faults) - SHOWN_FAULTS
-        rest = [f"{OVER}: {more} more points have faults"] if more > 0 else []
-        raise UserError(*faults[:SHOWN_FAULTS], *rest)
+        Raises:
+            UserError: the first line of an error, after the point.
+        """
+        try:
+            yield
+        except UserError as error:
+            raise UserError(f"{OVER}, point {self.label(point)}: {error.lines[0]}") from None
 
 
 def make_grid(case: Case, over: Mapping[str, Sequence[Value]], *, large: bool) -> Grid:

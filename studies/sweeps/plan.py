@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from bladewhirl.files import write_atomically
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads, with_values
-from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.models.stage.build import contact_problem, march_faults
 from bladewhirl.postprocess.sweep.dataset import DONE, Layout
 from bladewhirl.solvers.march.free_motion import STOPS, FreeMotion, StopWhen
@@ -26,7 +26,6 @@ from bladewhirl.studies.sweeps.axes import (
     Grid,
     coordinate,
     make_grid,
-    refuse_faulty,
     unit_of,
     value_at,
 )
@@ -215,19 +214,15 @@ def _check_stages(case: Case, grid: Grid) -> None:
     """Build the stages of points, the first and the last among them, and look for faults.
 
     Raises:
-        UserError: faults, each with its point.
+        UserError: the first fault, with its point.
     """
-    faults: list[str] = []
     swept_body = [axis for axis in grid.axes if not axis.key.startswith(("march.", "contact."))]
     chosen = range(grid.size)
     if swept_body:
         spread = np.linspace(0, grid.size - 1, min(CHECKED_STAGES, grid.size))
         chosen = np.unique(spread.round().astype(int)).tolist()
     for point in chosen:
-        try:
-            at_point = with_values(case, grid.values(point))
-            reasons = [str(fault) for fault in march_faults(stage_at(at_point))]
-        except UserError as error:
-            reasons = error.lines
-        faults += [f"{OVER}, point {grid.label(point)}: {line}" for line in reasons[:1]]
-    refuse_faulty(faults)
+        with grid.naming(point):
+            faults = [*march_faults(stage_at(with_values(case, grid.values(point))))]
+            if faults:
+                raise CaseError(faults)

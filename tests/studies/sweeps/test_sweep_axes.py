@@ -119,9 +119,8 @@ def test_a_fault_is_named_with_its_point() -> None:
     grid = make_grid(Case(), over, large=False)
     with pytest.raises(UserError) as caught:
         list(grid.cases(Case()))
-    first, second = caught.value.lines
-    assert "point contact.friction = -0.1, march.speed = 1.0: contact.friction = -0.1" in first
-    assert "march.speed = 1.1" in second
+    [line] = caught.value.lines
+    assert "point contact.friction = -0.1, march.speed = 1.0: contact.friction = -0.1" in line
 
 
 def test_faults_that_only_the_stage_shows_come_before_anything_runs() -> None:
