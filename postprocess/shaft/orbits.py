@@ -25,7 +25,6 @@ TINY = 0.05
 """Radius of an orbit, over the clearance, below which the clearance is not drawn around it."""
 
 DRAWN_TURNS = 2.0  #: turns of the late motion that are drawn
-LEAST_RIPPLE = 1e-3  #: share of the radius that its axis reaches up and down at least
 PALE = "#B0B0B0"
 CLEARANCE_LINE: dict[str, Any] = {
     "color": COLOURS["casing"],
@@ -138,12 +137,9 @@ def last_turns(orbit: xr.Dataset) -> xr.Dataset:
 
 def _draw_radius(axes: Axes, late: xr.Dataset) -> None:
     """Draw the radius over time, on an axis that does not begin at zero."""
-    radius = late["radius"].values
-    unit, scale = handy_unit(float(radius.max()), "m")
-    axes.plot(late["time"], scale * radius, color=COLOURS["rotor"])
-    middle = scale * (radius.max() + radius.min()) / 2
-    half = max(0.6 * scale * float(np.ptp(radius)), LEAST_RIPPLE * middle) or 1.0
-    axes.set(ylabel=f"radius [{unit}]", ylim=(middle - half, middle + half))
+    unit, scale = handy_unit(float(late["radius"].max()), "m")
+    axes.plot(late["time"], scale * late["radius"], color=COLOURS["rotor"])
+    axes.set_ylabel(f"radius [{unit}]")
     axes.ticklabel_format(axis="y", useOffset=False)
     axes.locator_params(axis="y", nbins=4)
     time_axis(axes)
