@@ -63,10 +63,9 @@ def plot(
     Without a NAME the available figures are listed. Without a window, the spectrum and
     contact-classes of a run show the last third of the time.
     """
-    from bladewhirl.files import claim
-    from bladewhirl.models.inputs.errors import UserError, writing
+    from bladewhirl.models.inputs.errors import UserError
     from bladewhirl.postprocess.fields.kinematics import ViewError
-    from bladewhirl.postprocess.plotting.style import save_figure
+    from bladewhirl.studies.runs.figures_folder import save_figures
 
     of_sweep = _is_sweep(directory)
     figure_names = SWEEP_FIGURES if of_sweep else RUN_FIGURES
@@ -92,10 +91,7 @@ def plot(
                     raise
                 typer.echo(f"{name} left out: {error}", err=True)
                 continue
-            with writing(folder):
-                files = [f"{name}{suffix}" for suffix in (".png", ".pdf", ".nc")]
-                claim(folder, files, overwrite=overwrite)
-                save_figure(figure, folder / name, drawn)
+            save_figures(folder, {name: (figure, drawn)}, overwrite=overwrite)
             typer.echo(f"Wrote {folder / name}.png, .pdf and .nc.")
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
@@ -50,20 +52,20 @@ def whirl_records(mode: CoupledMode) -> FloatArray:
     return np.asarray(turn / RECORDS_PER_TURN * records, dtype=np.float64)
 
 
-def motion_measures(motion: CoupledMotion) -> dict[str, tuple[float, dict[str, str]]]:
-    """Return measures of the motion of a coupled mode, with units; speeds are forward positive."""
+def motion_measures(motion: CoupledMotion) -> dict[str, Any]:
+    """Return measures of the motion of a coupled mode as variables; speeds are forward positive."""
     speed = {"units": "rad/s"}
-    measures: dict[str, tuple[float, dict[str, str]]] = {
-        "nodal_diameter": (motion.nodal_diameter, {"units": "1"}),
-        "rotor_wave_speed": (motion.rotor_wave_speed, speed | {"frame": "rotating"}),
-        "casing_wave_speed": (motion.casing_wave_speed, speed | {"frame": "static"}),
+    measures: dict[str, Any] = {
+        "nodal_diameter": quantity((), motion.nodal_diameter, "1"),
+        "rotor_wave_speed": ((), motion.rotor_wave_speed, speed | {"frame": "rotating"}),
+        "casing_wave_speed": ((), motion.casing_wave_speed, speed | {"frame": "static"}),
     }
     if motion.nodal_diameter == 1:
         lead = float(np.degrees(motion.shaft_lead[-1]))
         measures |= {
-            "whirl_speed_rotating": (motion.whirl_speed, speed),
-            "whirl_speed_static": (motion.whirl_speed_static, speed),
-            "shaft_lead_degrees": (lead, {"units": "degrees"}),
+            "whirl_speed_rotating": ((), motion.whirl_speed, speed),
+            "whirl_speed_static": ((), motion.whirl_speed_static, speed),
+            "shaft_lead_degrees": quantity((), lead, "degrees"),
         }
     return measures
 

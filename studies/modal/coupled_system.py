@@ -28,9 +28,6 @@ from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matri
 from bladewhirl.solvers.stability.floquet import wave_exponents
 from bladewhirl.solvers.stability.growth import Progress, eigenvalues, growth_rate, is_unstable
 
-FASTEST = 1000.0
-"""Upper speed limit, relative to the highest coupled frequency."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class System(ABC):
@@ -61,24 +58,6 @@ class System(ABC):
         self, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
     ) -> FloatArray:
         """Compute growth rates [1/s] over speeds [rad/s] and stiffnesses [N/m], (kappa, omega)."""
-
-    def check_reach(self, omega: float, kappa: float) -> None:
-        """Refuse a speed [rad/s] or stiffness [N/m] so large that growth is lost in rounding.
-
-        Raises:
-            UserError: one of them is.
-        """
-        highest = FASTEST * float(self.modes.frequency.max())
-        reason = "beyond it growth is lost in rounding"
-        if not abs(omega) <= highest:
-            raise UserError(
-                f"stability: speed {omega / self.reference:.6g} ω₁: expected at most"
-                f" {highest / self.reference:.4g}; {reason}"
-            )
-        if not kappa <= highest**2:  # of modes whose mass at the springs is 1 kg
-            raise UserError(
-                f"stability: stiffness {kappa:.6g} N/m: expected at most {highest**2:.4g}; {reason}"
-            )
 
     def options(self) -> dict[str, object]:
         """Return the options for reports."""

@@ -92,9 +92,8 @@ def stability_point(system: System, omega: float, kappa: float) -> xr.Dataset:
         kappa: spring stiffness [N/m].
 
     Raises:
-        UserError: speed or stiffness are out of reach.
+        UserError: exponents that cannot be computed.
     """
-    system.check_reach(omega, kappa)
     try:
         spectrum = system.spectrum(omega, kappa)
     except ArithmeticError as error:
@@ -134,7 +133,7 @@ def _even_point(system: EvenSystem, omega: float, kappa: float) -> dict[str, Any
     variables["mode"] = quantity("entry", size, "1", name)
     if "growth_rate_floquet" in variables and is_unstable(mode.eigenvalue.real, omega):
         motion = divergent_motion(system.of_diameter(mode.nodal_diameter), omega, kappa)
-        variables |= {name: ((), *value) for name, value in motion_measures(motion).items()}
+        variables |= motion_measures(motion)
         if motion.nodal_diameter == 1:
             scenario = motion_scenario(
                 shaft=motion.shaft_static, clearance_angle=motion.smallest_clearance_angle

@@ -41,7 +41,6 @@ def stability_chart(
         kappas: spring stiffnesses [N/m], ascending.
         progress: called with the finished points and all points.
     """
-    system.check_reach(omegas[-1], kappas[-1])
     growth = system.growth(omegas, kappas, progress)
     data = _ranges(system, omegas, kappas)
     if isinstance(system, EvenSystem):

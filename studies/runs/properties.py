@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import W
 from bladewhirl.models.case.excitation import CasingDistortion, Imbalance
 from bladewhirl.models.elements.build import numbers_within_reach
 from bladewhirl.models.elements.cyclic import NO_COLUMN
+from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.stage.build import marched_bodies
 from bladewhirl.models.stage.contact_problem import critical_time_step
 from bladewhirl.models.stage.loads import closing_unbalance, imbalance_force, radial_mode, unbalance
@@ -170,33 +173,29 @@ def _lowest_of_disk(stage: Stage) -> tuple[Mode, ...]:
     """Return the modes of the full model; mistuned modes are named as those of the reduced one."""
     frequencies, modes = stage.disk_frequencies, stage.reduction.modes
     if NO_COLUMN not in frequencies:
-        return tuple(
-            Mode(nodal_diameter=k, frequency=_rate(stage, values[0])) for k, values in frequencies.items()
-        )
-    lowest = frequencies[NO_COLUMN][: min(LOWEST, modes.count)]
-    return tuple(
-        Mode(
-            nodal_diameter=int(modes.nodal_diameter[i]),
-            frequency=_rate(stage, frequency),
-            purity=float(modes.purity[i]),
-        )
-        for i, frequency in enumerate(lowest)
-    )
+        lowest = {k: values[0] for k, values in frequencies.items()}
+        return tuple(Mode(nodal_diameter=k, frequency=_rate(stage, f)) for k, f in lowest.items())
+    return _modes(stage, modes, range(min(LOWEST, modes.count)), frequencies[NO_COLUMN])
 
 
 def _lowest_of_casing(stage: Stage) -> tuple[Mode, ...]:
     modes = stage.casing_modes  # in ascending order
     diameters, first = np.unique(modes.nodal_diameter, return_index=True)
-    if diameters[0] < 0:
-        first = np.arange(min(LOWEST, modes.count))
-        diameters = modes.nodal_diameter[first]
+    numbers = range(min(LOWEST, modes.count)) if diameters[0] < 0 else first.tolist()
+    return _modes(stage, modes, numbers, modes.frequency)
+
+
+def _modes(
+    stage: Stage, modes: Modes, numbers: Iterable[int], frequencies: FloatArray
+) -> tuple[Mode, ...]:
+    """Return modes by number, with their frequencies [rad/s]."""
     return tuple(
         Mode(
-            nodal_diameter=int(k),
-            frequency=_rate(stage, modes.frequency[i]),
+            nodal_diameter=int(modes.nodal_diameter[i]),
+            frequency=_rate(stage, frequencies[i]),
             purity=float(modes.purity[i]),
         )
-        for k, i in zip(diameters, first, strict=True)
+        for i in numbers
     )
 
 

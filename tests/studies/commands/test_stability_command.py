@@ -60,21 +60,6 @@ def test_physical_amplitudes_are_hundreds_of_times_weaker() -> None:
     assert not point["unstable"]
 
 
-def test_speeds_and_springs_beyond_all_frequencies_are_refused() -> None:
-    for arguments in (
-        ["--speed", "1e9", "--kappa", "500"],
-        ["--speed", "1.1", "--kappa", "1e29"],
-        ["--speeds", "1:1e9:3"],
-        ["--kappas", "0:1e29:3"],
-    ):
-        result = RUNNER.invoke(app, ["stability", FAN_STAGE, *arguments, "--json"])
-        assert (result.exit_code, result.stdout) == (2, "")
-        assert "beyond it growth is lost in rounding" in result.stderr
-    result = RUNNER.invoke(app, ["stability", FAN_STAGE, "--speed", "1e300", "--kappa", "500"])
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr.startswith("--speed 1e300: expected multiples of the reference frequency")
-
-
 @pytest.mark.parametrize("speed", ["0", "1e-9", "5e-324"])
 def test_rest_has_no_monodromy(speed: str) -> None:
     point = json.loads(run("--speed", speed, "--kappa", "500", "--json"))
@@ -191,6 +176,7 @@ def test_stable_point_has_no_divergent_mode(tmp_path: Path) -> None:
         (["--speed", "1", "--kappa", "-1"], "--kappa -1: expected a number of zero or more"),
         (["--speed", "1"], "--speed, --kappa: expected both"),
         (["--speed", "fast", "--kappa", "1"], "--speed fast: expected multiples of"),
+        (["--speed", "1e300", "--kappa", "1"], "--speed 1e300: expected multiples of"),
         (["--speeds", "1:2"], "--speeds 1:2: expected START:STOP:COUNT"),
         (["--kappas", "0:10:1"], "--kappas 0:10:1: expected a COUNT from 2"),
         (["--modes", "suspensoin"], ", did you mean suspension?"),
