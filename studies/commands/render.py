@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -30,24 +29,17 @@ SHEET_PICTURES = 9
 """Default number of pictures of a sheet."""
 
 
-class FrameOfView(StrEnum):
-    """Axes in which the picture is drawn."""
-
-    static = "static"
-    rotating = "rotating"
-
-
-class FieldOfColour(StrEnum):
-    """Field that colours beams and wall."""
-
-    displacement = "displacement"
-    deformation = "deformation"
-    velocity = "velocity"
-    axial_strain = "axial-strain"
-    bending_strain = "bending-strain"
-    stress = "stress"
-    gap = "gap"
-    part = "part"
+FrameOfView = Literal["static", "rotating"]
+FieldOfColour = Literal[
+    "displacement",
+    "deformation",
+    "velocity",
+    "axial-strain",
+    "bending-strain",
+    "stress",
+    "gap",
+    "part",
+]
 
 
 def render(
@@ -96,10 +88,10 @@ def render(
     ] = None,
     frame: Annotated[
         FrameOfView, typer.Option(help="Axes in which the picture is drawn.")
-    ] = FrameOfView.static,
+    ] = "static",
     colour: Annotated[
         FieldOfColour, typer.Option(help="Field that colours beams and wall.")
-    ] = FieldOfColour.displacement,
+    ] = "displacement",
     orbit: Annotated[
         bool, typer.Option("--orbit", help="Show the shaft's orbit in an inset.")
     ] = False,
@@ -133,7 +125,7 @@ def render(
             pictures.append((path, {"time": times} if times else sheet_window))
         else:
             pictures.append((path, window))
-    look: dict[str, Any] = {"frame": frame.value, "colour": colour.value, "orbit": orbit}
+    look: dict[str, Any] = {"frame": frame, "colour": colour, "orbit": orbit}
     with options_of_window(), open_result(directory) as result:
         for instant in times:
             check_inside(result, instant)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -24,12 +23,6 @@ from bladewhirl.studies.commands.progress import progress_bar
 if TYPE_CHECKING:
     from bladewhirl.studies.sweeps.plan import Plan
     from bladewhirl.studies.sweeps.sweep import Sweep
-
-
-class StopWhen(StrEnum):
-    """Reasons to end a march early."""
-
-    DAMPED = "damped"
 
 
 SHOWN_FAILURES = 10
@@ -58,7 +51,7 @@ def sweep(
         bool, typer.Option("--histories", help="Keep the full history of every point.")
     ] = False,
     stop_when: Annotated[
-        StopWhen | None,
+        Literal["damped"] | None,
         typer.Option(
             "--stop-when",
             help="End a march early when its answer is known: damped, free motion that has too"
@@ -124,7 +117,7 @@ def sweep(
                 workers=workers,
                 histories=histories,
                 large=yes,
-                stop_when=None if stop_when is None else "damped",
+                stop_when=stop_when,
                 dashboard=dashboard,
                 watch=watch,
             )
