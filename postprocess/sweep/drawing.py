@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import matplotlib
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from bladewhirl.postprocess.fields.kinematics import Array
-from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
-from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, SEQUENTIAL, new_figure
+from bladewhirl.postprocess.plotting.legends import Group, legends_below
+from bladewhirl.postprocess.plotting.style import COLOURS, SEQUENTIAL
 from bladewhirl.postprocess.plotting.titles import set_title
-from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_words, rpm_on_top
+from bladewhirl.postprocess.sweep.axes import key_words, rpm_on_top
 from bladewhirl.postprocess.sweep.quantities import LINE, other_keys
 
 MOST_LINES = 8  #: lines in a figure: more are not told apart
@@ -155,38 +154,6 @@ def title_figure(
     left_out = f" ({most} of {count} lines, the others are in the data)" if count > most else ""
     of_keys = f"\nlines: {keys}{left_out}" if keys else ""
     set_title(figure, data.attrs["case"], f"{data.attrs['title']}{note}{of_keys}")
-
-
-def two_columns(
-    data: xr.Dataset,
-    draw: Callable[[Axes, Axes, xr.Dataset], QuadMesh],
-    *,
-    coloured: int,
-    label: str,
-) -> Figure:
-    """Draw a row of two panels for each line; one column is coloured, the other has a legend.
-
-    Args:
-        data: over (line, key).
-        draw: draws both panels of a line; returns what is coloured.
-        coloured: number of the coloured column.
-        label: of its colours.
-    """
-    data = in_handy_units(data)
-    titles, shown = line_values(data), chosen(data.sizes[LINE], MOST_ROWS)
-    figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.05 * len(shown))
-    figure.set_layout_engine("constrained", wspace=0.08)
-    rows = figure.subplots(len(shown), 2, sharex=True, sharey="col", squeeze=False)
-    for number, (left, right) in zip(shown, rows, strict=True):
-        picture = draw(left, right, data.isel({LINE: number}))
-        left.set_title(titles[number], loc="left")
-    for axes in rows[-1]:
-        key_axis(axes, data, share=0.5)
-    figure.colorbar(picture, ax=rows[:, coloured].tolist(), label=label, pad=0.02)
-    rpm_on_top(data, *rows[0])
-    title_figure(figure, data, most=MOST_ROWS)
-    legends_below(figure, Group(entries_of(rows[0, 1 - coloured])))
-    return figure
 
 
 def chosen(count: int, most: int) -> list[int]:

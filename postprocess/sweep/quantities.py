@@ -202,6 +202,28 @@ def contact_sides(dataset: xr.Dataset, key: str) -> xr.Dataset:
     )
 
 
+def bifurcation(dataset: xr.Dataset, key: str) -> xr.Dataset:
+    """Poincaré sections and local maxima of the shaft's displacement in the last third.
+
+    A motion that repeats with every revolution has one section, one that repeats with every
+    second has two, a whirl out of step with the rotor lies in a band; a circle about the origin has
+    one radius in any case.
+
+    Args:
+        dataset: from `open_sweep`.
+        key: dimension to go along.
+
+    Returns:
+        over (line, key, section) [m]: `section_x` and `section_y`, whenever blade 0 lies on +x, so
+        the same in both frames; `section_radius`; `radius_peak`. NaN behind the last.
+    """
+    data = along(dataset, key, ["section_x", "section_y", "radius_peak"])
+    radius = ((data["section_x"] ** 2 + data["section_y"] ** 2) ** 0.5).assign_attrs(units="m")
+    return data.assign(section_radius=radius).assign_attrs(
+        title="bifurcation diagram: the shaft in the last third of each march"
+    )
+
+
 def cell_edges(values: Array, *, logarithmic: bool) -> Array:
     """Borders of cells around values, midway between them, (values + 1,).
 

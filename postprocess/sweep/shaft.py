@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.plotting.legends import Group
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.shaft.orbits import LONG_LINE
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
 from bladewhirl.postprocess.sweep.drawing import (
     MARK_SIZE,
@@ -25,6 +26,14 @@ WIDE = 1e3
 
 LEAST_WHIRL = 0.1
 """Frequency that the axis of whirl reaches at least on both sides [Hz]: less is noise."""
+
+SECTION_PARTS = {
+    "section_x": "x once a revolution",
+    "section_radius": "radius once a revolution",
+    "radius_peak": "local maxima of radius",
+}
+
+SECTION_SIZE = 2.2  #: size of marks of sections [points]
 
 PARTS = {"shaft_radius_max": "largest", "shaft_radius_final": "at the end"}
 
@@ -131,4 +140,37 @@ def plot_contact_sides(data: xr.Dataset) -> Figure:
     marks = [(band, "where contact is standard")]
     unsteady = open_mark(f"unsteady, below {STEADY:g} (open marks)")
     label_figure(figure, data, Group([*marks, unsteady]), lines_group(lines))
+    return figure
+
+
+@styled
+def plot_bifurcation(data: xr.Dataset) -> Figure:
+    """Draw sections and maxima in mm or µm as markers.
+
+    Args:
+        data: from `quantities.bifurcation`.
+    """
+    data = in_handy_units(data)
+    largest = max(
+        float(np.nanmax(np.abs(data[name].values), initial=0.0)) for name in SECTION_PARTS
+    )
+    unit, scale = handy_unit(float(max(sizes)), "m")
+    lines = lines_of(data)
+    figure = new_figure(width=FULL_WIDTH, height=0.17)
+    panels = figure.subplots(len(SECTION_PARTS), 1, sharex=True)
+    for axes, (name, label) in zip(panels, SECTION_PARTS.items(), strict=True):
+        for line in lines:
+            values = scale * line.data[name].values
+            axes.plot(
+                np.repeat(line.place, values.shape[1]),
+                values.ravel(),
+                line.mark,
+                color=line.colour,
+                markersize=SECTION_SIZE,
+                markeredgewidth=0.0,
+                rasterized=values.size > LONG_LINE,
+            )
+        axes.set_ylabel(f"{label} [{unit}]")
+    key_axis(panels[-1], data)
+    label_figure(figure, data, lines_group(lines, dashed=False))
     return figure

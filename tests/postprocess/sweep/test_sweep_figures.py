@@ -14,20 +14,19 @@ from typer.testing import CliRunner, Result
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.sweep import frequency_map as map_module
-from bladewhirl.postprocess.sweep.bifurcation import bifurcation
-from bladewhirl.postprocess.sweep.blades import blade_contacts
 from bladewhirl.postprocess.sweep.dataset import open_sweep
-from bladewhirl.postprocess.sweep.energies import point_energies
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map
 from bladewhirl.postprocess.sweep.maps import plot_sweep_maps, sweep_maps
 from bladewhirl.postprocess.sweep.quantities import (
+    bifurcation,
     cell_edges,
     contact_sides,
     regimes,
     shaft_radius,
     whirls,
 )
+from bladewhirl.postprocess.sweep.rows import blade_contacts, point_energies
 from bladewhirl.studies.commands.cli import app
 
 REFERENCE = 75.0  # rad/s

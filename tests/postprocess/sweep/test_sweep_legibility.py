@@ -17,15 +17,14 @@ from synthetic_sweep import synthetic_sweep
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.plotting.style import new_figure
 from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, linear_threshold
-from bladewhirl.postprocess.sweep.bifurcation import bifurcation, plot_bifurcation
 from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.drawing import lines_of
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map, plot_frequency_map
 from bladewhirl.postprocess.sweep.maps import DOUBTFUL, plot_sweep_maps, sweep_maps
-from bladewhirl.postprocess.sweep.quantities import contact_sides, regimes
+from bladewhirl.postprocess.sweep.quantities import bifurcation, contact_sides, regimes
 from bladewhirl.postprocess.sweep.regimes import plot_regimes
-from bladewhirl.postprocess.sweep.shaft import plot_contact_sides
+from bladewhirl.postprocess.sweep.shaft import plot_bifurcation, plot_contact_sides
 
 REFERENCE = 75.0  # rad/s
 SPEEDS = (1.0, 1.1, 1.2)

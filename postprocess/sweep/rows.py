@@ -1,0 +1,228 @@
+"""Figures of sweeps with a row of two panels for each line: contact of blades, strain energies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+
+from bladewhirl.postprocess.energy.strain import (
+    FIRST_FAMILY,
+    PLOT_DECADES,
+    energy_terms,
+    term_label,
+)
+from bladewhirl.postprocess.plotting.axes import decades, draw_map
+from bladewhirl.postprocess.plotting.legends import Group, entries_of, legends_below
+from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figure, styled
+from bladewhirl.postprocess.run.blade_contact import CLASS_COLOURS, CLASS_HATCHES, PERMANENT
+from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, key_edges, rpm_on_top
+from bladewhirl.postprocess.sweep.dataset import GROUP
+from bladewhirl.postprocess.sweep.drawing import (
+    DASHES,
+    MARKS,
+    MOST_ROWS,
+    chosen,
+    line_values,
+    title_figure,
+)
+from bladewhirl.postprocess.sweep.quantities import LINE, along
+from bladewhirl.postprocess.sweep.regimes import HATCH
+
+DIAMETER = "nodal_diameter"
+
+
+def two_columns(
+    data: xr.Dataset,
+    draw: Callable[[Axes, Axes, xr.Dataset], QuadMesh],
+    *,
+    coloured: int,
+    label: str,
+) -> Figure:
+    """Draw a row of two panels for each line; one column is coloured, the other has a legend.
+
+    Args:
+        data: over (line, key).
+        draw: draws both panels of a line; returns what is coloured.
+        coloured: number of the coloured column.
+        label: of its colours.
+    """
+    data = in_handy_units(data)
+    titles, shown = line_values(data), chosen(data.sizes[LINE], MOST_ROWS)
+    figure = new_figure(width=FULL_WIDTH, height=0.02 + 0.05 * len(shown))
+    figure.set_layout_engine("constrained", wspace=0.08)
+    rows = figure.subplots(len(shown), 2, sharex=True, sharey="col", squeeze=False)
+    for number, (left, right) in zip(shown, rows, strict=True):
+        picture = draw(left, right, data.isel({LINE: number}))
+        left.set_title(titles[number], loc="left")
+    for axes in rows[-1]:
+        key_axis(axes, data, share=0.5)
+    figure.colorbar(picture, ax=rows[:, coloured].tolist(), label=label, pad=0.02)
+    rpm_on_top(data, *rows[0])
+    title_figure(figure, data, most=MOST_ROWS)
+    legends_below(figure, Group(entries_of(rows[0, 1 - coloured])))
+    return figure
+
+
+def blade_contacts(dataset: xr.Dataset, key: str) -> xr.Dataset:
+    """Share of the last third in contact of each blade, and how many blades are of each class.
+
+    Args:
+        dataset: from `open_sweep`.
+        key: dimension to go along.
+
+    Returns:
+        over (line, key): `late_contact_share` (..., blade), nan for blades that a point has not;
+        `permanent` (99 % or more), `intermittent` and `free` (never), numbers of blades.
+    """
+    data = along(dataset, key, ["late_contact_share"])
+    share = data["late_contact_share"]
+    classes = {
+        "permanent": share >= PERMANENT,
+        "intermittent": (share > 0) & (share < PERMANENT),
+        "free": share == 0,
+    }
+    counts = {
+        name: members.sum("blade").where(data["state"] == "done").assign_attrs(units="1")
+        for name, members in classes.items()
+    }
+    return data.assign(counts).assign_attrs(
+        title="contact of the blades in the last third of each march"
+    )
+
+
+@styled
+def plot_blade_contacts(data: xr.Dataset) -> Figure:
+    """Draw each blade's share of the time in contact, white for zero, and the number of blades of
+    each class.
+
+    Args:
+        data: from `blade_contacts`.
+    """
+    return two_columns(data, _draw_line, coloured=0, label="time in contact [%], white: none")
+
+
+def _draw_line(left: Axes, right: Axes, one: xr.Dataset) -> QuadMesh:
+    _draw_counts(right, one)
+    return _draw_shares(left, one)
+
+
+def _draw_shares(axes: Axes, one: xr.Dataset) -> QuadMesh:
+    edges = key_edges(one)
+    blades = np.arange(one.sizes["blade"] + 1) - 0.5
+    share = 100 * one["late_contact_share"].values.T
+    axes.set(ylabel="blade, by its number")
+    axes.locator_params(axis="y", integer=True)
+    free = np.ma.masked_not_equal(share, 0.0)
+    draw_map(axes, edges, blades, free, cmap=ListedColormap(["white"]))
+    axes.patch.set(hatch=HATCH, edgecolor=CLASS_COLOURS["free"])  # where there is no result
+    touching = np.ma.masked_equal(share, 0.0)
+    return draw_map(axes, edges, blades, touching, vmin=0.0, vmax=100.0)
+
+
+def _draw_counts(axes: Axes, one: xr.Dataset) -> None:
+    """Numbers of blades, stacked; a gap where a point has no result."""
+    edges = key_edges(one)
+    below = np.zeros(len(edges) - 1)
+    for name, colour in CLASS_COLOURS.items():
+        count = one[name].fillna(0.0).values
+        axes.bar(
+            edges[:-1],
+            count,
+            np.diff(edges),
+            below,
+            align="edge",
+            color=colour,
+            hatch=CLASS_HATCHES[name],
+            edgecolor="white",
+            linewidth=0.0,
+            label=name,
+        )
+        below = below + count
+    axes.set(ylabel="number of blades", ylim=(0, one.sizes["blade"]))
+    axes.locator_params(axis="y", integer=True)
+    axes.grid(False)
+
+
+def point_energies(dataset: xr.Dataset, key: str) -> xr.Dataset:
+    """Mean strain energy [J] of the bladed disk over the window of the spectra.
+
+    Args:
+        dataset: from `open_sweep`.
+        key: dimension to go along.
+
+    Returns:
+        over (line, key): `suspension`; `first_family` (..., nodal_diameter); `rest`; `total`. A
+        nodal diameter that a point's stage has not is nan.
+    """
+    data = along(dataset, key, ["energy_mean"])
+    energy = data["energy_mean"]
+    names = energy[GROUP].values.astype(str)
+    family = np.char.startswith(names, f"{FIRST_FAMILY} k=")
+    diameters = [int(name.partition("=")[2]) for name in names[family]]
+    first = energy.isel({GROUP: family}).rename({GROUP: DIAMETER})
+    done = data["state"] == "done"
+    parts = {
+        "suspension": energy.sel({GROUP: "suspension"}, drop=True),
+        "first_family": first.assign_coords({DIAMETER: diameters}),
+        "rest": energy.sel({GROUP: "rest"}, drop=True),
+        "total": energy.sum(GROUP).where(done),
+    }
+    joule = {"units": "J"}
+    return (
+        data.drop_vars(["energy_mean", GROUP])
+        .assign({name: values.assign_attrs(joule) for name, values in parts.items()})
+        .assign_attrs(
+            title="mean strain energy of the bladed disk with its shaft springs",
+            window=dataset.attrs["window"],
+        )
+    )
+
+
+@styled
+def plot_point_energies(data: xr.Dataset) -> Figure:
+    """Draw energies of suspension, first family and the other modes, and the first family by nodal
+    diameter.
+
+    Args:
+        data: from `point_energies`.
+    """
+    top = float(data["total"].max()) or 1.0
+    floor = top * 10**-PLOT_DECADES
+
+    def draw_line(left: Axes, right: Axes, one: xr.Dataset) -> QuadMesh:
+        _draw_lines(left, one)
+        left.set_yscale("log")
+        left.set(ylim=(floor, 3 * top), ylabel="strain energy [J]")
+        return _draw_diameters(right, one, top)
+
+    return two_columns(data, draw_line, coloured=1, label=f"{FIRST_FAMILY} [J]")
+
+
+def _draw_lines(axes: Axes, one: xr.Dataset) -> None:
+    place = one[str(one.attrs["along"])].values
+    for (name, energy), dash, mark in zip(energy_terms(one).items(), DASHES, MARKS, strict=False):
+        axes.plot(
+            place,
+            energy.where(energy > 0),
+            linestyle=dash,
+            marker=mark,
+            color=COLOURS[name],
+            linewidth=2.0 if name == "total" else 1.0,
+            markersize=3,
+            label=term_label(name),
+        )
+
+
+def _draw_diameters(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
+    diameters = one[DIAMETER].values
+    axes.set(ylabel="nodal diameter k")
+    axes.locator_params(axis="y", integer=True)
+    rows = np.append(diameters, len(diameters)) - 0.5
+    energy = np.maximum(one["first_family"].values.T, top * 10**-PLOT_DECADES)
+    return draw_map(axes, key_edges(one), rows, energy, norm=decades(top, PLOT_DECADES))
