@@ -1,8 +1,7 @@
 """Build backend: setuptools, with the C sources of the marches and a compiler for them.
 
-Where no C compiler is on the path, the `ziglang` package serves as one. `BLADEWHIRL_PORTABLE=1`
-asks for a build that runs on all processors of a kind (`solvers/kernel/variants.h`); by default it is
-made for this machine.
+Where no C compiler is on the path, the `ziglang` package serves as one. A build is for this machine
+or, with `BLADEWHIRL_PORTABLE=1`, for all processors of its kind (`solvers/kernel/variants.h`).
 """
 
 from __future__ import annotations

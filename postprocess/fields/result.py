@@ -64,7 +64,8 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     """Return a result of any format with all coordinates of the schema.
 
     Variables that older formats lack are added: constant sections (format 1), recess of the tips at
-    rest and no growth (before 4), waves with the frequencies of the modes (before 5).
+    rest and no growth (before 4), waves with the frequencies of the modes (before 5), an unknown
+    work of closing (nan, before 6).
     """
     indices = {
         name: (name, index_values(name, dataset.sizes[name]), variable.attributes)
@@ -82,6 +83,9 @@ def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     for name in ("rotor_backward_frequency", "rotor_forward_frequency"):
         if name not in dataset:
             constant[name] = dataset["rotor_frequency"].assign_attrs(STATIC[name].attributes)
+    if "closing_work" not in dataset and "normal_work" in dataset:
+        unknown = xr.full_like(dataset["normal_work"], np.nan)
+        constant["closing_work"] = unknown.assign_attrs(HISTORY["closing_work"].attributes)
     described = [name for name, variable in STATIC.items() if variable.is_coordinate]
     return dataset.assign(constant).assign_coords(indices).set_coords(described)
 

@@ -307,6 +307,8 @@ static void account_dense(const DenseStage *stage, DenseState *state, DenseScrat
         sums[DENSE_DRAG * tips + tip] += impulse[touching + i];
         sums[DENSE_TOUCHED * tips + tip] += 1.0;
         work[DENSE_NORMAL] += impulse[i] / h * dot(normal, moved, modes);
+        double drift = s->before.at[i] - dot(normal, state->velocity.at, modes);
+        work[DENSE_CLOSING] += impulse[i] * (dot(normal, moved, modes) / h + drift);
         work[DENSE_FRICTION] += impulse[touching + i] / h * dot(shear, moved, modes);
     }
     counts[DENSE_CONTACT_STEPS] += counts[DENSE_CONTACTS] > 0.0;

@@ -18,7 +18,8 @@ enum { CHECK_EVERY = 100 };   /* steps between checks of displacements other tha
 
 /* Rows of forces and of nodal values: w, w', u, u' of the casing's nodes, then tips. */
 enum { W_KIND, W_SLOPE, U_KIND, U_SLOPE, PUSH, DRAG };
-enum { EXTERNAL, NORMAL, FRICTION, DAMPING, PARAMETRIC, WORKS };
+/* Works; CLOSING is the part of NORMAL that stops tips as their gaps close. */
+enum { EXTERNAL, NORMAL, FRICTION, DAMPING, PARAMETRIC, CLOSING, WORKS };
 enum { STEP_CONTACTS, LCP_FAILURES, LCP_PIVOTS, CONTACT_STEPS };
 enum { LOAD_END, LOAD_RAMP, LOAD_FREQUENCY, LOAD_PHASE, LOAD_NUMBERS };
 
@@ -178,7 +179,8 @@ typedef struct {
     Vector drag;     /* (tips) friction impulse since the last record [N s] */
     Vector touched;  /* (tips) steps with contact since the last record */
     Vector held;     /* (tips) 1 for tips in contact at the last step */
-    Vector work;     /* (5) external, normal, friction work, damping loss, parametric work [J] */
+    Matrix gaps;     /* (2, tips) at the last step and at this, by its parity [m] */
+    Vector work;     /* (6) EXTERNAL ... [J] */
     Vector residual; /* (1) largest complementarity residual */
     Vector counts;   /* (4) contacts at the last step, LCP failures, pivots, steps with contact */
 } State;
@@ -196,7 +198,7 @@ typedef struct {
     Matrix touched;         /* (records, tips) */
     Vector contacts;        /* (records) */
     Vector energy;          /* (records) half-step energy [J] */
-    Matrix work;            /* (records, 5) */
+    Matrix work;            /* (records, 6) */
 } Records;
 
 typedef struct {
@@ -264,7 +266,15 @@ int march(const Rotor *rotor, const Casing *casing, const Springs *springs, cons
           int64_t record_every, int64_t *reached);
 
 /* Works, quality, and sums since the last record of the dense schemes. */
-enum { DENSE_EXTERNAL, DENSE_NORMAL, DENSE_FRICTION, DENSE_DAMPING, DENSE_TURNING };
+enum {
+    DENSE_EXTERNAL,
+    DENSE_NORMAL,
+    DENSE_FRICTION,
+    DENSE_DAMPING,
+    DENSE_TURNING,
+    DENSE_CLOSING,
+    DENSE_WORKS
+};
 enum { DENSE_RESIDUAL, DENSE_CONTACT_STEPS, DENSE_UNSOLVED, DENSE_CONTACTS };
 enum { DENSE_GAP, DENSE_IMPULSE, DENSE_DRAG, DENSE_TOUCHED };
 
@@ -309,7 +319,7 @@ typedef struct {
     Vector displacement; /* (modes) x_n */
     Vector velocity;     /* (modes) v_n */
     Matrix sums;         /* (4, tips) smallest gap, impulse, drag, steps touched since the record */
-    Vector works;        /* (5) DENSE_EXTERNAL ... [J] */
+    Vector works;        /* (6) DENSE_EXTERNAL ... [J] */
     Vector counts;       /* (4) DENSE_RESIDUAL ... */
 } DenseState;
 

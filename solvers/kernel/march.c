@@ -128,7 +128,7 @@ static inline int solve_step(const March *m, int64_t step, int64_t *penetrating)
 }
 
 /* Add an accepted step to the sums and the ledger. */
-static inline void account(const March *m, int touching)
+static inline void account(const March *m, int64_t step, int touching)
 {
     State *state = m->state;
     Scratch *s = m->scratch;
@@ -143,8 +143,13 @@ static inline void account(const March *m, int touching)
         work[FRICTION] += s->contact.work.at[1];
         account_contact(m->numbers, state, &s->contact);
     }
-    for (int64_t j = 0; j < state->gap.size; j++)
+    double *before = state->gaps.at + (step + 1) % 2 * state->gaps.columns;
+    for (int64_t j = 0; j < state->gap.size; j++) {
+        if (touching)
+            work[CLOSING] += 0.5 * s->contact.multiplier.at[j] * (gap[j] - before[j]);
+        before[j] = gap[j];
         state->gap.at[j] = smaller(state->gap.at[j], gap[j]);
+    }
     if (m->loaded) {
         work[EXTERNAL] += external_work(&m->rotor->body, s->amplitude.at, x);
         work[EXTERNAL] += external_work(&m->casing->body, s->amplitude.at, y);
@@ -206,7 +211,7 @@ int march(const Rotor *rotor, const Casing *casing, const Springs *springs, cons
             status = DIVERGED;
             break;
         }
-        account(&m, penetrating > 0);
+        account(&m, step, penetrating > 0);
         state->work.at[PARAMETRIC] += energy[1];
         turn_slots(&m.x);
         turn_slots(&m.y);

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -122,6 +122,12 @@ class CentralDifference:
             slots.append(arrangement.pack(np.array([before, x, np.zeros_like(x)])))
         arrays = zeros("State", self._sizes())
         arrays |= {"rotor": slots[0], "casing": slots[1], "gap": initial_gap(problem)}
+        rotor, casing = (
+            arrangement.unpack(slot[0])
+            for arrangement, slot in zip(self._arrangements, slots, strict=True)
+        )
+        before = replace(problem, start=replace(start, rotor=rotor, casing=casing))
+        arrays["gaps"][:] = arrays["gap"], initial_gap(before, -dt)
         return CentralDifferenceState(step=0, arrays=arrays)
 
     def advance(
@@ -208,17 +214,23 @@ class CentralDifference:
             friction_work=work[:, lib.FRICTION],
             damping_work=work[:, lib.DAMPING],
             coupling_work=work[:, lib.PARAMETRIC],
+            closing_work=work[:, lib.CLOSING],
         )
 
 
-def initial_gap(problem: ContactProblem) -> FloatArray:
-    """Gap of each tip at t = 0 [m], (tips,), by the casing's Hermite interpolation."""
+def initial_gap(problem: ContactProblem, time: float = 0.0) -> FloatArray:
+    """Gap of each tip at the start [m], (tips,), by the casing's Hermite interpolation.
+
+    Args:
+        problem: with the displacements.
+        time: of the rotor's angle [s].
+    """
     casing, rotor, start = problem.casing, problem.rotor, problem.start
     nodes = len(casing.nodal)
-    position = np.mod(rotor.tip_angle * nodes / (2.0 * np.pi), nodes)
+    angle = rotor.tip_angle + problem.speed * time
     if problem.tip_rotation:
-        turn = rotor.tip_tangential @ start.rotor / rotor.tip_radius
-        position = np.mod(position + turn * nodes / (2.0 * np.pi), nodes)
+        angle = angle + rotor.tip_tangential @ start.rotor / rotor.tip_radius
+    position = np.mod(angle * nodes / (2.0 * np.pi), nodes)
     element = position.astype(np.int64) % nodes
     xi = position - np.floor(position)
     field = casing.nodal[:, :2] @ start.casing + casing.clearance

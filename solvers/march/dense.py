@@ -151,7 +151,7 @@ class _Dense:
             for name, array in zeros("DenseState", self._sizes).items()
         }
         gap, impulse, drag, touched = np.moveaxis(values["sums"], 1, 0)
-        external, normal, friction, damping, turning = values["works"].T
+        external, normal, friction, damping, turning, closing = values["works"].T
         return Chunk(
             step=step,
             time=np.asarray(step * self._dt, dtype=np.float64),
@@ -170,6 +170,7 @@ class _Dense:
             friction_work=friction,
             damping_work=damping,
             coupling_work=turning,
+            closing_work=closing,
         )
 
 

@@ -44,6 +44,7 @@ class Chunk:
     energy: FloatArray  #: half-step energy of bodies and springs between them [J], (records,)
     external_work: FloatArray  #: since the start [J], (records,)
     normal_work: FloatArray  #: of the normal contact forces [J]
+    closing_work: FloatArray  #: the part of it that stops tips as their gaps close [J]
     friction_work: FloatArray  #: of the friction forces [J]
     damping_work: FloatArray  #: lost to damping [J]
     coupling_work: (

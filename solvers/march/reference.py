@@ -54,12 +54,13 @@ class ReferenceState:
     step: int  #: n
     before: FloatArray  #: x_{n-1}, (modes,)
     now: FloatArray  #: x_n
+    gaps: tuple[FloatArray, FloatArray]  #: of x_{n-1} and x_n [m], (tips,)
     gap: FloatArray  #: smallest gap of each tip since the last record [m], (tips,)
     impulse: FloatArray  #: since the last record [N s], (tips,)
     drag: FloatArray  #: friction impulse since the last record [N s], (tips,)
     touched: FloatArray  #: steps with contact since the last record, (tips,)
     contacts: int  #: at the last step
-    work: FloatArray  #: external, normal, friction, damping, parametric [J], (5,)
+    work: FloatArray  #: external, normal, friction, damping, parametric, closing [J], (6,)
     statistics: Statistics
 
 
@@ -115,18 +116,20 @@ class Reference:
         lost = self._damping * v + self._by_velocity @ v
         force = self._force(0) + self._circulation(x)
         acceleration = force - lost - self._stiffness * x - self._spring_force(0, x)
-        normal, _, clearance = self._rows(x, 0)
-        none = np.zeros(len(clearance))
+        before = x - dt * v + 0.5 * dt**2 * acceleration
+        gaps = [self._gap(before, -1), self._gap(x, 0)]
+        none = np.zeros_like(gaps[0])
         return ReferenceState(
             step=0,
-            before=x - dt * v + 0.5 * dt**2 * acceleration,
+            before=before,
             now=x,
-            gap=clearance + normal @ x,
+            gaps=(gaps[0], gaps[1]),
+            gap=gaps[1],
             impulse=none,
             drag=none,
             touched=none,
             contacts=0,
-            work=np.zeros(5),
+            work=np.zeros(6),
             statistics=Statistics(
                 steps=0, contact_steps=0, complementarity_residual=0.0, pivots=0, lcp_failures=0
             ),
@@ -198,17 +201,19 @@ class Reference:
         lost = moved @ (self._damping * moved) / dt + moved @ step.damped
         done = [moved @ step.force, moved @ step.pressed, moved @ step.dragged, lost]
         turning = 0.5 * before @ turned + moved @ step.circulated
+        closing = 0.5 * step.multiplier @ (step.gap - state.gaps[0])
         before_it = state.statistics
         return ReferenceState(
             step=n + 1,
             before=x,
             now=step.after,
+            gaps=(state.gaps[1], step.gap),
             gap=np.minimum(state.gap, step.gap),
             impulse=state.impulse + dt * step.multiplier,
             drag=state.drag + dt * step.friction,
             touched=state.touched + touching,
             contacts=int(touching.sum()),
-            work=state.work + np.array([*done, turning]),
+            work=state.work + np.array([*done, turning, closing]),
             statistics=replace(
                 before_it,
                 steps=n + 1,
@@ -273,6 +278,11 @@ class Reference:
         tangential = np.hstack([-rotor.tip_tangential, under(casing.nodal[:, 2:])])
         return normal, tangential, under(casing.clearance) + rotor.tip_recess
 
+    def _gap(self, x: FloatArray, n: int) -> FloatArray:
+        """Gap of each tip at step n [m], (tips,)."""
+        normal, _, clearance = self._rows(x, n)
+        return clearance + normal @ x
+
     def _sliding(self, tangential: FloatArray, moved: FloatArray) -> FloatArray:
         """Direction of sliding of each tip, from the motion over the last step."""
         problem = self._problem
@@ -301,7 +311,7 @@ class Reference:
             np.reshape([getattr(state, name) for state in states], (len(states), tips))
             for name in ("gap", "impulse", "drag", "touched")
         )
-        work = np.reshape([state.work for state in states], (len(states), 5))
+        work = np.reshape([state.work for state in states], (len(states), 6))
         return Chunk(
             step=step,
             time=np.asarray(step * self._dt, dtype=np.float64),
@@ -320,6 +330,7 @@ class Reference:
             friction_work=work[:, 2],
             damping_work=work[:, 3],
             coupling_work=work[:, 4],
+            closing_work=work[:, 5],
         )
 
 

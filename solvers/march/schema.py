@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 RESULT_NAME = "result.nc"
 """The result's file in the folder of a run."""
 
-RESULT_FORMAT = 5
+RESULT_FORMAT = 6
 """Of result.nc. 1 and 2 carry no number: 1 lacks what is marked since 2, and neither has the
 coordinates marked since 3; these, recess and growth of tips, and frequencies of waves are added on
 opening."""

@@ -149,6 +149,7 @@ def synthetic_result(
             "energy": ("time", energy),
             "external_work": ("time", energy - energy[0] - friction_work + taken),
             "normal_work": ("time", np.zeros(records)),
+            "closing_work": ("time", np.zeros(records)),
             "friction_work": ("time", friction_work),
             "damping_work": ("time", damping_work),
             "coupling_work": ("time", coupling_work),
