@@ -29,6 +29,7 @@ class Works(TypedDict):
 
     load: float
     normal: float
+    closing: float | None  #: part of `normal` that stops tips; None where the result has it not
     friction: float
     springs: float
     damping: float  #: lost to it, positive
@@ -44,9 +45,11 @@ def works(dataset: xr.Dataset) -> Works:
     """
     normal, friction = (float(dataset[f"{name}_work"][-1]) for name in ("normal", "friction"))
     drive = float(drive_work(dataset)[-1])
+    closing = float(dataset["closing_work"][-1])
     return Works(
         load=float(dataset["external_work"][-1]),
         normal=normal,
+        closing=None if np.isnan(closing) else closing,
         friction=friction,
         springs=float(dataset["coupling_work"][-1]),
         damping=float(dataset["damping_work"][-1]),

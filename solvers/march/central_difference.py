@@ -126,8 +126,8 @@ class CentralDifference:
             arrangement.unpack(slot[0])
             for arrangement, slot in zip(self._arrangements, slots, strict=True)
         )
-        before = replace(problem, start=replace(start, rotor=rotor, casing=casing))
-        arrays["gaps"][:] = arrays["gap"], initial_gap(before, -dt)
+        earlier = replace(problem, start=replace(start, rotor=rotor, casing=casing))
+        arrays["gaps"][:] = arrays["gap"], initial_gap(earlier, -dt)
         return CentralDifferenceState(step=0, arrays=arrays)
 
     def advance(
