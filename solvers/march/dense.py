@@ -102,36 +102,24 @@ class _Dense:
         The state given stays as it was.
         """
         every = self._record_every if record_every is None else record_every
+        arrays = _copy(state.arrays)
+        step, last, ended = state.step, state.step + steps, None
+        scratch = Struct("DenseScratch", **zeros("DenseScratch", self._sizes))
+        structs = self._stage, self._law, Struct("DenseState", **arrays), scratch
         records: list[DenseState] = []
-        last, ended = state.step + steps, None
-        while state.step < last:
-            if state.step % every == 0:
-                records.append(state)
-                sums = np.zeros_like(state.arrays["sums"])
-                sums[lib.DENSE_GAP] = np.inf
-                state = DenseState(step=state.step, arrays=state.arrays | {"sums": sums})
-            count = min(every - state.step % every, last - state.step)
-            state, done = self._do(state, count)
+        while step < last and ended is None:
+            if step % every == 0:
+                records.append(DenseState(step=step, arrays=_copy(arrays)))
+                arrays["sums"][:] = 0.0
+                arrays["sums"][lib.DENSE_GAP] = np.inf
+            count = min(every - step % every, last - step)
+            done = dense_march(*structs, time_step=self._dt, first=step, steps=count)
+            step += done
             if done < count:
-                if not records or records[-1].step < state.step:
-                    records.append(state)
                 ended = EndReason.DIVERGENT
-                break
-        return state, self._chunk(records), ended
-
-    def _do(self, state: DenseState, steps: int) -> tuple[DenseState, int]:
-        """Advance up to a number of steps within the displacement limit."""
-        arrays = {name: array.copy() for name, array in state.arrays.items()}
-        done = dense_march(
-            self._stage,
-            self._law,
-            Struct("DenseState", **arrays),
-            Struct("DenseScratch", **zeros("DenseScratch", self._sizes)),
-            time_step=self._dt,
-            first=state.step,
-            steps=steps,
-        )
-        return DenseState(step=state.step + done, arrays=arrays), done
+                if not records or records[-1].step < step:
+                    records.append(DenseState(step=step, arrays=_copy(arrays)))
+        return DenseState(step=step, arrays=arrays), self._chunk(records), ended
 
     def _energy(self, state: DenseState) -> float:
         x, v, stage = state.arrays["displacement"], state.arrays["velocity"], self._stage
@@ -172,6 +160,10 @@ class _Dense:
             coupling_work=turning,
             closing_work=closing,
         )
+
+
+def _copy(arrays: dict[str, FloatArray]) -> dict[str, FloatArray]:
+    return {name: array.copy() for name, array in arrays.items()}
 
 
 class MoreauJean(_Dense):
