@@ -63,7 +63,6 @@ def reproduce(
     from bladewhirl.models.case.file import override_values
     from bladewhirl.studies.paper.judge import (
         REPEATS,
-        Callbacks,
         Plan,
         chosen_claims,
         reproduce_claims,
@@ -87,9 +86,8 @@ def reproduce(
         interruptible(remedy),
     ):
         watch = Watch(progress=lambda done, failed, total: points(done + failed, total))
-        callbacks = Callbacks(marches=marches, sweep=watch)
         card, evidence = reproduce_claims(
-            plan, output, workers=workers, scheduler=scheduler, progress=callbacks
+            plan, output, workers=workers, scheduler=scheduler, progress=marches, watch=watch
         )
     with evidence:
         written = write_scorecard(card, evidence, output)

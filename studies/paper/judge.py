@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -28,7 +28,7 @@ from bladewhirl.studies.paper.trials import (
     NotTestableError,
 )
 from bladewhirl.studies.runs import folder as run_directory
-from bladewhirl.studies.sweeps.cache import RunStore
+from bladewhirl.studies.sweeps.cache import Progress, RunStore
 from bladewhirl.studies.sweeps.sweep import Watch
 
 RUNS_NAME, FIGURES_NAME = "runs", "figures"
@@ -42,14 +42,6 @@ SMALLEST_STEP = 1e-4
 
 REPEATS = 3
 """Number of repeats of a claim on a march, each with a slightly different force."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Callbacks:
-    """Callbacks on the progress of a reproduction."""
-
-    marches: Callable[[int, int], None] = lambda done, all_of_them: None
-    sweep: Watch = field(default_factory=Watch)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,7 +97,8 @@ def reproduce_claims(
     *,
     workers: int | None = None,
     scheduler: str | None = None,
-    progress: Callbacks | None = None,
+    progress: Progress | None = None,
+    watch: Watch | None = None,
 ) -> tuple[Scorecard, Evidence]:
     """Judge claims; existing marches and sweeps in the folder are used again.
 
@@ -114,7 +107,8 @@ def reproduce_claims(
         directory: where marches and sweeps are.
         workers: processes that march; one a core when None.
         scheduler: address of an existing dask scheduler.
-        progress: how it goes.
+        progress: called with finished marches and all marches.
+        watch: callbacks on the progress of sweeps.
 
     Returns:
         the scorecard, and the evidence of the first repeat, still open, for figures.
@@ -122,7 +116,6 @@ def reproduce_claims(
     Raises:
         UserError: the folder can't be written, or the scheduler does not answer.
     """
-    progress = progress or Callbacks()
     store = RunStore(directory=directory / RUNS_NAME, workers=workers, scheduler=scheduler)
     repeats = [
         Evidence(
@@ -137,10 +130,10 @@ def reproduce_claims(
     ]
     first, *others = repeats
     names = needed(plan.claims, "trials")
-    store.make([case for evidence in repeats for case in evidence.cases(names)], progress.marches)
+    store.make([case for evidence in repeats for case in evidence.cases(names)], progress)
     for name in needed(plan.claims, "sweeps"):
         with suppress(NotTestableError):  # reported by the claims that need it
-            first.sweep(name, progress.sweep)
+            first.sweep(name, watch)
     findings = {claim: [claim.judge(first)] for claim in plan.claims}
     for evidence in others:
         with evidence:

@@ -45,7 +45,7 @@ def small(*overrides: str) -> Case:
     return loads("", overrides=[*SMALL, *overrides])
 
 
-FREE, CLOSE = small("casing.clearance=1.0"), small("casing.clearance=0.2 mm")
+CLOSE = small("casing.clearance=0.2 mm")
 SHORT = small("march.duration=5 ms")
 STEPS = [1e-5, 5e-6, 2.5e-6]
 MODES = [6, 12, 24]
@@ -55,7 +55,7 @@ MODES = [6, 12, 24]
 def store(tmp_path_factory: pytest.TempPathFactory) -> RunStore:
     """All marches, made at once: a worker takes seconds to start."""
     store = RunStore(directory=tmp_path_factory.mktemp("marches"), workers=1)
-    steps = [with_values(case, {TIME_STEP: step}) for case in (FREE, CLOSE) for step in STEPS]
+    steps = [with_values(CLOSE, {TIME_STEP: step}) for step in STEPS]
     modes = [with_values(small(), {MODES_KEPT: count}) for count in MODES]
     short = [with_values(SHORT, {TIME_STEP: 2e-6}), with_values(SHORT, {MODES_KEPT: 6}), SHORT]
     store.make([*steps, *modes, *short])
@@ -63,14 +63,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> RunStore:
     return store
 
 
-def test_order_of_a_power_law() -> None:
-    size = np.array([4.0, 2.0, 1.0, 0.5])
-    assert observed_order(size, 0.3 * size**1.5) == pytest.approx(1.5)
-    assert observed_order(size, np.array([8.0, 2.0, np.nan, 0.0])) == pytest.approx(2.0)
-    assert np.isnan(observed_order(size, np.array([1.0, 0.0, 0.0, np.nan])))
-
-
-@pytest.mark.parametrize("change", [[8.0, 2.0, 3.0], [1.0, 3.0, 2.0]])
+@pytest.mark.parametrize("change", [[8.0, 2.0, 3.0], [1.0, 3.0, 2.0], [1.0, 0.0, 0.0]])
 def test_differences_that_rise_and_fall_have_no_order(change: list[float]) -> None:
     assert np.isnan(observed_order(np.array([4.0, 2.0, 1.0, 0.5]), np.array([*change, np.nan])))
 
@@ -82,18 +75,6 @@ def test_the_order_is_found_whatever_the_steps(size: list[float], order: float) 
     error = 0.3 * steps**order
     change = np.abs(np.append(np.diff(error), np.nan))
     assert observed_order(steps, change) == pytest.approx(order, abs=1e-6)
-
-
-def test_second_order_without_contact(store: RunStore) -> None:
-    data = time_step_convergence(FREE, STEPS, store)
-    assert data["regime"].values.tolist() == ["no-contact"] * 3
-    assert data.attrs["displacement_order"] == pytest.approx(2.0, abs=0.05)
-    assert data.attrs["free_order"] == data.attrs["displacement_order"]
-    assert data.attrs["free_until"] == pytest.approx(0.02)
-    assert np.isnan(data.attrs["impulse_order"])
-    distance = data["distance"].values
-    assert distance[2] == 0.0
-    assert distance[0] / distance[1] == pytest.approx(5.0, rel=0.05)  # (16 - 1) / (4 - 1)
 
 
 def test_orders_before_and_in_contact(store: RunStore) -> None:
