@@ -151,9 +151,7 @@ def plot_bifurcation(data: xr.Dataset) -> Figure:
         data: from `quantities.bifurcation`.
     """
     data = in_handy_units(data)
-    largest = max(
-        float(np.nanmax(np.abs(data[name].values), initial=0.0)) for name in SECTION_PARTS
-    )
+    sizes = [np.nanmax(np.abs(data[name].values), initial=0.0) for name in SECTION_PARTS]
     unit, scale = handy_unit(float(max(sizes)), "m")
     lines = lines_of(data)
     figure = new_figure(width=FULL_WIDTH, height=0.17)
