@@ -187,8 +187,9 @@ static void correct_casing(const Casing *casing, int64_t size, int mixed, double
     c->work.at[1] += 0.5 * total(on_shear);
 }
 
-/* Sum up the impulses of an accepted step with contact. */
-static inline void account_contact(const Numbers *numbers, State *state, const ContactScratch *c)
+/* Sum up impulses of an accepted step with contact, and the work of tips whose gaps it closes. */
+static inline void account_contact(const Numbers *numbers, State *state, const ContactScratch *c,
+                                   const double *gap, const double *before)
 {
     int64_t contacts = 0;
     for (int64_t j = 0; j < c->multiplier.size; j++) {
@@ -200,6 +201,7 @@ static inline void account_contact(const Numbers *numbers, State *state, const C
             state->impulse.at[j] += impulse;
             state->drag.at[j] += numbers->friction * c->sign.at[j] * impulse;
             state->touched.at[j] += 1.0;
+            state->work.at[CLOSING] += 0.5 * c->multiplier.at[j] * (gap[j] - before[j]);
         }
     }
     state->counts.at[STEP_CONTACTS] = (double)contacts;

@@ -135,18 +135,16 @@ static inline void account(const March *m, int64_t step, int touching)
     Motion x = m->x, y = m->y;
     double *work = state->work.at;
     const double *gap = touching ? s->fields.gap.at : s->fields.free_gap.at;
+    double *before = state->gaps.at + (step + 1) % 2 * state->gaps.columns;
     state->counts.at[STEP_CONTACTS] = 0.0;
     if (touching) {
         double worst = complementarity_residual(m->numbers->gap_scale, &s->fields, &s->contact);
         state->residual.at[0] = larger(state->residual.at[0], worst);
         work[NORMAL] += s->contact.work.at[0];
         work[FRICTION] += s->contact.work.at[1];
-        account_contact(m->numbers, state, &s->contact);
+        account_contact(m->numbers, state, &s->contact, gap, before);
     }
-    double *before = state->gaps.at + (step + 1) % 2 * state->gaps.columns;
     for (int64_t j = 0; j < state->gap.size; j++) {
-        if (touching)
-            work[CLOSING] += 0.5 * s->contact.multiplier.at[j] * (gap[j] - before[j]);
         before[j] = gap[j];
         state->gap.at[j] = smaller(state->gap.at[j], gap[j]);
     }
