@@ -11,7 +11,6 @@ import xarray as xr
 from bladewhirl.files import claim_file
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError, writing
-from bladewhirl.models.inputs.units import Speed
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.stage.stage import Stage
@@ -24,7 +23,7 @@ from bladewhirl.studies.modal.campbell_at_speed import (
     names_of,
 )
 from bladewhirl.studies.modal.columns import Column, quantity, rows_of
-from bladewhirl.studies.modal.modes import full_stage
+from bladewhirl.studies.modal.modes import full_stage, speed_of
 from bladewhirl.studies.runs.figures_folder import save_figures
 
 Interval = tuple[float | str, float | str]
@@ -144,17 +143,10 @@ def campbell(
 
 def _multiples(name: str, ends: Interval, reference: float) -> tuple[float, float]:
     """Return both speeds as multiples of the reference frequency."""
-    try:
-        first, last = (Speed(end).multiple(reference) for end in ends)
-    except ValueError as error:
-        raise UserError(
-            f"campbell: {name} {ends!r}: expected two speeds, each a multiple of the reference"
-            f' frequency or text such as "2500 rpm" ({error})'
-        ) from None
+    label = f"campbell: {name} {ends!r}"
+    first, last = (speed_of(end, label).multiple(reference) for end in ends)
     if not 0.0 <= first < last:
-        raise UserError(
-            f"campbell: {name} {ends!r}: expected zero or more, and the second above the first"
-        )
+        raise UserError(f"{label}: expected zero or more, and the second above the first")
     return first, last
 
 

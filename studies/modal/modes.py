@@ -11,6 +11,8 @@ import xarray as xr
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import faults_from, read_case
 from bladewhirl.models.case.rotation import Effects
+from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.units import Speed
 from bladewhirl.models.modal.full_stage import ModalStage, Whirl, modal_stage
 from bladewhirl.models.modal.labels import LabelledModes
 from bladewhirl.models.modal.modes import is_first_of_pair
@@ -53,6 +55,25 @@ def full_stage(case_or_stage: Case | Stage | ModalStage) -> ModalStage:
     if isinstance(case_or_stage, ModalStage):
         return case_or_stage
     return modal_stage(case_or_stage if isinstance(case_or_stage, Case) else case_or_stage.case)
+
+
+def speed_of(value: Any, label: str) -> Speed:
+    """Return a speed.
+
+    Args:
+        value: multiples of the reference frequency, or text such as "2500 rpm".
+        label: name of the argument, for errors.
+
+    Raises:
+        UserError: another value.
+    """
+    try:
+        return Speed(value)
+    except ValueError as error:
+        raise UserError(
+            f"{label}: expected multiples of the reference frequency, or text in rpm, Hz or rad/s"
+            f" ({error})"
+        ) from None
 
 
 def stage_of_file(

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.inputs.units import Speed
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.stage.stage import Stage
 from bladewhirl.solvers.stability.floquet import coupled_floquet
@@ -20,7 +19,7 @@ from bladewhirl.solvers.stability.scenario import motion_scenario
 from bladewhirl.studies.modal.columns import quantity
 from bladewhirl.studies.modal.coupled_mode import divergent_motion, fastest_mode, motion_measures
 from bladewhirl.studies.modal.coupled_system import EvenSystem, System, couple
-from bladewhirl.studies.modal.modes import full_stage
+from bladewhirl.studies.modal.modes import full_stage, speed_of
 from bladewhirl.studies.modal.stability_chart import GROWTH, MULTIPLES, STIFFNESS, stability_chart
 
 SPEEDS, KAPPAS = np.linspace(0.6, 3.0, 600), np.linspace(0.0, 1000.0, 300)
@@ -69,14 +68,8 @@ def stability(
     if chart:
         speeds, kappas = np.atleast_1d(np.asarray(speed, float)), np.atleast_1d(kappa)
         return stability_chart(system, speeds * system.reference, kappas, progress)
-    try:
-        point_speed = Speed(speed)  # type: ignore[arg-type] # not an array
-    except ValueError as error:
-        raise UserError(
-            f"stability: speed {speed!r}: expected multiples of the reference frequency, or text in"
-            f" rpm, Hz or rad/s ({error})"
-        ) from None
-    return stability_point(system, point_speed.rad_per_s(system.reference), float(kappa))  # type: ignore[arg-type]
+    omega = speed_of(speed, f"stability: speed {speed!r}").rad_per_s(system.reference)
+    return stability_point(system, omega, float(kappa))  # type: ignore[arg-type]  # not an array
 
 
 def stability_point(system: System, omega: float, kappa: float) -> xr.Dataset:

@@ -46,14 +46,11 @@ def test_new_where_nothing_can_be_written(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("value", ["material.young_modulus=1e29", "shaft.stiffness=1e-29"])
-@pytest.mark.parametrize("command", ["modes", "run"])
-def test_numbers_beyond_double_precision_are_one_line(
-    tmp_path: Path, command: str, value: str
-) -> None:
+def test_numbers_beyond_double_precision_are_one_line(tmp_path: Path, value: str) -> None:
     path = tmp_path / "extreme.toml"
     path.write_text("bladed_disk = { blades = 5, elements_per_blade = 2 }\ncasing.elements = 20")
     few = ["--set", "reduction.fixed_interface_modes=10", "--set", value]
-    done = RUNNER.invoke(app, [*command.split(), str(path), "-o", str(tmp_path / "out"), *few])
+    done = RUNNER.invoke(app, ["run", str(path), "-o", str(tmp_path / "out"), *few])
     assert (done.exit_code, done.stdout) == (2, "")
     [line] = done.stderr.splitlines()
     place = f"--set: {value.replace('=', ' = ')}: expected 1e+09 to 1e+12 Pa for a solid"

@@ -32,29 +32,3 @@ def test_surfaces_in_a_named_folder(run: Path, tmp_path: Path) -> None:
     assert rotor.area > 0
     assert casing.area > 0
     assert contact.n_points == 22
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--from", "0.3", "--to", "0.1"], "--from, --to: window [0.3, 0.1] s must be ordered"),
-        (["--exaggeration", "-2"], "exaggeration must be a positive number"),
-        (["-o", "file/series"], "file/series: cannot be written"),
-    ],
-)
-def test_bad_input_is_one_line(
-    run: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    arguments: list[str],
-    message: str,
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "file").touch()
-    before = sorted(run.rglob("*"))
-    done = RUNNER.invoke(app, ["export", str(run), *arguments])
-    assert done.exit_code == 2
-    assert message in done.stderr
-    assert len(done.stderr.splitlines()) == 1
-    assert sorted(run.rglob("*")) == before
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]

@@ -168,15 +168,13 @@ def test_the_displacement_limit_is_reported_once(tmp_path: Path) -> None:
     assert words.count("Look at its load.") == 1
 
 
-@pytest.mark.parametrize("kind", ["nothing", "no folder", "broken", "foreign", "one record"])
+@pytest.mark.parametrize("kind", ["no folder", "broken", "one record"])
 def test_invalid_runs_are_one_line(tmp_path: Path, kind: str) -> None:
     place = tmp_path / "place"
     if kind != "no folder":
         place.mkdir()
     if kind == "broken":
         (place / "result.nc").write_text("broken")
-    if kind == "foreign":
-        xr.Dataset({"a": 1.0}).to_netcdf(place / "result.nc", engine="h5netcdf")
     if kind == "one record":
         one = synthetic.synthetic_result(records=1)
         one.to_netcdf(place / "result.nc", engine="h5netcdf")

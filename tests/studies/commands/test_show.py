@@ -155,28 +155,6 @@ def test_lowest_modes_without_symmetry(path: Path) -> None:
     assert {f"{hertz:.6g}" for hertz in disk} | shares <= set(words)
 
 
-@pytest.mark.parametrize(
-    ("values", "line"),
-    [
-        (
-            ["march.time_step=5e-6"],
-            "--set: march.time_step = 5e-6: expected less than the critical",
-        ),
-        (
-            ["reduction.fixed_interface_modes=1000"],
-            "--set: reduction.fixed_interface_modes = 1000:",
-        ),
-        (["casing.elements=two"], '--set: casing.elements = "two": expected a whole number'),
-    ],
-)
-def test_faults_are_one_line(path: Path, values: list[str], line: str) -> None:
-    arguments = [part for value in values for part in ("--set", value)]
-    done = RUNNER.invoke(app, ["show", str(path), *arguments])
-    assert (done.exit_code, done.stdout) == (2, "")
-    [message] = done.stderr.splitlines()
-    assert message.startswith(line)
-
-
 @pytest.mark.usefixtures("can_draw")
 def test_a_drawing_of_the_stage(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
