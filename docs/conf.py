@@ -19,7 +19,8 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "mathml",
+    "sphinx.ext.mathjax",
+    "sphinx-mathjax-offline",
     "outside",
     "pages",
     "executed",
@@ -40,6 +41,5 @@ html_theme = "furo"
 html_title = "bladewhirl"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
-html_math_renderer = "mathml"
 html_copy_source = False
 html_theme_options = {"navigation_with_keys": True}
