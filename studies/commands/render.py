@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -20,14 +20,6 @@ from bladewhirl.studies.commands.options import (
     time_of,
 )
 from bladewhirl.studies.commands.progress import progress_bar
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-
-SHEET_PICTURES = 9
-"""Default number of pictures of a sheet."""
-
 
 FrameOfView = Literal["static", "rotating"]
 FieldOfColour = Literal[
@@ -104,8 +96,10 @@ def render(
     show 120 pictures, close enough for a smooth turn, of the strongest contact.
     """
     from bladewhirl.files import check_file
+    from bladewhirl.postprocess.fields.kinematics import sampling_hint
     from bladewhirl.postprocess.fields.result import open_result
     from bladewhirl.postprocess.pictures.render import check_inside
+    from bladewhirl.studies.runs.render import SHEET_PICTURES, window_records
     from bladewhirl.studies.runs.render import render as draw
 
     flags = {"gif": gif, "mp4": mp4, "png": png, "sheet": sheet, "html": page}
@@ -137,31 +131,15 @@ def render(
                 draw(result, path, **chosen, **look, exaggeration=exaggeration, progress=update)
             if "time" in chosen:
                 typer.echo(f"Wrote {path}.")
-            else:
-                _report_window(result, path, **chosen)
+                continue
+            records = window_records(result, path, **chosen)
+            first, last = result["time"].values[records[[0, -1]]]
+            typer.echo(f"Wrote {path}: {len(records)} pictures from {first:.6g} s to {last:.6g} s.")
+            hint = "" if path.suffix.lower() == ".png" else sampling_hint(result, records)
+            if hint:
+                typer.echo(f"Hint: {hint}; --from and --to choose another window.", err=True)
     for path, _ in pictures:
         claim_output(path, named=output is not None, overwrite=True)
-
-
-def _report_window(
-    result: xr.Dataset, path: Path, *, frames: int | None, start: float | None, end: float | None
-) -> None:
-    """Print the number of pictures and their window, with hints for films."""
-    from bladewhirl.postprocess.fields.kinematics import sampling_hint
-    from bladewhirl.postprocess.pictures.render import animation_records, sheet_records
-
-    if path.suffix.lower() == ".png":
-        records = sheet_records(result, frames or SHEET_PICTURES, start=start, end=end)
-    else:
-        records = animation_records(result, frames=frames, start=start, end=end)
-    first, last = result["time"].values[records[[0, -1]]]
-    typer.echo(f"Wrote {path}: {len(records)} pictures from {first:.6g} s to {last:.6g} s.")
-    if path.suffix.lower() != ".png":
-        hint = sampling_hint(result, records)
-        if hint:
-            typer.echo(f"Hint: {hint}.", err=True)
-        if start is None and end is None:
-            typer.echo("Hint: --from and --to choose another window.", err=True)
 
 
 def _targets(directory: Path, output: Path | None, kinds: list[str]) -> dict[str, Path]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import writing
 
 if TYPE_CHECKING:
@@ -78,18 +79,27 @@ def render(
     with opened(result) as dataset, writing(target):
         if kind == ".png" and not windowed and not isinstance(time, Sequence):
             return pictures.render_still(dataset, target, time=time, orbit=orbit, **look)
+        if isinstance(time, Sequence):
+            for instant in time:
+                pictures.check_inside(dataset, instant)
+            records = nearest_records(dataset, np.array(time))
+        else:
+            records = window_records(dataset, target, frames=frames, start=start, end=end)
         if kind == ".png":
-            if isinstance(time, Sequence):
-                for instant in time:
-                    pictures.check_inside(dataset, instant)
-                records = nearest_records(dataset, np.array(time))
-            else:
-                count = frames or SHEET_PICTURES
-                records = pictures.sheet_records(dataset, count, start=start, end=end)
             return pictures.render_sheet(dataset, target, records, **look)
-        records = pictures.animation_records(dataset, frames=frames, start=start, end=end)
         if kind == ".html":
             return render_page(dataset, target, records, progress=progress, **look)
         return pictures.render_animation(
             dataset, target, records, orbit=orbit, progress=progress, **look
         )
+
+
+def window_records(
+    result: xr.Dataset, path: Path, *, frames: int | None, start: float | None, end: float | None
+) -> IntArray:
+    """Return the records of a sheet, which is a .png file, or of a film; see `render`."""
+    from bladewhirl.postprocess.pictures import render as pictures
+
+    if path.suffix.lower() == ".png":
+        return pictures.sheet_records(result, frames or SHEET_PICTURES, start=start, end=end)
+    return pictures.animation_records(result, frames=frames, start=start, end=end)

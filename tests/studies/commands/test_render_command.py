@@ -20,7 +20,6 @@ def test_each_kind_goes_to_the_folder_of_the_run(run: Path) -> None:
     with Image.open(run / "animation.gif") as film:
         assert getattr(film, "n_frames", 1) == 4
     assert "4 pictures from" in done.stdout
-    assert "--from and --to choose another window" in done.stderr
     assert RUNNER.invoke(app, ["render", str(run / "result.nc"), "--png"]).exit_code == 0
     assert (run / "still.png").is_file()
 
@@ -39,7 +38,7 @@ def test_a_named_file_and_a_window_with_units(run: Path, tmp_path: Path) -> None
 
 @pytest.mark.usefixtures("can_draw")
 def test_stills_at_times_and_a_sheet(run: Path, tmp_path: Path) -> None:
-    times = ["--time", "50 ms", "--time", "0.1", "--time", "0.2"]
+    times = ["--time", "50 ms", "--time", "0.1"]
     still = ["render", str(run), "-o", str(tmp_path / "at.png"), "--colour", "gap", "--orbit"]
     done = RUNNER.invoke(app, [*still, *times])
     assert done.exit_code == 0, done.stderr
@@ -48,7 +47,7 @@ def test_stills_at_times_and_a_sheet(run: Path, tmp_path: Path) -> None:
     assert done.exit_code == 0, done.stderr
     assert "4 pictures" in done.stdout
     assert {path.name for path in tmp_path.iterdir()} == {
-        *(f"at_{number}.png" for number in (1, 2, 3)),
+        *(f"at_{number}.png" for number in (1, 2)),
         "many.png",
     }
 
