@@ -14,7 +14,6 @@ from bladewhirl.studies.commands.options import (
     Rotating,
     RunFolder,
     Start,
-    options_of_window,
     output_option,
 )
 from bladewhirl.studies.commands.progress import progress_bar
@@ -51,7 +50,7 @@ def export(
     from bladewhirl.postprocess.paraview.series import series_records, write_series
 
     folder = output or (directory if directory.is_dir() else directory.parent) / VTK
-    with options_of_window(), open_result(directory) as result:
+    with open_result(directory) as result:
         records = series_records(result, frames, start, end)
         with progress_bar(folder.name) as update, writing(folder):
             index = write_series(

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -160,9 +159,7 @@ def span_option(name: str, help_text: str, *, unit: str = "", counted: bool = Fa
     return typer.Option(name, parser=parser, metavar=form, help=help_text)
 
 
-CaseFolder = Annotated[
-    Path | None, output_option("Folder to make; CASE-COMMAND by default, for a chart or figures.")
-]
+CaseFolder = Annotated[Path | None, output_option("Folder to make; CASE-COMMAND by default.")]
 CaseFile = Annotated[Path, typer.Argument(help="Case file.", show_default=False)]
 RunFolder = Annotated[
     Path, typer.Argument(metavar="DIR", help="Folder of a run, or its result.nc.")
@@ -224,20 +221,3 @@ def refuse_both(scheduler: str | None, workers: int | None) -> None:
     """Refuse a scheduler together with a number of local workers."""
     if scheduler is not None and workers is not None:
         raise UserError("--scheduler, --workers: expected one of them; a scheduler has its workers")
-
-
-@contextmanager
-def options_of_window() -> Iterator[None]:
-    """Name --from and --to in errors of the window that they span.
-
-    Raises:
-        UserError: the error of the view, after the options if its window is to blame.
-    """
-    from bladewhirl.postprocess.fields.kinematics import ViewError
-
-    try:
-        yield
-    except ViewError as error:
-        if not str(error).startswith("window "):
-            raise
-        raise UserError(f"--from, --to: {error}") from None

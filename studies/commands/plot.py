@@ -14,7 +14,6 @@ from bladewhirl.studies.commands.options import (
     End,
     Replace,
     Start,
-    options_of_window,
     output_option,
 )
 
@@ -82,7 +81,7 @@ def plot(
     if of_sweep and (start is not None or end is not None):
         raise UserError(f"{directory}: expected no --from and --to with a sweep")
     folder = output or (directory if directory.is_dir() else directory.parent) / PLOTS
-    with options_of_window(), _opened(directory, start, end) as figures:
+    with _opened(directory, start, end) as figures:
         for name in figure_names if ALL in names else dict.fromkeys(names):
             try:
                 figure, drawn = figures.draw(name)

@@ -15,7 +15,6 @@ from bladewhirl.studies.commands.options import (
     RunFolder,
     Start,
     claim_output,
-    options_of_window,
     output_option,
     time_of,
 )
@@ -120,7 +119,7 @@ def render(
         else:
             pictures.append((path, window))
     look: dict[str, Any] = {"frame": frame, "colour": colour, "orbit": orbit}
-    with options_of_window(), open_result(directory) as result:
+    with open_result(directory) as result:
         for instant in times:
             check_inside(result, instant)
         for path, _ in pictures:

@@ -67,7 +67,7 @@ def test_a_window_and_a_folder(directory: Path, tmp_path: Path) -> None:
         (["waterfall", "orbit", "bode"], "waterfall, bode: a run has orbit, whirl, "),
         (
             ["orbit", "--from", "0.3", "--to", "0.1"],
-            "--from, --to: window [0.3, 0.1] s: expected a start",
+            "window [0.3, 0.1] s: expected a start",
         ),
         (["energy-cyclic"], "energy-cyclic: expected energy-families, which replaces it"),
     ],
