@@ -8,10 +8,16 @@ SI; text carries its own unit, "1 mm". Other geometries join as further optional
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import Field, SerializerFunctionWrapHandler, StrictStr, model_serializer
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    StrictStr,
+    ValidationError,
+    model_serializer,
+)
 
 from bladewhirl.models.case.analysis import Contact, Coupling, Damping, Initial, March, Reduction
 from bladewhirl.models.case.bladed_disk import BladedDisk, DiskSection
@@ -26,6 +32,7 @@ from bladewhirl.models.case.excitation import (
 from bladewhirl.models.case.rotation import Rotation
 from bladewhirl.models.case.shaft import Shaft
 from bladewhirl.models.case.sketch import SketchTable
+from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.models.sections.around_ring import Lobe
@@ -54,9 +61,8 @@ class Case(Table):
     """A bladed disk on its shaft, a casing, a load and a speed; the default is the fan stage.
 
     Raises:
-        pydantic.ValidationError: values that are no case, as all tables made by keyword do; a
-            ``ValueError``. `case_from` checks the same as nested dicts and raises a `CaseError`
-            with a line a fault.
+        CaseError: with all faults, as for a case file. Other tables made by keyword raise
+            pydantic's ``ValidationError``.
     """
 
     title: StrictStr = "Fan stage"
@@ -77,6 +83,16 @@ class Case(Table):
     """A bladed disk drawn in Python, in place of [bladed_disk]."""
     coupling: Coupling = Coupling()
     march: March = March()
+
+    if not TYPE_CHECKING:  # type checkers see the keys
+
+        def __init__(self, **tables: Any) -> None:
+            from bladewhirl.models.case.check import faults_of
+
+            try:
+                super().__init__(**tables)
+            except ValidationError as error:
+                raise CaseError(faults_of(error, tables)) from None
 
     def __repr__(self) -> str:
         """The stage and its march on one screen, a line a table, in handy units."""

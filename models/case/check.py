@@ -12,7 +12,7 @@ from pydantic_core import ErrorDetails
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EXCITATIONS
-from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.inputs.errors import Fault
 from bladewhirl.models.inputs.fields import EXPECTED
 from bladewhirl.models.inputs.table import INCONSISTENT, Table
 from bladewhirl.models.inputs.toml import toml_key
@@ -36,11 +36,17 @@ def case_from(tables: Mapping[str, Any]) -> Case:
         CaseError: with all faults; contradictions between values are reported once each value is
             valid by itself.
     """
-    try:
-        return Case.model_validate(tables)
-    except ValidationError as error:
-        faults = [_fault(details, tables) for details in error.errors(include_url=False)]
-        raise CaseError(faults) from None
+    return Case(**tables)
+
+
+def faults_of(error: ValidationError, tables: Mapping[str, Any]) -> list[Fault]:
+    """Return the faults in pydantic's error on a case.
+
+    Args:
+        error: of the validation.
+        tables: that were validated.
+    """
+    return [_fault(details, tables) for details in error.errors(include_url=False)]
 
 
 def _fault(details: ErrorDetails, tables: Mapping[str, Any]) -> Fault:

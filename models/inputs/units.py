@@ -203,7 +203,7 @@ def _parse(text: str) -> pint.Quantity[Decimal]:
 
 
 def _spelled_out(unit: str) -> str:
-    plain = unit.replace("·", "*").replace("²", "2").replace("³", "3")
+    plain = unit.replace("·", "*").replace("²", "2").replace("³", "3").replace("RPM", "rpm")
     return _POWER.sub(r"**\1", plain)
 
 

@@ -90,6 +90,9 @@ def time_step_faults(stage: Stage) -> Iterator[Fault]:
     if not abs(stage.speed) * step < element:
         fastest = element / step / stage.reference_frequency
         expected = f"less than {fastest:.6g}, at which a tip passes a casing element every step"
+        speed = case.march.speed
+        if speed.kind == "normalised":
+            expected += f'; a number counts reference frequencies, "{speed.given:g} rpm" turns'
         yield case_fault(case, "march.speed", expected)
 
 

@@ -20,6 +20,7 @@ from bladewhirl.models.case.case import (
 )
 from bladewhirl.models.case.excitation import EXCITATIONS, CasingDistortion, Harmonic, Imbalance
 from bladewhirl.models.case.file import case_from, with_values
+from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
 
@@ -373,7 +374,9 @@ def test_a_case_can_be_built_in_python_and_is_frozen() -> None:
 def test_python_gets_the_same_checks() -> None:
     with pytest.raises(ValidationError, match=r"expected less than bladed_disk\.tip_radius"):
         BladedDisk(tip_radius=0.1, disk_radius=0.2)
-    with pytest.raises(ValidationError, match=r"shaft\.clamped = false"):
+    with pytest.raises(CaseError, match=r"casing.clearence = 1: .*nearest is casing.clearance"):
+        Case(casing={"clearence": 1})
+    with pytest.raises(CaseError, match=r"shaft\.clamped = false"):
         Case(shaft=Shaft(clamped=True), excitation=Imbalance())
     with pytest.raises(ValidationError, match="either unbalance or clearance_speed"):
         Imbalance(unbalance=1.0, clearance_speed=1.0)

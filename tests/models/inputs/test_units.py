@@ -98,6 +98,7 @@ def test_any_text_is_a_number_or_a_refusal(text: str) -> None:
     ("text", "turns"),
     [
         ("2500 rpm", 2500 / 60),
+        ("2500 RPM", 2500 / 60),
         ("-60 rpm", -1.0),
         ("50 Hz", 50.0),
         ("0.05 kHz", 50.0),
