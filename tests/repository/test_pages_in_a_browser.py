@@ -24,7 +24,10 @@ BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), ""
 )
 
-pytestmark = pytest.mark.skipif(not BROWSER, reason="no chromium or chrome is installed")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not BROWSER, reason="no chromium or chrome is installed"),
+]
 
 HOSTILE = (
     "<!--<script>@PLACES@ {{ 7 * 7 }} </script><script>document.body.id = 'ran'</script>"
