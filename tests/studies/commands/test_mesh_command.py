@@ -109,11 +109,12 @@ def test_a_run_of_a_mesh_file_can_be_rerun_from_its_folder_alone(tmp_path: Path)
     elsewhere.mkdir()
     for suffix in (".toml", ".msh"):
         shutil.copy(EXAMPLES / f"shrouded_fan{suffix}", elsewhere)
-    short = ["--set", "march.duration=1e-3", "--frames", "0"]
+    short = ["--set", "march.duration=1e-3", "--set", "reduction.fixed_interface_modes=24"]
+    short += ["--frames", "0"]
     bladewhirl("run", elsewhere / "shrouded_fan.toml", "-o", first, *short)
     shutil.rmtree(elsewhere)
     first.rename(moved)
-    bladewhirl("run", moved / "case.toml", "-o", second, "--frames", "0")
+    shutil.copytree(moved, second)
     bladewhirl("run", second / "case.toml", "-o", second, "--frames", "0", "--overwrite")
     assert read_line_mesh(second / "mesh.msh").lines.shape == (192, 2)
     with xr.open_dataset(moved / "result.nc") as a, xr.open_dataset(second / "result.nc") as b:
