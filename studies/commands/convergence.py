@@ -20,7 +20,7 @@ from bladewhirl.studies.commands.options import (
 )
 from bladewhirl.studies.commands.output import emit, facts, table
 from bladewhirl.studies.commands.progress import progress_bar
-from bladewhirl.studies.modal.columns import Column, rows_of, texts
+from bladewhirl.studies.modal.columns import Column, rows_of
 
 TIME_STEP, MODES = Column("time_step", "Δt [µs]", ".4g", 1e6), Column("modes", "modes η", "d")
 COLUMNS = (
@@ -39,7 +39,7 @@ ORDERS = (
     Column("time_steps.impulse_order", "order in the time step, contact impulse", ".3g"),
     Column("modes.motion_converged", "same regime with all numbers of modes (1: yes)", "d"),
 )
-"""Orders are missing with too few differences, or where these are not monotone."""
+"""An order is a dash with too few differences, or where these are not monotone."""
 
 
 def convergence(
@@ -95,4 +95,5 @@ def convergence(
             (result.modes, (MODES, *COLUMNS), "Refinement of the modes"),
         )
     ]
-    emit(document, *tables, facts(texts(document, ORDERS)), json=json, written=[folder])
+    orders = {column.heading: column.text(document) for column in ORDERS}
+    emit(document, *tables, facts(orders), json=json, written=[folder])
