@@ -6,9 +6,12 @@ from typing import TypedDict
 
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.windows import late_part
+from bladewhirl.postprocess.plotting.style import new_figure, styled, time_axis
+from bladewhirl.postprocess.plotting.titles import head
 
 SOURCES = {
     "load": "the load",
@@ -56,6 +59,65 @@ def works(dataset: xr.Dataset) -> Works:
         drive=drive,
         heat=drive - normal - friction,
     )
+
+
+LEDGER = {
+    "load": "load",
+    "closing": "normal forces, tips that close in",
+    "passing": "normal forces, wall that passes",
+    "normal": "normal forces",
+    "friction": "friction",
+    "springs": "springs that stand still",
+    "damping": "damping",
+}
+"""Works of the balance and their names; normal forces are one where a result does not tell."""
+
+
+def work_histories(dataset: xr.Dataset) -> xr.Dataset:
+    """Return works since the start over time; what feeds the motion is positive.
+
+    Args:
+        dataset: a result.
+
+    Returns:
+        load, closing and passing (the two parts of the work of normal forces; normal where
+        they are not known), friction, springs, damping and energy, the sum of all that.
+    """
+    terms = {
+        "load": dataset["external_work"],
+        "closing": dataset["closing_work"],
+        "passing": dataset["normal_work"] - dataset["closing_work"],
+        "friction": dataset["friction_work"],
+        "springs": dataset["coupling_work"],
+        "damping": -dataset["damping_work"],
+        "energy": dataset["energy"],
+    }
+    if dataset["closing_work"].isnull().any():
+        del terms["closing"], terms["passing"]
+        terms["normal"] = dataset["normal_work"]
+    described = {
+        name: (term.dims, term.values, {"units": "J", "long_name": LEDGER.get(name, name)})
+        for name, term in terms.items()
+    }
+    return xr.Dataset(described, coords={"time": dataset["time"]}, attrs=dataset.attrs)
+
+
+@styled
+def plot_work(histories: xr.Dataset) -> Figure:
+    """Draw works and energy over time, from `work_histories`; works that are zero are left out."""
+    figure = new_figure(height=0.062)
+    axes = figure.add_subplot()
+    time = histories["time"].values
+    for name, label in LEDGER.items():
+        if name in histories and histories[name].any():
+            axes.plot(time, histories[name].values, linewidth=1.0, label=label)
+    energy = histories["energy"].values
+    axes.plot(time, energy, color="0.75", linewidth=2.5, zorder=1, label="energy, their sum")
+    axes.set_ylabel("work since the start [J]")
+    figure.legend(loc="outside lower center", ncols=2)
+    time_axis(axes)
+    head(figure, histories)
+    return figure
 
 
 def drive_work(dataset: xr.Dataset) -> Array:

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from bladewhirl.postprocess.energy.growth import amplitude_growth
 from bladewhirl.postprocess.energy.strain import family_energies, mean_energies, strain_energies
+from bladewhirl.postprocess.energy.works import work_histories
 from bladewhirl.postprocess.fields.kinematics import ViewError
 from bladewhirl.postprocess.fields.windows import late_part, select_window, window_label
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES
@@ -97,6 +98,11 @@ class RunFigures:
     def energies(self) -> xr.Dataset:
         """Strain energy over time by groups of modes."""
         return strain_energies(self.result)
+
+    @property
+    def works(self) -> xr.Dataset:
+        """Works and energy over time."""
+        return work_histories(self.result)
 
     @property
     def families(self) -> xr.Dataset:

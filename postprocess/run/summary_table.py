@@ -5,6 +5,7 @@ from rich.table import Table
 
 from bladewhirl.models.inputs.units import handy
 from bladewhirl.postprocess.energy.strain import FIRST_FAMILY
+from bladewhirl.postprocess.energy.works import Works
 from bladewhirl.postprocess.fields.enlarged import LARGE_DISPLACEMENT
 from bladewhirl.postprocess.run.extremes import StressPeak
 from bladewhirl.postprocess.run.summary import EnergyHolders, LineOfWhirl, Summary
@@ -38,7 +39,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         "strain energy, largest": _text(summary.strain_energy_max, "J"),
         **_energies(summary.strain_energy_final),
         "casing's strain energy, final": _text(summary.strain_energy_casing_final, "J"),
-        "work of": f"load {_text(work['load'], 'J')}, normal forces {_text(work['normal'], 'J')},"
+        "work of": f"load {_text(work['load'], 'J')}, {_normal(work)},"
         f" friction {_text(work['friction'], 'J')}, springs {_text(work['springs'], 'J')}, damping"
         f" {_text(-work['damping'], 'J')}",
         "work of the drive": f"{_text(work['drive'], 'J')}, of it friction heat"
@@ -62,6 +63,15 @@ def summary_rows(summary: Summary) -> dict[str, str]:
         "steps": f"{summary.steps}",
         "wall time": f"{summary.wall_time:.3g} s ({summary.us_per_step:.3g} µs a step)",
     }
+
+
+def _normal(work: Works) -> str:
+    """Work of the normal forces, in its two parts where they are known."""
+    closing = work["closing"]
+    if closing is None:
+        return f"normal forces {_text(work['normal'], 'J')}"
+    passing = _text(work["normal"] - closing, "J")
+    return f"closing tips {_text(closing, 'J')}, passing wall {passing}"
 
 
 def _text(value: float | None, unit: str) -> str:

@@ -80,7 +80,7 @@ def test_all_figures_are_inside(page: Parsed) -> None:
     drawn = {name for name, kind in RUN_FIGURES.items() if kind.section} - {
         "regime"
     }  # so short a run has no growth rate
-    assert len(drawn) == 13
+    assert len(drawn) == 14
     assert set(page.pictures) == drawn
     for picture in page.pictures.values():
         content = base64.b64decode(picture.partition(",")[2])
