@@ -1,6 +1,6 @@
 """Speed-up of sweeps by cores: `python benchmarks/sweep.py [--workers 2]`.
 
-Points of a sweep of the imbalance case, between 0.95 and 1.15, are marched by the workers that
+Points of a sweep of the imbalance case, between 0.95 and 1.15, are marched by the processes as
 `bladewhirl sweep` uses: one of them alone, then all at a time, in turn, in one session. Each turn
 gives every working process the same points, so that none waits for one with more contact. What is
 timed is all that a point costs (stage, march, analysis), per step of its march; starting workers
@@ -20,12 +20,12 @@ import resource
 import subprocess
 import sys
 import time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-from dask.system import CPU_COUNT
-from distributed import Client, LocalCluster
 from rich.console import Console
 from rich.table import Table
 
@@ -34,6 +34,7 @@ from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.plan import Plan, plan_sweep
 from bladewhirl.studies.sweeps.points import Failure, Point, Work, march_point
 from bladewhirl.studies.sweeps.sweep import run_sweep
+from bladewhirl.studies.sweeps.workers import cores
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 
@@ -63,16 +64,12 @@ def processor_time(work: Work, points: list[Point]) -> float:
     return time.process_time() - began
 
 
-def cost(client: Client, plan: Plan, workers: list[str], points: int) -> Cost:
+def cost(pool: ProcessPoolExecutor, plan: Plan, workers: int, points: int) -> Cost:
     """Return the times of a number of workers for the same points each."""
     work = Work(case=dumps_case(plan.case), layout=plan.layout, histories="")
     began = time.perf_counter()
     chosen = [Point(number=number, values=plan.grid.values(number)) for number in range(points)]
-    futures = [
-        client.submit(processor_time, work, chosen, workers=worker, pure=False)
-        for worker in workers
-    ]
-    used = client.gather(futures)
+    used = list(pool.map(processor_time, [work] * workers, [chosen] * workers))
     return Cost(wall=time.perf_counter() - began, processor=sum(used) / len(used))
 
 
@@ -102,7 +99,7 @@ def print_memory(sizes: list[int]) -> None:
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--workers", type=int, default=CPU_COUNT)
+    parser.add_argument("--workers", type=int, default=cores())
     parser.add_argument("--points", type=int, default=2, help="of each worker in a turn")
     parser.add_argument("--duration", type=float, default=0.5, help="of each march [s]")
     parser.add_argument("--turns", type=int, default=3)
@@ -116,18 +113,13 @@ def main() -> None:
         print_memory(given.memory)
         return
     plan = planned(given.duration, max(2, given.points))
-    with (
-        LocalCluster(
-            n_workers=given.workers, threads_per_worker=1, dashboard_address=":0"
-        ) as cluster,
-        Client(cluster) as client,
-    ):
-        workers = list(client.scheduler_info(n_workers=-1)["workers"])
-        cost(client, plan, workers, 1)  # imports
+    context = get_context("spawn")
+    with ProcessPoolExecutor(given.workers, mp_context=context) as pool:
+        cost(pool, plan, given.workers, 1)  # imports
         alone, together = [], []
         for _ in range(given.turns):
-            alone.append(cost(client, plan, workers[:1], given.points))
-            together.append(cost(client, plan, workers, given.points))
+            alone.append(cost(pool, plan, 1, given.points))
+            together.append(cost(pool, plan, given.workers, given.points))
     scale = 1e6 / (given.points * plan.case.march.steps)
     table = Table(
         "per step of a worker [µs]", "alone", f"one of {given.workers}", "efficiency", box=None

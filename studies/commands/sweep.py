@@ -64,12 +64,6 @@ def sweep(
     yes: Annotated[
         bool, typer.Option("--yes", help="Run more than 100,000 points, or 1e9 steps of one.")
     ] = False,
-    dashboard: Annotated[
-        bool,
-        typer.Option(
-            "--dashboard", help="Show dask's page of local workers at http://127.0.0.1:8787."
-        ),
-    ] = False,
     json: AsJson = False,
 ) -> None:
     """March a case at every point of a range, or of several.
@@ -98,9 +92,7 @@ def sweep(
             unused = ", ".join(name for name, value in new_sweep.items() if value)
             if unused:
                 raise UserError(f"--resume {resume}: expected no {unused}; its plan has them")
-            result = resume_sweep(
-                resume, scheduler=scheduler, workers=workers, dashboard=dashboard, watch=watch
-            )
+            result = resume_sweep(resume, scheduler=scheduler, workers=workers, watch=watch)
         elif case is None or not over or output is None:
             raise UserError("sweep: expected CASE, --over KEY=VALUES and -o DIR, or --resume DIR")
         else:
@@ -118,7 +110,6 @@ def sweep(
                 histories=histories,
                 large=yes,
                 stop_when=stop_when,
-                dashboard=dashboard,
                 watch=watch,
             )
     document = {

@@ -80,8 +80,8 @@ def convergence(
         time_steps: [s], two or more, descending; `default_time_steps` if None.
         modes: numbers of fixed-interface modes, two or more, ascending; `default_modes` if None.
         overwrite: write into an existing folder.
-        scheduler: address of an existing dask scheduler; a local cluster if None.
-        workers: number of processes of the local cluster; one a core if None, only this process
+        scheduler: address of a dask scheduler; processes of this machine if None.
+        workers: number of processes of this machine; one a core if None, only this process
             if 1.
         progress: called with finished marches and all marches.
 

@@ -16,8 +16,8 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.runs import folder
-from bladewhirl.studies.sweeps.cluster import march_points
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
+from bladewhirl.studies.sweeps.workers import march_points
 
 KEY_LENGTH = 16
 """Characters of the name of a run."""

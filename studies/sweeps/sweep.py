@@ -18,10 +18,10 @@ from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 from bladewhirl.solvers.march.free_motion import RULE, StopWhen
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.axes import Grid, Value, make_grid
-from bladewhirl.studies.sweeps.cluster import march_points
 from bladewhirl.studies.sweeps.plan import PLAN_NAME, Plan, plan_sweep, read_plan, write_plan
 from bladewhirl.studies.sweeps.points import Work
 from bladewhirl.studies.sweeps.store import Store, create
+from bladewhirl.studies.sweeps.workers import march_points
 
 HISTORIES_NAME = "histories"
 """Folder of full histories."""
@@ -65,7 +65,6 @@ def run_sweep(
     histories: bool = False,
     large: bool = False,
     stop_when: StopWhen | None = None,
-    dashboard: bool = False,
     watch: Watch | None = None,
 ) -> Sweep:
     """March a case at every combination of values and collect the results in a dataset.
@@ -81,15 +80,14 @@ def run_sweep(
         case: that the sweep varies.
         over: values of each swept key, as the case file would hold them.
         directory: to make.
-        scheduler: address of an existing dask scheduler; a local cluster when None.
-        workers: of the local cluster; one a core when None.
+        scheduler: address of a dask scheduler; processes of this machine when None.
+        workers: number of processes of this machine; one a core when None.
         histories: keep the full histories of every point; with a scheduler the folder must be
             seen by all workers under the same path.
         large: more than 100,000 points are meant, or more than a billion steps of one march or a
             trillion of all.
         stop_when: "damped" ends a march early when no tip can touch any more, by the rule that the
             dataset's attribute `stop_rule` says.
-        dashboard: show dask's web page of the local cluster, to this machine only.
         watch: is told how it goes.
 
     Raises:
@@ -111,7 +109,7 @@ def run_sweep(
         folder.write_provenance(directory, plan.case)
     except OSError as error:
         raise UserError(f"{directory}: cannot be written ({error})") from None
-    return _carry_out(plan, directory, watch, scheduler, workers, dashboard)
+    return _carry_out(plan, directory, watch, scheduler, workers)
 
 
 def resume_sweep(
@@ -119,7 +117,6 @@ def resume_sweep(
     *,
     scheduler: str | None = None,
     workers: int | None = None,
-    dashboard: bool = False,
     watch: Watch | None = None,
 ) -> Sweep:
     """Finish a sweep: march what is missing, and what failed again.
@@ -128,7 +125,6 @@ def resume_sweep(
         directory: of the sweep.
         scheduler: as in `run_sweep`, and so the others.
         workers: see there.
-        dashboard: see there.
         watch: see there.
 
     Raises:
@@ -139,7 +135,7 @@ def resume_sweep(
     plan = read_plan(directory)
     watch = watch or Watch()
     watch.planned(plan)
-    return _carry_out(plan, directory, watch, scheduler, workers, dashboard)
+    return _carry_out(plan, directory, watch, scheduler, workers)
 
 
 def _carry_out(
@@ -148,7 +144,6 @@ def _carry_out(
     watch: Watch,
     scheduler: str | None,
     workers: int | None,
-    dashboard: bool,
 ) -> Sweep:
     """March every point that is not done yet."""
     from bladewhirl.postprocess.sweep.figures import leave_figures
@@ -174,7 +169,7 @@ def _carry_out(
         state, marched = store.state.copy(), 0
         watch.progress(store.done, 0, plan.grid.size)
         for number, outcome in march_points(
-            work, plan.left(state), scheduler=scheduler, workers=workers, dashboard=dashboard
+            work, plan.left(state), scheduler=scheduler, workers=workers
         ):
             store.write(number, outcome)
             marched += 1

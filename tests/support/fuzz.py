@@ -155,7 +155,7 @@ class Makers:
             for suffix in WRITERS:
                 call(["mesh", "case.toml", "-o", f"meshes/disk{suffix}"])
             call(["run", "case.toml", "--frames", "2", "-o", "run"])
-            if kind == "sweep":  # dask leaves threads behind, which forks don't go with
+            if kind == "sweep":  # pools leave threads behind, which forks don't go with
                 over = "sweep case.toml --over march.speed=1,1.1 -o sweep --workers 1 --yes"
                 given = [sys.executable, "-c", COMMAND, *over.split(), "--set", SHORT]
                 subprocess.run(given, check=True, capture_output=True)

@@ -24,8 +24,10 @@ from bladewhirl.models.case.file import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.sweep.dataset import DONE, Layout
 from bladewhirl.studies.sweeps import cluster as sweep_cluster
+from bladewhirl.studies.sweeps import workers
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work
 from bladewhirl.studies.sweeps.sweep import resume_sweep, run_sweep
+from bladewhirl.studies.sweeps.workers import march_points
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("pictures_unsaved")]
 
@@ -148,9 +150,9 @@ POINTS = [Point(number=i, values={}) for i in range(6)]
 def test_a_point_that_kills_every_worker_fails_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sweep_cluster, "march_point", sweep_work.deadly)
+    monkeypatch.setattr(workers, "march_point", sweep_work.deadly)
     outcomes: dict[int, Outcome] = dict(
-        sweep_cluster.march_points(work(tmp_path), POINTS, scheduler=None, workers=2)
+        march_points(work(tmp_path), POINTS, scheduler=None, workers=2)
     )
     assert sorted(outcomes) == list(range(6))
     failed = {point for point, outcome in outcomes.items() if isinstance(outcome, Failure)}
@@ -160,9 +162,9 @@ def test_a_point_that_kills_every_worker_fails_alone(
 def test_a_worker_that_dies_once_is_forgiven(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sweep_cluster, "march_point", sweep_work.deadly_once)
+    monkeypatch.setattr(workers, "march_point", sweep_work.deadly_once)
     outcomes: dict[int, Outcome] = dict(
-        sweep_cluster.march_points(work(tmp_path), POINTS, scheduler=None, workers=2)
+        march_points(work(tmp_path), POINTS, scheduler=None, workers=2)
     )
     assert outcomes == {i: Failure(reason=f"point {i}") for i in range(6)}
 
@@ -171,5 +173,14 @@ def test_workers_of_another_version_are_reported_in_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sweep_cluster, "march_point", sweep_work.of_another_version)
-    with pytest.raises(UserError, match=r"workers: expected bladewhirl .*No module named 'old'"):
-        list(sweep_cluster.march_points(work(tmp_path), POINTS[:1], scheduler=None, workers=1))
+    with (
+        LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0") as cluster,
+        dask.config.set({sweep_cluster.ENCRYPTION: False}),
+    ):
+        outcomes = march_points(
+            work(tmp_path), POINTS[:1], scheduler=cluster.scheduler_address, workers=None
+        )
+        with pytest.raises(
+            UserError, match=r"workers: expected bladewhirl .*No module named 'old'"
+        ):
+            list(outcomes)
