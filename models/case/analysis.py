@@ -26,7 +26,7 @@ from bladewhirl.models.inputs.fields import (
 from bladewhirl.models.inputs.mode_names import mode_choice
 from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.inputs.timing import Timing
-from bladewhirl.models.inputs.units import Speed, handy
+from bladewhirl.models.inputs.units import Speed
 
 MOST_STEPS = 1e12
 """Longest march; it takes days, and step numbers stay far from overflow."""
@@ -148,14 +148,6 @@ class March(Table):
     friction, as in the paper; fast. "moreau-jean": impacts with contact.restitution, friction with
     stick and slip. "penalty": elastic contact of contact.penalty_stiffness, regularised friction
     below contact.stick_speed. The last two ignore contact.sliding."""
-
-    @property
-    def summary(self) -> str:
-        """Its length, steps and records."""
-        return (
-            f"{handy(self.duration, 's')} in steps of {handy(self.time_step, 's')}, recorded every"
-            f" {handy(self.record_step, 's')}"
-        )
 
     @property
     def steps(self) -> int:

@@ -19,7 +19,6 @@ from bladewhirl.models.case.disk_parts import (
 from bladewhirl.models.case.mesh_file import MeshTable
 from bladewhirl.models.inputs.fields import MOST, Length, Mass, Stiffness, count
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.inputs.units import handy
 from bladewhirl.models.sections.materials import BeamSection
 
 
@@ -89,24 +88,6 @@ class BladedDisk(Table):
     """A mesh file instead, left out here: its unit of length, its groups of nodes that are the tips
     and the centre (tips = "tips", centre = "centre"), sections of its groups of lines; all other
     keys of [bladed_disk] are then left out."""
-
-    @property
-    def summary(self) -> str:
-        """Its blades and disk, or the mesh instead."""
-        if self.mesh is not None:
-            return self.mesh.summary
-        mistuning = self.mistuning != Mistuning()
-        parts = [
-            f"{self.blades} {'curved ' if self.centre_line else ''}blades",
-            f"{handy(self.disk_radius, 'm')} to {handy(self.tip_radius, 'm')}",
-            f"{'tapered' if self.taper else self.blade.summary}",
-            f"{self.elements_per_blade} elements each",
-            f"disk of {self.disk_kind.replace('-', ' ')}",
-            *([f"{len(self.shrouds)} shrouds"] if self.shrouds else []),
-            *(["point masses"] if self.point_masses or self.tip_mass else []),
-            *(["mistuned"] if mistuning else []),
-        ]
-        return ", ".join(parts)
 
     @property
     def cut_radii(self) -> list[float]:

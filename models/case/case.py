@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from pydantic import (
     Field,
     SerializerFunctionWrapHandler,
@@ -32,9 +31,8 @@ from bladewhirl.models.case.excitation import (
 from bladewhirl.models.case.rotation import Rotation
 from bladewhirl.models.case.shaft import Shaft
 from bladewhirl.models.case.sketch import SketchTable
-from bladewhirl.models.inputs.errors import CaseError
+from bladewhirl.models.inputs.errors import CaseError, shown
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.inputs.units import handy
 from bladewhirl.models.sections.around_ring import Lobe
 from bladewhirl.models.sections.materials import BeamSection, Material
 
@@ -95,24 +93,11 @@ class Case(Table):
                 raise CaseError(faults_of(error, tables)) from None
 
     def __repr__(self) -> str:
-        """The stage and its march on one screen, a line a table, in handy units."""
-        disk = self.bladed_disk if self.sketch is None else self.sketch
-        modes, damping = self.reduction.modes, self.damping.ratio
-        lines = {
-            "bladed disk": disk.summary,
-            "material": f"{self.material.summary}, where sections name no other",
-            "shaft": self.shaft.summary,
-            "rotation": self.rotation.summary,
-            "casing": self.casing.summary,
-            "coupling": handy(self.coupling.stiffness, "N/m") if self.coupling.stiffness else "",
-            "contact": f"friction {self.contact.friction:g}, {self.contact.sliding} sliding",
-            "excitation": self.excitation.summary,
-            "initial": ", ".join(key for key, value in self.initial if np.any(value)),
-            "speed": str(self.march.speed),
-            "march": f"{self.march.summary}, modes {modes}, damping {100 * damping:g} %",
-        }
-        rows = [f"{name:<13}{text}" for name, text in lines.items() if text]
-        return "\n  ".join([f'Case "{self.title}"', *rows])
+        """Return the title and, a line a table, the keys that differ from their defaults."""
+        changed = self.model_dump(exclude_defaults=True, exclude_none=True)
+        changed["excitation"] = {"type": self.excitation.type, **changed.get("excitation", {})}
+        rows = [f"{name:<13}{shown(table)}" for name, table in changed.items() if name != "title"]
+        return "\n  ".join([f'Case "{self.title}", other keys at their defaults', *rows])
 
     def __str__(self) -> str:
         """Return the same text as `__repr__`."""

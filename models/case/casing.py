@@ -18,7 +18,6 @@ from bladewhirl.models.inputs.fields import (
     rows,
 )
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.inputs.units import handy
 from bladewhirl.models.sections.around_ring import Lobe, RingProfile
 from bladewhirl.models.sections.materials import BeamSection
 from bladewhirl.models.sections.wall import TURN, Arc
@@ -144,22 +143,6 @@ class Casing(Table):
     rotation: Literal["free", "fixed"] = "fixed"
     """Rigid rotation of the ring, "free" or "fixed" (not in the paper; free, friction would spin
     the ring up)."""
-
-    @property
-    def summary(self) -> str:
-        """Its clearance, wall and supports."""
-        lobes = " with lobes" if self.clearance_lobes else ""
-        varied = self.thickness_lobes or self.thickness_stations or self.stiffened_arcs
-        parts = [
-            f"clearance {handy(self.clearance, 'm')}{lobes}",
-            f"wall {self.wall.summary}{' that varies' if varied else ''}",
-            f"{self.elements} elements",
-            *([f"support {handy(self.support, 'N/m2')}"] if self.support else []),
-            *([f"{len(self.springs)} springs"] if self.springs else []),
-            *([f"{len(self.struts)} struts"] if self.struts else []),
-            f"rotation {self.rotation}",
-        ]
-        return ", ".join(parts)
 
     @property
     def clearance_profile(self) -> RingProfile:

@@ -14,7 +14,7 @@ from bladewhirl.models.inputs.fields import (
     quantity,
 )
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.inputs.units import Speed, handy
+from bladewhirl.models.inputs.units import Speed
 
 LOWEST_SPEED = Speed(0.95)
 """Lowest speed of the paper's Table 2."""
@@ -25,11 +25,6 @@ class NoExcitation(Table):
 
     type: Literal["none"] = "none"
     """"none", or "casing-distortion", "imbalance" or "harmonic" with their keys."""
-
-    @property
-    def summary(self) -> str:
-        """No load."""
-        return "none"
 
 
 class CasingDistortion(Table):
@@ -46,14 +41,6 @@ class CasingDistortion(Table):
     """Duration of the load [s] (the paper: a "short time interval")."""
     shape: Literal["rectangular", "half-sine"] = "rectangular"
     """Course in time, "rectangular" or "half-sine"."""
-
-    @property
-    def summary(self) -> str:
-        """Its mode, force and duration."""
-        return (
-            f"casing distortion with k = {self.nodal_diameter}, {self.modal_force:g} N/kg^0.5 for"
-            f" {handy(self.duration, 's')}, {self.shape}"
-        )
 
 
 class Imbalance(Table):
@@ -76,14 +63,6 @@ class Imbalance(Table):
     ramp: TimeOrZero = 0.2
     """Half-cosine ramp of the force [s], 0 for a step (not in the paper; a step overshoots to twice
     the static answer)."""
-
-    @property
-    def summary(self) -> str:
-        """Its size and ramp."""
-        size = f"closing the clearance at {self.clearance_speed}"
-        if self.unbalance is not None:
-            size = handy(self.unbalance, "kg m")
-        return f"imbalance, {size}, ramp {handy(self.ramp, 's')}"
 
     @model_validator(mode="before")
     @classmethod
@@ -111,12 +90,6 @@ class Harmonic(Table):
     default stage."""
     frame: Literal["rotating", "static"] = "static"
     """Frame that the force is fixed in, "rotating" or "static"."""
-
-    @property
-    def summary(self) -> str:
-        """Its amplitude, frequency and frame."""
-        force, frequency = handy(self.force, "N"), handy(self.frequency, "Hz")
-        return f"harmonic, {force} at {frequency} in the {self.frame} frame"
 
 
 def _empty_is_none(value: object) -> object:

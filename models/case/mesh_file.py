@@ -24,7 +24,6 @@ from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import LONGEST_VALUE, CaseError, Fault, shown
 from bladewhirl.models.inputs.fields import Length, expectation, positive
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.inputs.units import handy
 from bladewhirl.models.sections.materials import BeamSection
 
 KEY = "bladed_disk.mesh"
@@ -106,12 +105,6 @@ class MeshTable(Table):
     def largest_radius(self) -> float:
         """Radius that the clearance counts from [m]."""
         return self.tip_radius or max(hypot(*tip) for tip in self.tip_points)
-
-    @property
-    def summary(self) -> str:
-        """Its file, tips and groups of lines with a section."""
-        tips = f"{len(self.tip_points)} tips at {handy(self.largest_radius, 'm')}"
-        return ", ".join([f"mesh {self.file_name}", tips, *self.sections])
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Yield unreadable files and names in the table that the file does not contain."""

@@ -23,11 +23,6 @@ class Rotation(Table):
     static growth of the tips at march.speed is subtracted from it, which needs effects other than
     "none"."""
 
-    @property
-    def summary(self) -> str:
-        """Effects and state of the clearance; empty without effects."""
-        return "" if self.effects == "none" else f"{self.effects}, {self.clearance} clearance"
-
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """A cold clearance of tips that do not grow."""
         if self.effects == "none" and self.clearance == "cold":

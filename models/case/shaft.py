@@ -9,7 +9,6 @@ from pydantic import Field, SerializerFunctionWrapHandler, StrictBool, model_ser
 
 from bladewhirl.models.inputs.fields import DampingOrZero, Stiffness, quantity
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.inputs.units import handy
 
 
 class Shaft(Table):
@@ -46,18 +45,6 @@ class Shaft(Table):
     """
     clamped: StrictBool = False
     """Hold the centre instead."""
-
-    @property
-    def summary(self) -> str:
-        """Its springs and dampers."""
-        if self.clamped:
-            return "clamped"
-        if self.suspension_frequency is not None:
-            return f"springs for a suspension at {self.suspension_frequency:g} Hz"
-        both = dict.fromkeys(handy(stiffness, "N/m") for stiffness in self.springs)
-        frame = f" in the {self.frame} frame" if len(both) > 1 else ""
-        dampers = " and ".join(dict.fromkeys(handy(d, "N s/m") for d in self.dampings if d))
-        return " and ".join(both) + frame + (f", dampers of {dampers}" if dampers else "")
 
     @model_serializer(mode="wrap")
     def _springs_in_one_way(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:

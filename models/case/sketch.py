@@ -24,12 +24,8 @@ from bladewhirl.models.case.sketch_parts import (
 )
 from bladewhirl.models.inputs.fields import Length, count
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.inputs.units import handy
 
 NEEDED_SETS = ("centre", "tips")
-
-MOST_NAMES = 6
-"""Members that a summary names."""
 
 SHORTEST = 1e-12
 """Distance over the size of a member below which two of its points coincide."""
@@ -71,16 +67,6 @@ class SketchTable(Table):
         ends = [node.at for node in self.nodes if node.name in tips]
         ends += [edit.at for edit in self.edits if edit.node in tips and edit.at is not None]
         return max((hypot(*at) for at in ends), default=1.0)
-
-    @property
-    def summary(self) -> str:
-        """Its sectors, tips and members."""
-        members = ", ".join(member.name for member in self.members[:MOST_NAMES])
-        more = ", ..." if len(self.members) > MOST_NAMES else ""
-        return (
-            f"sketch of {self.sectors} sectors, {self.tips} tips at {handy(self.radius, 'm')},"
-            f" members {members}{more}"
-        )
 
     @cached_property
     def _shared(self) -> frozenset[str]:

@@ -9,7 +9,6 @@ from pydantic import Field, StrictStr
 
 from bladewhirl.models.inputs.fields import Density, Length, Modulus, rows
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.inputs.units import handy
 
 
 class BeamSection(Table):
@@ -21,12 +20,6 @@ class BeamSection(Table):
     """Size in the plane of motion [m]."""
     material: StrictStr | None = None
     """Name in material.named; the material of the case by default."""
-
-    @property
-    def summary(self) -> str:
-        """Its sizes, and its material where it is not that of the case."""
-        made_of = f" of {self.material}" if self.material else ""
-        return f"{handy(self.width, 'm')} x {handy(self.thickness, 'm')}{made_of}"
 
 
 class NamedMaterial(Table):
@@ -65,12 +58,6 @@ class Material(Table):
         names = [one.name for one in self.named]
         if len(set(names)) < len(names):
             yield Inconsistency("named", "a name of its own for each material", ())
-
-    @property
-    def summary(self) -> str:
-        """Its constants, and the names of the others."""
-        others = "".join(f", {one.name}" for one in self.named)
-        return f"{handy(self.young_modulus, 'Pa')}, {self.density:g} kg/m3{others}"
 
     @property
     def lowest_yield_strength(self) -> float | None:

@@ -45,7 +45,7 @@ def test_the_table_goes_to_a_file_and_back() -> None:
     assert Case().rotation == Rotation(effects="none", clearance="hot")
     case = turning(rotation={"effects": "full", "clearance": "cold"})
     assert loads(dumps_case(case)) == case
-    assert "rotation     full, cold clearance" in repr(case)
+    assert 'rotation     { effects = "full", clearance = "cold" }' in repr(case)
     assert "\n  rotation " not in repr(Case())
 
 
