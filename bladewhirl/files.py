@@ -69,8 +69,10 @@ def claim(folder: Path, names: Iterable[str], *, overwrite: bool = False) -> Non
 
     Raises:
         FileExistsError: a file is there that the manifest does not list.
+        OSError: a folder that the program makes itself is a link to elsewhere.
     """
     new, known = set(names), listed(folder)
+    _refuse_links(folder, new)
     _refuse_foreign((folder / name for name in sorted(new - known)), overwrite=overwrite)
     text = json.dumps({FILES: sorted(new | known | {MANIFEST_NAME})}, indent=1)
     write_atomically(folder / MANIFEST_NAME, text + "\n")
@@ -110,6 +112,17 @@ def owned(folder: Path) -> Iterator[Path]:
                 path.relative_to(root).as_posix() in listed_names for root, listed_names in lists
             ):
                 yield path
+
+
+def _refuse_links(folder: Path, names: Iterable[str]) -> None:
+    """Refuse links in place of the folders inside a folder of the program."""
+    inside = {(folder / name).parent for name in names} - {folder}
+    if (folder.parent / MANIFEST_NAME).exists():
+        inside.add(folder)
+    for place in sorted(inside):
+        if place.is_symlink():
+            reason = "it is a link to another folder; name the folder that is meant with -o"
+            raise OSError(errno.ELOOP, reason, str(place))
 
 
 def _refuse_foreign(paths: Iterable[Path], *, overwrite: bool) -> None:

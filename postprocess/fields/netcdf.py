@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
@@ -24,6 +25,10 @@ NUMBERS = (
 )
 TEXTS = "title version symmetry case end_reason end_message over criterion window"
 """Attributes of results and sweeps; some may be missing."""
+
+
+ROOM, DENSEST = 1e9, 100
+"""Bytes that a file may declare in any case, and per byte of its own: compressed by that much."""
 
 
 class ResultError(UserError):
@@ -91,15 +96,19 @@ def open_file(
         raise ResultError(f"{file}: expected {kind} (or its folder), found no such file")
     raw = CutFile(file)
     try:
-        stored = xr.open_dataset(
-            raw,
-            engine="h5netcdf",
-            cache=False,
-            decode_times=False,
-            mask_and_scale=False,
-            phony_dims="access",
-            create_default_indexes=False,  # an index is read at once, also behind the last record
-        )
+        with warnings.catch_warnings(action="error"):  # of xarray, at damaged dimensions
+            stored = xr.open_dataset(
+                raw,
+                engine="h5netcdf",
+                cache=False,
+                decode_times=False,
+                mask_and_scale=False,
+                phony_dims="access",
+                create_default_indexes=False,  # an index is read at once, behind the last record
+            )
+        declared, size = sum(variable.nbytes for variable in stored.values()), file.stat().st_size
+        if declared > max(ROOM, DENSEST * size):
+            raise ValueError(f"it declares {declared:.3g} bytes of data in a file of {size:.3g}")
         dataset = stored.isel({TIME: slice(complete_records(stored.attrs))}, missing_dims="ignore")
         for dimension in map(str, dataset.dims):
             if dimension in dataset.coords and dataset[dimension].dims == (dimension,):

@@ -7,7 +7,6 @@ must wait until it is checked that VTK can draw.
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-import imageio.v2 as imageio
 import numpy as np
 import xarray as xr
 from PIL import Image, ImageDraw, ImageFont
@@ -125,7 +124,7 @@ def render_still(
     drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
     trail = _revolution_before(dataset, int(records[0])) if orbit else None
     with stage_view(dataset, drawing, size, trail=trail) as picture, replacing(target) as draft:
-        imageio.imwrite(draft, picture(0))
+        Image.fromarray(picture(0)).save(draft, format="png")
     return target
 
 
@@ -213,7 +212,7 @@ def render_sheet(
     image[: len(sheet), : sheet.shape[1]] = sheet
     image[:, sheet.shape[1] :] = beside
     with replacing(target) as draft:
-        imageio.imwrite(draft, image)
+        Image.fromarray(image).save(draft, format="png")
     return target
 
 

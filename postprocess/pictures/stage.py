@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import imageio.v2 as imageio
 import numpy as np
 import xarray as xr
+from PIL import Image
 
 from bladewhirl.files import replacing
 from bladewhirl.meshes.line_mesh import IntArray
@@ -80,7 +80,7 @@ def draw_stage(
         scene.aim()
         picture = pixels_of(plotter)
     with replacing(target) as draft:
-        imageio.imwrite(draft, picture)
+        Image.fromarray(picture).save(draft, format="png")
     return target
 
 

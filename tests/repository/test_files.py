@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from bladewhirl.files import replacing, write_atomically
+from bladewhirl.files import MANIFEST_NAME, claim, replacing, write_atomically
 
 
 def test_a_planted_link_is_not_followed(tmp_path: Path) -> None:
@@ -46,3 +46,17 @@ def test_neither_a_folder_nor_a_pipe_is_replaced(tmp_path: Path) -> None:
         with pytest.raises(OSError, match="not a regular file"):
             write_atomically(tmp_path / name, "new")
     assert sorted(os.listdir(tmp_path)) == ["folder", "pipe"]
+
+
+@pytest.mark.parametrize(("folder", "name"), [("run/plots", "a.png"), ("run", "frames/a.vtu")])
+def test_a_folder_that_is_a_link_elsewhere_is_refused(
+    tmp_path: Path, folder: str, name: str
+) -> None:
+    (tmp_path / "theirs").mkdir()
+    claim(tmp_path / "run", ["case.toml"])
+    place = (tmp_path / folder / name).parent
+    place.symlink_to(tmp_path / "theirs")
+    with pytest.raises(OSError, match="it is a link to another folder"):
+        claim(tmp_path / folder, [name])
+    assert not os.listdir(tmp_path / "theirs")
+    assert (tmp_path / "run" / MANIFEST_NAME).exists()

@@ -81,6 +81,15 @@ class TestOpenResult:
         with pytest.raises(ResultError, match=message):
             open_result(tmp_path)
 
+    def test_more_data_than_a_file_can_hold(self, tmp_path: Path) -> None:
+        """HDF5 stores nothing of what is declared and never written."""
+        file = tmp_path / "result.nc"
+        synthetic_result(records=3).to_netcdf(file, engine="h5netcdf")
+        with h5py.File(file, "a") as stored:
+            stored.create_dataset("more", (10**9,), dtype="f8")
+        with pytest.raises(ResultError, match=r"declares 8e\+09 bytes of data in a file of"):
+            open_result(file)
+
     def test_the_fault_is_the_users_and_one_line(self, tmp_path: Path) -> None:
         with pytest.raises(UserError) as fault:
             open_result(tmp_path / "absent.nc")
