@@ -7,7 +7,7 @@ from typing import TypedDict
 import numpy as np
 import xarray as xr
 
-from bladewhirl.postprocess.fields.kinematics import Array
+from bladewhirl.postprocess.fields.kinematics import Array, casing_rows, ring_angles
 from bladewhirl.postprocess.fields.result import portions
 
 FORCE_TIME = 1e-3
@@ -15,14 +15,17 @@ FORCE_TIME = 1e-3
 peak of a march grows as the time step shrinks, an impulse converges."""
 
 
-WAYS = {"radial": 0, "tangential": 2}  #: components of the casing's shapes
+WAYS = ("radial", "tangential")
+
+STATIONS = 4
+"""Points of each casing element at which its displacement is computed."""
 
 
 class WallPeak(TypedDict):
     """Largest displacement of the casing."""
 
     displacement: float  #: [m], signed
-    angle: float  #: of the node [degrees]
+    angle: float  #: on the wall [degrees]
     time: float  #: [s]
 
 
@@ -45,23 +48,23 @@ class StressPeak(TypedDict):
 
 
 def casing_peaks(dataset: xr.Dataset) -> dict[str, WallPeak]:
-    """Largest radial (outward positive) and tangential displacement at any node and record.
+    """Largest radial (outward positive) and tangential displacement of the wall at any record.
 
     Args:
         dataset: a result.
     """
-    shape = dataset["casing_shape"].values
-    time, angle = dataset["time"].values, np.degrees(dataset["casing_angle"].values)
+    around, time = ring_angles(dataset, STATIONS), dataset["time"].values
+    rows = casing_rows(dataset, around)
     peaks = {way: WallPeak(displacement=0.0, angle=0.0, time=0.0) for way in WAYS}
     for portion in portions(dataset):
         coordinates = dataset["casing_displacement"].isel(time=portion).values
-        for way, component in WAYS.items():
-            moved = coordinates @ shape[:, component].T
-            record, node = np.unravel_index(np.abs(moved).argmax(), moved.shape)
-            if abs(moved[record, node]) > abs(peaks[way]["displacement"]):
+        for component, way in enumerate(WAYS):
+            moved = coordinates @ rows[:, component].T
+            record, point = np.unravel_index(np.abs(moved).argmax(), moved.shape)
+            if abs(moved[record, point]) > abs(peaks[way]["displacement"]):
                 peaks[way] = WallPeak(
-                    displacement=float(moved[record, node]),
-                    angle=float(angle[node]),
+                    displacement=float(moved[record, point]),
+                    angle=float(np.degrees(around[point])),
                     time=float(time[portion][record]),
                 )
     return peaks

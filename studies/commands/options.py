@@ -22,6 +22,10 @@ MOST_POINTS = 100_000
 """Largest COUNT of a range; larger ones are typing errors."""
 
 
+HIGH = 100.0
+"""Multiples of the reference frequency above which a speed beside one with a unit lacks its own."""
+
+
 def parsed(option: str, read: Callable[[str], Any], expected: str) -> Callable[[str], Any]:
     """Return the parser of an option, which names the option and what it expects in errors.
 
@@ -134,7 +138,7 @@ def parse_span(option: str, text: str, *, unit: str = "", counted: bool = False)
         UserError: another form.
     """
     ends, _, last = text.rpartition(":") if counted else (text, "", "2")
-    read: Callable[[str], Speed | float] = in_si(unit) if unit else _speed
+    read: Callable[[str], Any] = in_si(unit) if unit else _speed
     try:
         start, stop = map(read, ends.split(":"))
         count = int(last)
@@ -144,6 +148,11 @@ def parse_span(option: str, text: str, *, unit: str = "", counted: bool = False)
         raise UserError(f"{option} {text}: expected {form}, ends {units}") from None
     if not 2 <= count <= MOST_POINTS:
         raise UserError(f"{option} {text}: expected a COUNT from 2 to {MOST_POINTS}")
+    for end, other in ((start, stop), (stop, start)):
+        if not unit and end.kind != other.kind and end.kind == "normalised" and end.value > HIGH:
+            raise UserError(
+                f'{option} {text}: expected a unit at both ends or at none: "{end.given:g} rpm"?'
+            )
     return Span(f"{option} {text}", start, stop, count)
 
 
