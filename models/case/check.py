@@ -39,25 +39,27 @@ def case_from(tables: Mapping[str, Any]) -> Case:
     return Case(**tables)
 
 
-def faults_of(error: ValidationError, tables: Mapping[str, Any]) -> list[Fault]:
-    """Return the faults in pydantic's error on a case.
+def faults_of(error: ValidationError, tables: Mapping[str, Any], parent: str = "") -> list[Fault]:
+    """Return the faults in pydantic's error on a case or a part of it.
 
     Args:
         error: of the validation.
         tables: that were validated.
+        parent: dotted key of the part; empty for a case.
     """
-    return [_fault(details, tables) for details in error.errors(include_url=False)]
+    return [_fault(details, tables, parent) for details in error.errors(include_url=False)]
 
 
-def _fault(details: ErrorDetails, tables: Mapping[str, Any]) -> Fault:
+def _fault(details: ErrorDetails, tables: Mapping[str, Any], parent: str) -> Fault:
     path = _path(details)
+    key = ".".join(filter(None, [parent, _dotted(path)]))
     default = None if details["type"] in (*TAG_ERRORS, "missing") else details["input"]
     context = details.get("ctx", {})
     expected = _expected(details, path)
     if context.get("place"):
-        return Fault(key=f"{_dotted(path)}: {context['place']}", expected=expected)
+        return Fault(key=f"{key}: {context['place']}", expected=expected)
     value = context.get("value") or _value(tables, path, default)
-    return Fault(key=_dotted(path), value=value, expected=expected)
+    return Fault(key=key, value=value, expected=expected)
 
 
 def _expected(details: ErrorDetails, path: Path) -> str:
@@ -82,7 +84,7 @@ def _path(details: ErrorDetails) -> Path:
     location = details["loc"]
     if details["type"] in TAG_ERRORS:
         return (*location, "type")
-    tagged = location[0] == "excitation" and len(location) > 1 and location[1] in EXCITATIONS
+    tagged = location[:1] == ("excitation",) and location[1:2] != () and location[1] in EXCITATIONS
     return (location[0], *location[2:]) if tagged else location
 
 
@@ -105,47 +107,35 @@ def _dotted(path: Path) -> str:
 
 def _known_key(location: Path, path: Path) -> str:
     """Return the expectation for an unknown key: similar keys of its table, then of all tables."""
-    name, siblings = str(path[-1]), list(_table_at(location[:-1]).model_fields)
-    kinds = [f'"{kind}"' for kind, table in EXCITATIONS.items() if name in table.model_fields]
+    name, table = str(path[-1]), path[:-1]
+    kinds = [f'"{kind}"' for kind, load in EXCITATIONS.items() if name in load.model_fields]
     if path[0] == "excitation" and kinds:
         return f'a key of excitation.type = "{location[1]}"; this one is of {" and ".join(kinds)}'
-    similar = [(*path[:-1], key) for key in difflib.get_close_matches(name, siblings, n=1)]
-    similar = list(dict.fromkeys([*similar, *(key for key in _known_keys() if key[-1] == name)]))
+    known = _known_keys()
+    names = tuple(part for part in table if isinstance(part, str))  # without numbers of rows
+    siblings = [key[-1] for key in known if key[:-1] == names]
+    similar = [(*table, key) for key in difflib.get_close_matches(name, siblings, n=1)]
+    similar += [key for key in known if key[-1] == name]
     if not similar:
-        last = {str(key[-1]): key for key in _known_keys()}
+        last = {key[-1]: key for key in known}
         similar = [last[key] for key in difflib.get_close_matches(name, last, n=1)]
     if similar:
         return f"a known key; the nearest is {' or '.join(map(_dotted, similar))}"
-    table = f" of [{_dotted(path[:-1])}]" if path[:-1] else ""
-    return f"a known key{table}: {', '.join(siblings)}"
-
-
-def _table_at(location: Path) -> type[Table]:
-    table: type[Table] = Case
-    for part in location:
-        if part in EXCITATIONS:
-            table = EXCITATIONS[str(part)]
-        elif isinstance(part, str) and part != "excitation":  # else a row of an array
-            [table] = _tables_under(table, part) or [table]  # a section contains no tables
-    return table
+    heading = f" of [{_dotted(table)}]" if table else ""
+    return f"a known key{heading}: {', '.join(siblings)}"
 
 
 @cache
-def _known_keys() -> tuple[Path, ...]:
+def _known_keys() -> tuple[tuple[str, ...], ...]:
     """Return all keys of a case, each once."""
     return tuple(dict.fromkeys(_keys_of(Case)))
 
 
-def _keys_of(table: type[Table]) -> Iterator[Path]:
-    for name in table.model_fields:
+def _keys_of(table: type[Table]) -> Iterator[tuple[str, ...]]:
+    for name, field in table.model_fields.items():
         yield (name,)
-        for inner in _tables_under(table, name):
+        for inner in _tables_in(field.annotation):
             yield from ((name, *path) for path in _keys_of(inner))
-
-
-def _tables_under(table: type[Table], name: str) -> list[type[Table]]:
-    field = table.model_fields.get(name)
-    return [] if field is None else list(_tables_in(field.annotation))
 
 
 def _tables_in(annotation: Any) -> Iterator[type[Table]]:

@@ -6,7 +6,7 @@ import errno
 import os
 import re
 import tomllib
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike, fspath
@@ -33,16 +33,10 @@ __all__ = [
     "with_values",
 ]
 
-MOST_BYTES = 2**24
-"""Largest case file; what is longer is something else."""
-
 SET = "--set"
 """Named instead of the file in faults of overridden keys."""
 
 LOAD_TYPE = "excitation.type"
-
-_DEEP_KEY = re.compile(r"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){50}")
-"""A dotted key of more than 50 parts."""
 
 SPRINGS = ("shaft.stiffness", "shaft.suspension_frequency")
 """Either of these replaces the other in the case that it changes."""
@@ -62,17 +56,13 @@ def read_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
     try:
         if os.path.exists(file) and not os.path.isfile(file) and not os.path.isdir(file):
             raise OSError(errno.EINVAL, "it is not a regular file")
-        with open(file, "rb") as stream:
-            content = stream.read(MOST_BYTES + 1)
-        text = content.decode("utf-8-sig")
+        with open(file, encoding="utf-8-sig") as stream:
+            text = stream.read()
     except OSError as error:
-        raise CaseError(
-            [Fault(file=file, expected=f"a readable file ({error.strerror})")]
-        ) from None
+        expected = f"a readable file ({error.strerror})"
+        raise CaseError([Fault(file=file, expected=expected)]) from None
     except ValueError as error:  # not UTF-8, or a null in the path
         raise CaseError([Fault(file=file, expected=f"text in UTF-8 ({error})")]) from None
-    if len(content) > MOST_BYTES:
-        raise CaseError([Fault(file=file, expected=f"a file of at most {MOST_BYTES} bytes")])
     return loads(text, file=file, overrides=overrides)
 
 
@@ -91,11 +81,15 @@ def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Ca
         CaseError: not TOML, or faults: all of them.
     """
     try:
-        tables = _parsed(text, file)
-        _find_beside(tables, os.path.dirname(file))
-        return _checked(tables, file, overrides)
-    except RecursionError:
-        raise CaseError([Fault(file=file, expected="TOML of less nesting")]) from None
+        tables = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise CaseError([Fault(file=file, expected=f"valid TOML ({error})")]) from None
+    _find_beside(tables, os.path.dirname(file))
+    overrides = list(overrides)
+    with faults_in(SET):
+        _replace(tables, override_values(overrides))
+    with faults_from(file, overrides):
+        return case_from(tables)
 
 
 def with_values(case: Case, values: Mapping[str, Any]) -> Case:
@@ -110,9 +104,7 @@ def with_values(case: Case, values: Mapping[str, Any]) -> Case:
         CaseError: all faults of the new case.
     """
     tables = case.model_dump(exclude_none=True)
-    for key in sorted(values, key=_comes_later):
-        _set(tables, key, values[key])
-    _keep_one_of_springs(tables, values)
+    _replace(tables, values)
     return case_from(tables)
 
 
@@ -122,8 +114,20 @@ def override_values(overrides: Iterable[str]) -> dict[str, Any]:
     Raises:
         CaseError: a text that is none.
     """
-    with faults_in(SET):
-        return dict(_key_and_value(override) for override in overrides)
+    values: dict[str, Any] = {}
+    for override in overrides:
+        key, equals, text = (part.strip() for part in override.partition("="))
+        if not equals or not re.fullmatch(r"[\w-]+(\.[\w-]+)*", key, re.ASCII):
+            expected = "KEY=VALUE with a dotted key, march.speed=1.2"
+            raise CaseError([Fault(file=f"{SET} {override}", expected=expected)])
+        try:
+            [(_, values[key])] = tomllib.loads(f"value = {text}").items()
+        except (ValueError, RecursionError):
+            if not text or text[0] in "\"'[{" or "\n" in text:
+                fault = Fault(file=SET, key=key, value=text, expected="a TOML value")
+                raise CaseError([fault]) from None
+            values[key] = text
+    return values
 
 
 @contextmanager
@@ -152,17 +156,6 @@ def case_fault(case: Case, key: str, expected: str) -> Fault:
     return Fault(key=key, value=value, expected=expected)
 
 
-def _parsed(text: str, file: str) -> dict[str, Any]:
-    if _DEEP_KEY.search(text):  # the memory of tomllib grows with the square of the depth
-        raise CaseError([Fault(file=file, expected="valid TOML of less nesting")])
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise CaseError([Fault(file=file, expected=f"valid TOML ({error})")]) from None
-    except ValueError:
-        raise CaseError([Fault(file=file, expected="integers that fit on a page")]) from None
-
-
 def _find_beside(tables: dict[str, Any], folder: str) -> None:
     """Make the path of a mesh file, relative to the case file, one that leads there from here."""
     table: Any = tables
@@ -170,29 +163,6 @@ def _find_beside(tables: dict[str, Any], folder: str) -> None:
         table = table.get(key) if isinstance(table, dict) else None
     if isinstance(table, dict) and isinstance(table.get("file"), str):
         table["file"] = os.path.join(folder, table["file"])
-
-
-def _checked(tables: dict[str, Any], file: str, overrides: Iterable[str]) -> Case:
-    overridden: list[str] = []
-    faults: list[Fault] = []
-    for override in sorted(
-        overrides, key=lambda text: _comes_later(text.partition("=")[0].strip())
-    ):
-        try:
-            with faults_in(SET):
-                key, value = _key_and_value(override)
-                _set(tables, key, value)
-                overridden.append(key)
-        except CaseError as error:
-            faults += error.faults
-    _keep_one_of_springs(tables, overridden)
-    try:
-        case = case_from(tables)
-    except CaseError as error:
-        faults += (_placed(fault, file, overridden) for fault in error.faults)
-    if faults:
-        raise CaseError(faults)
-    return case
 
 
 def _placed(fault: Fault, file: str, overridden: list[str]) -> Fault:
@@ -203,23 +173,13 @@ def _placed(fault: Fault, file: str, overridden: list[str]) -> Fault:
     return replace(fault, file=SET if set_here else file)
 
 
-def _key_and_value(override: str) -> tuple[str, Any]:
-    key, equals, text = override.partition("=")
-    key, text = key.strip(), text.strip()
-    if not equals or not re.fullmatch(r"[\w-]+(\.[\w-]+)*", key, re.ASCII):
-        expected = "KEY=VALUE with a dotted key, march.speed=1.2"
-        raise CaseError([Fault(file=f"{SET} {override}", expected=expected)])
-    return key, _toml_or_bare(key, text)
-
-
-def _toml_or_bare(key: str, text: str) -> Any:
-    try:
-        [(_, value)] = tomllib.loads(f"value = {text}").items()
-    except (ValueError, RecursionError):
-        if not text or text[0] in "\"'[{" or "\n" in text:
-            raise CaseError([Fault(key=key, value=text, expected="a TOML value")]) from None
-        return text
-    return value
+def _replace(tables: dict[str, Any], values: Mapping[str, Any]) -> None:
+    """Set values in tables by dotted key; excitation.type first, for it drops other keys."""
+    for key in sorted(values, key=LOAD_TYPE.__ne__):
+        _set(tables, key, values[key])
+    for key, other in (SPRINGS, SPRINGS[::-1]):
+        if key in values and other not in values:
+            _set(tables, other, None)
 
 
 def _set(tables: dict[str, Any], key: str, value: Any) -> None:
@@ -237,14 +197,3 @@ def _set(tables: dict[str, Any], key: str, value: Any) -> None:
     if key == LOAD_TYPE and isinstance(value, str) and value in EXCITATIONS:
         keys = EXCITATIONS[value].model_fields
         tables[parents[0]] = {each: given for each, given in table.items() if each in keys}
-
-
-def _keep_one_of_springs(tables: dict[str, Any], changed: Collection[str]) -> None:
-    for key, other in (SPRINGS, SPRINGS[::-1]):
-        if key in changed and other not in changed:
-            _set(tables, other, None)
-
-
-def _comes_later(key: str) -> bool:
-    """Return whether a key is set after excitation.type, which drops the keys of other types."""
-    return key != LOAD_TYPE

@@ -24,7 +24,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.check import case_from, faults_of
 from bladewhirl.models.case.sketch import SketchTable
 from bladewhirl.models.case.sketch_parts import (
     SketchEdit,
@@ -71,11 +71,11 @@ class Sketch:
         Raises:
             CaseError: parts that do not fit together, each named.
         """
+        parts = {name: tuple(items) for name, items in self._parts.items()} | self._head
         try:
-            parts = {name: tuple(items) for name, items in self._parts.items()}
-            return SketchTable(**self._head, **parts)
+            return SketchTable(**parts)
         except ValidationError as error:
-            raise _case_error("sketch", error) from None
+            raise CaseError(faults_of(error, parts, "sketch")) from None
 
     def case(self, **tables: Any) -> Case:
         """Return a case with this bladed disk, the input of the rest of the package.
@@ -233,7 +233,7 @@ class Sketch:
         try:
             self._parts[kind].append(part(**values))
         except ValidationError as error:
-            raise _case_error(f"sketch.{kind} {called!r}", error) from None
+            raise CaseError(faults_of(error, values, f"sketch.{kind} {called!r}")) from None
 
 
 def _sections(section: Section | Sequence[Section] | None) -> dict[str, Any]:
@@ -244,16 +244,3 @@ def _sections(section: Section | Sequence[Section] | None) -> dict[str, Any]:
 
 def _chosen(sectors: Iterable[int] | None) -> tuple[int, ...] | None:
     return None if sectors is None else tuple(sectors)
-
-
-def _case_error(key: str, error: ValidationError) -> CaseError:
-    faults = []
-    for details in error.errors(include_url=False):
-        context = details.get("ctx", {})
-        expected = str(context.get("expected", details["msg"]))
-        if context.get("place"):
-            faults.append(Fault(key=f"{key}: {context['place']}", expected=expected))
-        else:
-            path = ".".join([key, *map(str, details["loc"])])
-            faults.append(Fault(key=path, value=details["input"], expected=expected))
-    return CaseError(faults)

@@ -86,4 +86,6 @@ def shown(value: object) -> str:
         text = toml_value(value)
     except (TypeError, ValueError):  # a date, or an integer too long to print
         text = "a huge integer" if isinstance(value, int) else str(value)
+    except RecursionError:
+        text = "deeply nested tables"
     return text if len(text) <= LONGEST_VALUE else f"{text[: LONGEST_VALUE - 3]}..."

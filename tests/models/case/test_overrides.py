@@ -67,7 +67,12 @@ def test_overrides_leave_the_rest_of_an_inline_table_and_the_last_wins() -> None
     ],
 )
 def test_faults_of_overrides_are_not_put_on_the_file(override: str, line: str) -> None:
-    text = "bladed_disk.blades = 22\ndamping.ratio = -1"
-    by_hand, in_file = sorted(faults(loads, text, file="a.toml", overrides=[override]))
+    [by_hand] = faults(loads, "bladed_disk.blades = 22", file="a.toml", overrides=[override])
     assert line in by_hand
+
+
+def test_faults_of_the_file_are_put_on_the_file() -> None:
+    text = "march.speed = 2\ndamping.ratio = -1"
+    by_hand, in_file = sorted(faults(loads, text, file="a.toml", overrides=["march.sped=1"]))
+    assert by_hand.startswith("--set: march.sped = 1")
     assert in_file.startswith("a.toml: damping.ratio = -1: expected")

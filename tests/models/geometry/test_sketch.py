@@ -282,7 +282,7 @@ BAD: list[tuple[Callable[[Sketch], object], str]] = [
         r"one beam between two nodes; parts 'spokes' and 'again' both lie between node",
     ),
     (lambda s: s.node("1", 0.1), "nodes '1'.name = \"1\": expected a name of letters"),
-    (lambda s: s.node("a", "1 kg"), r"at\.0 = \"1 kg\": expected a finite number in m"),
+    (lambda s: s.node("a", "1 kg"), r"at\[0\] = \"1 kg\": expected a finite number in m"),
 ]
 
 
