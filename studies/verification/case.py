@@ -1,20 +1,21 @@
 """A verification case: a quantity with a known answer, and how it is computed here.
 
-A case is a function that returns (reference, ours), and a row of data/cases.csv, which says what
-is compared, within which tolerance, and where the reference comes from::
+A case is a row of data/cases.csv, which says what is compared, within which tolerance, and where
+the reference comes from, and a function of its name that returns (reference, ours)::
 
     @verifies("2", "3", "4")
     def nafems_ring(k: str) -> Pair:
         ...
 
-Both may be arrays of one shape: the worst of their entries is told.
+Both may be arrays of one shape: the worst of their entries is reported. Cases that are computed
+together name their function in the table, and it returns a pair for each of them.
 """
 
 from __future__ import annotations
 
 import csv
 import time
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any, Literal, TypeVar, cast
@@ -27,10 +28,13 @@ from bladewhirl.studies.verification.references import FOLDER
 Pair = tuple[ArrayLike, ArrayLike]
 """Reference and ours."""
 
+Pairs = Mapping[str, Pair]
+"""Reference and ours of several cases, by name."""
+
 Measure = Literal["relative", "of largest", "absolute"]
 """Error over the reference, over the largest entry of the reference, or in the unit."""
 
-Function = TypeVar("Function", bound=Callable[..., Pair])
+Function = TypeVar("Function", bound=Callable[..., Pair | Pairs])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,41 +113,55 @@ class VerificationCase:
 
 
 CASES: list[VerificationCase] = []
-"""All cases of the modules imported so far, in the order of the table."""
+"""All cases of the modules imported so far."""
 
 
 @cache
 def rows() -> dict[str, dict[str, str]]:
-    """Rows of data/cases.csv by the name of their function, "rings.nafems_ring"."""
+    """Rows of data/cases.csv by name, "rings.nafems_ring"."""
     text = (FOLDER / "cases.csv").read_text(encoding="utf-8")
     return {row["case"]: row for row in csv.DictReader(text.splitlines())}
 
 
-def verifies(*each: Hashable) -> Callable[[Function], Function]:
-    """Make cases of a function that returns (reference, ours).
+def verifies(*values: Hashable) -> Callable[[Function], Function]:
+    """Make the cases of a function.
 
     Args:
-        each: arguments, a case each, put in for "{}" of the quantity; without any the function
+        values: arguments, a case each, put in for "{}" of the quantity; without any the function
             takes none.
     """
 
     def register(function: Function) -> Function:
-        name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
-        row = rows()[name]
-        given = [(f"{name}[{value}]", value) for value in each] or [(name, None)]
-        for own_name, value in given:
-            CASES.append(
-                VerificationCase(
-                    name=own_name,
-                    quantity=row["quantity"].format(value),
-                    source=row["source"],
-                    unit=row["unit"],
-                    tolerance=float(row["tolerance"]),
-                    measure=cast(Measure, row["measure"]),
-                    long=row["long"] == "yes",
-                    compute=partial(function, value) if each else function,
+        subject = function.__module__.rpartition(".")[2]
+        shared = cache(function)
+        for name, row in rows().items():
+            case = name.removeprefix(f"{subject}.")
+            if case == name or function.__name__ != (row["function"] or case):
+                continue
+            for value in values or [None]:
+                arguments = () if value is None else (value,)
+                CASES.append(
+                    VerificationCase(
+                        name=f"{name}[{value}]" if values else name,
+                        quantity=row["quantity"].format(value),
+                        source=row["source"],
+                        unit=row["unit"],
+                        tolerance=float(row["tolerance"]),
+                        measure=cast(Measure, row["measure"]),
+                        long=row["long"] == "yes",
+                        compute=partial(
+                            _pair, shared if row["function"] else function, arguments, case
+                        ),
+                    )
                 )
-            )
         return function
 
     return register
+
+
+def _pair(
+    function: Callable[..., Pair | Pairs], arguments: tuple[Hashable, ...], case: str
+) -> Pair:
+    """Return the pair of a case, which may be one of several that are computed together."""
+    computed = function(*arguments)
+    return computed[case] if isinstance(computed, Mapping) else computed

@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.studies.verification.bodies import (
@@ -21,20 +20,11 @@ from bladewhirl.studies.verification.bodies import (
     small_rotor,
     wall,
 )
-from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.studies.verification.case import Pair, Pairs, verifies
 from bladewhirl.studies.verification.references import reference
 
 ELEMENTS = 100
 BARS = (*reference("contact")["bars"], *reference("published")["bars"])
-
-
-class Collision(NamedTuple):
-    """Two bars, or one and a rigid wall, that have met."""
-
-    known: dict[str, Any]
-    chunk: Chunk  #: a record a step
-    dt: float  #: [s]
-    velocity: FloatArray  #: of the centre of mass of each bar at the end [m/s], (bars,)
 
 
 class Approach(NamedTuple):
@@ -67,116 +57,65 @@ def bars_in_impact(name: str, elements: int = ELEMENTS) -> Approach:
 
 
 @cache
-def collision(name: str) -> Collision:
-    """March two bars from before their contact to well after it."""
-    known, bars, given, dt, steps = bars_in_impact(name)
-    chunk = marched(given, dt, steps)
+def march_of_bars(name: str) -> Chunk:
+    """March two bars from before their contact to well after it, a record a step."""
+    bars = bars_in_impact(name)
+    return marched(bars.given, bars.dt, bars.steps)
+
+
+@verifies(*BARS)
+def bars_that_meet(name: str) -> Pairs:
+    """Compare forces over the middle of the contact, for peaks depend on the step; velocities are
+    those of the centres of mass."""
+    known, bars, _, dt, _ = bars_in_impact(name)
+    chunk = march_of_bars(name)
+    touching = chunk.time[chunk.contact_impulse[:, 0] > 0.0]
+    since_middle = np.abs(chunk.time - known["start"] - 0.5 * known["duration"])
+    middle = chunk.contact_impulse[since_middle < 0.3 * known["duration"], 0]
+    before, after = (
+        np.array([v for v in known[key] if v is not None]) for key in ("velocity", "velocity_after")
+    )
     last = (chunk.rotor_velocity[-1], chunk.casing_velocity[-1])
     computed = [body.rigid @ v / body.mass for body, v in zip(bars, last, strict=False)]
-    return Collision(known, chunk, dt, np.array(computed))
+    return {
+        "impulse_of_bars": (known["impulse"], chunk.contact_impulse.sum()),
+        "beginning_for_bars": (known["start"] / dt, touching[0] / dt),
+        "duration_of_bars": (known["duration"], touching[-1] - touching[0]),
+        "force_of_bars": (known["force"], middle.mean() / dt),
+        "velocity_of_bars": (after - before, np.array(computed) - before),
+    }
 
 
-@verifies(*BARS)
-def impulse_of_bars(name: str) -> Pair:
-    """Compare the impulse of the whole contact."""
-    met = collision(name)
-    return met.known["impulse"], met.chunk.contact_impulse.sum()
+@verifies()
+def bouncing_bar() -> Pairs:
+    """Compare a bar dropped on a rigid wall, which touches it twice and vibrates between.
 
-
-@verifies(*BARS)
-def beginning_for_bars(name: str) -> Pair:
-    """Compare the first step with contact."""
-    met = collision(name)
-    first = met.chunk.time[np.argmax(met.chunk.contact_impulse[:, 0] > 0.0)]
-    return met.known["start"] / met.dt, first / met.dt
-
-
-@verifies(*BARS)
-def duration_of_bars(name: str) -> Pair:
-    """Compare the duration from the first step with contact to the last."""
-    met = collision(name)
-    touching = met.chunk.time[met.chunk.contact_impulse[:, 0] > 0.0]
-    return met.known["duration"], touching[-1] - touching[0]
-
-
-@verifies(*BARS)
-def force_of_bars(name: str) -> Pair:
-    """Compare the mean force over the middle of the contact; peaks depend on the step."""
-    met = collision(name)
-    known, chunk = met.known, met.chunk
-    since_middle = np.abs(chunk.time - known["start"] - 0.5 * known["duration"])
-    force = chunk.contact_impulse[since_middle < 0.3 * known["duration"], 0].mean() / met.dt
-    return known["force"], force
-
-
-@verifies(*BARS)
-def velocity_of_bars(name: str) -> Pair:
-    """Compare the change of the velocities of the centres of mass."""
-    met = collision(name)
-    before, after = (
-        np.array([v for v in met.known[key] if v is not None])
-        for key in ("velocity", "velocity_after")
-    )
-    return after - before, met.velocity - before
-
-
-@cache
-def bouncing_bar() -> Chunk:
-    """March a bar dropped on a rigid wall, which touches it twice."""
+    The contact begins after the time of free fall. The tolerance of its end is 1 % of its duration.
+    The force of the first contact rises linearly, that of the second is its mirror image.
+    """
     known = reference("published")["bouncing_bar"]
     shape = {key: known[key] for key in ("length", "young_modulus", "density")}
     bar = Bar(area=1.0, elements=2 * ELEMENTS, **shape)
     gravity = Load(rotor=known["gravity"] * bar.rigid, casing=np.zeros(1))
     given = problem(bar.as_rotor(), wall(known["height"]), loads=(gravity,))
-    return marched(given, bar.time_step, round(5.0 / bar.time_step))
-
-
-@verifies()
-def impulse_of_a_bouncing_bar() -> Pair:
-    """Compare the impulses of both contacts; the bar vibrates between them."""
-    chunk = bouncing_bar()
-    impulse, first = chunk.contact_impulse[:, 0], chunk.time < 8.0 / 3.0
-    expected = reference("published")["bouncing_bar"]["impulse"]
-    return [expected, expected], [impulse[first].sum(), impulse[~first].sum()]
-
-
-def first_touch() -> FloatArray:
-    """Return the times of the steps in the first contact of a bouncing bar [s]."""
-    chunk = bouncing_bar()
-    return chunk.time[(chunk.contact_impulse[:, 0] > 0.0) & (chunk.time < 2.0)]
-
-
-@verifies()
-def beginning_of_a_bounce() -> Pair:
-    """Compare the beginning with the time of free fall."""
-    first, _ = reference("published")["bouncing_bar"]["first_contact"]
-    dt = bouncing_bar().time[1]
-    return first / dt, first_touch()[0] / dt
-
-
-@verifies()
-def end_of_a_bounce() -> Pair:
-    """Compare the end of the first contact; the tolerance is 1 % of its duration."""
-    return reference("published")["bouncing_bar"]["first_contact"][1], first_touch()[-1]
-
-
-def bounce(*, first: bool) -> float:
-    """Return the centroid in time of an impulse [s]."""
-    chunk = bouncing_bar()
-    part = (chunk.time < 8.0 / 3.0) == first
-    return float(np.average(chunk.time[part], weights=chunk.contact_impulse[part, 0]))
-
-
-@verifies()
-def first_bounce() -> Pair:
-    """Compare the centroid of the first contact, in which the force rises linearly."""
-    return 49.0 / 36.0, bounce(first=True)
-
-
-@verifies()
-def second_bounce() -> Pair:
-    """Compare the centroid of the second contact, the mirror image of the first."""
-    return 143.0 / 36.0, bounce(first=False)
+    chunk = marched(given, bar.time_step, round(5.0 / bar.time_step))
+    impulse, dt = chunk.contact_impulse[:, 0], chunk.time[1]
+    touching = chunk.time[(impulse > 0.0) & (chunk.time < 2.0)]
+    first = chunk.time < 8.0 / 3.0
+    begin, end = known["first_contact"]
+    centroids = [
+        float(np.average(chunk.time[part], weights=impulse[part])) for part in (first, ~first)
+    ]
+    return {
+        "impulse_of_a_bouncing_bar": (
+            [known["impulse"], known["impulse"]],
+            [impulse[first].sum(), impulse[~first].sum()],
+        ),
+        "beginning_of_a_bounce": (begin / dt, touching[0] / dt),
+        "end_of_a_bounce": (end, touching[-1]),
+        "first_bounce": (49.0 / 36.0, centroids[0]),
+        "second_bounce": (143.0 / 36.0, centroids[1]),
+    }
 
 
 @cache
@@ -192,8 +131,12 @@ def oscillator(name: str) -> tuple[dict[str, Any], Chunk]:
     return case, marched(given, dt, round(1.2 / dt))
 
 
-def impacts(name: str) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return the exact times and impulses of the impacts of an oscillator, then the computed ones.
+OSCILLATORS = ("C1", "C2", "C3", "C4")
+
+
+@verifies(*OSCILLATORS)
+def impacts_of_an_oscillator(name: str) -> Pairs:
+    """Compare times, within two steps, and impulses, for the stop absorbs all the momentum.
 
     A mass left at rest on the stop touches it again with impulses of rounding: no contact.
     """
@@ -203,32 +146,21 @@ def impacts(name: str) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     touching = np.r_[False, impulse > 1e-12 * impulse.max()]
     begins = np.flatnonzero(touching[1:] & ~touching[:-1])
     stopped = np.array([impulse[i : i + 2].sum() for i in begins])  # within two steps
-    times, expected = (np.array([event[key] for event in exact]) for key in ("time", "impulse"))
-    return times, expected, chunk.time[begins], stopped
-
-
-OSCILLATORS = ("C1", "C2", "C3", "C4")
-
-
-@verifies(*OSCILLATORS)
-def times_of_impacts(name: str) -> Pair:
-    """Compare the times of the impacts; the tolerance is two steps."""
-    exact, _, computed, _ = impacts(name)
-    return exact, computed
-
-
-@verifies(*OSCILLATORS)
-def impulses_of_impacts(name: str) -> Pair:
-    """Compare the impulses: the stop absorbs all the momentum."""
-    _, exact, _, computed = impacts(name)
-    return exact, computed
+    return {
+        "times_of_impacts": ([event["time"] for event in exact], chunk.time[begins]),
+        "impulses_of_impacts": ([event["impulse"] for event in exact], stopped),
+    }
 
 
 @verifies()
-def energy_of_an_impact() -> Pair:
-    """Compare the energy lost at impacts with the work of the contact forces."""
+def oscillator_at_rest() -> Pairs:
+    """Compare the energy lost with the work of the contact, and the force at rest with the load
+    less the spring force."""
     case, chunk = oscillator("C1")
-    return -case["energy_lost"], chunk.normal_work[-1]
+    return {
+        "energy_of_an_impact": (-case["energy_lost"], chunk.normal_work[-1]),
+        "resting_force": (case["resting_force"], chunk.contact_impulse[-1, 0] / chunk.time[1]),
+    }
 
 
 @verifies("C2", "C3")
@@ -240,13 +172,6 @@ def times_of_releases(name: str) -> Pair:
     contacts = np.split(touching, np.flatnonzero(np.diff(touching) > 1) + 1)
     ends = [steps[-1] + 1 for steps in contacts if len(steps) > 10]
     return exact, chunk.time[[end for end in ends if end < chunk.records]]
-
-
-@verifies()
-def resting_force() -> Pair:
-    """Compare the contact force at rest, the load less the spring force."""
-    case, chunk = oscillator("C1")
-    return case["resting_force"], chunk.contact_impulse[-1, 0] / chunk.time[1]
 
 
 def pad_on_a_wall() -> ContactProblem:
@@ -265,66 +190,45 @@ def pad_on_a_wall() -> ContactProblem:
 
 
 @cache
-def coulomb_pad() -> tuple[Chunk, float]:
-    """March the pad; return the records and the time step."""
-    return marched(pad_on_a_wall(), 1e-5, 20_000), 1e-5
+def march_of_a_pad() -> Chunk:
+    """March the pad for 0.2 s."""
+    return marched(pad_on_a_wall(), 1e-5, 20_000)
 
 
 @verifies()
-def extremes_of_a_pad() -> Pair:
-    """Compare the extremes: each half cycle loses 2 mu m g / k."""
-    chunk, dt = coulomb_pad()
+def coulomb_pad() -> Pairs:
+    """Compare a pad whose half cycles lose 2 mu m g / k each: 3.6 mm of sliding under 1 N.
+
+    It sticks after the second period. The normal force is the weight but for the first and last
+    step.
+    """
+    chunk, dt, known = march_of_a_pad(), 1e-5, reference("published")["coulomb_pad"]
     at = [round(n * np.pi / 100.0 / dt) for n in range(5)]
-    return reference("published")["coulomb_pad"]["extremes"], chunk.rotor_displacement[at, 1]
-
-
-@verifies()
-def pad_that_sticks() -> Pair:
-    """Compare the final position with all positions after the second period."""
-    chunk, dt = coulomb_pad()
-    known = reference("published")["coulomb_pad"]
     stuck = chunk.rotor_displacement[chunk.time > known["stuck_from"] + dt, 1]
-    return np.full_like(stuck, known["extremes"][-1]), stuck
-
-
-@verifies()
-def work_on_a_pad() -> Pair:
-    """Compare the work of friction: 1 N over 3.6 mm of sliding."""
-    return reference("published")["coulomb_pad"]["friction_work"], coulomb_pad()[0].friction_work[
-        -1
-    ]
-
-
-@verifies()
-def force_on_a_pad() -> Pair:
-    """Compare the normal force with the weight, without the first and last step."""
-    chunk, dt = coulomb_pad()
     force = chunk.contact_impulse[2:-1] / dt
-    return np.full_like(force, 10.0), force
-
-
-def small_marches() -> list[Chunk]:
-    """March all bars, oscillators and the pad."""
-    bars = [collision(name).chunk for name in BARS]
-    return [*bars, *(oscillator(name)[1] for name in OSCILLATORS), coulomb_pad()[0]]
-
-
-@verifies()
-def ledgers() -> Pair:
-    """Compare the energy residual of each march with zero, at its worst step."""
-    computed = [ledger_residual(chunk) for chunk in small_marches()]
-    return np.zeros(len(computed)), computed
+    return {
+        "extremes_of_a_pad": (known["extremes"], chunk.rotor_displacement[at, 1]),
+        "pad_that_sticks": (np.full_like(stuck, known["extremes"][-1]), stuck),
+        "work_on_a_pad": (known["friction_work"], chunk.friction_work[-1]),
+        "force_on_a_pad": (np.full_like(force, 10.0), force),
+    }
 
 
 @verifies()
-def gaps_in_contact() -> Pair:
-    """Compare gaps of closed contacts and penetrations with zero, the largest of each march."""
-    computed = [
-        value
-        for chunk in small_marches()
-        for value in (chunk.gap[chunk.contact_impulse > 0.0].max(), min(0.0, chunk.gap.min()))
+def energies_and_gaps() -> Pairs:
+    """Compare with zero the energy residual of each march at its worst step, and the largest gaps
+    of closed contacts and penetrations."""
+    chunks = [march_of_bars(name) for name in BARS]
+    chunks += [*(oscillator(name)[1] for name in OSCILLATORS), march_of_a_pad()]
+    gaps = [
+        (chunk.gap[chunk.contact_impulse > 0.0].max(), min(0.0, chunk.gap.min()))
+        for chunk in chunks
     ]
-    return np.zeros(len(computed)), computed
+    residuals = [ledger_residual(chunk) for chunk in chunks]
+    return {
+        "ledgers": (np.zeros(len(chunks)), residuals),
+        "gaps_in_contact": (np.zeros(2 * len(chunks)), np.ravel(gaps)),
+    }
 
 
 @verifies()

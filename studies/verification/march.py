@@ -16,7 +16,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.march import Chunk
 from bladewhirl.studies.verification.bodies import marched, problem, small_rotor, wall
-from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.studies.verification.case import Pair, Pairs, verifies
 from bladewhirl.studies.verification.dense_march import dense_march
 from bladewhirl.studies.verification.stages import observed_order
 
@@ -47,37 +47,27 @@ RUBBING: Mapping[str, Mapping[str, Any]] = {
 """Changes of the default case."""
 
 
-@cache
-def rubbing(kind: str) -> tuple[tuple[FloatArray, FloatArray, FloatArray], Chunk]:
-    """March a rubbing stage for 10 ms with both programs.
-
-    Raises:
-        ArithmeticError: nothing has touched.
-    """
-    given = coarse(RUBBING[kind])
-    chunk = marched(given, DT, STEPS)
-    if chunk.contact_impulse.max() <= 0.0:
-        raise ArithmeticError(f"{kind}: expected contact")
-    return dense_march(given, DT, STEPS), chunk
-
-
 def coarse(changes: Mapping[str, Any]) -> ContactProblem:
     """Return the default stage with fewer elements and modes, and with changes."""
     return contact_problem(build_stage(with_values(Case(), {**COARSE, **changes})))
 
 
 @verifies(*RUBBING)
-def gaps_of_rubbing_stages(kind: str) -> Pair:
-    """Compare gaps at all steps in contact, until the motions separate by chaos."""
-    plain, chunk = rubbing(kind)
-    return plain[0], chunk.gap
+def rubbing_stages(kind: str) -> Pairs:
+    """Compare all steps of 10 ms by both programs, before the motions separate by chaos.
 
-
-@verifies(*RUBBING)
-def impulses_of_rubbing_stages(kind: str) -> Pair:
-    """Compare the impulses of all steps."""
-    plain, chunk = rubbing(kind)
-    return plain[1:], [chunk.contact_impulse, chunk.friction_impulse]
+    Raises:
+        ArithmeticError: no blade touches.
+    """
+    given = coarse(RUBBING[kind])
+    chunk = marched(given, DT, STEPS)
+    if chunk.contact_impulse.max() <= 0.0:
+        raise ArithmeticError(f"{kind}: expected contact")
+    gaps, *impulses = dense_march(given, DT, STEPS)
+    return {
+        "gaps_of_rubbing_stages": (gaps, chunk.gap),
+        "impulses_of_rubbing_stages": (impulses, [chunk.contact_impulse, chunk.friction_impulse]),
+    }
 
 
 @verifies()
@@ -96,38 +86,30 @@ def turned(angle: float = 0.0, speed: float = 1.05) -> Chunk:
 
 
 @verifies()
-def mirror() -> Pair:
-    """Compare with the mirror image: speed, blade numbers and initial velocity reversed."""
-    return turned().gap, turned(speed=-1.05).gap[:, -np.arange(22) % 22]
+def symmetries() -> Pairs:
+    """Compare with the mirror image, and with an initial direction one pitch on.
+
+    The image has the speed, the blade numbers and the initial velocity reversed, and friction of
+    the other sign. There are 22 casing elements for 22 blades.
+    """
+    chunk, image, reverse = turned(), turned(speed=-1.05), -np.arange(22) % 22
+    return {
+        "mirror": (chunk.gap, image.gap[:, reverse]),
+        "mirrored_friction": (chunk.friction_impulse, -image.friction_impulse[:, reverse]),
+        "one_pitch": (chunk.gap, np.roll(turned(2.0 * np.pi / 22).gap, -1, axis=1)),
+    }
 
 
 @verifies()
-def mirrored_friction() -> Pair:
-    """Compare the friction impulses, which change sign in the mirror image."""
-    mirrored = turned(speed=-1.05).friction_impulse[:, -np.arange(22) % 22]
-    return turned().friction_impulse, -mirrored
-
-
-@verifies()
-def one_pitch() -> Pair:
-    """Compare two initial directions one pitch apart, for 22 blades in 22 casing elements."""
-    return turned().gap, np.roll(turned(2.0 * np.pi / 22).gap, -1, axis=1)
-
-
-@verifies()
-def friction_at_standstill() -> Pair:
-    """Check that friction vanishes at zero speed, with blades in contact."""
+def standstill() -> Pairs:
+    """Compare friction at zero speed with zero, and gaps on both sides of the initial direction."""
     chunk = turned(speed=0.0)
     if not chunk.contact_impulse.any():
         raise ArithmeticError("expected contact at standstill")
-    return np.zeros_like(chunk.friction_impulse), chunk.friction_impulse
-
-
-@verifies()
-def symmetry_at_standstill() -> Pair:
-    """Compare gaps on both sides of the initial direction at zero speed."""
-    gap = turned(speed=0.0).gap
-    return gap, gap[:, -np.arange(22) % 22]
+    return {
+        "friction_at_standstill": (np.zeros_like(chunk.friction_impulse), chunk.friction_impulse),
+        "symmetry_at_standstill": (chunk.gap, chunk.gap[:, -np.arange(22) % 22]),
+    }
 
 
 def oscillations(given: ContactProblem, time: float) -> FloatArray:

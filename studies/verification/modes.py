@@ -16,7 +16,7 @@ from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.modal.modes import families, structure_modes
 from bladewhirl.models.modal.reduction import craig_bampton
 from bladewhirl.models.sections.rectangular import Section
-from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.studies.verification.case import Pair, Pairs, verifies
 from bladewhirl.studies.verification.references import reference
 from bladewhirl.studies.verification.stages import (
     beam,
@@ -38,20 +38,16 @@ SPAN, TIP_MASS = 0.45, 0.1
 
 
 @verifies(*CENTRES)
-def stage_frequencies(centre: str) -> Pair:
-    """Compare the frequencies of Table 1, taken literally."""
-    modes = disk_modes(bladed_disk(clamped=centre == "clamped"))
-    return reference("disk_modes")[centre]["frequency_hz"], hertz(modes)[:LISTED]
-
-
-@verifies(*CENTRES)
-def stage_names(centre: str) -> Pair:
-    """Count the wrong names among the 92 lowest modes."""
+def stage_modes(centre: str) -> Pairs:
+    """Compare the frequencies of Table 1, taken literally, and count the wrong names of modes."""
     known = reference("disk_modes")[centre]
     modes = disk_modes(bladed_disk(clamped=centre == "clamped"))
     names = zip(modes.nodal_diameter.tolist(), families(modes, "bladed-disk"), strict=True)
     expected = zip(known["nodal_diameter"], known["family"], strict=True)
-    return 0, sum(a != b for a, b in zip(expected, names, strict=False))
+    return {
+        "stage_frequencies": (known["frequency_hz"], hertz(modes)[:LISTED]),
+        "stage_names": (0, sum(a != b for a, b in zip(expected, names, strict=False))),
+    }
 
 
 def static(disk: BladedDiskModel, dof: int) -> FloatArray:
@@ -62,9 +58,11 @@ def static(disk: BladedDiskModel, dof: int) -> FloatArray:
 
 
 @verifies(*CENTRES)
-def stage_stiffness(centre: str) -> Pair:
-    """Compare stiffnesses: tangential and radial at a tip, tangential at a root and at a free
-    centre."""
+def static_response(centre: str) -> Pairs:
+    """Compare stiffnesses and displacements of three tips under a tangential force.
+
+    Stiffnesses are tangential and radial at a tip, tangential at a root and at a free centre.
+    """
     known = reference("disk_static")[centre]
     disk = bladed_disk(clamped=centre == "clamped")
     nodes = disk.mesh.node_sets
@@ -76,22 +74,18 @@ def stage_stiffness(centre: str) -> Pair:
     }
     if centre == "free":
         places["centre_x_stiffness"] = (int(disk.centre[0]), nodes["centre"][0], 0)
-    computed = [1.0 / static(disk, dof)[node, axis] for dof, node, axis in places.values()]
-    return [known[name] for name in places], computed
-
-
-@verifies(*CENTRES)
-def stage_flexibility(centre: str) -> Pair:
-    """Compare displacements of three tips under a tangential force."""
-    known = reference("disk_static")[centre]
-    disk = bladed_disk(clamped=centre == "clamped")
-    field, tips = static(disk, int(disk.tip_tangential[0])), disk.mesh.node_sets["tips"]
+    stiffness = [1.0 / static(disk, dof)[node, axis] for dof, node, axis in places.values()]
+    field, tips = static(disk, int(disk.tip_tangential[0])), nodes["tips"]
     expected = (
         known["tip0_rotation_per_tangential_force"],
         *known["tip1_xy_per_tangential_force"],
         known["tip11_y_per_tangential_force"],
     )
-    return expected, (field[tips[0], 2], *field[tips[1], :2], field[tips[11], 1])
+    moved = (field[tips[0], 2], *field[tips[1], :2], field[tips[11], 1])
+    return {
+        "stage_stiffness": ([known[name] for name in places], stiffness),
+        "stage_flexibility": (expected, moved),
+    }
 
 
 @verifies()
@@ -140,26 +134,12 @@ def bending_errors(elements: int) -> FloatArray:
     return cantilever(steel(0.01), elements)[:3] / exact_bending() - 1.0
 
 
-@verifies()
-def order_of_bending() -> Pair:
-    """Compare the order with four."""
-    errors = [bending_errors(n) for n in (6, 12)]
-    return np.full(3, 4.0), observed_order(np.array(errors))[0]
-
-
 def stretching_errors(elements: int) -> FloatArray:
     """Return the relative errors of the first three stretching frequencies."""
     exact = np.pi * (np.arange(3) + 0.5) / SPAN * np.sqrt(2.1e11 / 7800.0)
     computed = cantilever(steel(0.01), elements)
     nearest = np.argmin(np.abs(computed[:, None] - exact), axis=0)
     return np.asarray(computed[nearest] / exact - 1.0)
-
-
-@verifies()
-def order_of_stretching() -> Pair:
-    """Compare the order with two."""
-    errors = [stretching_errors(n) for n in (32, 64)]
-    return np.full(3, 2.0), observed_order(np.array(errors))[0]
 
 
 def by_ritz(thickness: Sequence[float]) -> FloatArray:
@@ -191,24 +171,35 @@ def by_ritz(thickness: Sequence[float]) -> FloatArray:
     return np.asarray(1.0 / np.sqrt(flexible[::-1][:3]))
 
 
+def tapered_blade_of(elements: int) -> Pair:
+    """Return the frequencies of a blade with thicknesses of 20, 12 and 8 mm."""
+    taper = [0.020, 0.012, 0.008]
+    return by_ritz(taper), cantilever([steel(size) for size in taper], elements, TIP_MASS)[:3]
+
+
 @verifies()
 def tapered_blade() -> Pair:
-    """Compare a blade with thicknesses of 20, 12 and 8 mm."""
-    taper = [steel(0.020), steel(0.012), steel(0.008)]
-    return by_ritz([0.020, 0.012, 0.008]), cantilever(taper, 10, TIP_MASS)[:3]
+    """Compare the tapered blade."""
+    return tapered_blade_of(10)
 
 
 def tapered_errors(elements: int) -> FloatArray:
     """Return the relative errors of the frequencies of the tapered blade."""
-    taper = [steel(0.020), steel(0.012), steel(0.008)]
-    return cantilever(taper, elements, TIP_MASS)[:3] / by_ritz([0.020, 0.012, 0.008]) - 1.0
+    exact, computed = map(np.asarray, tapered_blade_of(elements))
+    return np.asarray(computed / exact - 1.0)
 
 
 @verifies()
-def order_of_tapered_blades() -> Pair:
-    """Compare the order with four, that of prismatic blades."""
-    errors = [tapered_errors(n) for n in (8, 16)]
-    return np.full(3, 4.0), observed_order(np.array(errors))[0]
+def orders_of_convergence() -> Pairs:
+    """Compare with four, that of cubics in bending, and with two, that of linear elements."""
+    return {
+        name: (np.full(3, order), observed_order(np.array([error(n), error(2 * n)]))[0])
+        for name, error, n, order in (
+            ("order_of_bending", bending_errors, 6, 4.0),
+            ("order_of_stretching", stretching_errors, 32, 2.0),
+            ("order_of_tapered_blades", tapered_errors, 8, 4.0),
+        )
+    }
 
 
 @verifies()
@@ -240,13 +231,10 @@ def reduction_error(kept: int) -> FloatArray:
 
 
 @verifies()
-def craig_bampton_error() -> Pair:
-    """Compare the error of the first family with zero."""
-    return 0.0, reduction_error(110).max()
-
-
-@verifies()
-def craig_bampton_convergence() -> Pair:
-    """Compare the share of the error that remains with twice the modes; errors are positive."""
-    coarse, fine = reduction_error(110), reduction_error(220)
-    return 0.0, fine.max() / coarse.max()
+def reduced_models() -> Pairs:
+    """Compare the error of the first family with zero, and its share left with twice the modes."""
+    coarse, fine = reduction_error(110).max(), reduction_error(220).max()
+    return {
+        "craig_bampton_error": (0.0, coarse),
+        "craig_bampton_convergence": (0.0, fine / coarse),
+    }

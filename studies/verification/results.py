@@ -18,7 +18,7 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.shaft.whirl_history import whirl_history
 from bladewhirl.studies.runs.run import run
-from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.studies.verification.case import Pair, Pairs, verifies
 
 SMALL: Mapping[str, Any] = {
     "reduction.fixed_interface_modes": 22,
@@ -76,23 +76,34 @@ def kicks(result: xr.Dataset, body: str) -> FloatArray:
 
 
 @verifies()
-def momentum_of_the_bladed_disk() -> Pair:
-    """Compare with the contact impulses: inward by normal forces, backward by friction."""
-    result = recorded()
-    radial, tangential, _, _ = rows(result)
-    normal, friction = (result[f"{name}_impulse"].values[2:] for name in ("contact", "friction"))
-    return -normal @ radial - friction @ tangential, kicks(result, "rotor")
+def balances() -> Pairs:
+    """Compare changes of momentum with contact impulses, and gaps with complementarity.
 
-
-@verifies()
-def momentum_of_the_casing() -> Pair:
-    """Compare with the contact impulses at the tips: outward normal, forward friction."""
+    Normal forces act inward on tips and outward on the casing, friction backward on tips and
+    forward on the casing, whose rotating modes feel its torque.
+    """
     result = recorded()
-    _, _, radial, tangential = rows(result)
+    radial, tangential, on_wall, along_wall = rows(result)
     normal, friction = (result[f"{name}_impulse"].values[2:] for name in ("contact", "friction"))
-    given = np.einsum("tb,tbm->tm", normal, radial[2:])
-    given += np.einsum("tb,tbm->tm", friction, tangential[2:])
-    return given, kicks(result, "casing")
+    pushed = np.einsum("tb,tbm->tm", normal, on_wall[2:])
+    pushed += np.einsum("tb,tbm->tm", friction, along_wall[2:])
+    casing = kicks(result, "casing")
+    turning = np.flatnonzero(result["casing_nodal_diameter"].values == 0)
+    mean = result["casing_shape"].values[:, 2][:, turning].mean(axis=0)
+    most = np.argmax(np.abs(mean))
+    turned = casing[:, turning[most]].sum() / mean[most]
+    radius, gap = result.attrs["casing_radius"], result["gap"].values
+    closed = gap[result["contact_impulse"].values > 0.0]
+    return {
+        "momentum_of_the_bladed_disk": (
+            -normal @ radial - friction @ tangential,
+            kicks(result, "rotor"),
+        ),
+        "momentum_of_the_casing": (pushed, casing),
+        "torque_on_the_casing": (0.1 * radius * normal.sum(), radius * turned),
+        "penetration": (0.0, min(0.0, float(gap.min()))),
+        "complementarity": (np.zeros_like(closed), closed),
+    }
 
 
 @verifies(1.05, -1.05)
@@ -102,19 +113,6 @@ def friction_ratio(speed: float) -> Pair:
     normal, friction = (result[f"{name}_impulse"].values for name in ("contact", "friction"))
     ratio = friction[normal > 0.0] / normal[normal > 0.0]
     return np.full_like(ratio, 0.1 * np.sign(speed)), ratio
-
-
-@verifies()
-def torque_on_the_casing() -> Pair:
-    """Compare the torque of friction with the motion of the modes that rotate the casing."""
-    result = recorded()
-    turning = np.flatnonzero(result["casing_nodal_diameter"].values == 0)
-    tangential = result["casing_shape"].values[:, 2][:, turning].mean(axis=0)
-    rate = turning[np.argmax(np.abs(tangential))]
-    given = kicks(result, "casing")[:, rate].sum() / tangential[np.argmax(np.abs(tangential))]
-    normal = result["contact_impulse"].values[2:].sum()
-    radius = result.attrs["casing_radius"]
-    return 0.1 * radius * normal, radius * given
 
 
 @verifies()
@@ -128,43 +126,12 @@ def energy_ledger() -> Pair:
     return np.zeros_like(work), (energy - energy[0] - work) / np.abs([*terms, energy]).max()
 
 
-@verifies()
-def penetration() -> Pair:
-    """Compare the deepest penetration of all steps with zero."""
-    return 0.0, min(0.0, float(recorded()["gap"].values.min()))
-
-
-@verifies()
-def complementarity() -> Pair:
-    """Compare the gaps of all closed contacts with zero."""
-    result = recorded()
-    gap = result["gap"].values[result["contact_impulse"].values > 0.0]
-    return np.zeros_like(gap), gap
-
-
 @verifies("backward", "forward")
-def circular_whirl(way: str) -> Pair:
-    """Compare the whirl frequency in the rotating and the static frame."""
-    computed = circle(way)
-    omega = (1.0 if way == "forward" else -1.0) * computed.attrs["natural"]
-    rates = [computed["rate"].sel(frame=frame).values for frame in ("rotating", "static")]
-    exact = [np.full_like(rates[0], omega), np.full_like(rates[1], omega + computed.attrs["speed"])]
-    return exact, rates
+def circle(way: str) -> Pairs:
+    """Compare whirl of a shaft started on a circle in the suspension pair, without contact.
 
-
-@verifies("backward", "forward")
-def whirl_labels(way: str) -> Pair:
-    """Compare the whirl direction in the rotating and the static frame."""
-    computed = circle(way)
-    sign = 1.0 if way == "forward" else -1.0
-    static = np.sign(sign * computed.attrs["natural"] + computed.attrs["speed"])
-    labels = [computed["direction"].sel(frame=frame).values for frame in ("rotating", "static")]
-    return [np.full_like(labels[0], sign), np.full_like(labels[1], static)], labels
-
-
-@cache
-def circle(way: str) -> xr.Dataset:
-    """Return the whirl of a shaft started on a circle in the suspension pair, without contact."""
+    Its frequency and direction are compared in the rotating and the static frame.
+    """
     longer = {"march__duration": 0.2, "march__record_step": 4e-5}
     pair = {"reduction__modes": "suspension,casing:1", **longer}
     still = {"initial__centre_velocity": (0.0, 0.0)}
@@ -175,4 +142,15 @@ def circle(way: str) -> xr.Dataset:
         "initial__centre_velocity": (0.0, 1e-4 * rate),
     }
     result = recorded(**pair, **start)
-    return whirl_history(result).assign_attrs(natural=natural, speed=result.attrs["speed"])
+    whirl, static = whirl_history(result), rate + result.attrs["speed"]
+    rates, labels = (
+        [whirl[name].sel(frame=frame).values for frame in ("rotating", "static")]
+        for name in ("rate", "direction")
+    )
+    return {
+        "circular_whirl": ([np.full_like(rates[0], rate), np.full_like(rates[1], static)], rates),
+        "whirl_labels": (
+            [np.full_like(labels[0], np.sign(rate)), np.full_like(labels[1], np.sign(static))],
+            labels,
+        ),
+    }

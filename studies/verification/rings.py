@@ -8,7 +8,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.modes import Modes, structure_modes
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.sections.wall import Wall
-from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.studies.verification.case import Pair, Pairs, verifies
 from bladewhirl.studies.verification.references import reference
 from bladewhirl.studies.verification.stages import (
     CASING_REFERENCE,
@@ -36,21 +36,14 @@ def flexural(elements: int, name: str) -> Pair:
 
 
 @verifies()
-def free_ring() -> Pair:
-    """Compare a ring without support."""
-    return flexural(160, "flexural_hz")
-
-
-@verifies()
-def ring_on_foundation() -> Pair:
-    """Compare a ring on a uniform radial and tangential support."""
-    return flexural(160, "flexural_on_foundation_hz")
-
-
-@verifies()
-def ring_by_opensees() -> Pair:
-    """Compare with polygons of straight beams; the tolerance is their discretisation error."""
-    return flexural(160, "opensees_800_hz")
+def bending_of_rings() -> Pairs:
+    """Compare a free ring, one on a uniform radial and tangential support, and polygons of straight
+    beams, whose tolerance is their discretisation error."""
+    return {
+        "free_ring": flexural(160, "flexural_hz"),
+        "ring_on_foundation": flexural(160, "flexural_on_foundation_hz"),
+        "ring_by_opensees": flexural(160, "opensees_800_hz"),
+    }
 
 
 def ring_errors(elements: int) -> FloatArray:
@@ -59,23 +52,20 @@ def ring_errors(elements: int) -> FloatArray:
     return np.asarray(np.array(ours) / np.array(exact) - 1.0)
 
 
-@verifies()
-def order_of_the_ring() -> Pair:
-    """Compare the order with four."""
-    errors = [ring_errors(n)[-1] for n in (80, 160)]
-    return 4.0, observed_order(np.array(errors))[0]
-
-
 def translation_error(elements: int) -> float:
     """Return the squared frequency of a free ring's translation, exactly 0 [rad^2/s^2]."""
     return float(casing_modes(elements).frequency[1] ** 2)
 
 
 @verifies()
-def order_of_translations() -> Pair:
-    """Compare the order, nearly six."""
-    eigenvalues = np.array([translation_error(n) for n in (40, 80)])
-    return 5.7, observed_order(eigenvalues)[0]
+def orders_of_convergence() -> Pairs:
+    """Compare with four in bending, and with nearly six of translations."""
+    bending = np.array([ring_errors(n)[-1] for n in (80, 160)])
+    translation = np.array([translation_error(n) for n in (40, 80)])
+    return {
+        "order_of_the_ring": (4.0, observed_order(bending)[0]),
+        "order_of_translations": (5.7, observed_order(translation)[0]),
+    }
 
 
 @verifies()

@@ -18,16 +18,15 @@ from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
 from bladewhirl.models.rotation.growth import speed_of_growth, static_displacement, tip_growth
 from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
 from bladewhirl.models.rotation.waves import waves
-from bladewhirl.models.rotation.whirl_modes import WhirlModes, whirl_modes
+from bladewhirl.models.rotation.whirl_modes import whirl_modes
 from bladewhirl.models.sections.rectangular import Section
-from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.studies.verification.case import Pair, Pairs, verifies
 from bladewhirl.studies.verification.references import reference
 from bladewhirl.studies.verification.stages import bladed_disk, steel
 
 STAGES = ("0.01", "0.03")
 """Thickness of the disk's beams [m]."""
 
-RATIOS = (0.5, 1.05, 1.6, 2.5)
 KEYS: dict[Effects, str] = {"none": "at_rest", "centrifugal": "no_coriolis", "full": "full"}
 
 
@@ -40,12 +39,6 @@ def known(stage: str) -> Any:
 def turning(stage: str) -> RotationMatrices:
     """Return the rotation matrices of a stage."""
     return rotation_matrices(bladed_disk(disk_thickness=float(stage)))
-
-
-@cache
-def modes_at(stage: str, omega: float) -> WhirlModes:
-    """Return all whirling modes of a stage at a speed."""
-    return whirl_modes(turning(stage).at_speed(omega, "full"))
 
 
 @verifies(*STAGES)
@@ -63,63 +56,53 @@ def centrifugal_frequencies(stage: str) -> Pair:
     return expected, computed
 
 
-def travelling(stage: str, ratios: tuple[float, ...]) -> Pair:
-    """Return six frequencies of each nodal diameter and direction [Hz], reference and computed."""
-    expected, computed = [], []
+@verifies(*STAGES)
+def travelling_waves(stage: str) -> Pairs:
+    """Compare six frequencies of each nodal diameter and direction [Hz] in the rotating frame, and
+    the largest growth rates with zero."""
+    slow, fast, growth = (tuple[list[Any], list[Any]](([], [])) for _ in range(3))
     for row in known(stage)["speeds"]:
-        if row["ratio"] not in ratios:
-            continue
-        modes = modes_at(stage, row["omega"])
+        modes = whirl_modes(turning(stage).at_speed(row["omega"], "full"))
+        expected, computed = slow if row["ratio"] < 2.0 else fast
         for way in ("backward", "forward"):
+            ways = np.isin(modes.direction, [way, "standing"])
             for k in range(12):
-                ways = np.isin(modes.direction, [way, "standing"])
                 frequencies = modes.frequency[(modes.nodal_diameter == k) & ways]
                 computed.append(frequencies[:6] / (2 * np.pi))
                 expected.append(row[way][str(k)])
-    return expected, computed
+        growth[0].append(0.0)
+        growth[1].append(np.abs(modes.growth).max())
+    return {
+        "whirling_waves": slow,
+        "whirling_waves_past_the_critical_speed": fast,
+        "undamped_waves": growth,
+    }
 
 
 @verifies(*STAGES)
-def whirling_waves(stage: str) -> Pair:
-    """Compare the frequencies for k = 0 to 11 in the rotating frame."""
-    return travelling(stage, RATIOS[:3])
+def tension(stage: str) -> Pairs:
+    """Compare the growth of tips with dead and with follower load, and mean axial forces.
 
-
-@verifies(*STAGES)
-def whirling_waves_past_the_critical_speed(stage: str) -> Pair:
-    """Compare the frequencies for k = 0 to 11 in the rotating frame."""
-    return travelling(stage, RATIOS[3:])
-
-
-@verifies(*STAGES)
-def growth_of_tips(stage: str) -> Pair:
-    """Compare the static growth of the tips with dead and with follower load."""
+    At the root of a blade the force is rho A Omega^2 (R^2 - r^2) / 2.
+    """
     disk, matrices = bladed_disk(disk_thickness=float(stage)), turning(stage)
-    expected, computed = [], []
+    sets, root = disk.mesh.line_sets, disk.mesh.node_sets["roots"][0]
+    (line,) = [n for n in sets["blades"] if disk.mesh.lines[n, 0] == root]
+    growth: tuple[list[Any], list[Any]] = ([], [])
+    forces: tuple[list[Any], list[Any]] = ([], [])
     for row in known(stage)["speeds"]:
-        linear = static_displacement(matrices, row["omega"], follows=False)[disk.tip_radial]
-        computed.append([linear, np.broadcast_to(tip_growth(disk, matrices, row["omega"]), 22)])
-        expected.append([[row["tip_growth"]] * 22, [row["tip_growth_softened"]] * 22])
-    return expected, computed
-
-
-@verifies(*STAGES)
-def axial_forces(stage: str) -> Pair:
-    """Compare mean axial forces, and the root of a blade, rho A Omega^2 (R^2 - r^2) / 2."""
-    disk, matrices = bladed_disk(disk_thickness=float(stage)), turning(stage)
-    sets, expected, computed = disk.mesh.line_sets, [], []
-    root = disk.mesh.node_sets["roots"][0]
-    for row in known(stage)["speeds"]:
-        linear = static_displacement(matrices, row["omega"], follows=False)
-        force = axial_force(
-            disk.model, disk.expansion @ linear, np.array([0.0, 0.5, 1.0]), omega=row["omega"]
-        )
+        omega = row["omega"]
+        linear = static_displacement(matrices, omega, follows=False)
+        followed = np.broadcast_to(tip_growth(disk, matrices, omega), 22)
+        growth[0].append([[row["tip_growth"]] * 22, [row["tip_growth_softened"]] * 22])
+        growth[1].append([linear[disk.tip_radial], followed])
+        stations = np.array([0.0, 0.5, 1.0])
+        force = axial_force(disk.model, disk.expansion @ linear, stations, omega=omega)
         mean = force @ np.array([1.0, 4.0, 1.0]) / 6.0
-        (line,) = [n for n in sets["blades"] if disk.mesh.lines[n, 0] == root]
-        computed.append([*mean[sets["spokes"]], *mean[sets["rim"]], force[line, 0]])
-        pull = 7800.0 * 1e-3 * row["omega"] ** 2 * (0.5**2 - 0.05**2) / 2.0
-        expected.append([*[row["spoke_force"]] * 22, *[row["rim_force"]] * 22, pull])
-    return expected, computed
+        pull = 7800.0 * 1e-3 * omega**2 * (0.5**2 - 0.05**2) / 2.0
+        forces[0].append([*[row["spoke_force"]] * 22, *[row["rim_force"]] * 22, pull])
+        forces[1].append([*mean[sets["spokes"]], *mean[sets["rim"]], force[line, 0]])
+    return {"growth_of_tips": growth, "axial_forces": forces}
 
 
 @verifies(*STAGES)
@@ -143,12 +126,10 @@ def speed_of_one_millimetre(stage: str) -> Pair:
     return row["growth_of_1mm"], speed / (2 * np.pi * row["reference_hz"])
 
 
-@cache
-def fastest_waves(stage: str) -> FloatArray:
-    """Return growth rate [1/s] and frequency [rad/s] of the fastest growing wave with k = 1.
-
-    With modal damping of the modes at rest, which turns with the disk.
-    """
+@verifies(*STAGES)
+def internal_damping(stage: str) -> Pairs:
+    """Compare growth rate and frequency of the fastest growing wave with k = 1 in the rotating
+    frame, by modal damping of the modes at rest, which turns with the disk."""
     row, matrices = known(stage), turning(stage)
     layout = matrices.structure.layout
     if layout is None:
@@ -166,34 +147,17 @@ def fastest_waves(stage: str) -> FloatArray:
     )
     square, modes = la.eigh(stiffness, mass)
     damping = mass @ modes @ np.diag(0.01 * np.sqrt(square)) @ modes.conj().T @ mass
-    computed = []
-    for ratio, _, _ in row["growth_rates_xi_0.005"]:
+    growth, frequency = (tuple[list[float], list[float]](([], [])) for _ in range(2))
+    for ratio, rate, hertz in row["growth_rates_xi_0.005"]:
         omega = 2 * np.pi * row["reference_hz"] * ratio
         at_speed = stiffness + omega**2 * (geometric - translated)
         exponents, _ = damped_eigenvalues(mass, damping + 2 * omega * coriolis, at_speed)
         fastest = exponents[exponents.real.argmax()]
-        computed.append([fastest.real, abs(fastest.imag)])
-    return np.array(computed).T
-
-
-@verifies(*STAGES)
-def growth_by_internal_damping(stage: str) -> Pair:
-    """Compare the growth rates, positive above the critical speed."""
-    return [row[1] for row in known(stage)["growth_rates_xi_0.005"]], fastest_waves(stage)[0]
-
-
-@verifies(*STAGES)
-def frequency_by_internal_damping(stage: str) -> Pair:
-    """Compare the frequencies in the rotating frame."""
-    exact = np.abs([row[2] for row in known(stage)["growth_rates_xi_0.005"]])
-    return exact, fastest_waves(stage)[1] / (2 * np.pi)
-
-
-@verifies(*STAGES)
-def undamped_waves(stage: str) -> Pair:
-    """Compare the largest growth rate of undamped modes with zero."""
-    modes = [modes_at(stage, row["omega"]) for row in known(stage)["speeds"]]
-    return np.zeros(len(modes)), [np.abs(each.growth).max() for each in modes]
+        growth[0].append(rate)
+        growth[1].append(fastest.real)
+        frequency[0].append(abs(hertz))
+        frequency[1].append(abs(fastest.imag) / (2 * np.pi))
+    return {"growth_by_internal_damping": growth, "frequency_by_internal_damping": frequency}
 
 
 @verifies(*STAGES)

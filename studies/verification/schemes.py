@@ -19,7 +19,7 @@ from bladewhirl.studies.verification.bodies import (
     small_rotor,
     wall,
 )
-from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.studies.verification.case import Pair, Pairs, verifies
 from bladewhirl.studies.verification.contact import bars_in_impact, pad_on_a_wall
 from bladewhirl.studies.verification.references import reference
 
@@ -42,28 +42,22 @@ def rebound(restitution: float) -> Pair:
 
 
 @cache
-def penalty_impact() -> Chunk:
+def march_on_a_penalty() -> Chunk:
     """March the mass against a penalty stiffness with 0.1 mm of penetration."""
     stiffness = MASS * (SPEED / DEPTH) ** 2
     return marched(thrown_mass(penalty_stiffness=stiffness), 1e-7, 6000, scheme="penalty")
 
 
 @verifies()
-def penalty_impulse() -> Pair:
-    """Compare the impulse: the mass rebounds with its initial speed."""
-    return 2.0 * MASS * SPEED, penalty_impact().contact_impulse.sum()
-
-
-@verifies()
-def penalty_depth() -> Pair:
-    """Compare the penetration, speed over frequency."""
-    return -DEPTH, penalty_impact().gap.min()
-
-
-@verifies()
-def penalty_time() -> Pair:
-    """Compare the duration of the contact, half a period."""
-    return np.pi * DEPTH / SPEED, penalty_impact().contact_steps.sum() * 1e-7
+def mass_on_a_penalty() -> Pairs:
+    """Compare with a rebound at the initial speed after half a period; the depth is speed over
+    frequency."""
+    chunk = march_on_a_penalty()
+    return {
+        "penalty_impulse": (2.0 * MASS * SPEED, chunk.contact_impulse.sum()),
+        "penalty_depth": (-DEPTH, chunk.gap.min()),
+        "penalty_time": (np.pi * DEPTH / SPEED, chunk.contact_steps.sum() * 1e-7),
+    }
 
 
 @verifies("Carpenter", "Siconos")
@@ -80,27 +74,21 @@ def sticking_pad() -> Chunk:
 
 
 @verifies()
-def time_of_sticking() -> Pair:
-    """Compare the time after which the pad does not move."""
-    chunk = sticking_pad()
+def pad_that_sticks() -> Pairs:
+    """Compare the time after which the pad does not move, its extremes and its final position.
+
+    The friction force at rest is k x, half of mu m g.
+    """
+    chunk, known = sticking_pad(), reference("published")["coulomb_pad"]
     moving = chunk.time[np.abs(chunk.rotor_velocity[:, 1]) > 1e-12]
-    return reference("published")["coulomb_pad"]["stuck_from"], moving[-1]
-
-
-@verifies()
-def extremes_of_a_pad() -> Pair:
-    """Compare the extremes; the last one is the final position."""
-    chunk = sticking_pad()
     at = [round(n * np.pi / 100.0 / 1e-5) for n in range(4)]
-    computed = [*chunk.rotor_displacement[at, 1], chunk.rotor_displacement[-1, 1]]
-    return reference("published")["coulomb_pad"]["extremes"], computed
-
-
-@verifies()
-def force_of_sticking() -> Pair:
-    """Compare the friction force at rest: k x, half of mu m g."""
-    chunk = sticking_pad()
-    return -0.5, chunk.friction_impulse[-1, 0] / (0.1 * chunk.contact_impulse[-1, 0])
+    extremes = [*chunk.rotor_displacement[at, 1], chunk.rotor_displacement[-1, 1]]
+    force = chunk.friction_impulse[-1, 0] / (0.1 * chunk.contact_impulse[-1, 0])
+    return {
+        "time_of_sticking": (known["stuck_from"], moving[-1]),
+        "extremes_of_a_pad": (known["extremes"], extremes),
+        "force_of_sticking": (-0.5, force),
+    }
 
 
 @cache
@@ -137,5 +125,5 @@ def two_masses_on_a_stop(frequency: float) -> Pair:
 @verifies()
 def ledgers() -> Pair:
     """Compare the energy residuals of pad and mass with zero."""
-    chunks = [sticking_pad(), penalty_impact()]
+    chunks = [sticking_pad(), march_on_a_penalty()]
     return np.zeros(2), [ledger_residual(chunk) for chunk in chunks]

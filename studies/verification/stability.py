@@ -21,10 +21,10 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.stability.floquet import Floquet, floquet
 from bladewhirl.solvers.stability.growth import coincidence_speeds, growth_rate
-from bladewhirl.solvers.stability.zones import unstable_zones
+from bladewhirl.solvers.stability.zones import UnstableZones, unstable_zones
 from bladewhirl.studies.modal.coupled_system import EvenSystem, couple
 from bladewhirl.studies.verification.bodies import marched
-from bladewhirl.studies.verification.case import Pair, verifies
+from bladewhirl.studies.verification.case import Pair, Pairs, verifies
 from bladewhirl.studies.verification.references import reference
 
 POINT = {"march.speed": 1.17, "coupling.stiffness": 500.0, "reduction.modes": "six"}
@@ -70,9 +70,11 @@ def springs(given: ContactProblem) -> CouplingSprings:
     return given.springs
 
 
-def damped_springs(ratio: str) -> CouplingSprings:
-    """Return the springs of the example point with a modal damping ratio."""
-    return springs(coupled(ratio))
+def late_growth(given: ContactProblem, steps: int) -> float:
+    """Return the growth rate of a march later than one second after an initial velocity [1/s]."""
+    chunk = marched(given, 1e-5, steps, every=500)
+    size, late = np.linalg.norm(chunk.rotor_displacement, axis=1), chunk.time > 1.0
+    return float(np.polyfit(chunk.time[late], np.log(size[late]), 1)[0])
 
 
 def monodromy(ratio: str) -> Floquet:
@@ -89,19 +91,19 @@ def monodromy(ratio: str) -> Floquet:
 
 
 @verifies(*DAMPED)
-def growth_by_monodromy(ratio: str) -> Pair:
-    """Compare the growth rate, which is positive only with the factor pi of Eq. (8)."""
-    return reference("published")["growth_at_1.17_500"][ratio], monodromy(ratio).growth
+def growth_rates(ratio: str) -> Pairs:
+    """Compare by the monodromy matrix, by the invariant frame of Eqs (16)-(21), and by a march.
 
-
-@verifies(*DAMPED)
-def growth_in_the_invariant_frame(ratio: str) -> Pair:
-    """Compare the monodromy with the invariant frame, Eqs (16)-(21)."""
-    given = coupled(ratio)
-    coupling = springs(given)
-    return monodromy(ratio).growth, growth_rate(
-        coupling.modes, speed=given.speed, kappa=coupling.kappa
-    )
+    The growth rate is positive only with the factor pi of Eq. (8).
+    """
+    given, exact = coupled(ratio), reference("published")["growth_at_1.17_500"][ratio]
+    coupling, direct = springs(given), monodromy(ratio).growth
+    invariant = growth_rate(coupling.modes, speed=given.speed, kappa=coupling.kappa)
+    return {
+        "growth_by_monodromy": (exact, direct),
+        "growth_in_the_invariant_frame": (direct, invariant),
+        "growth_of_a_march": (exact, late_growth(given, 150_000)),
+    }
 
 
 @verifies()
@@ -134,24 +136,12 @@ def monodromy_by_runge_kutta() -> Pair:
     return turned * np.reshape(end, (2 * size, -1)), turned * monodromy("0.005").monodromy
 
 
-@verifies(*DAMPED)
-def growth_of_a_march(ratio: str) -> Pair:
-    """Compare the growth rate of a march one second after an initial velocity."""
-    chunk = marched(coupled(ratio), 1e-5, 150_000, every=500)
-    size, late = np.linalg.norm(chunk.rotor_displacement, axis=1), chunk.time > 1.0
-    rate = np.polyfit(chunk.time[late], np.log(size[late]), 1)[0]
-    return reference("published")["growth_at_1.17_500"][ratio], rate
-
-
 @verifies()
 def growth_of_a_march_at_speed() -> Pair:
     """Compare the growth rate inside the zone that begins at 1.055 without rotation effects."""
     turned, modes = six_modes_at_speed()
-    coupling = springs(turned)
-    chunk = marched(turned, 1e-5, 200_000, every=500)
-    size, late = np.linalg.norm(chunk.rotor_displacement, axis=1), chunk.time > 1.0
-    rate = np.polyfit(chunk.time[late], np.log(size[late]), 1)[0]
-    return growth_rate(modes, speed=turned.speed, kappa=coupling.kappa), rate
+    exact = growth_rate(modes, speed=turned.speed, kappa=springs(turned).kappa)
+    return exact, late_growth(turned, 200_000)
 
 
 def six_modes_at_speed() -> tuple[ContactProblem, CouplingModes]:
@@ -189,24 +179,25 @@ def six_modes_at_speed() -> tuple[ContactProblem, CouplingModes]:
     return replace(at_rest, rotor=rotor, springs=stiff), modes
 
 
+def zones_at(kappa: float) -> tuple[CouplingModes, UnstableZones]:
+    """Return the undamped modes of the example point and their zones for a stiffness [N/m]."""
+    given = coupled("0.0")
+    modes, unit = springs(given).modes, given.speed / 1.17
+    return modes, unstable_zones(modes, kappas=np.array([kappa]), low=0.6 * unit, high=3.0 * unit)
+
+
 @verifies()
 def coincidences() -> Pair:
     """Compare the borders of zones for springs of 1e-6 N/m with the coincidence speeds."""
-    coupling = damped_springs("0.0")
-    unit = coupled("0.0").speed / 1.17
-    zones = unstable_zones(coupling.modes, kappas=np.array([1e-6]), low=0.6 * unit, high=3.0 * unit)
-    return sorted(coincidence_speeds(coupling.modes).values()), np.sort(zones.lower)
+    modes, zones = zones_at(1e-6)
+    return sorted(coincidence_speeds(modes).values()), np.sort(zones.lower)
 
 
 @verifies()
 def narrow_zones() -> Pair:
     """Compare width and growth of narrow zones to first order in eps = pi kappa."""
-    coupling, kappa = damped_springs("0.0"), 1e-2
-    unit = coupled("0.0").speed / 1.17
-    zones = unstable_zones(
-        coupling.modes, kappas=np.array([kappa]), low=0.6 * unit, high=3.0 * unit
-    )
-    casing, *rotor = coupling.modes.frequency[np.argsort(~coupling.modes.on_casing, kind="stable")]
+    modes, zones = zones_at(kappa := 1e-2)
+    casing, *rotor = modes.frequency[np.argsort(~modes.on_casing, kind="stable")]
     width = 2.0 * np.pi * kappa / np.sqrt(casing * np.array(rotor))
     order = np.argsort(rotor)
     computed = np.concatenate([zones.upper - zones.lower, zones.growth])

@@ -15,7 +15,7 @@ from rich.markup import escape
 
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.reports.page import Page, Section, Table
-from bladewhirl.studies.verification.case import CASES, Outcome, VerificationCase
+from bladewhirl.studies.verification.case import CASES, Outcome, VerificationCase, rows
 
 SUBJECTS = {
     "modes": "Modes and stiffnesses",
@@ -150,9 +150,9 @@ def cases(subjects: Iterable[str] = (), *, full: bool = False) -> list[Verificat
     for subject in SUBJECTS:
         if subject in expected:
             import_module(f"bladewhirl.studies.verification.{subject}")
-    order = list(SUBJECTS)
+    order = list(rows())
     chosen = [case for case in CASES if case.subject in expected and (full or not case.long)]
-    return sorted(chosen, key=lambda case: order.index(case.subject))
+    return sorted(chosen, key=lambda case: order.index(case.name.partition("[")[0]))
 
 
 def verify(
