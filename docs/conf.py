@@ -22,7 +22,6 @@ extensions = [
     "sphinx.ext.mathjax",
     "sphinx-mathjax-offline",
     "outside",
-    "pages",
     "executed",
 ]
 exclude_patterns = ["built", "extensions", "static"]

@@ -1,7 +1,9 @@
-"""Pages with `executed: true` at their head: blocks run before pages are read, output below.
+"""Generated parts of pages: output of blocks, references, pictures, the verification manual.
 
-`<!-- picture: FILE | words -->` stands for a picture that the blocks have made. A page is run again
+Blocks of pages with `executed: true` at their head run before pages are read. A page is run again
 when it changes or the package does; so are the cases of the verification manual, beside them.
+`<!-- generated: NAME -->` stands for a part of `reference.GENERATED`, and
+`<!-- picture: FILE | words -->` for a picture that the blocks have made.
 """
 
 from __future__ import annotations
@@ -19,13 +21,16 @@ from pathlib import Path
 from typing import Any
 
 import blocks
+import gallery
+import reference
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
 
 _HEAD = re.compile(r"\A---\n.*?^executed: true$.*?^---$", re.MULTILINE | re.DOTALL)
+_MARK = re.compile(r"^<!-- generated: (\S+) -->$", re.MULTILINE)
 _PICTURE = re.compile(r"^<!-- picture: (\S+) \| (.*?) -->$", re.MULTILINE)
 LONGEST = ("verification", "tutorials/rotation", "tutorials/sweep", "start", "tutorials/case_file")
-VERIFIED = ("verified.py", "refinements.py")
+VERIFIED = ("verified.py", "refinements.csv")
 _LAYERS = ("bladewhirl", "meshes", "models", "solvers", "postprocess", "studies", "examples")
 
 
@@ -39,9 +44,9 @@ class Job:
     key: str  #: what its result depends on besides the package
 
 
-def run_pages(app: Sphinx) -> None:
+def run_pages(source: Path) -> None:
     """Run the jobs of all pages in processes, one per core, the longest first."""
-    source, extensions = Path(app.srcdir), Path(blocks.__file__).parent
+    extensions = Path(blocks.__file__).parent
     verified = "".join((extensions / name).read_text("utf-8") for name in VERIFIED)
     jobs = [Job("verification", extensions / VERIFIED[0], source / "verification.md", verified)]
     for page in sorted(source.rglob("*.md")):
@@ -89,37 +94,40 @@ def _state() -> str:
     return "\n".join(f"{file} {file.stat().st_mtime_ns}" for file in sorted(sources))
 
 
-def put_in_output(app: Sphinx, document: str, source: list[str]) -> None:
-    """Put below each block what it printed."""
-    if not _HEAD.match(source[0]):
-        return
-    parts, last = [], 0
-    running = [block for block in blocks.blocks(source[0]) if block.runs]
-    for block, text in zip(running, printed(Path(app.srcdir), document), strict=True):
-        parts.append(source[0][last : block.end])
-        last = block.end
-        if text.strip():
-            parts.append(f"\n{{.output}}\n```text\n{text.rstrip()}\n```\n")
-    source[0] = "".join([*parts, source[0][last:]])
-
-
-def put_in_verification(app: Sphinx, document: str, source: list[str]) -> None:
-    """Put in the sections of the verification manual."""
+def fill(app: Sphinx, document: str, source: list[str]) -> None:
+    """Put in the generated parts of a page."""
+    folder, text = Path(app.srcdir), source[0]
+    if _HEAD.match(text):
+        text = _with_output(text, printed(folder, document))
+    text = _MARK.sub(lambda match: reference.GENERATED[match[1]](), text)
     if document == "verification":
-        text = "".join(printed(Path(app.srcdir), document))
-        source[0] = source[0].replace("<!-- verification -->", text)
+        sections = "".join(printed(folder, document))
+        text = text.replace("<!-- verification -->", sections)
+    built = f"{'../' * document.count('/')}built/{document}"
+    source[0] = _PICTURE.sub(rf"![\2]({built}/\1)", text)
 
 
-def put_in_pictures(app: Sphinx, document: str, source: list[str]) -> None:
-    """Show the pictures made by blocks."""
-    folder = f"{'../' * document.count('/')}built/{document}"
-    source[0] = _PICTURE.sub(rf"![\2]({folder}/\1)", source[0])
+def _with_output(text: str, outputs: list[str]) -> str:
+    """Return a page with what each block printed below it."""
+    parts, last = [], 0
+    running = [block for block in blocks.blocks(text) if block.runs]
+    for block, output in zip(running, outputs, strict=True):
+        parts.append(text[last : block.end])
+        last = block.end
+        if output.strip():
+            parts.append(f"\n{{.output}}\n```text\n{output.rstrip()}\n```\n")
+    return "".join([*parts, text[last:]])
+
+
+def write(app: Sphinx) -> None:
+    """Write pages of the gallery, then run all pages."""
+    source = Path(app.srcdir)
+    gallery.write(source / "gallery", source / "built" / "gallery")
+    run_pages(source)
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Run before pages are read; show output before, pictures after generated parts are put in."""
-    app.connect("builder-inited", run_pages)
-    app.connect("source-read", put_in_output, priority=400)
-    app.connect("source-read", put_in_verification)
-    app.connect("source-read", put_in_pictures, priority=600)
+    """Write and run before pages are read, fill when a page is read."""
+    app.connect("builder-inited", write)
+    app.connect("source-read", fill)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

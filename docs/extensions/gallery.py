@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import io
 import json
+import shutil
+import tempfile
 import tomllib
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import redirect_stdout
 from itertools import repeat, takewhile
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-import marched
 from blocks import ROOT
 
 import bladewhirl as bw
+from bladewhirl.studies.commands.cli import app
 
 EXAMPLES = ROOT / "examples"
+LONGEST, FRAMES = 0.6, 20  #: march under a load [s], pictures of the film
 
 
 def write(pages: Path, drawings: Path) -> None:
@@ -51,9 +56,42 @@ def _show(example: Path, drawings: Path) -> dict[str, Any]:
     """Return the document of `bladewhirl show --json`, stored beside the drawing and the film."""
     kept = drawings / f"{example.stem}.json"
     if not kept.exists() or kept.stat().st_mtime < example.stat().st_mtime:
-        kept.write_text(marched.shown(example, drawings), encoding="utf-8")
+        kept.write_text(shown(example, drawings), encoding="utf-8")
     document: dict[str, Any] = json.loads(kept.read_text(encoding="utf-8"))
     return document
+
+
+def shown(example: Path, folder: Path) -> str:
+    """The document of `bladewhirl show --json`; NAME.png, film and diagrams go to the folder."""
+    case, name = bw.read_case(example), example.stem
+    if case.excitation.type != "none":
+        march(
+            bw.with_values(case, {"march.duration": min(case.march.duration, LONGEST)}),
+            folder / name,
+        )
+    elif case.initial.model_fields_set:  # what grows by itself takes its time
+        march(case, folder / name)
+    if case.rotation.effects != "none":
+        _command("campbell", example, "-o", folder / f"{name}-campbell")
+    drawing = folder / f"{name}.png"
+    drawing.unlink(missing_ok=True)
+    return _command("show", example, "--json", "--png", "-o", drawing)
+
+
+def march(case: bw.Case, place: Path) -> None:
+    """Write PLACE.gif, PLACE-orbit.png and PLACE-summary.json."""
+    with tempfile.TemporaryDirectory() as scratch:
+        run = bw.run(case, Path(scratch) / "run", frames=0)
+        bw.render(run, place.with_suffix(".gif"), frames=FRAMES)
+        for name in ("orbit.png", "summary.json"):
+            shutil.copyfile(run.directory / name, f"{place}-{name}")
+
+
+def _command(*words: str | Path) -> str:
+    printed = io.StringIO()
+    with redirect_stdout(printed):
+        app([str(word) for word in words], standalone_mode=False)
+    return printed.getvalue()
 
 
 def _page(example: Path, numbers: dict[str, Any], drawings: Path) -> str:

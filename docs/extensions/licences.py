@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterator
 from importlib.metadata import distribution
 
 from blocks import ROOT
@@ -19,24 +18,19 @@ OTHERS = {"certifi": "Mozilla Public License 2.0"}
 def dependencies() -> dict[str, str]:
     """Licence of each dependency, and of what they depend on, by name."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    waiting, names = [Requirement(each) for each in project["dependencies"]], {}
-    followed: set[tuple[str, frozenset[str]]] = set()
+    waiting, seen = [Requirement(each) for each in project["dependencies"]], set[str]()
     while waiting:
         requirement = waiting.pop()
-        name = canonicalize_name(requirement.name)
-        if (name, frozenset(requirement.extras)) not in followed:
-            followed.add((name, frozenset(requirement.extras)))
-            names[name] = _licence(name)
-            waiting += _requirements(name, requirement.extras)
-    return dict(sorted(names.items()))
-
-
-def _requirements(name: str, extras: set[str]) -> Iterator[Requirement]:
-    """Return the requirements that apply to this system."""
-    for text in distribution(name).requires or ():
-        one = Requirement(text)
-        if one.marker is None or any(one.marker.evaluate({"extra": e}) for e in ("", *extras)):
-            yield one
+        for extra in ("", *requirement.extras):
+            if (name := f"{canonicalize_name(requirement.name)}[{extra}]") not in seen:
+                seen.add(name)
+                listed = map(Requirement, distribution(requirement.name).requires or ())
+                waiting += [
+                    one
+                    for one in listed
+                    if one.marker is None or one.marker.evaluate({"extra": extra})
+                ]
+    return {name: _licence(name) for name in sorted({name.partition("[")[0] for name in seen})}
 
 
 def _licence(name: str) -> str:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Iterator
-from enum import Enum
-from pathlib import Path
-from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, get_args
 
 import licences
+import typer
 from pydantic import TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
-from typer.models import ArgumentInfo, CommandInfo, OptionInfo
+from typer.core import TyperGroup
+from typer.main import get_command
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
@@ -134,66 +134,28 @@ def _words(text: str) -> str:
     )
 
 
-Parameter = tuple[inspect.Parameter, Any, Any]
-"""Of a command: name and default, type, what typer is told."""
-
-
 def commands() -> str:
-    """Every command with its arguments and options."""
-    return "".join(_command(registered) for registered in app.registered_commands)
+    """Every command with its arguments and options, as `--help` has them."""
+    group = get_command(app)
+    assert isinstance(group, TyperGroup)
+    return "".join(map(_command, group.commands.values()))
 
 
-def _command(registered: CommandInfo) -> str:
-    function = registered.callback
-    assert function is not None
-    name, hints = function.__name__, get_type_hints(function, include_extras=True)
-    arguments: list[Parameter] = []
-    options: list[Parameter] = []
-    for one in inspect.signature(function).parameters.values():
-        hint, info = get_args(hints[one.name])
-        kind = arguments if isinstance(info, ArgumentInfo) else options
-        kind.append((one, hint, info))
-    usage = "".join(f" {_argument(one, info)}" for one, _, info in arguments)
-    return "".join(
-        [
-            f"## bladewhirl {name}\n\n```text\nbladewhirl {name} [OPTIONS]{usage}\n```\n\n",
-            "\n\n".join(_words(part) for part in (registered.help or "").split("\n\n")),
-            f"\n\n```{{program}} bladewhirl {name}\n```\n\n",
-            *(
-                f"`{_argument(one, info)}`: {_words(info.help or '')}\n\n"
-                for one, _, info in arguments
-            ),
-            *(_option(one, hint, info) for one, hint, info in options),
-        ]
-    )
-
-
-def _argument(one: inspect.Parameter, info: ArgumentInfo) -> str:
-    name = str(info.metavar or one.name.upper())
-    return name if one.default is one.empty else f"[{name}]"
-
-
-def _option(one: inspect.Parameter, hint: Any, info: OptionInfo) -> str:
-    dashed = f"--{one.name.replace('_', '-')}"
-    named = (info.default, *(info.param_decls or ()))  # in an annotation the first name comes so
-    given = [name for name in named if isinstance(name, str)]
-    given = given or [f"{dashed} / --no-{one.name}" if one.default is True else dashed]
-    names = [name for decl in given for name in re.split(r" ?/ ?", decl)]
-    value = "" if bool in (hint, *get_args(hint)) else f" {info.metavar or _metavar(hint)}"
-    known = isinstance(one.default, str | int | float) and not isinstance(one.default, bool)
-    default = f" Default: `{one.default}`." if known else ""
-    listed = ", ".join(name + value for name in names)
-    return f"```{{option}} {listed}\n\n{_words(info.help or '')}{default}\n```\n\n"
-
-
-def _metavar(hint: Any) -> str:
-    """Return the metavariable of an option from its type."""
-    words = {Path: "PATH", str: "TEXT", int: "INTEGER", float: "NUMBER"}
-    if get_origin(hint) is Literal:
-        return "|".join(get_args(hint))
-    if isinstance(hint, type) and issubclass(hint, Enum):
-        return "|".join(str(member.value) for member in hint)
-    return words.get(hint) or _metavar(get_args(hint)[0])
+def _command(command: Any) -> str:
+    name = f"bladewhirl {command.name}"
+    context = typer.Context(command, info_name=name)
+    usage = command.get_usage(context).removeprefix("Usage: ")
+    described = "\n\n".join(_words(part) for part in command.help.split("\n\n"))
+    parts = [f"## {name}\n\n```text\n{usage}\n```\n\n{described}\n\n```{{program}} {name}\n```\n\n"]
+    for parameter in command.params:
+        names, text = parameter.get_help_record(context)
+        if parameter.param_type_name == "argument":
+            (usage,) = parameter.get_usage_pieces(context)
+            parts.append(f"`{usage}`: {_words(text)}\n\n")
+        else:
+            listed = names.replace(" / ", ", ")
+            parts.append(f"```{{option}} {listed}\n\n{_words(text)}\n```\n\n")
+    return "".join(parts)
 
 
 def results() -> str:
@@ -258,9 +220,9 @@ def api() -> str:
 def _documented(name: str, thing: Any) -> str:
     if not inspect.isclass(thing):
         return f".. autofunction:: {name}\n\n"
-    options = "   :members:\n" if thing.__name__ == "Sketch" else ""
     if issubclass(thing, Table):  # its fields are keys of the case file
-        options = "   :no-members:\n"
+        return f".. autoclass:: {name}(**keys)\n   :no-members:\n\n"
+    options = "   :members:\n" if thing.__name__ == "Sketch" else ""
     return f".. autoclass:: {name}\n{options}\n"
 
 

@@ -5,28 +5,119 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
-from pictures_of_the_model import BLUE, INK
-from refinements import REFINEMENTS, Refinement, measured, picture
+from numpy.typing import ArrayLike, NDArray
 
 import bladewhirl as bw
-from bladewhirl.studies.verification.case import Outcome
+from bladewhirl.models.case.schemes import SchemeName
+from bladewhirl.studies.verification import march, modes, rings, rotation, schemes, stability, whirl
+from bladewhirl.studies.verification.bodies import marched
+from bladewhirl.studies.verification.case import Outcome, Pair
+from bladewhirl.studies.verification.contact import bars_in_impact, pad_on_a_wall
+from bladewhirl.studies.verification.references import reference
 from bladewhirl.studies.verification.table import SUBJECTS, Verification
+
+INK, COLOURS = "#1f2430", ("#0072b2", "#d55e00", "#009e73")
 
 SMALLEST = 1e-8
 """Share of the tolerance at the edge of the figures; smaller errors are shown there."""
 
-SPELLED = {"craig bampton": "Craig-Bampton", "mathieu": "Mathieu's", "nafems": "NAFEMS"} | {
-    "opensees": "OpenSees",
-    "runge kutta": "Runge-Kutta",
-    "coriolis": "Coriolis",
+
+def _largest(pair: Pair) -> float:
+    exact, ours = map(np.asarray, pair)
+    return float(np.abs(ours - exact).max() / np.abs(exact).max())
+
+
+def _blades_at_speed(elements: int) -> ArrayLike:
+    exact, ours = map(np.asarray, rotation.coriolis_cantilevers(elements))
+    return np.asarray(np.abs(ours / exact - 1.0).max(axis=0))
+
+
+def _bars(elements: int) -> float:
+    met = bars_in_impact("identical", elements)
+    impulse = marched(met.given, met.dt, met.steps).contact_impulse.sum()
+    return float(impulse / met.known["impulse"] - 1.0)
+
+
+def _pad(steps: int, scheme: SchemeName = "central-difference") -> float:
+    dt = 0.2 / steps
+    chunk = marched(pad_on_a_wall(), dt, steps, scheme=scheme)
+    at = [*(round(n * np.pi / 100.0 / dt) for n in range(4)), steps]
+    known = reference("published")["coulomb_pad"]["extremes"]
+    return float(np.abs(chunk.rotor_displacement[at, 1] - known).max())
+
+
+ERRORS: Mapping[str, Callable[[int], ArrayLike]] = {
+    "bending": modes.bending_errors,
+    "stretching": modes.stretching_errors,
+    "tapered": modes.tapered_errors,
+    "reduction": lambda kept: modes.reduction_error(kept).max(),
+    "ring": lambda elements: rings.ring_errors(elements)[[0, 3, 8]],
+    "translations": rings.translation_error,
+    "bars": _bars,
+    "pad": _pad,
+    "stop": lambda steps: _largest(schemes.masses_on_a_stop(0.7, steps)),
+    "free": march.free_motion_error,
+    "hit": march.contact_error,
+    "coupled": lambda steps: (
+        np.linalg.norm(stability.coupled_march(steps) - stability.coupled_march(64_000))
+        / np.linalg.norm(stability.coupled_march(64_000))
+    ),
+    "chordwise": _blades_at_speed,
+    "bearings": lambda steps: _largest(whirl.unequal_bearings(0.95, steps)),
+    "internal": lambda steps: _largest(whirl.internal_damping(1.3, steps)),
 }
-"""Names in those of cases, as they are written."""
+"""Errors of a quantity, one or a few, by the size of a model or the number of steps."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Refinement:
+    """A row of refinements.csv: a quantity whose error falls with an order."""
+
+    subject: str
+    name: str  #: in `ERRORS`
+    title: str
+    sizes: tuple[int, ...]  #: ascending
+    size: str  #: label of the axis
+    measure: str  #: of the error
+    curves: tuple[str, ...]  #: names of the errors, if there are several
+    order: float | None  #: expected; None where no theory gives one
+    because: str  #: reason for the order
+
+    def errors(self) -> NDArray[np.float64]:
+        """Sizes of the errors, (sizes, curves)."""
+        return np.array([np.atleast_1d(np.abs(ERRORS[self.name](size))) for size in self.sizes])
+
+
+def _refinements() -> Iterator[Refinement]:
+    text = Path(__file__).with_name("refinements.csv").read_text(encoding="utf-8")
+    for row in csv.DictReader(text.splitlines()):
+        sizes, curves, order = row.pop("sizes"), row.pop("curves"), row.pop("order")
+        yield Refinement(
+            sizes=tuple(map(int, sizes.split())),
+            curves=tuple(curves.split("; ")),
+            order=float(Fraction(order)) if order else None,
+            **row,
+        )
+
+
+REFINEMENTS = tuple(_refinements())
+
+
+def measured(sizes: tuple[int, ...], errors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Slopes through the three finest sizes, (curves,)."""
+    slopes = np.polyfit(np.log(sizes[-3:]), np.log(errors[-3:]), 1)[0]
+    return np.asarray(-slopes)
 
 
 def sections(folder: Path) -> Iterator[str]:
@@ -60,22 +151,42 @@ def margins(title: str, outcomes: Sequence[Outcome]) -> Figure:
     for outcome in outcomes:
         share = outcome.error / outcome.tolerance if outcome.error else 0.0
         kind = outcome.name.partition(".")[2].partition("[")[0].replace("_", " ")
-        for plain, name in SPELLED.items():
-            kind = kind.replace(plain, name)
         shares.setdefault(kind, []).append(share)
     figure = Figure(figsize=(6.0, 0.9 + 0.22 * len(shares)), layout="constrained")
     axes = figure.add_subplot()
     for row, values in enumerate(shares.values()):
         inside = [share for share in values if share > SMALLEST]
-        axes.plot(inside, [row] * len(inside), "o", color=BLUE, ms=5, alpha=0.7)
+        axes.plot(inside, [row] * len(inside), "o", color=COLOURS[0], ms=5, alpha=0.7)
         if len(inside) < len(values):
-            axes.plot(SMALLEST, row, "<", color=BLUE, mfc="white", ms=6, clip_on=False, zorder=3)
+            edge: dict[str, Any] = {"mfc": "white", "ms": 6, "clip_on": False, "zorder": 3}
+            axes.plot(SMALLEST, row, "<", color=COLOURS[0], **edge)
     axes.axvline(1.0, color=INK, ls="--", lw=1)
     axes.set_yticks(range(len(shares)), list(shares), fontsize=8)
     axes.set(xscale="log", xlim=(SMALLEST, 10.0), ylim=(len(shares) - 0.4, -0.6))
     axes.set_xlabel("error over tolerance (1: what is allowed; ◁: smaller, or none)", fontsize=9)
     axes.set_title(f"{title}: {len(outcomes)} cases", fontsize=10)
     axes.grid(axis="x", alpha=0.3)
+    return figure
+
+
+def picture(one: Refinement, errors: NDArray[np.float64]) -> Figure:
+    """Errors over the size on logarithmic axes, with the expected slope."""
+    figure = Figure(figsize=(4.6, 3.6), layout="constrained")
+    axes = figure.add_subplot()
+    lines = zip(one.curves, errors.T, measured(one.sizes, errors), "osD", COLOURS, strict=False)
+    for name, error, order, mark, colour in lines:
+        label = f"{name}, order {order:.2f}" if name else f"measured order {order:.2f}"
+        axes.loglog(one.sizes, error, marker=mark, color=colour, label=label)
+    if one.order is not None:
+        sizes = np.array(one.sizes, dtype=float)
+        slope = 0.4 * errors.min(axis=1)[-1] * (sizes / sizes[-1]) ** -one.order
+        axes.loglog(sizes, slope, color=INK, ls="--", lw=1, label=f"order {one.order:.2g}")
+    axes.set_xticks(one.sizes, [f"{size:,}".replace(",", " ") for size in one.sizes], fontsize=8)
+    axes.minorticks_off()
+    axes.set_title(one.title, fontsize=10)
+    axes.set(xlabel=one.size, ylabel=one.measure)
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize=8)
     return figure
 
 

@@ -8,7 +8,7 @@ import pytest
 import reference
 from blocks import Session, blocks
 from places import ROOT
-from refinements import REFINEMENTS, Refinement, measured, picture
+from verified import REFINEMENTS, Refinement, measured, picture
 
 from bladewhirl.models.case.template import template
 from bladewhirl.studies.commands.cli import app
@@ -73,7 +73,7 @@ def test_every_command_and_option_is_in_the_reference() -> None:
         app.registered_commands
     )
     assert "```{option} --set KEY=VALUE\n" in text
-    assert "```{option} --output PATH, -o PATH\n" in text
+    assert "```{option} -o, --output <path>\n" in text
 
 
 CHEAP = [one for one in REFINEMENTS if one.name in ("bending", "tapered")]
