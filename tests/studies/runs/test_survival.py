@@ -19,7 +19,7 @@ from bladewhirl.models.case.file import dumps_case, read_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.schema import HISTORY, RESULT_NAME
 from bladewhirl.solvers.march.scheme import KERNEL
-from bladewhirl.solvers.march.schema import RESULT_NAME
+from bladewhirl.studies.runs.folder import check_free
 from bladewhirl.studies.runs.place import locked
 from bladewhirl.studies.runs.recorded_march import Activity
 from bladewhirl.studies.runs.run import resume
@@ -92,35 +92,32 @@ def test_only_the_duration_may_change(whole: Path, tmp_path: Path) -> None:
 
 
 def test_a_run_that_overwrites_and_is_broken_off_leaves_the_old_one(tmp_path: Path) -> None:
-    out = tmp_path / "run"
-    bw.run(long(title="old", **{"march.duration": 1e-3}), out, frames=0)
+    """It follows no links, and says what is left of an earlier one."""
+    out, elsewhere, old = (tmp_path / name for name in ("run", "elsewhere", "run.old"))
+    short = {"march.duration": 1e-3}
+    bw.run(long(title="old", **short), out, frames=2)
+    (out / "vtk").rename(elsewhere)
+    (out / "vtk").symlink_to(elsewhere)
+    linked = sorted(elsewhere.rglob("*"))
     before = (out / "result.nc").read_bytes()
     broken_off(long(title="new"), out, 20_000, overwrite=True)
     assert (out / "result.nc").read_bytes() == before
-    bw.run(long(title="new", **{"march.duration": 1e-3}), out, frames=0, overwrite=True)
-    with bw.open_result(out) as result:
-        assert result.attrs["title"] == "new"
-    assert [path.name for path in tmp_path.iterdir()] == ["run"]
-
-
-def test_overwriting_follows_no_links(tmp_path: Path) -> None:
-    out, other = tmp_path / "run", tmp_path / "other"
-    short = long(**{"march.duration": 1e-3})
-    bw.run(short, out, frames=2)
-    (out / "vtk").rename(other)
-    (out / "vtk").symlink_to(other)
-    before = sorted(path.name for path in other.rglob("*"))
-    bw.run(short, out, frames=0, overwrite=True)
-    assert sorted(path.name for path in other.rglob("*")) == before
+    old.mkdir()
+    with pytest.raises(UserError, match=rf"^{old}: expected no such folder; it has files of an ea"):
+        bw.run(long(title="new", **short), out, frames=0, overwrite=True)
+    old.rmdir()
+    bw.run(long(title="new", **short), out, frames=0, overwrite=True)
+    assert read_case(out / "case.toml").title == "new"
     assert (out / "vtk").is_symlink()
+    assert sorted(elsewhere.rglob("*")) == linked
+    assert {path.name for path in tmp_path.iterdir()} == {"run", "elsewhere"}
 
 
 def test_a_folder_between_its_first_files_is_not_stuck(tmp_path: Path) -> None:
     out, short = tmp_path / "run", long(**{"march.duration": 1e-3})
     broken_off(short, out, 0)
     (out / "provenance.json").unlink()
-    bw.run(short, out, frames=0, overwrite=True)
-    assert (out / "summary.json").is_file()
+    check_free(out, overwrite=True)
 
 
 def test_two_runs_do_not_share_a_folder(tmp_path: Path) -> None:
@@ -206,17 +203,6 @@ def test_pieces_of_a_write_that_a_kill_cut_off_are_never_asked_for(
     (tmp_path / "cut").rename(tmp_path / RESULT_NAME)
     with bw.open_result(tmp_path) as left, bw.open_result(whole) as right:
         np.testing.assert_array_equal(left["time"].values, right["time"].values[:401])
-
-
-def test_what_is_left_of_an_earlier_run_is_told(tmp_path: Path) -> None:
-    short = long(**{"march.duration": 1e-3})
-    out, old = tmp_path / "run", tmp_path / "run.old"
-    bw.run(short, out, frames=0)
-    old.mkdir()
-    with pytest.raises(UserError, match=rf"^{old}: expected no such folder; it has files of an ea"):
-        bw.run(short, out, frames=0, overwrite=True)
-    old.rmdir()
-    bw.run(short, out, frames=0, overwrite=True)
 
 
 @pytest.mark.slow
