@@ -8,11 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
-from bladewhirl.models.case.case import Case, March
-from bladewhirl.models.case.excitation import Imbalance
+from bladewhirl.models.case.file import loads
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point
 
-CASE = Case(excitation=Imbalance(ramp=1e-3), march=March(duration=6e-3, record_step=5e-5))
+CASE = loads("""
+bladed_disk = { blades = 8, elements_per_blade = 2 }
+casing.elements = 16
+reduction.fixed_interface_modes = 16
+excitation = { type = "imbalance", ramp = 1e-3 }
+march = { duration = 6e-3, record_step = 5e-5 }
+""")
 OVER = {"march.speed": [0.95, 1.05, 1.15], "contact.friction": [0.05, 0.1]}
 
 

@@ -128,13 +128,10 @@ def path(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.usefixtures("pictures_unsaved")
-def test_commands_print_hints_and_continue(path: Path, tmp_path: Path) -> None:
-    change = ["--set", "casing.clearance=0.06", "--set", "march.duration=1e-4"]
-    for command in (["show"], ["run", "-o", str(tmp_path / "run"), "--frames", "0"]):
-        done = RUNNER.invoke(app, [command[0], str(path), *command[1:], *change])
-        assert done.exit_code == 0
-        assert "Hint: unusual casing.clearance = 0.06: expected 5e-07 to 0.05 m" in done.stderr
+def test_commands_print_hints_and_continue(path: Path) -> None:
+    done = RUNNER.invoke(app, ["show", str(path), "--set", "casing.clearance=0.06"])
+    assert done.exit_code == 0
+    assert "Hint: unusual casing.clearance = 0.06: expected 5e-07 to 0.05 m" in done.stderr
 
 
 @pytest.mark.parametrize("value", ["material.young_modulus=210", "bladed_disk.tip_radius=5000"])

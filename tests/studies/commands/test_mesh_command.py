@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 from places import EXAMPLES
 from stages import steel
 from typer.testing import CliRunner
@@ -101,26 +100,6 @@ def test_data_that_a_format_cannot_store_are_listed(tmp_path: Path) -> None:
     left_out = "spring_radial, spring_tangential, spring_rotation, rigid"
     assert done.stderr == f"{tmp_path / 'a.inp'} does not hold {left_out}; .vtu and .msh do.\n"
     assert len(read_line_mesh(tmp_path / "a.inp").lines) == 6
-
-
-@pytest.mark.usefixtures("pictures_unsaved")
-def test_a_run_of_a_mesh_file_can_be_rerun_from_its_folder_alone(tmp_path: Path) -> None:
-    elsewhere, first, moved, second = (tmp_path / name for name in ("in", "a", "b", "c"))
-    elsewhere.mkdir()
-    for suffix in (".toml", ".msh"):
-        shutil.copy(EXAMPLES / f"shrouded_fan{suffix}", elsewhere)
-    short = ["--set", "march.duration=1e-3", "--set", "reduction.fixed_interface_modes=24"]
-    short += ["--frames", "0"]
-    bladewhirl("run", elsewhere / "shrouded_fan.toml", "-o", first, *short)
-    shutil.rmtree(elsewhere)
-    first.rename(moved)
-    shutil.copytree(moved, second)
-    bladewhirl("run", second / "case.toml", "-o", second, "--frames", "0", "--overwrite")
-    assert read_line_mesh(second / "mesh.msh").lines.shape == (192, 2)
-    with xr.open_dataset(moved / "result.nc") as a, xr.open_dataset(second / "result.nc") as b:
-        assert float(abs(a.energy).max()) > 0.0
-        np.testing.assert_array_equal(a.energy, b.energy)
-    assert read_case(second / "case.toml").blades == 12
 
 
 @pytest.mark.parametrize(

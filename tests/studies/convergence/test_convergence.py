@@ -57,8 +57,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> RunStore:
     store = RunStore(directory=tmp_path_factory.mktemp("marches"), workers=1)
     steps = [with_values(CLOSE, {TIME_STEP: step}) for step in STEPS]
     modes = [with_values(small(), {MODES_KEPT: count}) for count in MODES]
-    short = [with_values(SHORT, {TIME_STEP: 2e-6}), with_values(SHORT, {MODES_KEPT: 6}), SHORT]
-    store.make([*steps, *modes, *short])
+    store.make([*steps, *modes])
     assert not store.failures
     return store
 
@@ -139,6 +138,7 @@ def command(*arguments: str) -> tuple[int, str, str]:
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, store: RunStore) -> None:
     """In a folder where the marches are, as after an interruption."""
+    store.make([with_values(SHORT, {TIME_STEP: 2e-6}), with_values(SHORT, {MODES_KEPT: 6}), SHORT])
     monkeypatch.chdir(tmp_path)
     Path("small.toml").write_text(dumps_case(SHORT), encoding="utf-8")
     runs = Path("small-convergence") / "runs"

@@ -11,11 +11,11 @@ from bladewhirl.studies.sweeps.sweep import run_sweep
 
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of a sweep of six points, marched in this process with full histories."""
+    """The folder of a sweep of six points, marched in this process."""
     folder = tmp_path_factory.mktemp("sweep") / "swept"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sweep, "march_points", march_in_process)
-        done = run_sweep(CASE, OVER, folder, histories=True)
+        done = run_sweep(CASE, OVER, folder)
     assert (done.points, done.done, done.failed) == (6, 6, 0)
     return folder
 

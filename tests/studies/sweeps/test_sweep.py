@@ -18,18 +18,19 @@ from sweep_work import CASE, OVER, march_in_process, same_bits
 from synthetic_sweep import LAYOUT
 from typer.testing import CliRunner
 
-import bladewhirl as bw
-from bladewhirl.models.case.case import March
-from bladewhirl.models.case.file import dumps_case
+from bladewhirl.models.case.file import dumps_case, with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.result import ResultError, open_result
 from bladewhirl.postprocess.run.late_motion import late_motion
+from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.figures import LEFT_BY_A_SWEEP
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs import folder as run_folder
 from bladewhirl.studies.runs.folder import FAILURES_NAME, read_failures
+from bladewhirl.studies.runs.prepare import prepare
+from bladewhirl.studies.runs.recorded_march import march_in_memory
 from bladewhirl.studies.sweeps import cluster as sweep_cluster
 from bladewhirl.studies.sweeps import plan as sweep_plan
 from bladewhirl.studies.sweeps import sweep as sweep_module
@@ -48,18 +49,19 @@ RUNNER = CliRunner()
 IMBALANCE = "examples/imbalance.toml"
 
 
-def test_a_point_is_what_a_run_of_its_case_says(swept: Path, tmp_path: Path) -> None:
-    case = CASE.model_copy(update={"march": March(speed=1.05, duration=6e-3, record_step=5e-5)})
-    run = bw.run(case, tmp_path / "run", frames=0)
-    with open_sweep(swept) as dataset, run.open() as result:
+def test_a_point_is_what_a_run_of_its_case_says(swept: Path) -> None:
+    case = with_values(CASE, {"march.speed": 1.05})
+    result, report = march_in_memory(prepare(case))
+    summary = summarise(result, report)
+    with open_sweep(swept) as dataset:
         point = dataset.sel(march_speed=1.05, contact_friction=0.1)
-        assert point["regime"].item() == run.summary.regime
+        assert point["regime"].item() == summary.regime
         assert point["end_reason"].item() == "completed"
-        assert point["shaft_radius_max"].item() == run.summary.shaft_radius_max
-        assert point["strain_energy_max"].item() == run.summary.strain_energy_max
-        assert point["steps"].item() == run.summary.steps == 6000
-        np.testing.assert_array_equal(point["contact_share"], run.summary.contact_share)
-        held = run.summary.strain_energy_final
+        assert point["shaft_radius_max"].item() == summary.shaft_radius_max
+        assert point["strain_energy_max"].item() == summary.strain_energy_max
+        assert point["steps"].item() == summary.steps == 6000
+        np.testing.assert_array_equal(point["contact_share"], summary.contact_share)
+        held = summary.strain_energy_final
         history = point["energy_history"].dropna("sample", how="all").isel(sample=-1)
         assert float(history.sel(energy_group="suspension")) == pytest.approx(
             held["suspension"], rel=1e-6
@@ -85,12 +87,24 @@ def test_the_dataset_names_its_dimensions(swept: Path) -> None:
         assert plain["steps"].dtype == np.int64
 
 
-def test_full_histories_are_runs(swept: Path) -> None:
-    names = sorted(path.name for path in (swept / "histories").iterdir())
-    assert names == [f"point_{i}.nc" for i in range(6)]
-    with open_result(swept / "histories" / "point_5.nc") as history:
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a sweep of two points with full histories."""
+    folder = tmp_path_factory.mktemp("sweep") / "recorded"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sweep_module, "march_points", march_in_process)
+        run_sweep(CASE, {"contact.friction": [0.05, 0.1]}, folder, histories=True)
+    return folder
+
+
+def test_full_histories_are_runs(recorded: Path) -> None:
+    names = sorted(path.name for path in (recorded / "histories").iterdir())
+    assert names == ["point_0.nc", "point_1.nc"]
+    with open_result(recorded / "histories" / "point_1.nc") as history:
         assert history.attrs["friction"] == 0.1
         assert history.sizes["time"] == 121
+    with pytest.raises(ResultError, match="no state"):
+        open_sweep(recorded / "histories" / "point_0.nc")
 
 
 def test_figures_are_left(swept: Path) -> None:
@@ -122,10 +136,10 @@ def test_failed_points_are_reported_and_the_others_done(
 ) -> None:
     """The first and the last stage are looked at beforehand; the one between can't be reduced."""
     monkeypatch.setattr(sweep_plan, "CHECKED_STAGES", 2)
-    case = CASE.model_copy(update={"march": March(duration=1e-4, record_step=5e-5)})
+    case = with_values(CASE, {"march.duration": 1e-4})
     (tmp_path / "case.toml").write_text(dumps_case(case))
     key = "reduction.fixed_interface_modes"
-    over = f"--over={key}=109,{TOO_MANY_MODES},110"
+    over = f"--over={key}=9,{TOO_MANY_MODES},10"
     folder = tmp_path / "out"
     arguments = ["sweep", str(tmp_path / "case.toml"), over, "-o", str(folder), "--json"]
     result = RUNNER.invoke(app, arguments)
@@ -225,12 +239,12 @@ def test_a_sweep_of_another_version_is_not_mixed(
         read_plan(swept)
 
 
-def test_the_size_is_told_right(swept: Path) -> None:
-    estimate = read_plan(swept).dataset_bytes
-    actual = (swept / "sweep.nc").stat().st_size
-    assert estimate <= actual <= estimate + 100_000  # names, attributes, frequencies
-    histories = sum(path.stat().st_size for path in (swept / HISTORIES_NAME).iterdir())
-    assert read_plan(swept).history_bytes == pytest.approx(histories, rel=0.02)
+def test_the_size_is_told_right(recorded: Path) -> None:
+    plan = read_plan(recorded)
+    actual = (recorded / "sweep.nc").stat().st_size
+    assert plan.dataset_bytes <= actual <= plan.dataset_bytes + 100_000  # names, attributes
+    histories = sum(path.stat().st_size for path in (recorded / HISTORIES_NAME).iterdir())
+    assert plan.history_bytes == pytest.approx(histories, rel=0.02)
 
 
 def test_a_scheduler_that_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -254,8 +268,6 @@ def test_a_scheduler_without_encryption_has_to_be_allowed(
         next(march_points(work, points, scheduler=address, workers=None))
 
 
-def test_what_is_no_sweep_is_refused(tmp_path: Path, swept: Path) -> None:
+def test_what_is_no_sweep_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ResultError, match="no such file"):
         open_sweep(tmp_path)
-    with pytest.raises(ResultError, match="no state"):
-        open_sweep(swept / "histories" / "point_0.nc")
