@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bladewhirl.meshes.line_mesh import LineMesh
@@ -18,6 +18,7 @@ def disk(blades: int, elements: int) -> LineMesh:
     return case_beam_model(case_from({"bladed_disk": table})).mesh
 
 
+@settings(max_examples=20)
 @given(blades=st.integers(3, 40), elements=st.integers(1, 12))
 def test_a_bladed_disk_of_any_size(blades: int, elements: int) -> None:
     mesh = disk(blades, elements)

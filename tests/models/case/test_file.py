@@ -117,7 +117,7 @@ def cases(draw: st.DrawFn) -> dict[str, Any]:
     }
 
 
-@settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=15, suppress_health_check=[HealthCheck.too_slow])
 @given(cases())
 def test_a_written_case_reads_back_equal(tables: dict[str, Any]) -> None:
     case = case_from(tables)

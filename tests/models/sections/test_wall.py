@@ -86,30 +86,30 @@ def test_masses_are_exact(start: float) -> None:
 
 def errors(wall: Wall, counts: tuple[int, ...]) -> FloatArray:
     """Errors of the lowest frequencies against a fine mesh, (meshes, modes)."""
-    fine = frequencies(ring(wall=wall, elements=320))
+    fine = frequencies(ring(wall=wall, elements=160))
     return np.array([frequencies(ring(wall=wall, elements=n)) / fine - 1.0 for n in counts])
 
 
 def test_smooth_walls_and_arcs_that_end_at_nodes_converge_with_the_fourth_power() -> None:
     profile = RingProfile(mean=0.01, lobes=(Lobe(lobes=2, amplitude=3e-3, phase=0.5),))
-    smooth = observed_order(errors(Wall(section=steel(0.01), thickness=profile), (40, 80)))
+    smooth = observed_order(errors(Wall(section=steel(0.01), thickness=profile), (20, 40)))
     assert smooth.min() > 3.7
     arc = Arc(start=np.pi / 4, end=3 * np.pi / 4, thickness=0.02)
-    at_nodes = errors(Wall(section=steel(0.01), arcs=(arc,)), (40, 80))
+    at_nodes = errors(Wall(section=steel(0.01), arcs=(arc,)), (20, 40))
     assert observed_order(at_nodes).min() > 3.7
 
 
 def test_arcs_that_end_inside_elements_are_right_to_a_per_cent() -> None:
     arc = Arc(start=0.7, end=2.5, thickness=0.02)
-    found = np.abs(errors(Wall(section=steel(0.01), arcs=(arc,)), (40, 80)))
-    assert found[0].max() < 2e-2
+    found = np.abs(errors(Wall(section=steel(0.01), arcs=(arc,)), (20, 40)))
+    assert found[1].max() < 2e-2
     assert found[1].max() < 0.7 * found[0].max()
 
 
 def test_nothing_jumps_as_an_arc_grows() -> None:
     """Steps a fourth as long change the frequencies by about a fourth each; a jump would stay."""
     largest = []
-    for steps in (15, 60):
+    for steps in (8, 32):
         ends = np.linspace(0.40, 0.40 + 0.5 * np.pi / 40, steps + 1)  # a quarter of an element
         arcs = [Arc(start=0.1, end=end, thickness=0.02) for end in ends]
         found = [frequencies(ring(wall=Wall(section=steel(0.01), arcs=(arc,))), 2) for arc in arcs]

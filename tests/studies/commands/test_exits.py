@@ -9,6 +9,9 @@ from pathlib import Path
 
 import pytest
 from small_run import COMMAND
+from typer.testing import CliRunner
+
+from bladewhirl.studies.commands.cli import app
 
 
 def bladewhirl(*arguments: str, output: str = os.devnull) -> subprocess.CompletedProcess[str]:
@@ -32,6 +35,6 @@ def test_full_standard_output() -> None:
 
 def test_a_pipe_is_no_case(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "case.toml")
-    ended = bladewhirl("show", str(tmp_path / "case.toml"))
-    assert ended.returncode == 2
+    ended = CliRunner().invoke(app, ["show", str(tmp_path / "case.toml")])
+    assert ended.exit_code == 2
     assert ended.stderr.endswith("expected a readable file (it is not a regular file)\n")
