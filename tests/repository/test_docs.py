@@ -3,12 +3,11 @@
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
 import reference
 from blocks import Session, blocks
 from places import ROOT
-from verified import REFINEMENTS, Refinement, measured, picture
+from verified import REFINEMENTS
 
 from bladewhirl.models.case.template import template
 from bladewhirl.studies.commands.cli import app
@@ -74,20 +73,6 @@ def test_every_command_and_option_is_in_the_reference() -> None:
     )
     assert "```{option} --set KEY=VALUE\n" in text
     assert "```{option} -o, --output <path>\n" in text
-
-
-CHEAP = [one for one in REFINEMENTS if one.name in ("bending", "tapered")]
-
-
-@pytest.mark.parametrize("one", CHEAP, ids=lambda one: one.name)
-def test_an_error_falls_with_the_order_that_its_figure_says(one: Refinement) -> None:
-    assert one.order is not None
-    errors = one.errors()
-    assert measured(one.sizes, errors) == pytest.approx(one.order, abs=0.15)
-    (axes,) = picture(one, errors).axes
-    drawn = [np.asarray(line.get_ydata()) for line in axes.lines]
-    np.testing.assert_array_equal(drawn[:-1], errors.T)
-    assert measured(one.sizes, drawn[-1][:, None]) == pytest.approx(one.order)
 
 
 def test_a_refinement_belongs_to_a_section() -> None:

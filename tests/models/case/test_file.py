@@ -1,6 +1,5 @@
 """Case files: what is written can be read again, and bad ones end in one line a fault."""
 
-import pickle
 import re
 import tomllib
 from pathlib import Path
@@ -16,11 +15,8 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EXCITATIONS, CasingDistortion, Imbalance
 from bladewhirl.models.case.file import (
     CaseError,
-    Fault,
-    case_fault,
     case_from,
     dumps_case,
-    faults_in,
     loads,
     read_case,
     template,
@@ -345,26 +341,6 @@ def test_invalid_toml_is_one_line(text: str, reason: str) -> None:
     assert reason in line
 
 
-@pytest.mark.parametrize(
-    ("excitation", "line"),
-    [
-        (
-            '{ type = "imbalance", ramp = 0.1 }',
-            'excitation.type = "imbalance": expected a load that is not at the centre, or',
-        ),
-        (
-            '{ type = "harmonic", frequency = 9.0 }',
-            'excitation.type = "harmonic": expected a load that is not at the centre, or',
-        ),
-        ('{ type = "imbalanc", ramp = 0.1 }', 'excitation.type = "imbalanc": expected "casing-'),
-        ("{ ramp = 0.1 }", 'excitation.type: expected "casing-distortion" or '),
-    ],
-)
-def test_one_fault_of_an_excitation_is_one_line(excitation: str, line: str) -> None:
-    found = fault(loads, f"excitation = {excitation}\nshaft.clamped = true")
-    assert found.startswith(f"case: {line}")
-
-
 def test_long_values_are_cut() -> None:
     lines = faults(loads, f"material.density = 0x{'f' * 9000}\nmarch.speed = [{'1.0,' * 900}]")
     assert lines[0].startswith("case: material.density = a huge integer: ")
@@ -388,24 +364,6 @@ def test_marks_and_line_ends_of_other_systems_are_read(tmp_path: Path) -> None:
     path.write_bytes(b'\xef\xbb\xbftitle = "\xc3\xa9"\r\n[march]\r\nspeed = 2\r\n')
     case = read_case(path)
     assert (case.title, case.march.speed) == ("é", Speed(2.0))
-
-
-def test_faults_found_later_are_named_like_the_others() -> None:
-    case = Case()
-    with pytest.raises(CaseError) as caught, faults_in("a.toml"):
-        raise CaseError(
-            [
-                case_fault(case, "march.time_step", "less than 5e-7"),
-                case_fault(case, "march.speed", "less"),
-                Fault(file="b.toml", key="k", expected="nothing"),
-            ]
-        )
-    assert pickle.loads(pickle.dumps(caught.value)).lines == caught.value.lines
-    assert caught.value.lines == [
-        "a.toml: march.time_step = 1e-6: expected less than 5e-7",
-        "a.toml: march.speed = 1.05: expected less",
-        "b.toml: k: expected nothing",
-    ]
 
 
 def test_another_type_of_load_drops_the_keys_of_the_one_before() -> None:

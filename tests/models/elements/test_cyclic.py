@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from stages import bladed_disk, casing, disk_modes, tip_reference
+from stages import bladed_disk, casing, disk_modes
 
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.cyclic import (
@@ -43,12 +43,6 @@ STRUCTURES = pytest.mark.parametrize("structure", structures().values(), ids=str
 def layout_of(structure: Structure) -> SectorLayout:
     assert structure.layout is not None
     return structure.layout
-
-
-@given(sectors=st.integers(3, 60))
-def test_real_dft_is_orthonormal(sectors: int) -> None:
-    basis = real_dft(sectors)
-    np.testing.assert_allclose(basis.T @ basis, np.eye(sectors), atol=1e-13)
 
 
 @given(sectors=st.integers(3, 60))
@@ -156,18 +150,6 @@ def slightly_mistuned(disk: BladedDiskModel) -> Structure:
     for dof in (disk.tip_radial[0], disk.tip_tangential[0]):
         nudge[dof, dof] *= 1.0 + 1e-7
     return replace(disk.structure, mass=nudge.tocsr())
-
-
-def test_dense_modes_of_a_nearly_tuned_disk_are_pure() -> None:
-    """Nodal diameters are measured from the whole field, with no help from the symmetry."""
-    disk = bladed_disk(elements=4)
-    tuned = disk_modes(disk, 60)
-    nearly = structure_modes(slightly_mistuned(disk), tip_reference(disk), 60)
-    assert tuned.is_cyclic
-    assert not nearly.is_cyclic
-    np.testing.assert_allclose(nearly.frequency, tuned.frequency[:60], rtol=1e-7)
-    np.testing.assert_array_equal(nearly.nodal_diameter, tuned.nodal_diameter[:60])
-    assert nearly.purity.min() > 0.999
 
 
 def test_symmetry_is_found_not_assumed() -> None:

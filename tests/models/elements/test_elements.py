@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import scipy.linalg as la
 from numpy.polynomial import Polynomial
 from plain_frame import beam_mass, beam_stiffness
-from stages import beam, clamped, observed_order, oracle, steel
 
-from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.elements.assembly import curved_beams, straight_beams
 from bladewhirl.models.elements.forms import (
     curved_exact_stiffness,
@@ -21,10 +18,6 @@ from bladewhirl.models.elements.forms import (
 
 EA, EI, RHO_A = 3.0, 5.0, 7.0
 U, DU, W, DW = range(4)  # order of a curved beam's DoF at a node
-
-
-def chain(elements: int) -> IntArray:
-    return np.column_stack([np.arange(elements), np.arange(1, elements + 1)])
 
 
 @pytest.mark.parametrize("length", [1e-3, 0.045, 2.0, 300.0])
@@ -103,48 +96,3 @@ def test_curved_beam_against_its_energy_in_polynomials(shallow: bool) -> None:
     np.testing.assert_allclose(found[order], RHO_A * inertia, rtol=1e-12, atol=1e-15)
     found = one.matrix(support_stiffness, support=support * ones).toarray()
     np.testing.assert_allclose(found[order], support * inertia, rtol=1e-12, atol=1e-15)
-
-
-def quarter_circle(elements: int) -> FloatArray:
-    """Flexibility at the free end of a quarter circle clamped at the other, (u, w), (2, 2)."""
-    length = 0.5 * np.pi / elements
-    ones = np.ones(elements)
-    arc = curved_beams(length * ones, chain(elements), elements + 1)
-    stiffness = arc.matrix(
-        curved_exact_stiffness, EA=2e4 * ones, EI=EI * ones, curvature=ones
-    ).toarray()
-    clamp = arc.node_dofs[0, [U, W, DW]]  # the strain u' at the clamp stays free
-    free = np.setdiff1d(np.arange(len(stiffness)), clamp)
-    end = np.searchsorted(free, arc.node_dofs[-1, [U, W]])
-    flexibility = la.inv(stiffness[np.ix_(free, free)])
-    return np.asarray(flexibility[np.ix_(end, end)])
-
-
-def test_curved_beam_deflects_as_castigliano_says() -> None:
-    """Quarter circle, R = 1: N^2 / 2EA + M^2 / 2EI, sections turned by phi from the free end.
-
-    A tangential unit force gives M = 1 - cos phi, N = cos phi; a radial one -sin phi, sin phi.
-    """
-    bending, stretch = 1.0 / EI, 1.0 / 2e4
-    along = bending * (0.75 * np.pi - 2.0) + stretch * np.pi / 4.0
-    across = (bending + stretch) * np.pi / 4.0
-    both = -bending * 0.5 + stretch * 0.5
-    exact = np.array([[along, both], [both, across]])
-    errors = np.array([quarter_circle(n) / exact - 1.0 for n in (2, 4, 8, 16)])
-    assert np.abs(errors[-1]).max() < 1e-6
-    # Cubics in a fourth-order problem: energies converge with the fourth power at least.
-    assert (observed_order(errors) > 3.5).all()
-
-
-@pytest.mark.parametrize("angle", [0.0, 0.3, 2.0])
-def test_one_blade_is_as_stiff_as_theory_says(angle: float) -> None:
-    blade = clamped(beam(steel(0.01), 10, length=0.45, angle=angle))
-    flexibility = la.inv(blade.structure.stiffness.toarray())
-    expected = oracle("disk_static")["one_blade"]
-    tangential, radial = blade.tip_tangential, blade.tip_radial
-    assert 1.0 / flexibility[tangential, tangential] == pytest.approx(
-        expected["tangential_stiffness"], rel=1e-8
-    )
-    assert 1.0 / flexibility[radial, radial] == pytest.approx(
-        expected["radial_stiffness"], rel=1e-8
-    )

@@ -192,12 +192,6 @@ def test_modes_of_unlike_sectors_whirl_too(tmp_path: Path) -> None:
         assert one["direction"] == other["direction"]
 
 
-def test_modes_at_speed(tmp_path: Path) -> None:
-    first, second = listed_modes(turning(), tmp_path, "--count", "2")["bladed_disk"]
-    assert first["frequency_hz"] == second["frequency_hz"]
-    assert first["frequency_hz"] == pytest.approx(known(1.05)["centrifugal"]["1"][0], rel=1e-8)
-
-
 @pytest.mark.parametrize("ratio", [1.05, -1.05])
 def test_a_result_has_the_waves_that_its_modes_make_up(ratio: float) -> None:
     """k = 1 and 3 against the full model; mirrored, they travel as they did."""
@@ -236,11 +230,13 @@ def test_past_its_critical_speed_a_forward_wave_is_negative() -> None:
 
 
 def test_blades_hardly_unlike_have_nearly_the_same_waves() -> None:
+    blades = {"blades": 8, "elements_per_blade": 4, "disk": {"thickness": 0.01}}
+    few = {"fixed_interface_modes": 40}
     alike, unlike = (
-        build_stage(turning("full", bladed_disk={"disk": {"thickness": 0.01}, **mistuned})).arrays
-        for mistuned in ({}, {"mistuning": {"stiffness": [1.0 + 1e-6] + [1.0] * 21}})
+        build_stage(turning("full", bladed_disk=blades | mistuned, reduction=few)).arrays
+        for mistuned in ({}, {"mistuning": {"stiffness": [1.0 + 1e-6] + [1.0] * 7}})
     )
-    assert np.any(alike.rotor_backward_frequency > 1.5 * alike.rotor_forward_frequency)
+    assert np.any(alike.rotor_backward_frequency > 1.1 * alike.rotor_forward_frequency)
     own = np.flatnonzero(unlike.rotor_nodal_diameter == 1)[:6]
     for way in WAYS:
         wanted, found = (getattr(each, f"rotor_{way}_frequency")[own] for each in (alike, unlike))

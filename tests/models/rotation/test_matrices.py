@@ -251,7 +251,7 @@ def test_a_turn_by_one_pitch_changes_nothing() -> None:
     assert abs(turn @ skew @ turn.T - skew).max() < 1e-12 * abs(skew).max()
 
 
-@pytest.mark.parametrize("omega", [200.0, 300.0, 800.0, -800.0])
+@pytest.mark.parametrize("omega", [200.0, 300.0, -800.0])
 def test_internal_damping_feeds_whirl_until_bearings_hold_it(omega: float) -> None:
     """Waves by nodal diameter against real matrices of all sectors."""
     disk = assembled(fan(), stiffness=3e6)

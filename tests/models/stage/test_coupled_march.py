@@ -16,7 +16,7 @@ from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings, c
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, Start
 from bladewhirl.models.stage.stage import Stage, build_stage
-from bladewhirl.solvers.march.central_difference import CentralDifference, initial_spring_forces
+from bladewhirl.solvers.march.central_difference import initial_spring_forces
 from bladewhirl.solvers.march.reference import spring_stiffness
 from bladewhirl.solvers.stability.coupled_modes import CoupledMode, coupled_modes, modal_response
 
@@ -194,17 +194,6 @@ def test_unit_amplitudes_keep_their_phase() -> None:
     paper = springs(problem("coupling.modes=all")).modes.amplitude
     physical = springs(problem("coupling.modes=all", "coupling.amplitude=physical")).modes.amplitude
     np.testing.assert_array_equal(paper, np.sign(physical))
-
-
-def test_a_stopped_march_goes_on_to_the_bit() -> None:
-    given = sideways(problem(STRONG, "reduction.modes=*:1,1F,casing", "coupling.modes=all"))
-    scheme = CentralDifference(given, 2e-6, 10)
-    _, whole, _ = scheme.advance(scheme.init(), 901)
-    half, first, _ = scheme.advance(scheme.init(), 433)
-    _, rest, _ = scheme.advance(half, 901 - 433)
-    for name in ("rotor_displacement", "energy", "coupling_work"):
-        parts = np.concatenate([getattr(first, name), getattr(rest, name)])
-        np.testing.assert_array_equal(parts, getattr(whole, name))
 
 
 def test_start_feels_the_springs() -> None:

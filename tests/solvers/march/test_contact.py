@@ -53,14 +53,6 @@ def test_every_step_is_the_one_plain_numpy_takes(
     assert_same(run(given, dt, steps)[1], run_reference(given, dt, steps))
 
 
-def test_the_second_opinion_meets_many_contacts() -> None:
-    """What the comparison above is worth: contacts of several tips and both senses of sliding."""
-    expected = run_reference(random_problem(5, sliding="signed", speed=1.0), 1e-4, 200)
-    assert expected.contacts.max() == 4
-    assert np.count_nonzero(expected.contacts) > 50
-    assert {-1.0, 1.0} <= set(np.sign(expected.friction_impulse).ravel())
-
-
 STAGES = pytest.mark.parametrize(
     ("blades", "elements"), [(22, 40), (21, 41), (5, 8)], ids=["22 in 40", "21 in 41", "5 in 8"]
 )
@@ -195,13 +187,6 @@ def test_friction_drags_the_blade_back_and_the_casing_on(speed: float, sliding: 
     # The drive pays: what friction does to the two bodies is stored and damped in them.
     assert chunk.friction_work[-1] > 0.0
     assert ledger_residual(chunk) < 1e-10
-
-
-def test_permanent_sliding_has_no_direction_at_standstill() -> None:
-    chunk = rubbing(0.0, "permanent")
-    assert chunk.contact_impulse.sum() > 0.0
-    np.testing.assert_array_equal(chunk.friction_impulse, 0.0)
-    np.testing.assert_array_equal(chunk.rotor_displacement[:, 1], 0.0)
 
 
 @pytest.mark.parametrize("forward", [1.0, -1.0])

@@ -110,22 +110,6 @@ def test_an_odd_number_of_blades_and_dampers_that_differ() -> None:
     assert_same(chunk, expected)
 
 
-def without_coriolis(given: ContactProblem) -> ContactProblem:
-    """The same rotor, its Coriolis forces counted but zero."""
-    still = np.zeros((len(given.rotor.frequency),) * 2)
-    return replace(given, rotor=replace(given.rotor, by_velocity=still))
-
-
-def test_forces_of_no_size_change_nothing_but_rounding() -> None:
-    given = thrown(
-        contact_problem(build_stage(read_case(EXAMPLES / "imbalance.toml"))), 40.0, spread=0.5
-    )
-    _, chunk, _ = run(given, 1e-6, 120)
-    _, same, _ = run(without_coriolis(given), 1e-6, 120)
-    assert chunk.contact_impulse.any()
-    assert_same(same, chunk)
-
-
 def test_a_constant_force_ends_at_the_static_answer_at_speed() -> None:
     """With K_Omega: Coriolis forces vanish as the motion does."""
     known = {
@@ -270,17 +254,6 @@ def test_dampers_that_stand_still_in_a_case() -> None:
                 "shaft": {"damping": 10.0, "damping_y": 20.0, "damping_frame": "static"},
             }
         )
-
-
-def test_damping_matrices_by_mode_and_at_points_agree() -> None:
-    """The same dampers as modal damping of both translations."""
-    natural = np.sqrt(JEFFCOTT["stiffness"] / JEFFCOTT["mass"])
-    given = jeffcott(0.9 * natural, internal=2e3)
-    ratio = 2e3 / JEFFCOTT["mass"] / (2.0 * given.rotor.frequency)
-    modal = replace(given.rotor, dampers=np.zeros((0, 2)), damping_ratio=ratio)
-    _, chunk, _ = run(given, 1e-4, 2000)
-    _, same, _ = run(replace(given, rotor=modal), 1e-4, 2000)
-    assert_same(same, chunk)
 
 
 def test_reference_solution_of_a_reduced_rotor() -> None:

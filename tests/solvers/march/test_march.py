@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
-from typing import Literal
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -16,15 +15,11 @@ from contact_cases import (
     stage_problem,
     wall,
 )
-from scipy.integrate import solve_ivp
-from stages import observed_order
 
-from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
-from bladewhirl.solvers.march import march as marching
 from bladewhirl.solvers.march.central_difference import CentralDifference, CentralDifferenceState
-from bladewhirl.solvers.march.march import CHUNK_STEPS, Chunk, EndReason, Statistics, joined, march
+from bladewhirl.solvers.march.march import CHUNK_STEPS, Chunk, EndReason, joined, march
 
 
 def driven(ramp: float = 0.0) -> ContactProblem:
@@ -48,38 +43,6 @@ def driven(ramp: float = 0.0) -> ContactProblem:
         "casing_velocity": np.array([0.2]),
     }
     return problem(rotor, wall(10.0), start=start, loads=(load,))
-
-
-def exact_motion(ramp: float, end: float) -> tuple[FloatArray, FloatArray]:
-    """Rotor displacement and velocity of `driven` at a time, by a high-order integrator."""
-    given = driven(ramp)
-    rotor, load = given.rotor, given.loads[0]
-
-    def rate(time: float, state: FloatArray) -> FloatArray:
-        x, v = np.split(state, 2)
-        rise = 0.5 - 0.5 * np.cos(np.pi * time / ramp) if time < ramp else 1.0
-        force = load.rotor * rise * np.cos(load.frequency * time + load.phase)
-        damping = 2.0 * rotor.damping_ratio * rotor.frequency
-        return np.concatenate([v, force - damping * v - rotor.frequency**2 * x])
-
-    start = np.concatenate([given.start.rotor, given.start.rotor_velocity])
-    solution = solve_ivp(rate, (0.0, end), start, method="DOP853", rtol=1e-12, atol=1e-15)
-    x, v = np.split(solution.y[:, -1], 2)
-    return x, v
-
-
-@pytest.mark.parametrize("ramp", [0.0, 0.01])
-def test_second_order_in_time_without_contact(ramp: float) -> None:
-    end = 0.02
-    position, velocity = exact_motion(ramp, end)
-    errors = []
-    for steps in (200, 400, 800, 1600):
-        _, chunk, _ = run(driven(ramp), end / steps, steps, every=steps)
-        assert chunk.time[-1] == pytest.approx(end)
-        off = chunk.rotor_displacement[-1] - position, chunk.rotor_velocity[-1] - velocity
-        errors.append(np.linalg.norm(off, axis=1))
-    np.testing.assert_allclose(observed_order(np.array(errors)), 2.0, atol=0.1)
-    assert errors[-1][0] < 1e-5 * np.linalg.norm(position) * 2.0
 
 
 def test_start_agrees_with_initial_velocity_and_acceleration() -> None:
@@ -146,35 +109,6 @@ def test_nothing_is_lost_between_records(every: int) -> None:
     assert state.statistics.contact_steps - 1 <= touched.sum() <= state.statistics.contact_steps
 
 
-@pytest.mark.parametrize("sliding", ["permanent", "signed"])
-def test_energy_ledger_of_the_paper_stage_closes(
-    sliding: Literal["permanent", "signed"],
-) -> None:
-    """External, normal, friction and damping work against the energy on the half step."""
-    given = replace(stage_problem(), sliding=sliding)
-    state, chunk, end = run(given, 1e-6, 30_000, every=100)
-    assert end is None
-    assert state.statistics.contact_steps > 20_000
-    assert state.statistics.complementarity_residual < 1e-10
-    assert ledger_residual(chunk) < 1e-8
-    assert chunk.energy.max() > 1.0
-    assert chunk.damping_work[-1] > 0.0
-    assert (np.diff(chunk.damping_work) >= 0.0).all()
-    # The compliant casing gives contact work back; the two bodies cannot gain by it.
-    assert chunk.normal_work[-1] < 0.0
-
-
-def test_energy_ledger_without_contact_closes() -> None:
-    _, chunk, _ = run(driven(0.01), 1e-5, 5000)
-    assert chunk.external_work.max() > 0.0
-    np.testing.assert_array_equal(chunk.contact_impulse, 0.0)
-    assert ledger_residual(chunk) < 1e-9
-    still = replace(driven(), loads=())
-    _, chunk, _ = run(still, 1e-5, 5000)
-    assert chunk.energy[-1] < 0.6 * chunk.energy[0]
-    assert ledger_residual(chunk) < 1e-9
-
-
 def stored(state: CentralDifferenceState) -> CentralDifferenceState:
     """The same state through bytes, as a file would hold it."""
     arrays = {
@@ -230,61 +164,6 @@ def test_march_yields_the_same_in_chunks() -> None:
     rest = joined([chunk for _, chunk, _ in march(scheme, timing, results[0][0])])
     later = records.step > results[0][1].step[-1]
     np.testing.assert_array_equal(rest.rotor_displacement, records.rotor_displacement[later])
-
-
-@dataclass(frozen=True)
-class Counted:
-    """A state that knows how many steps were done."""
-
-    step: int
-
-    @property
-    def statistics(self) -> Statistics:
-        raise NotImplementedError
-
-
-class Asked:
-    """A scheme that notes what is asked of it."""
-
-    cyclic = False, False
-
-    def __init__(self) -> None:
-        self.asked: list[tuple[int, int | None]] = []
-        self._chunk = run(driven(), 1e-5, 1)[1]
-
-    def init(self) -> Counted:
-        return Counted(0)
-
-    def advance(
-        self, state: Counted, steps: int, record_every: int | None = None
-    ) -> tuple[Counted, Chunk, EndReason | None]:
-        self.asked.append((steps, record_every))
-        return Counted(state.step + steps), self._chunk, None
-
-
-@pytest.mark.parametrize(
-    ("every", "start", "expected"),
-    [
-        (7, 0, [(98, None), (98, None), (50, None), (5, 250)]),
-        (7, 33, [(65, None), (98, None), (50, None), (5, 250)]),
-        (120, 0, [(120, None), (120, None), (1, None), (10, 250)]),
-    ],
-)
-def test_chunks_are_whole_records_from_the_start(
-    monkeypatch: pytest.MonkeyPatch, every: int, start: int, expected: list[tuple[int, int | None]]
-) -> None:
-    """Of some 100 steps here, wherever a march is resumed, and one to the end."""
-    monkeypatch.setattr(marching, "CHUNK_STEPS", 100)
-    scheme = Asked()
-    timing = Timing(time_step=1e-5, duration=250e-5, record_step=every * 1e-5)
-    *_, (state, _, end) = march(scheme, timing, Counted(start))
-    assert scheme.asked == expected
-    assert (state.step, end) == (251, EndReason.COMPLETED)
-
-
-def test_one_chunk_is_joined_as_it_is() -> None:
-    _, chunk, _ = run(driven(), 1e-5, 20)
-    assert joined([chunk]) is chunk
 
 
 @pytest.mark.parametrize(

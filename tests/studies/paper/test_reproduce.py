@@ -5,9 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import re
-import sys
 from collections.abc import Callable
-from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +13,6 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from PIL import Image
 from places import ROOT
 from synthetic_result import CLEARANCE, ROTOR_FREQUENCY, synthetic_result
 from typer.testing import CliRunner
@@ -25,9 +22,7 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.reports.page import page_html
 from bladewhirl.postprocess.run.measures import HOLDERS, Motion
-from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.paper import trials
 from bladewhirl.studies.paper.cases import CASES, changed
 from bladewhirl.studies.paper.claim import (
     CLAIMS,
@@ -39,7 +34,7 @@ from bladewhirl.studies.paper.claim import (
     check,
 )
 from bladewhirl.studies.paper.claims_sweeps import done_points, middle_of_divergence
-from bladewhirl.studies.paper.figures import PAPER_FIGURES, Panel, PaperFigure, draw_figures
+from bladewhirl.studies.paper.figures import PAPER_FIGURES, draw_figures
 from bladewhirl.studies.paper.judge import Plan, chosen_claims, reproduce_claims
 from bladewhirl.studies.paper.page import scorecard_page
 from bladewhirl.studies.paper.scorecard import Score, Scorecard, counted
@@ -244,45 +239,12 @@ def test_critical_speeds_of_a_sweep() -> None:
     assert done_points(sweep)["march_speed"].values.tolist() == pytest.approx([1.2, 1.4, 1.6])
 
 
-def test_a_sweep_with_a_failed_point_is_not_complete(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert not trials.is_complete(tmp_path)
-    (tmp_path / SWEEP_NAME).touch()
-    sweep = swept([[True] * 3, [True] * 3])
-    monkeypatch.setattr(trials, "open_sweep", lambda directory: nullcontext(sweep))
-    assert not trials.is_complete(tmp_path)
-    sweep["state"][0, 0] = "done"
-    assert trials.is_complete(tmp_path)
-
-
 def test_a_quick_sweep_is_coarser_in_speed_alone() -> None:
     survey = SURVEYS["six modes, imbalance"]
     full, quick = (survey.axes(coarse=coarse) for coarse in (False, True))
     assert full["march.speed"] == [0.95, 1.3, 1.65, 2.0]
     assert quick["march.speed"] == [0.95, 2.0]
     assert quick["coupling.stiffness"] == full["coupling.stiffness"] == list(KAPPAS)
-
-
-def test_the_step_of_all_sweeps_can_be_chosen() -> None:
-    plan = Plan(
-        claims=chosen_claims([29, 36]),
-        changes={},
-        quick=True,
-        repeats=1,
-        speed_step=0.005,
-    )
-    assert len(SURVEYS["distortion"].axes(coarse=True, step=0.005)["march.speed"]) == 211
-    assert plan.sweeps == (
-        "distortion: 211 from 0.95 to 2; imbalance: 211 from 0.95 to 2;"
-        " six modes, distortion: 121 by 3 from 0.9 to 1.5"
-    )
-
-
-def test_records_up_to_a_time() -> None:
-    motion = Motion(synthetic_result())
-    assert motion.record_at(0.0) == 1
-    assert motion.record_at(motion.end) == motion.result.sizes["time"]
 
 
 @pytest.mark.parametrize(("second", "met"), [(1, False), (2, True)])
@@ -373,14 +335,6 @@ def test_a_figure_that_cannot_be_had_says_why(tmp_path: Path) -> None:
     assert "&lt;b&gt;" in page
 
 
-@pytest.mark.slow
-def test_a_changed_case_changes_the_verdict(tmp_path: Path) -> None:
-    arguments = ["reproduce", "6", "--set", "casing.support=7.975e6", "-o", str(tmp_path)]
-    done = RUNNER.invoke(app, arguments)
-    assert done.exit_code == 0, done.output
-    assert "does not hold" in done.stdout
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -427,42 +381,6 @@ def maker(monkeypatch: pytest.MonkeyPatch) -> Any:
     """docs/reproduction.py as a module."""
     monkeypatch.syspath_prepend(ROOT / "docs")
     return importlib.import_module("reproduction")
-
-
-def test_the_pages_and_the_readme_say_what_was_computed(
-    maker: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    card = card_of(lambda: Finding(ours="a | b", checks=checks(True, False)))
-    (tmp_path / "scorecard.json").write_text(card.to_json())
-    readme, page = tmp_path / "README.md", tmp_path / "reproduction.md"
-    readme.write_text("before\n<!-- scorecard -->\nold\n<!-- scorecard end -->\nafter\n")
-    page.write_text("# Title\n\n## Scorecard\n\nold\n\n## Values\n\nkept\n")
-    figures, drawn = tmp_path / "paper_figures.md", tmp_path / "figures" / "folder" / "name.png"
-    figures.write_text("# Title\n\n## Old\n")
-    drawn.parent.mkdir(parents=True)
-    Image.new("RGB", (1200, 300), "white").save(drawn)
-    panel = Panel(caption="a panel", folder="folder", name="name", draw=lambda *_: None)
-    shown = {"1": PaperFigure(caption="one", panels=(panel,))}
-    for name, value in (("README", readme), ("PAGE", page), ("FIGURES", figures)):
-        monkeypatch.setattr(maker, name, value)
-    monkeypatch.setattr(maker, "PAPER_FIGURES", shown)
-    monkeypatch.setattr(sys.modules["pictures"], "DOCS", tmp_path)
-    monkeypatch.setattr(maker, "commit", lambda: "0123456789")  # a copy of the files has no commit
-    maker.main(str(tmp_path))
-    count = "of 1 claims 0 hold, 1 partly, 0 do not hold, 0 not testable"
-    before, said, after = readme.read_text().split("<!-- scorecard")
-    assert count in said
-    assert (before, after) == ("before\n", " end -->\nafter\n")
-    written = page.read_text()
-    assert written.startswith(f"# Title\n\n## Scorecard\n\n`bladewhirl reproduce`: {count}.\n")
-    assert "\n| commit | 0123456789 |\n" in written
-    assert "| a \\| b | partly |" in written
-    assert figures.read_text() == (
-        "# Title\n\n## Figure 1: one\n\n![a panel](paper_figures/folder-name.png)\n\n*a panel*\n"
-    )
-    with Image.open(tmp_path / "paper_figures" / "folder-name.png") as kept:
-        assert kept.size == (1000, 250)
-    assert written.endswith("* 1, partly: not met: False; met: True.\n\n## Values\n\nkept\n")
 
 
 def test_the_readme_counts_what_its_page_lists(maker: Any) -> None:
