@@ -27,9 +27,6 @@ class LineMesh:
     """A mesh of straight two-node lines in the plane, in metres.
 
     Arrays are made read-only; a changed mesh is a new mesh.
-
-    Raises:
-        ValueError: a line, set or sector names a node that does not exist, or a line has no length.
     """
 
     points: FloatArray  #: node positions [m], (nodes, 2)
@@ -41,20 +38,6 @@ class LineMesh:
 
     def __post_init__(self) -> None:
         freeze(self)
-        self._check()
-
-    def _check(self) -> None:
-        nodes, lines = len(self.points), len(self.lines)
-        named: list[tuple[str, IntArray, int]] = [("lines", self.lines, nodes)]
-        named += [(f"node set {k!r}", v, nodes) for k, v in self.node_sets.items()]
-        named += [(f"line set {k!r}", v, lines) for k, v in self.line_sets.items()]
-        if self.sectors is not None:
-            named.append(("sectors", self.sectors, nodes))
-        for name, numbers, bound in named:
-            if numbers.size and not (numbers.min() >= 0 and numbers.max() < bound):
-                raise ValueError(f"{name}: numbers must lie in 0..{bound - 1}")
-        if lines and not self.lengths.min() > 0.0:
-            raise ValueError(f"line {int(self.lengths.argmin())} has no length")
 
     @property
     def lengths(self) -> FloatArray:

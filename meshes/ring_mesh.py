@@ -14,21 +14,10 @@ W, W_SLOPE, U, U_SLOPE = range(4)
 
 @dataclass(frozen=True, kw_only=True)
 class RingMesh:
-    """A closed ring of equal curved elements; element i joins nodes i and i + 1 (mod elements).
-
-    Raises:
-        ValueError: fewer than 3 elements or a radius that is not positive.
-    """
+    """A closed ring of equal curved elements; element i joins nodes i and i + 1 (mod elements)."""
 
     elements: int  #: number of elements and of nodes
     radius: float  #: radius of the ring [m]
-
-    def __post_init__(self) -> None:
-        if self.elements < 3 or not self.radius > 0.0:
-            raise ValueError(
-                "a ring needs 3 elements or more and a positive radius; "
-                f"got {self.elements}, {self.radius}"
-            )
 
     @property
     def angles(self) -> FloatArray:

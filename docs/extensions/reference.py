@@ -17,8 +17,8 @@ from typer.main import get_command
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EXCITATIONS
+from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.table import Table
-from bladewhirl.models.inputs.toml import toml_value
 from bladewhirl.models.inputs.units import Speed
 from bladewhirl.postprocess.plotting.registry import RUN_FIGURES, SWEEP_FIGURES, FigureKind
 from bladewhirl.solvers.march.schema import RESULT, SWEEP, schema_table

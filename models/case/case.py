@@ -28,13 +28,12 @@ from bladewhirl.models.case.excitation import (
     Imbalance,
     NoExcitation,
 )
-from bladewhirl.models.case.rotation import Rotation
-from bladewhirl.models.case.shaft import Shaft
+from bladewhirl.models.case.shaft import Rotation, Shaft
 from bladewhirl.models.case.sketch import SketchTable
 from bladewhirl.models.inputs.errors import CaseError, shown
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.sections.around_ring import Lobe
 from bladewhirl.models.sections.materials import BeamSection, Material
+from bladewhirl.models.sections.wall import Lobe
 
 __all__ = [
     "BeamSection",

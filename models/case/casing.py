@@ -18,9 +18,8 @@ from bladewhirl.models.inputs.fields import (
     rows,
 )
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.sections.around_ring import Lobe, RingProfile
 from bladewhirl.models.sections.materials import BeamSection
-from bladewhirl.models.sections.wall import TURN, Arc
+from bladewhirl.models.sections.wall import TURN, Arc, Lobe, RingProfile
 
 SAME_ANGLE = 1e-9
 """Angles nearer than this are the same [rad]."""

@@ -12,10 +12,9 @@ from pydantic_core import ErrorDetails
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EXCITATIONS
-from bladewhirl.models.inputs.errors import Fault
+from bladewhirl.models.inputs.errors import Fault, toml_key
 from bladewhirl.models.inputs.fields import EXPECTED
 from bladewhirl.models.inputs.table import INCONSISTENT, Table
-from bladewhirl.models.inputs.toml import toml_key
 
 Path = tuple[str | int, ...]
 """Keys and row numbers from the root of the case to a value."""

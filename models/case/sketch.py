@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import cached_property
-from itertools import chain, pairwise
+from itertools import chain
 from math import hypot
 from typing import Annotated
 
@@ -26,9 +26,6 @@ from bladewhirl.models.inputs.fields import Length, count
 from bladewhirl.models.inputs.table import Inconsistency, Table
 
 NEEDED_SETS = ("centre", "tips")
-
-SHORTEST = 1e-12
-"""Distance over the size of a member below which two of its points coincide."""
 
 Part = SketchMember | SketchMass | SketchSpring | SketchLink
 """A part between nodes that a choice of sectors may have."""
@@ -84,7 +81,6 @@ class SketchTable(Table):
             _sector_faults(self),
             _section_faults(self),
             _edit_faults(self),
-            _length_faults(self),
         ):
             yield Inconsistency("", expected, place=place)
 
@@ -187,44 +183,6 @@ def _edit_faults(sketch: SketchTable) -> Faults:
         if member is not None and member.sectors is not None and edit.sector not in member.sectors:
             existing = ", ".join(map(str, member.sectors)) or "none"
             yield place, f"a sector that has it ({existing})"
-
-
-def _length_faults(sketch: SketchTable) -> Faults:
-    """Yield members of zero length, in sector 0 or after an edit."""
-    nodes = {node.name: node for node in sketch.nodes}
-    moved = {(e.sector, e.node): e.at for e in sketch.edits if e.node and e.at is not None}
-    changed = {(e.sector, e.member): e.path for e in sketch.edits if e.member}
-    touched = sorted({0, *(e.sector + shift for e in sketch.edits for shift in (-1, 0, 1))})
-    for member in sketch.members:
-        references = [split_reference(reference) for reference in member.references]
-        if any(name not in nodes for name, _ in references):
-            continue
-        for sector in {sector % sketch.sectors for sector in touched}:
-            if member.sectors is not None and sector not in member.sectors:
-                continue
-            path = changed.get((sector, member.name))
-            points = [_position(sketch, nodes[n], moved, sector, shift) for n, shift in references]
-            points[1:1] = [np.array(point) for point in (member.path if path is None else path)]
-            steps = [float(np.linalg.norm(b - a)) for a, b in pairwise(points)]
-            if not min(steps) > SHORTEST * float(np.abs(points).max()):
-                place = f"member {member.name!r} in sector {sector}"
-                yield place, "a member with length: two points in a row of it are alike"
-                break
-
-
-def _position(
-    sketch: SketchTable,
-    node: SketchNode,
-    moved: Mapping[tuple[int, str], tuple[float, float]],
-    sector: int,
-    shift: int,
-) -> FloatArray:
-    """Point of a node of the sector that is ``shift`` further on, in the axes of a sector [m]."""
-    if node.shared:
-        at, turns = node.at, -sector
-    else:
-        at, turns = moved.get(((sector + shift) % sketch.sectors, node.name), node.at), shift
-    return turned(at, 2.0 * np.pi * turns / sketch.sectors)
 
 
 def turned(point: tuple[float, float], angle: float) -> FloatArray:

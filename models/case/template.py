@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import EXCITATIONS, NoExcitation
+from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.table import Table
-from bladewhirl.models.inputs.toml import toml_value
 from bladewhirl.models.inputs.units import Speed
 
 COLUMNS = 96

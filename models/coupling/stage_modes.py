@@ -10,7 +10,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
 from bladewhirl.meshes.ring_mesh import U, W
-from bladewhirl.models.case.rotation import Effects
+from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings, body_coordinates
 from bladewhirl.models.coupling.turning_rotor import matrices_of_entries
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel

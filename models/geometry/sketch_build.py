@@ -20,6 +20,7 @@ from bladewhirl.models.geometry.beam_model import (
     RigidLinks,
 )
 from bladewhirl.models.geometry.checks import check_model
+from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.sections.rectangular import (
     CHANGES,
     QUANTITIES,
@@ -31,6 +32,9 @@ Key = tuple[str, int]
 """Node of a sketch: its name, or that of a member with the position along it; see `_Numbering`."""
 
 CENTRE = "centre"
+
+SHORTEST = 1e-12
+"""Distance over the size of a member below which two of its points coincide."""
 
 
 def build_sketch(sketch: SketchTable) -> BeamModel:
@@ -206,7 +210,13 @@ class _Drawing:
             *(turned(point, sector * self._alpha) for point in path),
             self._at(*self._place(member.second, sector)),
         ]
-        return points_along(np.array(given), member.elements)
+        points = np.array(given)
+        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        if not steps.min() > SHORTEST * np.abs(points).max():
+            expected = "a member with length: two points in a row of it are alike"
+            key = f"sketch: member {member.name!r} in sector {sector}"
+            raise CaseError([Fault(key=key, expected=expected)])
+        return points_along(points, member.elements)
 
     def _at(self, sector: int, key: Key) -> FloatArray:
         """Point of a named node [m]."""

@@ -1,13 +1,53 @@
-"""Errors that a user can put right: a line a fault, naming file, key, value, what was expected."""
+"""Errors that a user can put right, a line a fault; values in TOML as they show them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import json
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from pathlib import Path
 
-from bladewhirl.models.inputs.toml import toml_value
+
+def toml_value(value: object) -> str:
+    """A value in TOML; floats at full precision, tables inline.
+
+    Raises:
+        TypeError: TOML has no such value, or it has and a case has not.
+    """
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        # TOML wants DEL escaped, JSON does not; else their basic strings agree.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, float):
+        return _float(value)
+    if isinstance(value, Mapping):
+        pairs = (f"{toml_key(key)} = {toml_value(item)}" for key, item in value.items())
+        return f"{{ {', '.join(pairs)} }}" if value else "{}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(toml_value, value))}]"
+    raise TypeError(f"no TOML for {type(value).__name__}")
+
+
+def toml_key(name: object) -> str:
+    """A key, quoted where TOML needs it."""
+    text = str(name)
+    return text if re.fullmatch(r"[A-Za-z0-9_-]+", text) else toml_value(text)
+
+
+def _float(value: float) -> str:
+    text = repr(float(value))
+    if not math.isfinite(value) or value == 0.0 or 1e-3 <= abs(value) < 1e5:
+        return text
+    mantissa, _, exponent = f"{Decimal(text).normalize():e}".partition("e")
+    return f"{mantissa}e{int(exponent)}"
+
 
 LONGEST_VALUE = 60
 """Characters of a value that a fault shows."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse.linalg as spla
 
-from bladewhirl.meshes.line_mesh import IntArray
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import (
@@ -19,16 +21,72 @@ from bladewhirl.models.elements.build import (
 )
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
 from bladewhirl.models.elements.cost import modal_cost, tell_cost
-from bladewhirl.models.elements.cyclic import NO_COLUMN
+from bladewhirl.models.elements.cyclic import NO_COLUMN, nodal_diameter_of
+from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.modal.describe import stage_arrays
-from bladewhirl.models.modal.frequencies import lowest_frequencies
-from bladewhirl.models.modal.labels import LabelledModes, labelled_modes
-from bladewhirl.models.modal.modes import Modes
+from bladewhirl.models.modal.labels import LabelledModes, labelled_modes, whirl_families
+from bladewhirl.models.modal.modes import (
+    DENSE_LIMIT,
+    Modes,
+    lowest_pairs,
+    natural_frequencies,
+)
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.modal.suspension import with_sized_shaft
-from bladewhirl.models.modal.whirl_labels import whirl_families
 from bladewhirl.models.rotation.at_speed import TurningDisk, turning_disk
 from bladewhirl.models.rotation.whirl_modes import DENSE_SIZE, WhirlModes, whirl_modes
+
+Frequencies = Mapping[int, FloatArray]
+"""Ascending frequencies [rad/s] by nodal diameter, pairs once; all under -1 without symmetry."""
+
+
+def lowest_frequencies(structure: Structure, count: int) -> Frequencies:
+    """Return the lowest frequencies of a supported structure.
+
+    Args:
+        structure: in full, without constraint fields; sector by sector where it is cyclic.
+        count: how many of each nodal diameter; without symmetry times the number of sectors.
+    """
+    layout = structure.layout
+    if layout is not None and structure.is_cyclic:
+        return {
+            k: natural_frequencies(structure, lowest_pairs(stiffness, mass, count)[0])
+            for k, (mass, stiffness) in layout.blocks(structure.mass, structure.stiffness)
+        }
+    total = count * (layout.sectors if layout else 1)
+    if structure.size > DENSE_LIMIT:
+        squares = spla.eigsh(
+            structure.stiffness.tocsc(),
+            k=min(total, structure.size - 1),
+            M=structure.mass.tocsc(),
+            sigma=0.0,
+            return_eigenvectors=False,
+        )
+    else:
+        squares = lowest_pairs(structure.stiffness.toarray(), structure.mass.toarray(), total)[0]
+    return {NO_COLUMN: natural_frequencies(structure, np.sort(squares))}
+
+
+def family_errors(modes: Modes, family: list[str], full: Frequencies) -> dict[str, float]:
+    """Return the largest relative frequency error of each family within the range of ``full``.
+
+    Args:
+        modes: of a reduced model.
+        family: of each of them, (modes,).
+        full: frequencies of the full model.
+    """
+    errors: dict[str, float] = {}
+    rank: dict[int, int] = {}
+    for mode in range(modes.count):
+        column = int(modes.column[mode])
+        position = rank.get(column, 0)
+        rank[column] = position + 1
+        exact = full[NO_COLUMN if column == NO_COLUMN else nodal_diameter_of(column)]
+        if position < len(exact) and exact[position] != 0.0:
+            error = abs(modes.frequency[mode] / exact[position] - 1.0)
+            errors[family[mode]] = max(errors.get(family[mode], 0.0), float(error))
+    return errors
+
 
 WHIRL_FAMILIES = 6
 """Families of whirling modes computed for a large bladed disk without symmetry."""

@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
-from bladewhirl.models.elements.cyclic import SectorLayout, is_pair
+from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout, is_pair
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.inputs.mode_names import NamedModes
 from bladewhirl.models.modal.modes import (
@@ -28,6 +28,7 @@ from bladewhirl.models.modal.modes import (
     natural_frequencies,
     structure_modes,
 )
+from bladewhirl.models.rotation.whirl_modes import WhirlModes
 
 Body = Literal["bladed-disk", "casing"]
 
@@ -212,3 +213,39 @@ def _families_of_twin(structure: Structure, modes: Modes, twin: LabelledModes) -
         rows = [names.index(twin.family[i]) for i in here]
         np.add.at(shares, rows, (2.0 if is_pair(int(k), layout.sectors) else 1.0) * parts)
     return [names[i] for i in shares.argmax(axis=0)]
+
+
+def whirl_families(
+    structure: Structure, modes: WhirlModes, reference: tuple[int, int]
+) -> tuple[str, ...]:
+    """Family of each whirling mode of a bladed disk.
+
+    Over the speed, waves of one nodal diameter do not cross where sectors are alike, so their rank
+    says which family they are of at rest; without symmetry they belong to the family at rest that
+    holds most of them.
+
+    Args:
+        structure: that turns.
+        modes: of it.
+        reference: see `labelled_modes`.
+    """
+    at_rest = labelled_modes(structure.at_rest or structure, reference, "bladed-disk")
+    if modes.rank[:1] == NO_COLUMN:
+        return _by_overlap(structure, modes, at_rest)
+    one = at_rest.one_a_pair()
+    names = {
+        int(k): [at_rest.family[i] for i in one[at_rest.nodal_diameter[one] == k]]
+        for k in np.unique(modes.nodal_diameter)
+    }
+    ranked = zip(modes.nodal_diameter.tolist(), modes.rank.tolist(), strict=True)
+    return tuple(names[k][rank] for k, rank in ranked)
+
+
+def _by_overlap(structure: Structure, modes: WhirlModes, at_rest: LabelledModes) -> tuple[str, ...]:
+    names = list(dict.fromkeys(at_rest.family))
+    every = np.arange(at_rest.count)
+    impulse = structure.mass @ modes.fields(np.arange(modes.count))
+    parts = np.abs(at_rest.fields(every).T @ impulse) ** 2
+    shares = np.zeros((len(names), modes.count))
+    np.add.at(shares, [names.index(family) for family in at_rest.family], parts)
+    return tuple(names[i] for i in shares.argmax(axis=0))

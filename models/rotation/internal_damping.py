@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray
-from bladewhirl.models.case.rotation import Effects
+from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.cyclic import nodal_diameters
 from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues, modal_damping

@@ -14,7 +14,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.case.rotation import Effects
+from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.rotation.eigenproblems import gyroscopic_frequencies, positive_speeds
 from bladewhirl.models.rotation.matrices import RotationMatrices
 

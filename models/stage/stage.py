@@ -24,7 +24,7 @@ from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
 from bladewhirl.models.elements.cost import stage_cost, tell_cost
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.modal.describe import stage_arrays
-from bladewhirl.models.modal.frequencies import Frequencies, family_errors, lowest_frequencies
+from bladewhirl.models.modal.full_stage import Frequencies, family_errors, lowest_frequencies
 from bladewhirl.models.modal.labels import mode_families
 from bladewhirl.models.modal.modes import Modes, structure_modes
 from bladewhirl.models.modal.reduction import ReducedModes, craig_bampton

@@ -17,8 +17,7 @@ from bladewhirl.models.elements.cyclic import nodal_diameters
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import LabelledModes
-from bladewhirl.models.rotation.at_speed import TurningDisk
-from bladewhirl.models.rotation.growth import speed_of_growth
+from bladewhirl.models.rotation.at_speed import TurningDisk, speed_of_growth
 from bladewhirl.models.rotation.waves import REAL, Waves, waves
 from bladewhirl.solvers.stability.coincidence import Coincidences
 from bladewhirl.studies.modal.columns import quantity

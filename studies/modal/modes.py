@@ -10,7 +10,7 @@ import xarray as xr
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import faults_from, read_case
-from bladewhirl.models.case.rotation import Effects
+from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.units import Speed
 from bladewhirl.models.modal.full_stage import ModalStage, Whirl, modal_stage

@@ -78,34 +78,8 @@ def test_a_mesh_keeps_its_own_unwritable_arrays() -> None:
         mesh.node_sets["more"] = np.array([0])  # type: ignore[index]
 
 
-@pytest.mark.parametrize(
-    ("fault", "message"),
-    [
-        ({"lines": [[0, 2]]}, r"lines: numbers must lie in 0\.\.1"),
-        ({"lines": [[0, 0]]}, "line 0 has no length"),
-        ({"node_sets": {"tips": [-1]}}, r"node set 'tips': numbers must lie in 0\.\.1"),
-        ({"line_sets": {"blades": [1]}}, r"line set 'blades': numbers must lie in 0\.\.0"),
-        ({"sectors": [[0], [9]]}, r"sectors: numbers must lie in 0\.\.1"),
-    ],
-)
-def test_faulty_meshes_are_refused(fault: dict[str, object], message: str) -> None:
-    sound: dict[str, object] = {
-        "points": [[0.0, 0.0], [1.0, 0.0]],
-        "lines": [[0, 1]],
-        "node_axes": [0.0, 0.0],
-    }
-    with pytest.raises(ValueError, match=message):
-        LineMesh(**(sound | fault))  # type: ignore[arg-type]
-
-
 def test_a_ring_closes() -> None:
     ring = RingMesh(elements=8, radius=2.0)
     np.testing.assert_allclose(np.diff(ring.angles), np.pi / 4.0, rtol=1e-12)
     assert ring.angles[0] == 0.0
     assert ring.elements * ring.element_length == pytest.approx(4.0 * np.pi)
-
-
-@pytest.mark.parametrize(("elements", "radius"), [(2, 1.0), (8, 0.0), (8, float("nan"))])
-def test_impossible_rings_are_refused(elements: int, radius: float) -> None:
-    with pytest.raises(ValueError, match="3 elements or more and a positive radius"):
-        RingMesh(elements=elements, radius=radius)

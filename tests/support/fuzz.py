@@ -32,7 +32,7 @@ from small_run import COMMAND, SMALL, small
 
 from bladewhirl.meshes.files.registry import WRITERS
 from bladewhirl.models.case.file import dumps_case, read_case
-from bladewhirl.models.inputs.toml import toml_value
+from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.studies.commands.cli import app, main
 
 ROOT = Path(__file__).parents[2]

@@ -22,8 +22,8 @@ from bladewhirl.models.case.file import (
     template,
     with_values,
 )
+from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.models.inputs.table import Table
-from bladewhirl.models.inputs.toml import toml_value
 from bladewhirl.models.inputs.units import Speed
 
 positive = st.floats(min_value=1e-12, max_value=1e12)

@@ -13,7 +13,7 @@ from stages import observed_order
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_from, dumps_case, loads, read_case
 from bladewhirl.models.elements.build import case_clearance
-from bladewhirl.models.sections.around_ring import Lobe, RingProfile
+from bladewhirl.models.sections.wall import Lobe, RingProfile
 from bladewhirl.models.stage.build import contact_problem, march_faults
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.central_difference import initial_gap

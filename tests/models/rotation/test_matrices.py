@@ -14,12 +14,12 @@ from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bla
 from bladewhirl.models.elements.cyclic import SectorLayout
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.sketch import Sketch
+from bladewhirl.models.rotation.at_speed import speed_of_growth, static_displacement
 from bladewhirl.models.rotation.eigenproblems import (
     damped_eigenvalues,
     lowest_gyroscopic_eigen,
     modal_damping,
 )
-from bladewhirl.models.rotation.growth import speed_of_growth, static_displacement
 from bladewhirl.models.rotation.internal_damping import internal_growth
 from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.models.rotation.whirl_modes import (

@@ -9,7 +9,7 @@ import pytest
 from stages import bladed_disk
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.case.rotation import Effects
+from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.rotation.matrices import rotation_matrices
 from bladewhirl.models.rotation.waves import Waves
 from bladewhirl.models.rotation.waves import waves as waves_of

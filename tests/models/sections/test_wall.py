@@ -12,8 +12,7 @@ from bladewhirl.models.case.file import case_from, dumps_case, loads, read_case
 from bladewhirl.models.elements.build import case_casing
 from bladewhirl.models.elements.casing import TANGENTIAL, CasingModel
 from bladewhirl.models.modal.modes import structure_modes
-from bladewhirl.models.sections.around_ring import Lobe, RingProfile
-from bladewhirl.models.sections.wall import Arc, Wall
+from bladewhirl.models.sections.wall import Arc, Lobe, RingProfile, Wall
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.studies.runs.properties import stage_properties
 

@@ -129,7 +129,7 @@ def test_help_loads_nothing_heavy() -> None:
     assert top.isdisjoint({"numpy", "scipy", "pint", "_cffi_backend", "xarray", "pyvista"})
     # Figures are listed by `plot --help`; errors take the standard library only.
     small = {"bladewhirl.postprocess.plotting.registry", "bladewhirl.models.inputs.errors"}
-    small.add("bladewhirl.models.inputs.toml")
+    small.add("bladewhirl.models.inputs.errors")
     rooms = {name.rpartition(".")[0] for name in small} | {
         "bladewhirl.postprocess",
         "bladewhirl.models",

@@ -11,7 +11,7 @@ from places import EXAMPLES
 from stages import bladed_disk, oracle
 
 import bladewhirl as bw
-from bladewhirl.models.case.rotation import Effects
+from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.coupling.springs import periodic_stiffness
 from bladewhirl.models.elements.cyclic import nodal_diameters
 from bladewhirl.models.inputs.errors import UserError
