@@ -1,34 +1,27 @@
-"""Springs between rotor and casing, for the frame and the bearings: Eqs (4)-(10).
+"""Modes with one nodal diameter each, and the springs that couple them: Eqs (4)-(10).
 
-A spring of stiffness kappa per radian joins casing and rotor at every static angle theta. With
+With alpha = theta - Omega t and mass-normalised modes
 
     w(theta)   = sum_i a_i (v_ci cos k_i theta + v_si sin k_i theta)             on the casing
     u(alpha)   = sum_j a_j (u_cj cos k_j alpha + u_sj sin k_j alpha)             on the rotor
 
-alpha = theta - Omega t and mass-normalised modes, the energy kappa/2 int (w - u)^2 dtheta of
-Eq. (8) splits into nodal diameters, since cosines of different k are orthogonal on the circle:
-
-    K*(t) = sum_k f_k kappa C_k(t)^T C_k(t),    f_0 = 2 pi, f_k = pi otherwise,
-
-where the two rows of C_k give the cos k theta and sin k theta part of w - u. The paper's system,
-Eq. (9), is the case of one casing and two rotor pairs, all with k = 1 and a = 1 (`paper_modes`).
-
-We differ from the printed Eq. (9) where it does not follow from Eq. (8): as printed it does not
-couple the two rotor pairs, has the modal mass of the wrong row in its off-diagonal blocks, and
-lacks the factor pi, which we keep unless `with_pi` is false.
+and cosines of different k are orthogonal on the circle, so nodal diameters decouple; see
+`bladewhirl.models.coupling.equations`. The paper's system, Eq. (9), is the case of one casing and
+two rotor pairs, all with k = 1 and a = 1 (`paper_modes`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
-from bladewhirl.models.coupling.turning_rotor import TurningRotor
+from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray, IntArray
+from bladewhirl.models.coupling.equations import CoupledEquations, spring_factor
 
 ANGLES = 181
 """Angles at which springs are looked at where their stiffness changes as the rotor turns."""
@@ -55,12 +48,14 @@ class CouplingModes:
     amplitude: FloatArray  #: radial amplitude at the springs [kg^-1/2], (entries,)
     damping_ratio: FloatArray  #: modal damping ratio of each entry, (entries,)
     paired: BoolArray  #: whether the entry is a cosine/sine pair, (entries,)
-    turning: TurningRotor | None = None  #: what rotation adds; None without its effects
+    coriolis: FloatArray | None = None
+    """G of the coordinates for Omega = 1 rad/s, zero on the casing, (size, size); None if zero."""
+    softening: FloatArray | None = None  #: S = K_G1 - M_t of the coordinates, as `coriolis`
 
     def __post_init__(self) -> None:
         kinds: dict[str, Any] = {"on_casing": bool, "paired": bool, "nodal_diameter": np.int64}
         object.__setattr__(self, "name", tuple(self.name))
-        for item in fields(self)[1:-1]:
+        for item in fields(self)[1:7]:
             array = np.array(getattr(self, item.name), dtype=kinds.get(item.name, np.float64))
             if array.shape != (len(self.name),):
                 expected = f"one value for each of {len(self.name)} entries"
@@ -126,12 +121,53 @@ class CouplingModes:
             rate[here] = np.where(self.on_casing[here] == kept, 0.0, 2.0 * rate[here])
         return np.asarray(rate, dtype=np.float64)
 
+    @cached_property
+    def equations(self) -> CoupledEquations:
+        """Equations of motion of all coordinates."""
+        entry, coordinates = self.entry, np.arange(self.size)
+        place = np.searchsorted(self.harmonics, self.nodal_diameter[entry])
+        rows = np.zeros((len(self.harmonics), 2, self.size))
+        rows[place, self.is_sine.astype(int), coordinates] = self.amplitude[entry]
+        casing = self.on_casing[entry]
+        turning, cosine = np.zeros((self.size, self.size)), self.cosine[self.paired]
+        turning[cosine + 1, cosine] = self.frame_rate[self.paired]
+        turning[cosine, cosine + 1] = -self.frame_rate[self.paired]
+        return CoupledEquations(
+            name=self.name,
+            frequency=self.frequency[entry],
+            damping=np.diag(self.damping_rate[entry]),
+            harmonics=np.array(self.harmonics),
+            casing=np.where(casing, rows, 0.0),
+            rotor=np.where(casing, 0.0, rows),
+            turning=turning,
+            coriolis=self.coriolis,
+            softening=self.softening,
+            pairs=bool(np.all(self.paired)),
+        )
+
+    @cached_property
+    def blocks(self) -> tuple[CoupledEquations, ...]:
+        """Equations of each nodal diameter, which do not couple."""
+        return tuple(self.harmonic(k).equations for k in self.harmonics)
+
+    def over_entries(self, matrix: FloatArray | None) -> ComplexArray:
+        """Complex matrix over the entries of one over the coordinates that commutes with J."""
+        if matrix is None:
+            return np.zeros((self.entries, self.entries), dtype=np.complex128)
+        crossed = matrix[np.ix_(self.cosine + self.paired, self.cosine)]
+        return matrix[np.ix_(self.cosine, self.cosine)] + 1j * self.paired[:, None] * crossed
+
     def take(self, chosen: IntArray | BoolArray | Sequence[int]) -> CouplingModes:
         """Keep some entries, by a mask or by positions."""
         kept = np.arange(self.entries)[np.asarray(chosen)]
-        arrays = {item.name: getattr(self, item.name)[kept] for item in fields(self)[1:-1]}
-        turning = None if self.turning is None else self.turning.take(kept)
-        return CouplingModes(name=tuple(self.name[i] for i in kept), turning=turning, **arrays)
+        arrays = {item.name: getattr(self, item.name)[kept] for item in fields(self)[1:7]}
+        coordinates = [c for i in kept for c in np.flatnonzero(self.entry == i)]
+        among = np.ix_(coordinates, coordinates)
+        coriolis, softening = (
+            m if m is None else m[among] for m in (self.coriolis, self.softening)
+        )
+        name = tuple(self.name[i] for i in kept)
+        return CouplingModes(name=name, coriolis=coriolis, softening=softening, **arrays)
 
     def with_unit_amplitudes(self) -> CouplingModes:
         """Give every mode amplitude one, as the paper does, in the phase that it has."""
@@ -164,60 +200,6 @@ def paper_modes(
     )
 
 
-def spring_factor(k: int, *, with_pi: bool = True) -> float:
-    """Factor f_k of the modal spring stiffness: int cos^2(k theta) dtheta, or that over pi."""
-    return (np.pi if with_pi else 1.0) * (2.0 if k == 0 else 1.0)
-
-
-def stretch_rows(modes: CouplingModes, k: int, angle: ArrayLike) -> FloatArray:
-    """Rows C_k of the springs' stretch w - u: its cos k theta and sin k theta parts.
-
-    Args:
-        modes: the coupled modes.
-        k: nodal diameter.
-        angle: Omega t [rad], any shape (...).
-
-    Returns:
-        (..., 2, size) [kg^-1/2], to be multiplied by the coordinates u.
-    """
-    angle = np.asarray(angle, dtype=np.float64)
-    rows = np.zeros((*angle.shape, 2, modes.size))
-    cos, sin = np.cos(k * angle), np.sin(k * angle)
-    for i in np.flatnonzero(modes.nodal_diameter == k):
-        amplitude, first = modes.amplitude[i], modes.cosine[i]
-        if modes.on_casing[i]:
-            turned = np.broadcast_to(np.array([amplitude, 0.0]), (*angle.shape, 2))
-        else:
-            turned = -amplitude * np.stack([cos, sin], axis=-1)
-        rows[..., first] = turned
-        if modes.paired[i]:
-            rows[..., 0, first + 1] = -turned[..., 1]
-            rows[..., 1, first + 1] = turned[..., 0]
-    return rows
-
-
-def coupling_stiffness(
-    modes: CouplingModes, *, kappa: float, angle: ArrayLike, with_pi: bool = True
-) -> FloatArray:
-    """Stiffness K* of the springs in mass-normalised coordinates, by integration of Eq. (8).
-
-    Args:
-        modes: the coupled modes.
-        kappa: spring stiffness [N/m] per radian.
-        angle: Omega t [rad], any shape (...).
-        with_pi: keep the factor pi of the integral; false gives the paper's eps = kappa / m.
-
-    Returns:
-        symmetric, (..., size, size) [1/s^2].
-    """
-    shape = (*np.shape(angle), modes.size, modes.size)
-    stiffness = np.zeros(shape)
-    for k in modes.harmonics:
-        rows = stretch_rows(modes, k, angle)
-        stiffness += spring_factor(k, with_pi=with_pi) * kappa * np.swapaxes(rows, -1, -2) @ rows
-    return stiffness
-
-
 @dataclass(frozen=True, kw_only=True)
 class CouplingSprings:
     """Springs between two modal bodies: which of their modes they couple, and how stiffly."""
@@ -244,38 +226,21 @@ class CouplingSprings:
         for k in self.modes.harmonics:
             part = self.modes.harmonic(k)
             angles = np.linspace(0.0, 2.0 * np.pi, 1 if np.all(part.paired) else ANGLES)
-            whole = periodic_stiffness(
-                part, kappa=self.kappa, angle=angles / max(k, 1), with_pi=self.with_pi
+            stiffness = part.equations.stiffness(
+                angles / max(k, 1), self.kappa, with_pi=self.with_pi
             )
-            highest = max(highest, float(np.linalg.eigvalsh(whole).max()))
+            highest = max(highest, float(np.linalg.eigvalsh(stiffness).max()))
         return float(np.sqrt(highest))
 
-    def coordinates(self, *, on_casing: bool) -> tuple[IntArray, IntArray]:
-        """Coordinates that belong to one body, and the numbers of their modes on it."""
-        return body_coordinates(self.modes, self.number, on_casing=on_casing)
+    @property
+    def numbers(self) -> IntArray:
+        """Number of each coordinate's mode among those of its body, (size,)."""
+        return self.number[self.modes.entry] + self.modes.is_sine
+
+    def places(self, rotor_modes: int) -> IntArray:
+        """Place of each coordinate among the modes of bladed disk and casing, (size,)."""
+        return self.numbers + rotor_modes * self.modes.on_casing[self.modes.entry]
 
     def stiffness(self, *, angle: ArrayLike) -> FloatArray:
         """K* of the coupled coordinates at an angle Omega t [rad], (..., size, size) [1/s^2]."""
-        return coupling_stiffness(self.modes, kappa=self.kappa, angle=angle, with_pi=self.with_pi)
-
-
-def body_coordinates(
-    modes: CouplingModes, number: IntArray, *, on_casing: bool
-) -> tuple[IntArray, IntArray]:
-    """Coordinates that belong to one body, and the numbers of their modes on it.
-
-    Args:
-        modes: the coupled modes.
-        number: of each entry's mode among those of its body; a sine follows, (entries,).
-        on_casing: which body.
-    """
-    coordinates = np.flatnonzero(modes.on_casing[modes.entry] == on_casing)
-    return coordinates, (number[modes.entry] + modes.is_sine)[coordinates]
-
-
-def periodic_stiffness(
-    modes: CouplingModes, *, kappa: float, angle: ArrayLike, with_pi: bool = True
-) -> FloatArray:
-    """Whole stiffness diag(omega^2) + K* of Eq. (9), corrected, (..., size, size) [1/s^2]."""
-    uncoupled = np.diag((modes.frequency * np.abs(modes.frequency))[modes.entry])
-    return uncoupled + coupling_stiffness(modes, kappa=kappa, angle=angle, with_pi=with_pi)
+        return self.modes.equations.springs(angle, self.kappa, with_pi=self.with_pi)

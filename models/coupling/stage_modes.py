@@ -11,8 +11,7 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
 from bladewhirl.meshes.ring_mesh import U, W
 from bladewhirl.models.case.shaft import Effects
-from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings, body_coordinates
-from bladewhirl.models.coupling.turning_rotor import matrices_of_entries
+from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.casing import CasingModel
 from bladewhirl.models.elements.cyclic import is_pair, wave_parts
@@ -30,6 +29,8 @@ have k^2 / (1 + k^2), so a half for k = 1; modes that stretch it have 1 / (1 + k
 SMALLEST_AMPLITUDE = 1e-9
 """Modes with a smaller share of the largest radial amplitude of their body are not coupled."""
 
+ROUNDING = 1e-9
+"""Share of a matrix below which the part that a mirror symmetry forbids is rounding."""
 
 Fields = Callable[[IntArray], FloatArray]
 
@@ -74,7 +75,8 @@ class CoupledEntries:
 
     def mode_numbers(self, *, on_casing: bool) -> tuple[IntArray, IntArray]:
         """Coordinates that belong to one body, and the numbers of their modes on it."""
-        return body_coordinates(self.modes, self.number, on_casing=on_casing)
+        coordinates = np.flatnonzero(self.modes.on_casing[self.modes.entry] == on_casing)
+        return coordinates, (self.number[self.modes.entry] + self.modes.is_sine)[coordinates]
 
     def find(self, family: str, k: int | None = None) -> IntArray:
         """Positions of the entries of a family, of one nodal diameter or of all."""
@@ -135,19 +137,16 @@ def at_speed(stage: StageModes, matrices: RotationMatrices, effects: Effects) ->
     modes = stage.modes
     coordinates, numbers = stage.mode_numbers(on_casing=False)
     fields = stage.modal.disk_modes.fields(numbers)
-    coriolis, softening = (
-        np.asarray(fields.T @ (matrix @ fields))
-        for matrix in (matrices.coriolis, matrices.geometric - matrices.mass)
-    )
-    turning = matrices_of_entries(
-        coriolis if effects == "full" else np.zeros_like(coriolis),
-        softening,
-        coordinates,
-        paired=modes.paired,
-        nodal_diameter=modes.nodal_diameter,
-        cosine=modes.cosine,
-    )
-    return replace(stage, modes=replace(modes, turning=turning))
+    among = np.ix_(coordinates, coordinates)
+    coriolis, softening = np.zeros((2, modes.size, modes.size))
+    if effects == "full":
+        coriolis[among] = fields.T @ (matrices.coriolis @ fields)
+    softening[among] = fields.T @ ((matrices.geometric - matrices.mass) @ fields)
+    mirrored = modes.is_sine[:, None] == modes.is_sine
+    for matrix, forbidden in ((coriolis, mirrored), (softening, ~mirrored)):
+        if np.abs(matrix[forbidden]).max() <= ROUNDING * np.abs(matrix).max():
+            matrix[forbidden] = 0.0  # the disk is its own mirror image
+    return replace(stage, modes=replace(modes, coriolis=coriolis, softening=softening))
 
 
 @dataclass(frozen=True, kw_only=True)

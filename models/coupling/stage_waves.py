@@ -1,6 +1,6 @@
 """Coupled modes of a stage whose nodal diameters mix.
 
-See `waves` for the equations, `stage_modes` for stages whose modes have one nodal diameter each.
+See `equations`, and `stage_modes` for stages whose modes have one nodal diameter each.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import numpy as np
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.ring_mesh import U, W
 from bladewhirl.models.case.file import case_fault
+from bladewhirl.models.coupling.equations import CoupledEquations
 from bladewhirl.models.coupling.stage_modes import FAMILIES, SMALLEST_AMPLITUDE, is_radial
-from bladewhirl.models.coupling.waves import CoupledWaves
 from bladewhirl.models.elements.cyclic import evenly_spaced, wave_parts
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.inputs.mode_names import ALL, SIX, chosen_modes
@@ -42,7 +42,9 @@ def standing_obstacles(modal: ModalStage, *, damped: bool) -> tuple[str, ...]:
     return tuple(obstacles)
 
 
-def coupled_waves(modal: ModalStage, *, modes: str, damped: bool, physical: bool) -> CoupledWaves:
+def coupled_waves(
+    modal: ModalStage, *, modes: str, damped: bool, physical: bool
+) -> CoupledEquations:
     """Couple modes of a full stage, whatever its symmetry.
 
     Where a frame holds the stage still, springs act in the nodal diameters of the casing modes.
@@ -102,7 +104,7 @@ def coupled_waves(modal: ModalStage, *, modes: str, damped: bool, physical: bool
         casing_rows[:, first:] = casing.dampers @ wall
         rows = np.vstack([np.sqrt(case.shaft.dampings)[:, None] * centre, casing_rows])
         damping = np.diag(2.0 * case.damping.ratio * frequency) + rows.T @ rows
-    return CoupledWaves(
+    return CoupledEquations(
         name=_names(modal, on_rotor, on_casing, by_family=by_family),
         frequency=frequency,
         damping=damping,

@@ -11,8 +11,10 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.coupling.equations import difference_of_axes
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.elements.cyclic import evenly_spaced
 
@@ -198,6 +200,25 @@ class ContactProblem:
     def critical_time_step(self) -> float:
         """Stability limit of central differences [s]."""
         return critical_time_step(self.rotor, self.casing, self.springs)
+
+    def spring_stiffness(self, angle: ArrayLike) -> FloatArray:
+        """K* of the springs between the bodies and of the static springs of the shaft [1/s^2].
+
+        Args:
+            angle: Omega t [rad], any shape (...).
+
+        Returns:
+            (..., n, n) over the modes of rotor and casing.
+        """
+        rotor, angle = len(self.rotor.frequency), np.asarray(angle, dtype=np.float64)
+        stiffness = np.zeros((*angle.shape, *(rotor + len(self.casing.frequency),) * 2))
+        stiffness[..., :rotor, :rotor] = self.rotor.anisotropy * difference_of_axes(
+            self.rotor.centre, angle
+        )
+        if self.springs is not None:
+            place = self.springs.places(rotor)
+            stiffness[..., place[:, None], place] += self.springs.stiffness(angle=angle)
+        return stiffness
 
 
 def critical_time_step(

@@ -14,7 +14,6 @@ import xarray as xr
 from scipy.integrate import cumulative_trapezoid
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.coupling.invariant_frame import coupled_blocks
 from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.models.modal.full_stage import ModalStage
@@ -244,14 +243,11 @@ def _coupled_gaps(stage: StageModes, motion: CoupledMotion) -> FloatArray:
 def _energy(motion: CoupledMotion, springs: CouplingSprings) -> FloatArray:
     """Energy of both bodies and of the springs between them, (records,)."""
     moved = motion.displacement
-    strain = springs.modes.frequency[springs.modes.entry] * moved
-    bodies = 0.5 * np.sum(motion.velocity**2 + strain**2, axis=1)
-    stiffness = springs.stiffness(angle=motion.speed * motion.time)
-    if springs.modes.turning is not None:
-        stiffness += motion.speed**2 * coupled_blocks(
-            springs.modes, springs.modes.turning.softening
-        )
-    return np.asarray(bodies + 0.5 * np.einsum("ti,tij,tj->t", moved, stiffness, moved))
+    stiffness = springs.modes.equations.stiffness(
+        motion.speed * motion.time, springs.kappa, speed=motion.speed, with_pi=springs.with_pi
+    )
+    strain = np.einsum("ti,tij,tj->t", moved, stiffness, moved)
+    return np.asarray(0.5 * (np.sum(motion.velocity**2, axis=1) + strain))
 
 
 def _damping_work(stage: StageModes, motion: CoupledMotion) -> FloatArray:

@@ -244,18 +244,9 @@ def initial_gap(problem: ContactProblem, time: float = 0.0) -> FloatArray:
 
 def initial_spring_forces(problem: ContactProblem) -> tuple[FloatArray, FloatArray]:
     """Forces at t = 0, on the modes of rotor and casing, of the springs that turn with neither."""
-    start, springs = problem.start, problem.springs
-    rotor, casing = np.zeros_like(start.rotor), np.zeros_like(start.casing)
-    if springs is not None:
-        on_rotor, rotor_modes = springs.coordinates(on_casing=False)
-        on_casing, casing_modes = springs.coordinates(on_casing=True)
-        moved = np.zeros(springs.modes.size)
-        moved[on_rotor], moved[on_casing] = start.rotor[rotor_modes], start.casing[casing_modes]
-        force = -springs.stiffness(angle=0.0) @ moved
-        rotor[rotor_modes], casing[casing_modes] = force[on_rotor], force[on_casing]
-    centre = problem.rotor.centre
-    swing = problem.rotor.anisotropy * np.array([-1.0, 1.0])
-    return rotor + (swing * (centre @ start.rotor)) @ centre, casing
+    start = problem.start
+    force = -problem.spring_stiffness(0.0) @ np.concatenate([start.rotor, start.casing])
+    return force[: len(start.rotor)], force[len(start.rotor) :]
 
 
 def _numbers(problem: ContactProblem, dt: float) -> Struct:

@@ -22,7 +22,7 @@ The residual of a step is max_j |min(u_N,j+ + e u_N,j-, W_jj P_j)| over the larg
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg as la
@@ -32,7 +32,6 @@ from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.solvers.kernel.structs import Struct, dense_march, lib, zeros
 from bladewhirl.solvers.march.central_difference import initial_gap
 from bladewhirl.solvers.march.march import Chunk, EndReason, Statistics, check_time_step
-from bladewhirl.solvers.march.reference import spring_stiffness
 
 SHARE_OF_STIFFEST = 0.5
 """Largest product of the time step and the frequency of a tip on its penalty spring."""
@@ -227,8 +226,7 @@ def _turning(problem: ContactProblem) -> tuple[np.ndarray, FloatArray, FloatArra
     """Modes that turning springs join, and their stiffness by harmonics of the rotor's angle."""
     order = 2 * max(1, *(problem.springs.modes.harmonics if problem.springs else (0,)))
     angles = 2.0 * np.pi / (2 * order + 1) * np.arange(2 * order + 1)
-    once = replace(problem, speed=1.0)  # radians are seconds
-    around = np.array([spring_stiffness(once, angle) for angle in angles])
+    around = problem.spring_stiffness(angles)
     coupled = np.flatnonzero(np.abs(around).max(axis=(0, 1)))
     waves = np.fft.rfft(around[:, coupled][:, :, coupled], axis=0) / len(angles)
     waves[1:] *= 2.0

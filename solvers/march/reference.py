@@ -246,7 +246,7 @@ class Reference:
         """K*_n x of the springs between the bodies and under the shaft."""
         if self._problem.springs is None and self._problem.rotor.anisotropy == 0.0:
             return np.zeros_like(x)
-        return np.asarray(spring_stiffness(self._problem, n * self._dt) @ x)
+        return self._problem.spring_stiffness(self._problem.speed * n * self._dt) @ x
 
     def _rows(self, x: FloatArray, n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """B_N and B_T of the tips at step n, (tips, modes) each, and the clearance with recess.
@@ -379,30 +379,3 @@ def _closed(
     after = gap + delassus @ multiplier
     complete = multiplier.min() >= 0.0 and after.min() >= -tolerance
     return multiplier, after, bool(complete and np.abs(after[chosen]).max(initial=0.0) <= tolerance)
-
-
-def spring_stiffness(problem: ContactProblem, time: float) -> FloatArray:
-    """K* of all springs over the modes of both bodies at a time: Eq. (8), angle by angle."""
-    m, springs = len(problem.rotor.frequency), problem.springs
-    stiffness = np.zeros((m + len(problem.casing.frequency),) * 2)
-    turn = problem.speed * time
-    to_static = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    moved = to_static @ problem.rotor.centre  # of the centre along the static axes
-    stiffness[:m, :m] = problem.rotor.anisotropy * (
-        np.outer(moved[0], moved[0]) - np.outer(moved[1], moved[1])
-    )
-    if springs is None:
-        return stiffness
-    modes = springs.modes
-    angles = np.linspace(0.0, 2.0 * np.pi, 4 * (max(modes.harmonics) + 1), endpoint=False)
-    stretch = np.zeros((len(angles), len(stiffness)))
-    for entry, number in enumerate(springs.number):
-        on_casing = bool(modes.on_casing[entry])
-        phase = modes.nodal_diameter[entry] * (angles if on_casing else angles - turn)
-        place, way = (m + number, 1.0) if on_casing else (number, -1.0)
-        stretch[:, place] += way * modes.amplitude[entry] * np.cos(phase)
-        if modes.paired[entry]:
-            stretch[:, place + 1] += way * modes.amplitude[entry] * np.sin(phase)
-    per_radian = springs.kappa * (1.0 if springs.with_pi else 1.0 / np.pi)
-    stiffness += per_radian * 2.0 * np.pi / len(angles) * stretch.T @ stretch
-    return stiffness

@@ -69,20 +69,18 @@ def _springs_between(
 ) -> Arrays:
     if springs is None:
         return zeros("Springs", {"harmonics": 0, "waves": 0, "moved": 0})
-    modes, harmonics = springs.modes, np.array(springs.modes.harmonics)
-    wave = 2 * np.searchsorted(harmonics, modes.nodal_diameter)[modes.entry] + modes.is_sine
-    ends = []
-    for arrangement, on_casing in zip(arrangements, (False, True), strict=True):
-        coordinates, numbers = springs.coordinates(on_casing=on_casing)
+    equations, numbers, ends = springs.modes.equations, springs.numbers, []
+    for arrangement, rows in zip(arrangements, (equations.rotor, equations.casing), strict=True):
+        harmonic, part, coordinate = np.nonzero(rows)
         ends.append(
             {
-                "place": arrangement.entry[numbers],
-                "wave": wave[coordinates],
-                "amplitude": modes.amplitude[modes.entry][coordinates],
+                "place": arrangement.entry[numbers[coordinate]],
+                "wave": 2 * harmonic + part,
+                "amplitude": rows[harmonic, part, coordinate],
             }
         )
     return {
-        "nodal_diameter": harmonics.astype(np.float64),
+        "nodal_diameter": equations.harmonics.astype(np.float64),
         "factor": np.repeat(springs.factors, 2),
         "rotor": ends[0],
         "casing": ends[1],

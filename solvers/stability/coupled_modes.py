@@ -2,7 +2,7 @@
 
 1. eigenvectors of the autonomous system at one speed and spring stiffness (`coupled_modes`),
 2. the response of one of them in time,
-3. back to the coordinates u by P(t) of Eq. (16),
+3. back to the coordinates u by the frame of Eq. (16), u = exp(Omega t J) y,
 4. through mode shapes to the shaft, the tips and the casing (`coupled_motion`).
 
 What the motion does is measured from the fields: a radial field with nodal diameter k,
@@ -18,19 +18,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.coupling.invariant_frame import frame_matrices, state_matrix
 from bladewhirl.models.coupling.springs import CouplingModes
 
 
 @dataclass(frozen=True, kw_only=True)
 class CoupledMode:
-    """Mode of the autonomous system: q = Re(shape exp(eigenvalue t))."""
+    """Mode of the autonomous system: y = Re(shape exp(eigenvalue t))."""
 
     modes: CouplingModes  #: the modes coupled; `shape` is zero outside one nodal diameter
     speed: float  #: Omega [rad/s]
     nodal_diameter: int  #: k of the participating entries
     eigenvalue: complex  #: [1/s]
-    shape: ComplexArray  #: in the invariant coordinates q, largest entry one, (modes.size,)
+    shape: ComplexArray  #: of y in the autonomous frame, largest entry one, (modes.size,)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,9 +121,7 @@ def coupled_modes(
         chosen = np.flatnonzero(modes.nodal_diameter == k)
         part = modes.take(chosen)
         coordinates = np.flatnonzero(np.isin(modes.entry, chosen))
-        values, vectors = np.linalg.eig(
-            state_matrix(part, speed=speed, kappa=kappa, with_pi=with_pi)
-        )
+        values, vectors = np.linalg.eig(part.equations.state_matrix(speed, kappa, with_pi=with_pi))
         for i in np.flatnonzero(values.imag >= 0.0):
             shape = np.zeros(modes.size, dtype=np.complex128)
             vector = vectors[: part.size, i]
@@ -151,11 +148,9 @@ def modal_response(mode: CoupledMode, time: FloatArray) -> tuple[FloatArray, Flo
     Returns:
         u and du/dt, each (times, size), for `mode.shape` as it is.
     """
-    q = np.exp(np.multiply.outer(time, mode.eigenvalue))[:, None] * mode.shape
-    rate = (mode.eigenvalue * q).real[..., None]
-    frame, frame_rate = frame_matrices(mode.modes, speed=mode.speed, time=time)
-    position = q.real[..., None]
-    return (frame @ position)[..., 0], (frame_rate @ position + frame @ rate)[..., 0]
+    y = np.exp(np.multiply.outer(time, mode.eigenvalue))[:, None] * mode.shape
+    rate = (mode.eigenvalue * y).real
+    return mode.modes.equations.in_body_axes(y.real, rate, speed=mode.speed, time=time)
 
 
 def coupled_motion(

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.coupling.invariant_frame import coupled_blocks
-from bladewhirl.models.coupling.springs import CouplingModes, periodic_stiffness
-from bladewhirl.models.coupling.waves import CoupledWaves
+from bladewhirl.models.coupling.equations import CoupledEquations, companion
+from bladewhirl.models.coupling.springs import CouplingModes
+from bladewhirl.solvers.stability.growth import eigenvalues
 
 FEWEST_STEPS = 8
 MOST_STEPS = 1 << 17
@@ -117,8 +117,8 @@ def floquet(
 
 
 def coupled_floquet(
-    modes: CouplingModes, *, speed: float, kappa: float, with_pi: bool = True
-) -> dict[int, Floquet]:
+    modes: CouplingModes | CoupledEquations, *, speed: float, kappa: float, with_pi: bool = True
+) -> tuple[Floquet, ...]:
     """Integrate the coupled rotor and casing over one revolution, each nodal diameter separately.
 
     Args:
@@ -128,49 +128,39 @@ def coupled_floquet(
         with_pi: keep the factor pi of Eq. (8).
 
     Returns:
-        the change over a turn of the modes of each nodal diameter.
+        the change over a turn of the modes of each nodal diameter, ascending.
     """
 
-    def over_one_turn(part: CouplingModes) -> Floquet:
-        damping, softening = np.diag(part.damping_rate[part.entry]), np.zeros((part.size,) * 2)
-        if part.turning is not None:
-            damping += coupled_blocks(part, 2.0 * speed * part.turning.coriolis)
-            softening += coupled_blocks(part, speed**2 * part.turning.softening)
+    def over_one_turn(block: CoupledEquations) -> Floquet:
         return floquet(
-            lambda times: (
-                softening
-                + periodic_stiffness(part, kappa=kappa, angle=speed * times, with_pi=with_pi)
-            ),
+            lambda times: block.stiffness(speed * times, kappa, speed=speed, with_pi=with_pi),
             period=2.0 * np.pi / abs(speed),
-            damping=damping,
+            damping=block.drag(speed),
         )
 
-    return {k: over_one_turn(modes.harmonic(k)) for k in modes.harmonics}
+    return tuple(over_one_turn(block) for block in modes.blocks)
 
 
-def wave_exponents(
-    waves: CoupledWaves, *, speed: float, kappa: float, with_pi: bool = True
+def exponents(
+    modes: CouplingModes | CoupledEquations, *, speed: float, kappa: float, with_pi: bool = True
 ) -> ComplexArray:
-    """Spectrum of modes that mix nodal diameters, the fastest growing first, (2 modes,) [1/s].
+    """Spectrum of coupled modes, the fastest growing first, (2 modes,) [1/s].
 
-    Eigenvalues where a frame holds the stage still, or at rest; Floquet exponents of a turn
-    elsewhere.
+    Eigenvalues where a frame makes the equations autonomous, or at rest; Floquet exponents of a
+    turn elsewhere.
 
     Args:
-        waves: the coupled modes.
+        modes: the coupled modes.
         speed: Omega [rad/s].
         kappa: spring stiffness [N/m].
         with_pi: keep the factor pi of Eq. (8).
     """
-    if waves.turning is not None or speed == 0.0:
-        exponents = np.linalg.eigvals(waves.state_matrix(speed, kappa, with_pi=with_pi))
+    if speed == 0.0 or all(block.turning is not None for block in modes.blocks):
+        values = eigenvalues(modes, speed=speed, kappa=kappa, with_pi=with_pi)
     else:
-        exponents = floquet(
-            lambda times: waves.stiffness(speed * times, kappa, with_pi=with_pi),
-            period=2.0 * np.pi / abs(speed),
-            damping=waves.damping,
-        ).exponents
-    return np.asarray(np.sort_complex(exponents)[::-1], dtype=np.complex128)
+        turns = coupled_floquet(modes, speed=speed, kappa=kappa, with_pi=with_pi)
+        values = np.concatenate([turn.exponents for turn in turns])
+    return np.asarray(np.sort_complex(values)[::-1], dtype=np.complex128)
 
 
 def _propagate(
@@ -184,7 +174,7 @@ def _propagate(
     step = period / steps
     times = step * np.add.outer(np.arange(steps), NODES)
     early, middle, late = (
-        _state_matrices(stiffness(times[:, node]), damping, unit) for node in range(len(NODES))
+        companion(-stiffness(times[:, node]), -damping, unit) for node in range(len(NODES))
     )
     linear = step * middle
     slope = np.sqrt(15.0) / 3.0 * step * (late - early)
@@ -223,16 +213,6 @@ def exponentials(matrices: FloatArray) -> FloatArray:
     for _ in range(halvings):
         result = result @ result
     return np.asarray(result)
-
-
-def _state_matrices(stiffness: FloatArray, damping: FloatArray, unit: float) -> FloatArray:
-    """Matrices of d(unit x, x')/dt, (m, ..., 2 n, 2 n)."""
-    size = stiffness.shape[-1]
-    state = np.zeros((*stiffness.shape[:-2], 2 * size, 2 * size))
-    state[..., :size, size:] = unit * np.eye(size)
-    state[..., size:, :size] = -stiffness / unit
-    state[..., size:, size:] = -damping
-    return state
 
 
 def _commutator(a: FloatArray, b: FloatArray) -> FloatArray:

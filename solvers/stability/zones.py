@@ -1,10 +1,12 @@
 """Borders of the unstable zones by root finding (Fig. 11).
 
-Without damping every real mu of `bladewhirl.solvers.stability.growth.whirl_matrix` has a signature,
-the sign of sum_i nu_i |X_i|^2: positive and negative ones meet and turn complex, equal ones avoid
-each other. As the speed grows, positive casing waves sink below negative rotor waves, and a zone of
-instability lies at each exchange. The counts of exchanges begun and ended climb ladders, of which
-root finding finds each rung, so that no zone is too narrow to be found.
+Without damping every real mu of `CoupledEquations.whirl_matrix` has a signature, the sign of
+sum_i nu_i |X_i|^2 - i Omega X^H G X, nu in the body's own axes: positive and negative ones meet and
+turn complex, equal ones avoid each other. As the speed grows, positive casing waves sink below
+negative rotor waves, and a zone of instability lies at each exchange. The counts of exchanges begun
+and ended climb ladders, of which root finding finds each rung, so that no zone is too narrow to be
+found. Where rotation bends the branches they may meet, part and meet again, so counts may fall;
+they are climbed or descended between neighbouring speeds.
 
 With damping, and for nodal diameters that hold a single mode, the sign of the growth rate is
 followed instead along a line of speeds, refined inside the undamped zones.
@@ -19,10 +21,10 @@ from functools import partial
 import numpy as np
 from scipy.optimize.elementwise import find_root
 
-from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
-from bladewhirl.models.coupling.invariant_frame import state_matrix
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
+from bladewhirl.models.coupling.equations import CoupledEquations
 from bladewhirl.models.coupling.springs import CouplingModes
-from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, growth_rate, whirl_matrix
+from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, growth_rate
 
 SAMPLES = 400
 """Number of speeds at which the sign of the growth is sampled first."""
@@ -96,49 +98,25 @@ def unstable_zones(
 
 
 def exchanges(
-    modes: CouplingModes, speed: FloatArray, kappa: FloatArray, *, with_pi: bool
+    block: CoupledEquations, speed: FloatArray, kappa: FloatArray, *, with_pi: bool
 ) -> tuple[IntArray, IntArray]:
-    """Count the positive waves that have met and that have passed a negative one, undamped.
+    """Count the positive waves that have met and that have passed a negative one.
 
     Args:
-        modes: pairs of one nodal diameter, none with zero amplitude.
+        block: undamped pairs of one nodal diameter, none with zero amplitude.
         speed: Omega [rad/s], (n,).
         kappa: spring stiffness [N/m], positive, (n,).
         with_pi: keep the factor pi of Eq. (8).
 
     Returns:
-        exchanges begun and ended, each (n,); they differ by the growing waves, and neither falls
-        as the speed grows.
+        exchanges begun and ended, each (n,); they differ by the growing waves.
     """
-    undamped = replace(modes, damping_ratio=np.zeros(modes.entries))
-    if modes.turning is not None:
-        return _exchanges_of_vectors(undamped, speed, kappa, with_pi=with_pi)
-    mu = np.asarray(np.linalg.eigvals(whirl_matrix(undamped, speed, kappa, with_pi=with_pi)))
-    nu = mu[..., None] + np.multiply.outer(speed, modes.frame_rate)[:, None, :]
-    with np.errstate(divide="ignore"):  # an isolated wave has an infinite share: its sign
-        shares = nu.real * (modes.amplitude / np.abs(modes.frequency**2 - nu**2)) ** 2
-    return _count_exchanges(mu, shares.sum(axis=-1))
-
-
-def _exchanges_of_vectors(
-    modes: CouplingModes, speed: FloatArray, kappa: FloatArray, *, with_pi: bool
-) -> tuple[IntArray, IntArray]:
-    """Count exchanges as `exchanges` does, where Coriolis forces enter the signature.
-
-    It is that of sum_i nu_i |X_i|^2 - i Omega X^H G X, which needs the eigenvectors X.
-    """
-    assert modes.turning is not None
-    n = modes.entries
-    mu, states = np.linalg.eig(whirl_matrix(modes, speed, kappa, with_pi=with_pi))
+    matrix = block.whirl_matrix(speed, kappa, with_pi=with_pi)
+    n = matrix.shape[-1] // 2
+    mu, states = np.linalg.eig(matrix)
     fields = states[..., :n, :]
-    nu = mu.real[..., None, :] + np.multiply.outer(speed, modes.frame_rate)[..., None]
-    turned = -1j * speed[..., None, None] * (modes.turning.coriolis @ fields)
-    signature = np.sum(fields.conj() * (nu * fields + turned), axis=-2).real
-    return _count_exchanges(mu, signature)
-
-
-def _count_exchanges(mu: ComplexArray, signature: FloatArray) -> tuple[IntArray, IntArray]:
-    """Exchanges begun and ended, each (n,), of waves mu with signatures, (n, waves)."""
+    moved = mu.real[..., None, :] * fields - 0.5 * matrix[..., n:, n:] @ fields
+    signature = np.sum(fields.conj() * moved, axis=-2).real
     growing = mu.imag != 0.0  # counted with its conjugate as one positive and one negative wave
     positive = np.where(growing, mu.imag > 0.0, signature > 0.0)
     opposite = positive[:, :, None] & ~positive[:, None, :]
@@ -151,9 +129,10 @@ def _intervals(
     modes: CouplingModes, kappas: FloatArray, low: float, high: float, with_pi: bool
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Rows of kappas and the lower and upper speeds of the zones of one nodal diameter."""
-    if np.all(modes.paired) and (modes.turning is None or modes.turning.mirrored):
-        climb = _ladder if modes.turning is None else _ladder_by_parts
-        ladder = climb(modes, kappas, low, high, with_pi)
+    undamped = replace(modes, damping_ratio=np.zeros(modes.entries)).equations
+    middle = np.array(0.5 * (low + high)), np.array(kappas[0])
+    if undamped.pairs and np.isrealobj(undamped.whirl_matrix(*middle, with_pi=with_pi)):
+        ladder = _ladder(undamped, kappas, low, high, with_pi)
         if not np.any(modes.damping_ratio):
             return ladder
     else:
@@ -192,45 +171,14 @@ def _ascending(
 
 
 def _ladder(
-    modes: CouplingModes, kappas: FloatArray, low: float, high: float, with_pi: bool
+    block: CoupledEquations, kappas: FloatArray, low: float, high: float, with_pi: bool
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Zones without damping, from the count of exchanges."""
-    ended = exchanges(modes, np.full(len(kappas), low), kappas, with_pi=with_pi)[1]
-    begun = exchanges(modes, np.full(len(kappas), high), kappas, with_pi=with_pi)[0]
-    row = np.repeat(np.arange(len(kappas)), np.maximum(begun - ended, 0))
-    rung = np.concatenate(
-        [np.zeros(0), *(np.arange(a, b) for a, b in zip(ended, begun, strict=True))]
-    )
-
-    def climbed(speed: FloatArray, kappa: FloatArray, step: FloatArray, which: int) -> FloatArray:
-        return exchanges(modes, speed, kappa, with_pi=with_pi)[which] - step
-
-    lower, upper = (
-        _border(partial(climbed, which=which), low, high, kappas[row], rung + 0.5)
-        for which in (0, 1)
-    )
-    # Zones that overlap make one interval.
-    apart = (row[1:] != row[:-1]) | (lower[1:] > upper[:-1])
-    return (
-        row[np.append(row[:1] >= 0, apart)],
-        lower[np.append(row[:1] >= 0, apart)],
-        upper[np.append(apart, row[:1] >= 0)],
-    )
-
-
-def _ladder_by_parts(
-    modes: CouplingModes, kappas: FloatArray, low: float, high: float, with_pi: bool
-) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Zones without damping of a rotor that turns, whose branches bend.
-
-    They may meet, part and meet again, so counts of exchanges may fall; they are looked at between
-    neighbouring speeds of `SAMPLES`, and climbed or descended there.
-    """
-    edges = np.linspace(low, high, SAMPLES)
+    """Zones without damping, from the counts of exchanges, at `SAMPLES` speeds if they may fall."""
+    edges = np.linspace(low, high, 2 if block.softening is None else SAMPLES)
     speeds, stiff = np.meshgrid(edges, kappas)
     begun, ended = (
         count.reshape(speeds.shape)
-        for count in exchanges(modes, speeds.ravel(), stiff.ravel(), with_pi=with_pi)
+        for count in exchanges(block, speeds.ravel(), stiff.ravel(), with_pi=with_pi)
     )
     rows, starts, ends = [np.zeros(0, dtype=np.int64)], [np.zeros(0)], [np.zeros(0)]
     for sense, first, last in (
@@ -247,7 +195,7 @@ def _ladder_by_parts(
         def climbed(
             along: FloatArray, kappa: FloatArray, step: FloatArray, which: int, sense: float = sense
         ) -> FloatArray:
-            return exchanges(modes, sense * along, kappa, with_pi=with_pi)[which] - step
+            return exchanges(block, sense * along, kappa, with_pi=with_pi)[which] - step
 
         near, far = (sense * edges[side][place[part]] for side in (first, last))
         borders = [
@@ -293,8 +241,7 @@ def _growing_mode(
     modes: CouplingModes, speed: FloatArray, kappa: FloatArray, with_pi: bool
 ) -> tuple[FloatArray, FloatArray]:
     """Growth rate (n,) and squared size of each entry in the growing mode (n, entries)."""
-    states = state_matrix(modes, speed=speed, kappa=kappa, with_pi=with_pi)
-    values, vectors = np.linalg.eig(states)
+    values, vectors = np.linalg.eig(modes.equations.state_matrix(speed, kappa, with_pi=with_pi))
     growing = np.argmax(values.real, axis=-1)
     shape = np.take_along_axis(vectors, growing[:, None, None], axis=-1)[:, : modes.size, 0]
     size = np.zeros((len(speed), modes.entries))

@@ -1,50 +1,43 @@
 """Coupled modes of a stage for a stability study.
 
 If each mode has one nodal diameter, nodal diameters decouple, and the equations have constant
-coefficients in the frame at half speed: `EvenSystem`. Otherwise waves mix: `WaveSystem`, with
-constant coefficients in rotating axes or, if no frame has them, periodic. `couple` decides.
+coefficients in the frame at half speed: `EvenSystem`. Otherwise waves mix, with constant
+coefficients in rotating axes or, if no frame has them, periodic: `System`. `couple` decides.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
+from bladewhirl.models.coupling.equations import CoupledEquations
 from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.models.coupling.stage_modes import StageModes, at_speed, stage_modes
 from bladewhirl.models.coupling.stage_waves import coupled_waves, standing_obstacles
-from bladewhirl.models.coupling.waves import CoupledWaves
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.mode_names import ALL, SIX, chosen_modes
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.rotation.at_speed import lowest_critical_speed
 from bladewhirl.models.rotation.internal_damping import internal_growth
 from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
-from bladewhirl.solvers.stability.floquet import wave_exponents
-from bladewhirl.solvers.stability.growth import Progress, eigenvalues, growth_rate, is_unstable
+from bladewhirl.solvers.stability.floquet import exponents
+from bladewhirl.solvers.stability.growth import Progress, growth_rate, is_unstable
 
 
 @dataclass(frozen=True, kw_only=True)
-class System(ABC):
+class System:
     """Coupled modes of a stage, with the options of a stability study."""
 
+    modes: CouplingModes | CoupledEquations  #: chosen modes
     with_pi: bool  #: whether the factor pi of Eq. (8) is kept
     damped: bool
     physical: bool
     reference: float  #: frequency that speeds are multiples of [rad/s]
     case: str = ""  #: title of the case
 
-    @property
-    @abstractmethod
-    def modes(self) -> CouplingModes | CoupledWaves:
-        """Chosen modes at the springs."""
-
-    @abstractmethod
     def spectrum(self, omega: float, kappa: float) -> ComplexArray:
         """Compute eigenvalues or Floquet exponents, the fastest growing first [1/s].
 
@@ -52,12 +45,22 @@ class System(ABC):
             omega: speed [rad/s].
             kappa: spring stiffness [N/m].
         """
+        return exponents(self.modes, speed=omega, kappa=kappa, with_pi=self.with_pi)
 
-    @abstractmethod
     def growth(
         self, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
     ) -> FloatArray:
-        """Compute growth rates [1/s] over speeds [rad/s] and stiffnesses [N/m], (kappa, omega)."""
+        """Compute growth rates [1/s] over speeds [rad/s] and stiffnesses [N/m], (kappa, omega).
+
+        They are exactly zero where undamped pairs don't grow.
+        """
+        return growth_rate(
+            self.modes,
+            speed=omegas,
+            kappa=kappas[:, None],
+            with_pi=self.with_pi,
+            progress=progress,
+        )
 
     def options(self) -> dict[str, object]:
         """Return the options for reports."""
@@ -79,14 +82,10 @@ class System(ABC):
 class EvenSystem(System):
     """Coupled modes that have one nodal diameter each."""
 
-    stage: StageModes  #: chosen modes with the chosen amplitudes
+    modes: CouplingModes  #: chosen modes
+    stage: StageModes  #: the same, with finite elements
     all_modes: StageModes  #: all modes that couple, with physical amplitudes
     rotation: RotationMatrices | None = None  #: of the bladed disk; None without its effects
-
-    @property
-    def modes(self) -> CouplingModes:
-        """Chosen modes."""
-        return self.stage.modes
 
     @property
     def six(self) -> CouplingModes:
@@ -137,56 +136,8 @@ class EvenSystem(System):
 
     def of_diameter(self, k: int) -> EvenSystem:
         """Return the system of the modes of one nodal diameter."""
-        return replace(self, stage=self.stage.take(np.flatnonzero(self.modes.nodal_diameter == k)))
-
-    def spectrum(self, omega: float, kappa: float) -> ComplexArray:
-        """Compute eigenvalues in the frame at half speed, see `System`."""
-        values = eigenvalues(self.modes, speed=omega, kappa=kappa, with_pi=self.with_pi)
-        return np.sort_complex(values)[::-1]
-
-    def growth(
-        self, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
-    ) -> FloatArray:
-        """Compute growth rates, see `System`; exactly zero where undamped modes don't grow."""
-        return growth_rate(
-            self.modes,
-            speed=omegas,
-            kappa=kappas[:, None],
-            with_pi=self.with_pi,
-            progress=progress,
-        )
-
-
-@dataclass(frozen=True, kw_only=True)
-class WaveSystem(System):
-    """Coupled modes that mix nodal diameters."""
-
-    waves: CoupledWaves
-
-    @property
-    def modes(self) -> CoupledWaves:
-        """Chosen modes."""
-        return self.waves
-
-    def spectrum(self, omega: float, kappa: float) -> ComplexArray:
-        """Compute eigenvalues in rotating axes, or Floquet exponents of a turn, see `System`."""
-        return wave_exponents(self.waves, speed=omega, kappa=kappa, with_pi=self.with_pi)
-
-    def growth(
-        self, omegas: FloatArray, kappas: FloatArray, progress: Progress | None = None
-    ) -> FloatArray:
-        """Compute growth rates, see `System`."""
-
-        def row(kappa: float) -> list[float]:
-            return [float(self.spectrum(omega, kappa).real.max()) for omega in omegas.tolist()]
-
-        growth: list[list[float]] = []
-        with ThreadPoolExecutor() as pool:
-            for values in pool.map(row, kappas.tolist()):
-                growth.append(values)
-                if progress is not None:
-                    progress(len(growth) * len(omegas), kappas.size * omegas.size)
-        return np.array(growth)
+        part = self.stage.take(np.flatnonzero(self.modes.nodal_diameter == k))
+        return replace(self, stage=part, modes=part.modes)
 
 
 def couple(
@@ -237,11 +188,11 @@ def couple(
             " the casing is uneven: one amplitude for all needs one nodal diameter for each mode"
         )
     try:
-        waves = coupled_waves(modal, modes=modes, damped=damped, physical=physical)
+        equations = coupled_waves(modal, modes=modes, damped=damped, physical=physical)
     except ValueError as error:
         raise UserError(f"--modes {error}") from None
-    return WaveSystem(
-        waves=waves,
+    return System(
+        modes=equations,
         with_pi=with_pi,
         damped=damped,
         physical=physical,
@@ -270,8 +221,10 @@ def couple_even(
         rotation = rotation_matrices(modal.disk)
         all_modes = at_speed(all_modes, rotation, case.rotation.effects)
     stage = _chosen(all_modes, modes)
+    stage = stage if physical else stage.with_unit_amplitudes()
     return EvenSystem(
-        stage=stage if physical else stage.with_unit_amplitudes(),
+        modes=stage.modes,
+        stage=stage,
         all_modes=all_modes,
         rotation=rotation,
         with_pi=with_pi,

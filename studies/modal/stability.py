@@ -117,7 +117,7 @@ def _even_point(system: EvenSystem, omega: float, kappa: float) -> dict[str, Any
     modes = system.modes
     with suppress(ArithmeticError):  # ZeroDivisionError at rest
         turns = coupled_floquet(modes, speed=omega, kappa=kappa, with_pi=system.with_pi)
-        growth = max(float(turn.growth) for turn in turns.values())
+        growth = max(float(turn.growth) for turn in turns)
         variables["growth_rate_floquet"] = ((), growth, GROWTH | {"method": "monodromy matrix"})
     mode = fastest_mode(system, omega, kappa)
     size = [float(np.abs(mode.shape[modes.entry == i]).max()) for i in range(modes.entries)]

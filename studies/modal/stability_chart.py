@@ -77,7 +77,9 @@ def zones(
     pairs = coincidence_speeds(modes)
     casings, rotors = np.array(list(pairs), dtype=np.int64).reshape(-1, 2).T
     coincidence = MULTIPLES | {"long_name": "coincidence speed, Eq. (14)"}
-    starts = [pairs[pair] / unit for pair in zip(borders.casing, borders.rotor, strict=True)]
+    starts = [
+        pairs.get(pair, np.nan) / unit for pair in zip(borders.casing, borders.rotor, strict=True)
+    ]
     return _ranges(system, omegas, kappas).assign(
         **_zone_variables(borders, names, unit),
         zone_kappa=quantity("zone", borders.kappa, "N/m"),

@@ -44,10 +44,7 @@ def dense_march(
             factor = rise * np.cos(load.frequency * time + load.phase) * (time < load.end)
             force = force + factor * np.r_[load.rotor, load.casing]
         if given.springs is not None:
-            place = np.zeros(given.springs.modes.size, dtype=int)
-            for on_casing, first in ((False, 0), (True, m)):
-                coordinates, modes = given.springs.coordinates(on_casing=on_casing)
-                place[coordinates] = first + modes
+            place = given.springs.places(m)
             force[place] -= given.springs.stiffness(angle=speed * time) @ x[place]
         return np.asarray(force)
 

@@ -14,7 +14,7 @@ from scipy.special import mathieu_a, mathieu_b
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
-from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings, periodic_stiffness
+from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings
 from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
@@ -82,11 +82,9 @@ def monodromy(ratio: str) -> Floquet:
     given = coupled(ratio)
     coupling = springs(given)
     return floquet(
-        lambda times: periodic_stiffness(
-            coupling.modes, kappa=coupling.kappa, angle=given.speed * times
-        ),
+        lambda times: coupling.modes.equations.stiffness(given.speed * times, coupling.kappa),
         period=2.0 * np.pi / given.speed,
-        damping=np.diag(coupling.modes.damping_rate[coupling.modes.entry]),
+        damping=coupling.modes.equations.damping,
     )
 
 
@@ -120,11 +118,11 @@ def monodromy_by_runge_kutta() -> Pair:
     """Compare the monodromy matrices, positions scaled by the reference frequency."""
     given = coupled("0.005")
     modes, kappa = springs(given).modes, springs(given).kappa
-    size, damping = modes.size, np.diag(modes.damping_rate[modes.entry])
+    size, damping = modes.size, modes.equations.damping
 
     def rate(time: float, state: FloatArray) -> FloatArray:
         x, v = state.reshape(2, size, 2 * size)
-        stiffness = periodic_stiffness(modes, kappa=kappa, angle=given.speed * time)
+        stiffness = modes.equations.stiffness(given.speed * time, kappa)
         return np.concatenate([v, -stiffness @ x - damping @ v]).ravel()
 
     whole = np.eye(2 * size).ravel()
@@ -156,16 +154,15 @@ def six_modes_at_speed() -> tuple[ContactProblem, CouplingModes]:
     system = couple(modal_stage(case), modes="six", damped=True, with_pi=True, physical=False)
     assert isinstance(system, EvenSystem)
     coupling, omega = springs(at_rest), at_rest.speed
-    modes = replace(coupling.modes, turning=system.modes.turning)
-    assert modes.turning is not None
+    of_rotation = system.modes.coriolis, system.modes.softening
+    modes = replace(coupling.modes, coriolis=of_rotation[0], softening=of_rotation[1])
     on_rotor = ~modes.on_casing
-    turning = modes.turning.take(np.flatnonzero(on_rotor))
-    square, axes = np.linalg.eigh(
-        np.diag(modes.frequency[on_rotor] ** 2) + omega**2 * turning.softening.real
-    )
+    part = modes.take(on_rotor)
+    softening, turning = (part.over_entries(m) for m in (part.softening, part.coriolis))
+    square, axes = np.linalg.eigh(np.diag(part.frequency**2) + omega**2 * softening.real)
     frequency = np.sign(square) * np.sqrt(np.abs(square))
-    damping = axes.T @ np.diag(modes.damping_rate[on_rotor]) @ axes
-    coriolis = 2.0 * omega * axes.T @ turning.coriolis.imag @ axes
+    damping = axes.T @ np.diag(part.damping_rate) @ axes
+    coriolis = 2.0 * omega * axes.T @ turning.imag @ axes
     by_velocity = np.kron(damping, np.eye(2)) + np.kron(coriolis, [[0.0, -1.0], [1.0, 0.0]])
     rotor = replace(
         at_rest.rotor,

@@ -7,20 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.linalg as la
 
-from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.coupling.invariant_frame import (
-    frame_matrices,
-    invariant_matrices,
-    state_matrix,
-)
-from bladewhirl.models.coupling.springs import (
-    CouplingModes,
-    coupling_stiffness,
-    paper_modes,
-    periodic_stiffness,
-)
-from bladewhirl.models.coupling.turning_rotor import TurningRotor, matrices_of_entries
+from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.models.coupling.springs import CouplingModes, paper_modes
 
 BACKWARDS = [4, 5, 2, 3, 0, 1]
 """Positions in (v, u, u_o) of the paper's q1..q6, which Eq. (16) numbers from the suspension."""
@@ -81,17 +71,17 @@ def equation_16(speed: float, time: float) -> tuple[FloatArray, FloatArray]:
 def test_springs_are_the_integral_of_the_energy(seed: int) -> None:
     modes = random_modes(seed)
     angle, kappa = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi), 3.7
-    stiffness = coupling_stiffness(modes, kappa=kappa, angle=angle)
+    stiffness = modes.equations.springs(angle, kappa)
     expected = integrated_stiffness(modes, kappa, angle)
     assert stiffness == pytest.approx(expected, rel=1e-12, abs=1e-12 * np.abs(expected).max())
-    without = coupling_stiffness(modes, kappa=kappa, angle=angle, with_pi=False)
+    without = modes.equations.springs(angle, kappa, with_pi=False)
     assert without * np.pi == pytest.approx(stiffness, rel=1e-14)
 
 
 def test_angles_are_batched() -> None:
     modes, angles = random_modes(1), np.linspace(0.0, 6.0, 12).reshape(3, 4)
-    batch = periodic_stiffness(modes, kappa=2.0, angle=angles)
-    one = periodic_stiffness(modes, kappa=2.0, angle=float(angles[2, 1]))
+    batch = modes.equations.stiffness(angles, 2.0)
+    one = modes.equations.stiffness(float(angles[2, 1]), 2.0)
     assert batch.shape == (3, 4, modes.size, modes.size)
     assert batch[2, 1] == pytest.approx(one, rel=1e-14)
 
@@ -121,108 +111,59 @@ def test_half_speed_frame_gives_the_corrected_equation_18(seed: int, damping_rat
     projected_g = 2.0 * p.T @ p_dot + p.T @ d @ p
     projected_k = p.T @ (-(speed**2) / 4.0 * p + d @ p_dot + k_t @ p)
 
-    ours_g, ours_k = invariant_matrices(modes, speed=speed, kappa=kappa)
-    order = np.ix_(BACKWARDS, BACKWARDS)
-    for matrix, others in (
-        (gyroscopic, (projected_g, ours_g[order])),
-        (stiffness, (projected_k, ours_k[order])),
+    at_start = equation_16(speed, 0.0)[0]  # constant, between the two frames
+    ours = (at_start.T @ part @ at_start for part in modes.equations.autonomous(speed, kappa))
+    for matrix, projected, computed in zip(
+        (gyroscopic, stiffness), (projected_g, projected_k), ours, strict=True
     ):
-        for other in others:
+        for other in (projected, computed):
             assert np.abs(other - matrix).max() <= 1e-12 * np.abs(matrix).max()
 
 
 def test_frame_is_the_printed_equation_16() -> None:
     modes = paper_modes(casing=0.1, first_flexural=1.0, suspension=2.5)
-    p, p_dot = frame_matrices(modes, speed=1.3, time=0.77)
-    expected, expected_dot = equation_16(1.3, 0.77)
-    assert p[:, BACKWARDS] == pytest.approx(expected, abs=1e-15)
-    assert p_dot[:, BACKWARDS] == pytest.approx(expected_dot, abs=1e-15)
+    y, rate = np.random.default_rng(0).normal(size=(2, 6))
+    computed = modes.equations.in_body_axes(y[None], rate[None], speed=1.3, time=np.array([0.77]))
+    (p, p_dot), at_start = equation_16(1.3, 0.77), equation_16(1.3, 0.0)[0]
+    q, q_dot = at_start.T @ y, at_start.T @ rate
+    assert computed[0][0] == pytest.approx(p @ q, abs=1e-15)
+    assert computed[1][0] == pytest.approx(p_dot @ q + p @ q_dot, abs=2e-15)
 
 
-def over_coordinates(modes: CouplingModes, factor: ComplexArray) -> FloatArray:
-    """Real matrix that multiplies u_c + i u_s by complex numbers, single modes by real ones."""
-    matrix = np.zeros((modes.size, modes.size))
-    for (i, j), value in np.ndenumerate(factor):
-        first, second = modes.cosine[i], modes.cosine[j]
-        own = np.array([[value.real, -value.imag], [value.imag, value.real]])
-        height, width = 1 + modes.paired[i], 1 + modes.paired[j]
-        matrix[first : first + height, second : second + width] = own[:height, :width]
-    return matrix
-
-
-def random_turning(modes: CouplingModes, *, mirrored: bool) -> TurningRotor:
-    """A rotor that turns: G skew-Hermitian, S Hermitian, real between single modes."""
+def with_rotation(modes: CouplingModes) -> CouplingModes:
+    """A rotor with random G, skew, and S, symmetric, that commute with a turn of its pairs."""
     k, rotor, rng = modes.nodal_diameter, ~modes.on_casing, np.random.default_rng(3)
-    held = (k[:, None] == k) & np.logical_and.outer(rotor, rotor)
+    coupled = (k[:, None] == k) & np.logical_and.outer(rotor, rotor)
     both = np.logical_and.outer(modes.paired, modes.paired)
-    real, imaginary = rng.normal(size=(2, modes.entries, modes.entries))
-    drawn = held * (real + 1j * both * imaginary)
-    coriolis, softening = drawn - drawn.conj().T, drawn + drawn.conj().T
-    if mirrored:
-        coriolis, softening = 1j * coriolis.imag, softening.real + 0j
-    return TurningRotor(coriolis=coriolis, softening=softening)
+    real, imaginary = coupled * rng.normal(size=(2, modes.entries, modes.entries))
+    drawn = np.zeros((modes.size, modes.size))
+    for i, j in np.ndindex(real.shape):
+        a, b = real[i, j], both[i, j] * imaginary[i, j]
+        first, second = modes.cosine[i], modes.cosine[j]
+        height, width = 1 + modes.paired[i], 1 + modes.paired[j]
+        block = np.array([[a, -b], [b, a]])[:height, :width]
+        drawn[first : first + height, second : second + width] = block
+    return replace(modes, coriolis=drawn - drawn.T, softening=drawn + drawn.T)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_frame_makes_any_set_of_modes_autonomous(seed: int) -> None:
-    still = random_modes(seed)
-    for turning in (None, random_turning(still, mirrored=False)):
-        modes = replace(still, turning=turning)
-        speed, kappa = 1.37, 0.9
-        gyroscopic, stiffness = invariant_matrices(modes, speed=speed, kappa=kappa)
-        damping = np.diag(modes.damping_rate[modes.entry])
-        softening = np.zeros_like(damping)
-        if turning is not None:
-            damping = damping + 2.0 * speed * over_coordinates(modes, turning.coriolis)
-            softening = speed**2 * over_coordinates(modes, turning.softening)
-        turned = np.diag((modes.frame_rate * speed)[modes.entry])
+    for modes in (random_modes(seed), with_rotation(random_modes(seed))):
+        speed, kappa, equations = 1.37, 0.9, modes.equations
+        drag, stiffness = equations.autonomous(speed, kappa)
+        assert equations.turning is not None
+        turn, damping = speed * equations.turning, equations.drag(speed)
         for time in (0.0, 0.9, 4.2):
-            p, p_dot = frame_matrices(modes, speed=speed, time=time)
-            k_t = periodic_stiffness(modes, kappa=kappa, angle=speed * time) + softening
-            assert p.T @ p == pytest.approx(np.eye(modes.size), abs=1e-14)
-            acceleration = -p @ turned**2
-            assert 2.0 * p.T @ p_dot + p.T @ damping @ p == pytest.approx(gyroscopic, abs=1e-12)
-            projected = p.T @ (acceleration + damping @ p_dot + k_t @ p)
+            frame = la.expm(time * turn)
+            k_t = equations.stiffness(speed * time, kappa, speed=speed)
+            rate = frame @ turn
+            assert frame.T @ (2.0 * rate + damping @ frame) == pytest.approx(drag, abs=1e-12)
+            projected = frame.T @ (rate @ turn + damping @ rate + k_t @ frame)
             assert projected == pytest.approx(stiffness, abs=1e-12 * np.abs(stiffness).max())
-        q, rate = np.random.default_rng(seed).normal(size=(2, modes.size))
-        state = state_matrix(modes, speed=speed, kappa=kappa)
-        assert state.shape == (2 * modes.size, 2 * modes.size)
-        expected = np.concatenate([rate, -gyroscopic @ rate - stiffness @ q])
-        np.testing.assert_allclose(state @ np.concatenate([q, rate]), expected, atol=1e-12)
-
-
-@pytest.mark.parametrize("mirrored", [True, False])
-def test_matrices_of_a_rotor_that_turns_are_found_in_those_of_its_coordinates(
-    mirrored: bool,
-) -> None:
-    modes, scale = random_modes(0), 1e-10
-    turning = random_turning(modes, mirrored=mirrored)
-    wanted = (scale * turning.coriolis, scale * turning.softening)
-    on_rotor = np.flatnonzero(~modes.on_casing[modes.entry])
-    noise = 1e-12 * scale * np.random.default_rng(1).normal(size=(len(on_rotor),) * 2)
-    found = matrices_of_entries(
-        over_coordinates(modes, wanted[0])[np.ix_(on_rotor, on_rotor)] + noise,
-        over_coordinates(modes, wanted[1])[np.ix_(on_rotor, on_rotor)] + noise,
-        on_rotor,
-        paired=modes.paired,
-        nodal_diameter=modes.nodal_diameter,
-        cosine=modes.cosine,
-    )
-    for ours, expected in zip((found.coriolis, found.softening), wanted, strict=True):
-        np.testing.assert_allclose(ours, expected, atol=1e-11 * scale)
-    assert found.mirrored is mirrored
-    assert replace(found, coriolis=np.asarray(1j * found.coriolis.imag)).mirrored is mirrored
-    part = found.take(np.array([3, 4]))
-    np.testing.assert_array_equal(part.coriolis, found.coriolis[3:5, 3:5])
-    np.testing.assert_array_equal(part.softening, found.softening[3:5, 3:5])
-
-
-def test_frame_derivative_is_that_of_the_frame() -> None:
-    modes, step = random_modes(2), 1e-6
-    ahead = frame_matrices(modes, speed=2.1, time=0.5 + step)[0]
-    behind = frame_matrices(modes, speed=2.1, time=0.5 - step)[0]
-    derivative = frame_matrices(modes, speed=2.1, time=0.5)[1]
-    assert (ahead - behind) / (2.0 * step) == pytest.approx(derivative, abs=1e-8)
+        y, rate = np.random.default_rng(seed).normal(size=(2, modes.size))
+        expected = np.concatenate([rate, -drag @ rate - stiffness @ y])
+        state = equations.state_matrix(speed, kappa)
+        np.testing.assert_allclose(state @ np.concatenate([y, rate]), expected, atol=1e-12)
 
 
 def test_printed_equation_9_lacks_the_rotor_rotor_coupling_and_pi() -> None:
@@ -230,7 +171,7 @@ def test_printed_equation_9_lacks_the_rotor_rotor_coupling_and_pi() -> None:
     v, u, o = 0.2, 1.0, 2.5
     modes = paper_modes(casing=v, first_flexural=u, suspension=o)
     kappa, angle = 0.8, 0.6
-    ours = periodic_stiffness(modes, kappa=kappa, angle=angle, with_pi=False)
+    ours = modes.equations.stiffness(angle, kappa, with_pi=False)
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     one, none = np.eye(2), np.zeros((2, 2))
     printed = np.block(

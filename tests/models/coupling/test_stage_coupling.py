@@ -99,8 +99,10 @@ def test_monodromy_of_all_modes_agrees_with_the_autonomous_form(
     omega, kappa = speed * reference(), 800.0
     whole = stage(0.001).with_unit_amplitudes().modes
     turns = coupled_floquet(whole, speed=omega, kappa=kappa)
-    assert [k for k, turn in turns.items() if turn.growth > 0.0] == unstable
-    for k, turn in turns.items():
+    assert [
+        k for k, turn in zip(whole.harmonics, turns, strict=True) if turn.growth > 0.0
+    ] == unstable
+    for k, turn in zip(whole.harmonics, turns, strict=True):
         growth = growth_rate(whole.harmonic(k), speed=omega, kappa=kappa)
         assert turn.growth == pytest.approx(growth, rel=1e-6, abs=1e-6 * reference())
 

@@ -40,7 +40,13 @@ def system(modes: CouplingModes) -> EvenSystem:
         modal=cast(Any, SimpleNamespace(case=Case())),
     )
     return EvenSystem(
-        stage=stage, all_modes=stage, with_pi=True, damped=False, physical=False, reference=UNIT
+        modes=modes,
+        stage=stage,
+        all_modes=stage,
+        with_pi=True,
+        damped=False,
+        physical=False,
+        reference=UNIT,
     )
 
 

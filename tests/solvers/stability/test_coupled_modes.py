@@ -10,7 +10,6 @@ from coupled_system import UNIT, six_modes
 from scipy.integrate import solve_ivp
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.coupling.springs import periodic_stiffness
 from bladewhirl.solvers.stability.coupled_modes import (
     CoupledMotion,
     RadialShapes,
@@ -58,7 +57,7 @@ def test_response_obeys_the_periodic_equations(damping_ratio: float) -> None:
 
     def rate(time: float, state: FloatArray) -> FloatArray:
         x, v = np.split(state, 2)
-        k_t = periodic_stiffness(modes, kappa=KAPPA, angle=SPEED * time)
+        k_t = modes.equations.stiffness(SPEED * time, KAPPA)
         return np.concatenate([v, -k_t @ x - damping * v])
 
     time = np.linspace(0.0, 0.03, 4)

@@ -8,19 +8,15 @@ import scipy.linalg as la
 from coupled_system import UNIT, six_modes
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.coupling.springs import CouplingModes, periodic_stiffness
-from bladewhirl.models.coupling.turning_rotor import TurningRotor
+from bladewhirl.models.coupling.springs import CouplingModes
 from bladewhirl.solvers.stability.floquet import Floquet, coupled_floquet, exponentials, floquet
 from bladewhirl.solvers.stability.growth import eigenvalues, growth_rate
 
 
 def monodromy(modes: CouplingModes, speed: float, kappa: float) -> Floquet:
     """Of the periodic equations of coupled modes, over one turn."""
-    return floquet(
-        lambda times: periodic_stiffness(modes, kappa=kappa, angle=speed * times),
-        period=2.0 * np.pi / speed,
-        damping=np.diag(modes.damping_rate[modes.entry]),
-    )
+    (turn,) = coupled_floquet(modes.equations, speed=speed, kappa=kappa)
+    return turn
 
 
 def test_oscillator_of_constant_stiffness() -> None:
@@ -79,8 +75,9 @@ def test_agrees_for_many_nodal_diameters_and_a_single_mode() -> None:
 @pytest.mark.parametrize("speed", [0.8, -1.3])
 def test_a_rotor_that_turns_agrees_with_its_autonomous_form(speed: float) -> None:
     """Both ways round, with Coriolis forces and spin softening that couple its two pairs."""
-    drawn = np.zeros((3, 3), dtype=np.complex128)
-    drawn[1:, 1:] = [[0.1j, 0.2 - 0.3j], [0.1 + 0.1j, -0.2j]]
+    real, imaginary = [[0.0, 0.2], [0.1, 0.0]], [[0.1, -0.3], [0.1, -0.2]]
+    drawn = np.zeros((6, 6))
+    drawn[2:, 2:] = np.kron(real, np.eye(2)) + np.kron(imaginary, [[0.0, -1.0], [1.0, 0.0]])
     modes = CouplingModes(
         name=("casing", "one", "other"),
         on_casing=np.array([True, False, False]),
@@ -89,9 +86,10 @@ def test_a_rotor_that_turns_agrees_with_its_autonomous_form(speed: float) -> Non
         amplitude=np.array([0.7, 0.5, -0.4]),
         damping_ratio=np.array([0.01, 0.0, 0.02]),
         paired=np.ones(3, dtype=np.bool_),
-        turning=TurningRotor(coriolis=drawn - drawn.conj().T, softening=drawn + drawn.conj().T),
+        coriolis=drawn - drawn.T,
+        softening=drawn + drawn.T,
     )
-    result = coupled_floquet(modes, speed=speed, kappa=0.3)[2]
+    (result,) = coupled_floquet(modes, speed=speed, kappa=0.3)
     assert result.period == pytest.approx(2.0 * np.pi / abs(speed))
     expected = np.exp(eigenvalues(modes, speed=speed, kappa=0.3) * result.period)
     distance = np.abs(expected[:, None] - result.multipliers)

@@ -1,0 +1,208 @@
+"""Equations of motion of modes of bladed disk and casing, coupled by springs: Eqs (8)-(21).
+
+A spring of stiffness kappa per radian joins both at every static angle theta = alpha + Omega t.
+The energy kappa/2 int (w - u)^2 dtheta of Eq. (8) splits into nodal diameters. With the cosine and
+sine part of the radial displacement of each mode, A_k on the casing and B_k on the bladed disk, and
+R(k Omega t), a rotation of the two parts,
+
+    x'' + (D + 2 Omega G) x' + (diag(omega^2) + Omega^2 S + K*(t)) x = 0,
+    K*(t) = sum_k f_k kappa C_k^T C_k,    C_k = A_k - R(k Omega t) B_k,
+
+f_0 = 2 pi, f_k = pi otherwise. G is the Coriolis matrix and S = K_G1 - M_t of the modes at rest.
+Shaft springs that stand still and differ add anisotropy (X^T X - Y^T Y), X and Y the centre's
+displacement along the static axes.
+
+J turns the cosine-sine pairs of the casing k turns further than those of the bladed disk for each
+turn of the rotor. If A_k, B_k, D, G and S commute with it and there is no anisotropy, the frame
+x = exp(Omega t J) y makes the equations autonomous:
+
+    y'' + (D + 2 Omega (J + G)) y' + (K(0) + Omega^2 (J^2 + S + 2 G J) + Omega D J) y = 0.
+
+Equation (16) is the frame in which the casing turns by k/2 and the bladed disk by -k/2. We differ
+from the printed Eq. (9), which does not follow from Eq. (8): it does not couple the two rotor
+pairs, has the modal mass of the wrong row in its off-diagonal blocks, and lacks the factor pi,
+which we keep unless `with_pi` is false. We differ from the printed Eq. (18), whose gyroscopic block
+of q5, q6 has the opposite sign of the others when derived from Eq. (16), and add modal damping.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
+
+Matrix = TypeVar("Matrix", FloatArray, ComplexArray)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoupledEquations:
+    """Mass-normalised equations of coupled modes; a nodal diameter that decouples has its own."""
+
+    name: tuple[str, ...]  #: for tables, fewer where modes share one
+    frequency: FloatArray
+    """Natural frequency without the springs [rad/s], (modes,); negative where its square is."""
+    damping: FloatArray  #: D [1/s], (modes, modes)
+    harmonics: IntArray  #: nodal diameters k of the radial waves, (harmonics,)
+    casing: FloatArray  #: A_k: cosine and sine part of w [kg^-1/2], (harmonics, 2, modes)
+    rotor: FloatArray  #: B_k: the same at the tips, rotating axes
+    turning: FloatArray | None  #: J, (modes, modes); None if no frame makes them autonomous
+    coriolis: FloatArray | None = None  #: G, (modes, modes); zero if None
+    softening: FloatArray | None = None  #: S, (modes, modes); zero if None
+    centre: FloatArray | None = None
+    """x and y of the centre in rotating axes [kg^-1/2], (2, modes); only for the anisotropy."""
+    anisotropy: float = 0.0  #: of shaft springs that stand still [N/m]
+    pairs: bool = False
+    """Whether modes are pairs, cosine before sine, and all matrices commute with their rotation."""
+
+    @property
+    def blocks(self) -> tuple[CoupledEquations, ...]:
+        """Equations that do not couple: these."""
+        return (self,)
+
+    def drag(self, speed: ArrayLike) -> FloatArray:
+        """D + 2 Omega G at speeds [rad/s] of any shape (...), as (..., modes, modes) [1/s]."""
+        twice = 2.0 * np.asarray(speed)[..., None, None]
+        return self.damping + twice * (0.0 if self.coriolis is None else self.coriolis)
+
+    def springs(self, angle: ArrayLike, kappa: float, *, with_pi: bool = True) -> FloatArray:
+        """K* at angles Omega t [rad] of any shape (...), as (..., modes, modes) [1/s^2].
+
+        Args:
+            angle: [rad].
+            kappa: stiffness of the springs between the bodies [N/m] per radian.
+            with_pi: keep the factor pi of the integral; false gives the paper's eps = kappa / m.
+        """
+        angle = np.asarray(angle, dtype=np.float64)
+        stretch = self.casing - _rotation(np.multiply.outer(angle, self.harmonics)) @ self.rotor
+        root = np.sqrt([spring_factor(k, with_pi=with_pi) for k in self.harmonics.tolist()])
+        rows = (root[:, None, None] * stretch).reshape(*angle.shape, -1, len(self.frequency))
+        return np.asarray(kappa * np.swapaxes(rows, -1, -2) @ rows)
+
+    def stiffness(
+        self, angle: ArrayLike, kappa: float, *, speed: float = 0.0, with_pi: bool = True
+    ) -> FloatArray:
+        """Stiffness of x, see `springs`; `speed` Omega [rad/s] is that of S."""
+        stiffness = self.springs(angle, kappa, with_pi=with_pi)
+        stiffness += np.diag(self.frequency * np.abs(self.frequency))
+        if self.softening is not None:
+            stiffness += speed**2 * self.softening
+        if self.centre is not None:
+            stiffness += self.anisotropy * difference_of_axes(self.centre, angle)
+        return stiffness
+
+    def autonomous(
+        self, speed: ArrayLike, kappa: ArrayLike, *, with_pi: bool = True
+    ) -> tuple[FloatArray, FloatArray]:
+        """Matrices of y' and y in the frame that makes the equations autonomous.
+
+        Args:
+            speed: Omega [rad/s].
+            kappa: spring stiffness [N/m]; broadcasts with speed to the shape (...).
+            with_pi: keep the factor pi of the integral.
+
+        Returns:
+            (..., modes, modes) [1/s] and [1/s^2].
+
+        Raises:
+            ValueError: no frame makes them autonomous, and the speed is not zero.
+        """
+        speed, kappa = np.broadcast_arrays(speed, kappa)
+        omega = np.asarray(speed, dtype=np.float64)[..., None, None]
+        if self.turning is None and np.any(speed):
+            raise ValueError("no frame makes the equations of this stage autonomous")
+        turn = np.zeros_like(self.damping) if self.turning is None else self.turning
+        unit_springs = self.springs(0.0, 1.0, with_pi=with_pi)
+        stiffness = self.stiffness(0.0, 0.0) + kappa[..., None, None] * unit_springs
+        square = turn @ turn
+        if self.coriolis is not None:
+            square = square + 2.0 * self.coriolis @ turn
+        if self.softening is not None:
+            square = square + self.softening
+        stiffness = stiffness + omega**2 * square + omega * (self.damping @ turn)
+        return self.drag(speed) + 2.0 * omega * turn, stiffness
+
+    def state_matrix(
+        self, speed: ArrayLike, kappa: ArrayLike, *, with_pi: bool = True
+    ) -> FloatArray:
+        """Matrix of d(y, y')/dt, see `autonomous`, (..., 2 modes, 2 modes).
+
+        The negative of the A of Eq. (21), so that a positive real part always means growth.
+        """
+        drag, stiffness = self.autonomous(speed, kappa, with_pi=with_pi)
+        return companion(-stiffness, -drag)
+
+    def whirl_matrix(
+        self, speed: ArrayLike, kappa: ArrayLike, *, with_pi: bool = True
+    ) -> FloatArray | ComplexArray:
+        """Matrix of half size for pairs, (..., modes, modes) [rad/s], positions scaled.
+
+        With z = y_c + i y_s = X exp(i mu t) its eigenvalues are mu and its vectors begin with X. It
+        is real without damping where the bladed disk is its own mirror image.
+        """
+        drag, stiffness = (
+            np.asarray(part[..., ::2, ::2] + 1j * part[..., 1::2, ::2], dtype=np.complex128)
+            for part in self.autonomous(speed, kappa, with_pi=with_pi)
+        )
+        unit = float(np.abs(self.frequency).max()) or 1.0
+        matrix = companion(stiffness, np.asarray(1j * drag, dtype=np.complex128), unit)
+        return matrix if matrix.imag.any() else matrix.real
+
+    def in_body_axes(
+        self, y: FloatArray, rate: FloatArray, *, speed: float, time: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Coordinates x and their rates from those of the autonomous frame, (times, modes) each.
+
+        Args:
+            y: coordinates in the autonomous frame, (times, modes).
+            rate: dy/dt.
+            speed: Omega [rad/s].
+            time: [s], (times,).
+        """
+        turn = np.zeros_like(self.damping) if self.turning is None else speed * self.turning
+        phase = np.multiply.outer(time, np.sqrt(-np.diag(turn @ turn)))
+        cosine, quarter = np.cos(phase), time[:, None] * np.sinc(phase / np.pi)
+        x, rotated = (cosine * part + quarter * (part @ turn.T) for part in (y, rate))
+        return x, rotated + x @ turn.T
+
+
+def spring_factor(k: int, *, with_pi: bool = True) -> float:
+    """Factor f_k of the modal spring stiffness: int cos^2(k theta) dtheta, or that over pi."""
+    return (np.pi if with_pi else 1.0) * (2.0 if k == 0 else 1.0)
+
+
+def companion(by_position: Matrix, by_rate: Matrix, unit: float = 1.0) -> Matrix:
+    """Matrix over (unit x, x') of x'' = by_position x + by_rate x', (..., 2 n, 2 n).
+
+    Args:
+        by_position: (..., n, n).
+        by_rate: broadcasts with it.
+        unit: a typical frequency, so that both halves have equal sizes.
+    """
+    n = by_position.shape[-1]
+    state = np.zeros((*by_position.shape[:-2], 2 * n, 2 * n), dtype=by_position.dtype)
+    state[..., :n, n:] = unit * np.eye(n)
+    state[..., n:, :n] = by_position / unit
+    state[..., n:, n:] = by_rate
+    return state
+
+
+def difference_of_axes(centre: FloatArray, angle: ArrayLike) -> FloatArray:
+    """X^T X - Y^T Y at angles Omega t [rad] of any shape (...), as (..., modes, modes) [1/kg].
+
+    Args:
+        centre: x and y of the centre in rotating axes [kg^-1/2], (2, modes).
+        angle: [rad].
+    """
+    moved = _rotation(np.asarray(angle, dtype=np.float64)) @ centre
+    squares = moved[..., :, None] * moved[..., None, :]
+    return np.asarray(squares[..., 0, :, :] - squares[..., 1, :, :])
+
+
+def _rotation(angle: FloatArray) -> FloatArray:
+    """Rotation matrices, (..., 2, 2)."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.stack([np.stack([cos, -sin], axis=-1), np.stack([sin, cos], axis=-1)], axis=-2)
