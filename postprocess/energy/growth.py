@@ -153,13 +153,14 @@ def plot_growth(growth: xr.Dataset) -> Figure:
     time_axis(axes, misfits)
     rates = [("amplitude", "rate", "error"), ("ripple", "ripple_rate", "ripple_error")]
     words = [
-        f"{what} grows by {rate_text(growth.attrs[rate], growth.attrs[error])} 1/s"
+        f"growth rate of the {what} {rate_text(growth.attrs[rate], growth.attrs[error])} 1/s"
         for what, rate, error in rates
         if np.isfinite(growth.attrs[rate])
     ]
     if growth.attrs["slows"]:
         end = rate_text(growth.attrs["end_rate"], growth.attrs["end_error"])
-        words.append(f"slowing, at the end by {end} 1/s")
-    head(figure, growth, growth.attrs["regime"], *words)
+        words.append(f"at the end {end} 1/s")
+    misfits.set_xlabel("\n".join([misfits.get_xlabel(), *words]))
+    head(figure, growth, growth.attrs["regime"])
     figure.legend(loc="outside lower center", ncols=2)
     return figure

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import textwrap
-
 import numpy as np
 import xarray as xr
+from matplotlib import rcParams
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
+from matplotlib.textpath import TextPath
 
-LONGEST_NAME = 80
-"""Letters of a case's name in a title, at most."""
+MOST_LETTERS = 40
+"""Letters of a title in an inch of the figure's width, at most."""
 
-LETTERS_PER_INCH = 16.5
-"""Letters of a line of a title in an inch of the figure's width, about; longer ones wrap."""
-
-NAME_LETTERS_PER_INCH = 11.5
-"""The same for the name of a case, which may consist of wide capitals."""
+WIDEST = 0.97
+"""Largest width of a line of a title, as a share of the figure's; a longer one is cut."""
 
 
 def speed_label(dataset: xr.Dataset) -> str:
@@ -26,27 +23,32 @@ def speed_label(dataset: xr.Dataset) -> str:
     return f"Ω/ω₁ = {normalised:.4g} ({speed * 30 / np.pi:.0f} rpm)"
 
 
-def head(figure: Figure, data: xr.Dataset, *lines: str) -> None:
-    """Set the title: the case's name, the speed with the first line, and the other lines.
+def head(figure: Figure, data: xr.Dataset, *words: str) -> None:
+    """Set the title: the case's name, and the speed with a few words.
 
     Args:
         figure: drawn in the common style.
         data: dataset with the attributes of `fields.labelled`.
-        lines: further text; the first is put beside the speed if both fit.
+        words: further text on the line of the speed.
     """
-    speed = speed_label(data)
-    fits = lines and len(f"{speed}, {lines[0]}") <= LETTERS_PER_INCH * figure.get_figwidth()
-    shown = [f"{speed}, {lines[0]}", *lines[1:]] if fits else [speed, *lines]
-    set_title(figure, str(data.attrs.get("case_title", "")), "\n".join(shown))
+    set_title(figure, str(data.attrs.get("case_title", "")), ", ".join([speed_label(data), *words]))
 
 
 def set_title(figure: Figure, case: str, shown: str) -> None:
-    """Set the title: the case's name and what is shown, wrapped to the width of the figure."""
+    """Set the title: the case's name and what is shown, each line cut to the figure's width."""
     in_font = get_font(findfont(FontProperties())).get_char_index
-    name = textwrap.shorten(case, LONGEST_NAME, placeholder=" …")
+    name = " ".join(case[: int(MOST_LETTERS * figure.get_figwidth())].split())
     name = "".join(c if in_font(ord(c)) else "\N{REPLACEMENT CHARACTER}" for c in name)
-    inches = figure.get_figwidth()
-    lines = [textwrap.fill(name, int(NAME_LETTERS_PER_INCH * inches))] if name else []
-    width = int(LETTERS_PER_INCH * inches)
-    lines += [textwrap.fill(line, width) for line in shown.splitlines() if line]
+    lines = [_cut(line, figure) for line in (name, *shown.splitlines()) if line]
     figure.suptitle("\n".join(lines), parse_math=False)
+
+
+def _cut(line: str, figure: Figure) -> str:
+    """Return as much of a line as the figure is wide."""
+    most = WIDEST * 72.0 * figure.get_figwidth()  # [points]
+    size = FontProperties(size=rcParams["figure.titlesize"]).get_size_in_points()
+    cut = line
+    while cut and TextPath((0, 0), cut, size=size, usetex=False).get_extents().width > most:
+        line = line[: min(len(line) - 1, int(0.97 * len(line)))].rstrip(" ,;:")
+        cut = f"{line} …"
+    return cut

@@ -32,11 +32,11 @@ BRIGHTEST = 99.0
 leave the rest dark."""
 
 FORCE_DECADES = 3.0  #: decades below the largest force that colours tell apart
-SHARE_COLOURS: Mapping[str, list[str]] = {
-    "gaps": ["#00224E", COLOURS["contact"], "#FFE9F5"],  # begins as SEQUENTIAL does, at no gap
-    "white": ["#FBEAF4", COLOURS["contact"], "#4A1238"],
-}
-"""Colours of the share of the time in contact, from none to all of it, by background."""
+SHARE_COLOURS = ["#FBEAF4", COLOURS["contact"], "#4A1238"]
+"""Colours of the share of the time in contact, from none to all of it."""
+
+GAP_COLOURS = ["#9AA5B8", "#FFFFFF"]
+"""Colours of gaps, from none to the largest: paler than contact."""
 
 PEAK = 1.5  #: ratio of the largest force to that percentile above which colours are clipped
 FEW_PERCENT = 40.0  #: largest share of the time in contact [%] below which its axis ends there
@@ -154,18 +154,14 @@ def plot_gaps(maps: xr.Dataset) -> Figure:
     figure, axes = _map_axes()
     unit, scale = handy_unit(float(maps["gap"].max()), "m")
     gap = np.maximum(scale * maps["gap"].values.T, 0.0)
-    picture = draw_map(axes, maps["edge"], _blade_edges(maps), gap, vmin=0.0)
-    touching = draw_share(axes, maps["edge"], _blade_edges(maps), maps["share"], on="gaps")
-    for drawn, label in ((touching, "time in contact [%]"), (picture, f"smallest gap [{unit}]")):
-        figure.colorbar(drawn, ax=axes, label=label, pad=0.02)
+    pale = LinearSegmentedColormap.from_list("gaps", GAP_COLOURS)
+    picture = draw_map(axes, maps["edge"], _blade_edges(maps), gap, vmin=0.0, cmap=pale)
+    if maps["share"].any():
+        touching = draw_share(axes, maps["edge"], _blade_edges(maps), maps["share"])
+        figure.colorbar(touching, ax=axes, label="time in contact [%]", pad=0.02)
+    figure.colorbar(picture, ax=axes, label=f"smallest gap [{unit}]", pad=0.02)
     time_axis(axes)
-    lengths = xr.DataArray(np.diff(maps["edge"].values), dims="time")
-    mean = 100.0 * float(maps["share"].weighted(lengths).mean())
-    head(
-        figure,
-        maps,
-        f"in contact {mean:.3g} % of the time, mean of blades" if mean else "no contact",
-    )
+    head(figure, maps)
     return figure
 
 
@@ -186,12 +182,11 @@ def plot_forces(maps: xr.Dataset) -> Figure:
     positive = np.ma.masked_less_equal(scale * force.T, 0.0)
     norm = decades(scale * top, FORCE_DECADES)
     picture = draw_map(axes, maps["edge"], _blade_edges(maps), positive, norm=norm)
-    figure.colorbar(
-        picture, ax=axes, label=f"normal force, means over {length} [{unit}]", extend="min"
-    )
+    figure.colorbar(picture, ax=axes, label=f"normal force [{unit}]", extend="min")
     axes.set_xlim(*contact_span(maps["edge"].values, np.any(force > 0.0, axis=1)))
     time_axis(axes)
-    head(figure, maps, f"largest mean {scale * top:.3g} {unit}" if force.any() else "no contact")
+    axes.set_xlabel(f"{axes.get_xlabel()}, means over {length}")
+    head(figure, maps)
     return figure
 
 
@@ -215,9 +210,7 @@ def plot_contact_classes(classes: xr.Dataset) -> Figure:
     axes.set_xlim(-0.7, len(blade) - 0.3)
     axes.locator_params(axis="x", integer=True)
     axes.grid(axis="x", visible=False)
-    first = classes.attrs["first_contact"]
-    begun = [f"first contact at {first:.4g} s, within that time"] if np.isfinite(first) else []
-    head(figure, classes, classes.attrs["window"], *begun)
+    head(figure, classes, classes.attrs["window"])
     figure.legend(loc="outside lower center", ncols=3)
     return figure
 
@@ -245,15 +238,10 @@ def contact_span(edge: Array, touching: BoolArray) -> tuple[float, float]:
     return max(begin, first - margin), min(end, last + margin)
 
 
-def draw_share(
-    axes: Axes, across: xr.DataArray, up: Array, share: xr.DataArray, *, on: str
-) -> QuadMesh:
-    """Draw shares of the time in contact (time, row) [%] on "gaps" or "white".
-
-    Colours begin near that of the background: part of a pixel looks like that part of its time.
-    """
+def draw_share(axes: Axes, across: xr.DataArray, up: Array, share: xr.DataArray) -> QuadMesh:
+    """Draw shares of the time in contact (time, row) [%], dark where it is all the time."""
     percent = np.ma.masked_less_equal(100.0 * np.nan_to_num(share.values.T), 0.0)
-    scale = LinearSegmentedColormap.from_list(on, SHARE_COLOURS[on])
+    scale = LinearSegmentedColormap.from_list("share", SHARE_COLOURS)
     return draw_map(axes, across, up, percent, cmap=scale, vmin=0.0, vmax=100.0)
 
 

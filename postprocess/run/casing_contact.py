@@ -131,7 +131,7 @@ def _draw(axes: Axes, contact: xr.Dataset, which: str) -> QuadMesh:
     turns_each = _turns_each(contact)
     across = (turns_each or 1.0) * contact[f"{which}time_edge"]
     angle = np.degrees(contact[f"{which}angle_edge"].values)
-    picture = draw_share(axes, across, angle, contact[f"{which}share"], on="white")
+    picture = draw_share(axes, across, angle, contact[f"{which}share"])
     axes.set(yticks=(0, 90, 180, 270, 360), ylabel="casing angle [°]", ylim=angle[[0, -1]])
     if turns_each:
         axes.set_xlabel("revolutions of the rotor")

@@ -137,7 +137,8 @@ def plot_contact_phase(phases: xr.Dataset) -> Figure:
         axes.set(ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
     time_axis(upper, lower)
     figure.legend(loc="outside lower center", ncols=2, markerscale=2)
-    head(figure, phases, _words(phases))
+    lower.set_xlabel(f"{lower.get_xlabel()}\n{_words(phases)}")
+    head(figure, phases)
     return figure
 
 
@@ -161,7 +162,7 @@ def _words(phases: xr.Dataset) -> str:
         return "the shaft is at rest"
     contact = f"{kind} contact" if phases["impulse"].any() else "no contact"
     lead = f"{np.degrees(phases.attrs['lead']):.0f}°".replace("-", "−")
-    return f"{contact}, shaft ahead by {lead}, mean over {phases.attrs['window']}"
+    return f"{contact}, shaft ahead by {lead} on average"
 
 
 def _wrapped(angle: Array) -> Array:

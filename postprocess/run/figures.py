@@ -28,6 +28,7 @@ from bladewhirl.postprocess.shaft.spectra import (
 from bladewhirl.postprocess.shaft.transforms import Frame
 from bladewhirl.postprocess.shaft.whirl_history import PERIODS, whirl_history
 
+FEWEST_SPANS = 4  #: of the whirl over time
 AT_REST = {"gaps"}  #: figures that are also available for a stage at rest
 FORCE_COLUMNS = 200  #: time intervals for which forces are drawn: a contact is as wide as a line
 
@@ -73,9 +74,9 @@ class RunFigures:
     def whirl(self) -> xr.Dataset:
         """Whirl over time."""
         whirls = whirl_history(self.orbit)
-        if whirls.sizes["time"] < 2:
+        if whirls.sizes["time"] < FEWEST_SPANS:
             raise ViewError(
-                f"the whirl over time needs two or more spans of {PERIODS:g} periods of ω₁;"
+                f"the whirl over time needs {FEWEST_SPANS} spans of {PERIODS:g} periods of ω₁;"
                 f" the window is {1e3 * whirls.attrs['span']:.3g} ms long"
             )
         return whirls
@@ -143,7 +144,7 @@ class RunFigures:
     def phases(self) -> xr.Dataset:
         """Directions of shaft and contact, and the contact scenario after the onset."""
         since = float(self._after_onset(self.result)["time"][0])
-        return contact_phase(self.result, self.orbit, since=since)
+        return contact_phase(self._with_contact, self.orbit, since=since)
 
     def _after_onset(self, dataset: xr.Dataset) -> xr.Dataset:
         return late_part(dataset) if self._is_run else dataset

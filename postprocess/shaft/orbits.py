@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from bladewhirl.models.inputs.units import handy_unit
+from bladewhirl.models.inputs.units import handy, handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, rotate, smallest_clearance
 from bladewhirl.postprocess.fields.labelled import labelled
 from bladewhirl.postprocess.fields.result import reduce_modes
-from bladewhirl.postprocess.fields.windows import in_window, late_part, window_label
+from bladewhirl.postprocess.fields.windows import in_window, late_part
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
@@ -99,6 +99,7 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
     edge = 1.1 * scale * reach or 1.0  # all at rest: 1 mm
     figure = new_figure(height=0.1)
     panels = figure.subplot_mosaic([[*FRAMES], ["radius"] * 2], height_ratios=(2.4, 1.0))
+    drawn = handy(float(np.ptp(late["time"].values)), "s", 3)
     for frame in FRAMES:
         axes, turn = panels[frame], scale * late[frame].values
         axes.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge), xlabel=f"x [{unit}]")
@@ -108,7 +109,7 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
             axes.add_patch(Circle((0, 0), scale * clearance, fill=False, **CLEARANCE_LINE))
         _draw_path(axes, scale * orbit[frame].values)
         long = len(turn) > LONG_LINE
-        axes.plot(*turn.T, color=COLOURS["rotor"], label="late motion", rasterized=long)
+        axes.plot(*turn.T, color=COLOURS["rotor"], label=f"last {drawn}", rasterized=long)
         for share in (0.2, 0.5, 0.8) if np.ptp(turn, axis=0).max() > SEEN * edge else ():
             _draw_arrow(axes, turn, share)
         axes.set_title(f"{frame} frame\n{whirl(late_part(orbit), frame).text}")
@@ -119,9 +120,7 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
         panels[FRAMES[0]].plot([], [], label="clearance", **CLEARANCE_LINE)
     entries = panels[FRAMES[0]].get_legend_handles_labels()
     figure.legend(*entries, loc="outside lower center", ncols=3)
-    outside = [f"the clearance, {MILLI * clearance:.3g} mm, is far outside"] if tiny else []
-    windows = f"late motion: {window_label(late)}", f"whirl: {window_label(late_part(orbit))}"
-    head(figure, orbit, *windows, *outside)
+    head(figure, orbit, *([f"clearance {handy(clearance, 'm', 3)}"] if tiny else []))
     return figure
 
 

@@ -36,6 +36,9 @@ PADDING, SLICE_PADDING = 4, 2
 """Transforms of a record, and of slices of it, are padded with zeros to that many times their
 length, for smooth lines."""
 
+COARSEST = 0.45
+"""Coarsest resolution of a figure, as a share of the reference frequency."""
+
 DECADES = 4.0  #: decades below the largest amplitude that are drawn
 MARGIN = 1.12  #: how far the drawn frequencies go beyond the outermost line of a mode
 WITH_K = {"1F": "1F, k = 1", "casing": "casing, k = 1"}
@@ -185,14 +188,17 @@ def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
         lines: from `modal_lines`, of the same frame.
 
     Raises:
-        ViewError: so short a time that it tells no frequencies apart within them.
+        ViewError: a window too short to resolve about half of the reference frequency.
     """
     edge = MARGIN * float(np.abs(lines).max())
-    resolution = spectrum.attrs["resolution"]
-    if resolution > edge:
+    resolution, needed = (
+        spectrum.attrs["resolution"],
+        COARSEST * spectrum.attrs["reference_frequency"],
+    )
+    if resolution > needed:
         raise ViewError(
-            f"{2e3 * np.pi / resolution:.3g} ms tell frequencies {_hertz(resolution):.3g} Hz apart,"
-            f" the modes lie within {_hertz(edge):.3g} Hz: a spectrum needs a longer window"
+            f"{2e3 * np.pi / resolution:.3g} ms resolve {_hertz(resolution):.3g} Hz, a spectrum"
+            f" needs {2e3 * np.pi / needed:.3g} ms for {_hertz(needed):.3g} Hz"
         )
     return spectrum.sel(frequency=slice(-edge, edge)).assign(modal_line=lines)
 
@@ -217,13 +223,13 @@ def plot_spectrum(spectrum: xr.Dataset) -> Figure:
     )
     axes.set_yscale("log")
     axes.set_ylim(max(floor, 0.5 * float(amplitude.min())), 2 * top)
-    axes.set(xlabel="frequency [Hz]   ← backward  forward →", ylabel="amplitude [mm]")
+    about = f"{spectrum.attrs['window']}, {_resolution(spectrum)}"
+    axes.set(xlabel=f"frequency [Hz]   ← backward  forward →\n{about}", ylabel="amplitude [mm]")
     low, high = _hertz(spectrum["frequency"].values[[0, -1]])
     if low < high:
         axes.set_xlim(low, high)
     _draw_lines(axes, spectrum["modal_line"], axes.axvline)
-    frame, window = spectrum.attrs["frame"], spectrum.attrs["window"]
-    head(figure, spectrum, f"{frame} frame, {window}", _resolution(spectrum))
+    head(figure, spectrum, f"{spectrum.attrs['frame']} frame")
     figure.legend(loc="outside lower center", ncols=2, handlelength=2.6)
     return figure
 
@@ -245,9 +251,9 @@ def plot_spectrogram(spectrogram: xr.Dataset) -> Figure:
     time_axis(axes)
     _draw_lines(axes, spectrogram["modal_line"], partial(axes.axhline, xmin=0.0, xmax=0.15))
     axes.set_ylabel("frequency [Hz]\n← backward  forward →")
-    frame, slice_length = spectrogram.attrs["frame"], 1e3 * spectrogram.attrs["slice"]
-    about = f"{frame} frame, slices of {slice_length:.3g} ms"
-    head(figure, spectrogram, about, _resolution(spectrogram))
+    about = f"slices of {1e3 * spectrogram.attrs['slice']:.3g} ms, {_resolution(spectrogram)}"
+    axes.set_xlabel(f"{axes.get_xlabel()}\n{about}")
+    head(figure, spectrogram, f"{spectrogram.attrs['frame']} frame")
     figure.colorbar(picture, ax=axes, label="amplitude [mm]")
     figure.legend(loc="outside lower center", ncols=2, handlelength=2.6)
     return figure

@@ -26,6 +26,12 @@ FRAMES: tuple[Frame, Frame] = ("rotating", "static")
 LEAST_TURN = 0.1
 """Turns about the origin that a motion must make before its whirl is given a direction."""
 
+LEAST_CERTAIN = 10.0
+"""Standard errors that a rate has to exceed."""
+
+LARGEST_SHARE = 0.5
+"""Share of the mean square that the line at the rate must have."""
+
 SPANS = 10  #: spans whose rates give the standard error of the rate
 DOUBTFUL = 0.5 * np.pi
 """Angle between two records from which on they may lie on either side of the centre [rad]."""
@@ -55,7 +61,7 @@ class Whirl:
     def text(self) -> str:
         """Direction, frequency and `CERTAINTY` standard errors of it, in words."""
         if self.frequency is None:
-            return "no whirl"
+            return "no single frequency"
         wide = CERTAINTY * self.error / (2 * np.pi)
         error = f" ± {float(f'{wide:.1g}'):g}" if wide > 5e-4 * abs(self.frequency) else ""
         return f"{self.direction}, {abs(self.frequency):.3g}{error} Hz"
@@ -68,11 +74,11 @@ def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
     differs by the speed exactly. Its error is that of the mean of the slopes in ten equal spans,
     so it counts how the rate wanders rather than how many records there are. There is no single
     rate where the angle turns on by less than a tenth of a turn, than it swings about that line
-    (an orbit that leaves the centre outside, such as a ripple about a steady place), or than two
+    (an orbit that leaves the centre outside, such as a ripple about a steady place), or than ten
     standard errors. A place that turns by more than a quarter turn between two records may have
     passed the centre on either side: each adds a turn to what has to be exceeded. Nor is there one
-    where none of the strongest lines lies at the rate: net turns of several circles, none larger
-    than all others together, are a mean that nothing turns at.
+    where no line of half the mean square lies at the rate: net turns of several circles, none
+    larger than all others together, are a mean that nothing turns at.
 
     Args:
         orbit: from `orbits.shaft_orbit`, of the time considered.
@@ -92,21 +98,24 @@ def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
         goes_round=bool(
             turned >= LEAST_TURN * 2 * np.pi
             and turned > swing
-            and not abs(rate) <= CERTAINTY * error
+            and not abs(rate) <= LEAST_CERTAIN * error
             and _has_line(orbit, frame, rate, error)
         ),
     )
 
 
 def _has_line(orbit: xr.Dataset, frame: Frame, rate: float, error: float) -> bool:
-    """One of the strongest lines lies at the rate, within a line's width or its error; also where
-    a spectrum says nothing.
+    """A line of half the mean square lies at the rate, within its width or the error of the rate;
+    also where a spectrum says nothing.
     """
     lines = strongest_lines(orbit, "rotating")
     time = orbit["time"].values
     near = max(2 * np.pi * LOBE / np.ptp(time), CERTAINTY * np.nan_to_num(error))
     rotating = rate - (abs(float(orbit.attrs["speed"])) if frame == "static" else 0.0)
-    return not lines or any(abs(2 * np.pi * line.frequency - rotating) <= near for line in lines)
+    return not lines or any(
+        abs(2 * np.pi * line.frequency - rotating) <= near and line.share >= LARGEST_SHARE
+        for line in lines
+    )
 
 
 def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, BoolArray]:

@@ -52,8 +52,8 @@ def test_it_is_the_growth_of_the_regime_and_says_so() -> None:
     figure = plot_growth(growth)
     axes, misfits = figure.axes
     # ± is two standard errors, as the band is.
-    title = figure.get_suptitle()
-    assert f"{regime.growth.rate:.3g} ± {2 * regime.growth.error:.2g} 1/s" in title
+    words = misfits.get_xlabel()
+    assert f"{regime.growth.rate:.3g} ± {2 * regime.growth.error:.2g} 1/s" in words
     misfit = np.log1p(np.asarray(misfits.lines[0].get_ydata()) / 100)
     assert np.nanstd(misfit) == pytest.approx(growth.attrs["residual"], rel=1e-6)
     assert axes.get_yscale() == "log"  # it grows by more than ten times

@@ -43,7 +43,7 @@ def test_every_figure_has_a_documented_function() -> None:
 
 
 def test_runs_and_sweeps_are_distinguished(tmp_path: Path) -> None:
-    run = synthetic_result(shaft_radius=1.2e-3)
+    run = synthetic_result(shaft_radius=1.2e-3, records=1001)
     figure = bw.plot.whirl(run, start=0.02)
     assert isinstance(figure, Figure)
     assert figure.axes[1].get_ylabel() == "radius [mm]"

@@ -66,7 +66,7 @@ def test_an_orbit_beside_the_centre_has_no_rate_but_its_ripple_has(speed: float)
     """As under imbalance: fixed in the rotor but for a ripple, so it turns with the rotor."""
     orbit = orbit_of({0.0: RADIUS, 27.0: 0.1 * RADIUS}, speed)
     assert whirl(orbit, "rotating").frequency is None
-    assert whirl(orbit, "rotating").text == "no whirl"
+    assert whirl(orbit, "rotating").text == "no single frequency"
     assert whirl(orbit, "static").frequency == pytest.approx(abs(speed), rel=1e-3)
     size, about = ripple(orbit, "rotating")
     assert size == pytest.approx(0.1 * RADIUS, rel=1e-3)

@@ -26,9 +26,8 @@ def directory(tmp_path: Path) -> Path:
 
 def made(folder: Path, speed: float) -> Path:
     folder.mkdir()
-    synthetic.synthetic_result(shaft_radius=1.2e-3, speed=speed).to_netcdf(
-        folder / "result.nc", engine="h5netcdf"
-    )
+    result = synthetic.synthetic_result(shaft_radius=1.2e-3, speed=speed, records=1001)
+    result.to_netcdf(folder / "result.nc", engine="h5netcdf")
     return folder
 
 
@@ -44,8 +43,8 @@ def test_figures_come_with_their_data(directory: Path) -> None:
     expected = {f"{n}.{end}" for n in ("state-space", "spectrum") for end in ("png", "pdf", "nc")}
     assert {path.name for path in (directory / "plots").iterdir()} == expected | {"manifest.json"}
     with xr.open_dataset(directory / "plots" / "state-space.nc", engine="h5netcdf") as data:
-        assert data.sizes["time"] == 401
-        assert data.sizes["revolution"] == 6  # 0.4 s at 80 rad/s: 5.1 turns
+        assert data.sizes["time"] == 1001
+        assert data.sizes["revolution"] == 13  # 1 s at 80 rad/s: 12.7 turns
     with xr.open_dataset(directory / "plots" / "spectrum.nc", engine="h5netcdf") as data:
         assert set(data["mode"].values) == {"1F", "suspension", "casing", "Ω"}
         peak = float(data.frequency[int(np.argmax(data.amplitude.values))])

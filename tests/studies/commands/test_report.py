@@ -35,7 +35,7 @@ MARCHED = {
 def made(folder: Path, **attributes: Any) -> Path:
     """The folder of a run."""
     folder.mkdir()
-    result = synthetic.synthetic_result(shaft_radius=1.2e-3)
+    result = synthetic.synthetic_result(shaft_radius=1.2e-3, records=1001)
     attributes = {**MARCHED, **attributes}
     known = {name: value for name, value in attributes.items() if value is not None}
     result.assign_attrs(known).to_netcdf(folder / "result.nc", engine="h5netcdf")
