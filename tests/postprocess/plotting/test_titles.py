@@ -26,7 +26,7 @@ def test_the_name_comes_first_and_the_speed_next() -> None:
     _, lines = headed("Fan stage", "1 to", "2 s")
     assert lines == ["Fan stage", "Ω/ω₁ = 1.05 (752 rpm), 1 to, 2 s"]
     _, (line,) = headed("", "words that are too long for a line with the speed of a figure")
-    assert line.startswith("Ω/ω₁ = 1.05 (752 rpm), words that are")
+    assert line.startswith("Ω/ω₁ = 1.05 (752 rpm), words")
     assert line.endswith(" …")
 
 

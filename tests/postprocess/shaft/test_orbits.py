@@ -110,7 +110,7 @@ class TestPlotOrbit:
     ) -> None:
         rotating, static, radius = self.figure(records=records).axes
         for axes, rate in ((rotating, RATE), (static, synthetic.SPEED - RATE)):
-            (late,) = [mark for mark in axes.lines if mark.get_label().startswith("last ")]
+            (late,) = [mark for mark in axes.lines if str(mark.get_label()).startswith("last ")]
             path = np.asarray(late.get_xydata())
             angle = np.unwrap(np.arctan2(path[:, 1], path[:, 0]))
             turned = abs(angle[-1] - angle[0])

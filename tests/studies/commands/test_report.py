@@ -35,7 +35,7 @@ MARCHED = {
 def made(folder: Path, **attributes: Any) -> Path:
     """The folder of a run."""
     folder.mkdir()
-    result = synthetic.synthetic_result(shaft_radius=1.2e-3, records=1001)
+    result = synthetic.synthetic_result(shaft_radius=1.2e-3, records=901)
     attributes = {**MARCHED, **attributes}
     known = {name: value for name, value in attributes.items() if value is not None}
     result.assign_attrs(known).to_netcdf(folder / "result.nc", engine="h5netcdf")
@@ -143,7 +143,7 @@ def test_it_begins_with_the_run_at_one_instant(folder: Path, page: Parsed) -> No
     ("reason", "words"),
     [
         ("interrupted", "The march was interrupted at 0.4 s."),
-        ("unfinished", "it was killed, or is still running. The last record is at 0.4 s"),
+        ("unfinished", "it was killed, or is still running. The last record is at 0.9 s"),
     ],
 )
 def test_an_unfinished_march_is_reported(tmp_path: Path, reason: str, words: str) -> None:
