@@ -158,7 +158,7 @@ def test_an_unfinished_march_is_reported(tmp_path: Path, reason: str, words: str
     assert "Sustained so far" in page.words
     assert ("complementarity residual" in page.words) == (reason == "interrupted")
     assert not re.search(r"\bnan\b", page.words)
-    assert "400000" in page.words  # steps up to the last record
+    assert "900000" in page.words  # steps up to the last record
     assert not (run / "report.html").exists()
 
 
