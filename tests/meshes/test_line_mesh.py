@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bladewhirl.meshes.line_mesh import LineMesh
-from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.case.file import case_from
 from bladewhirl.models.elements.build import case_beam_model
 
@@ -76,10 +75,3 @@ def test_a_mesh_keeps_its_own_unwritable_arrays() -> None:
         mesh.points[0, 0] = 1.0
     with pytest.raises(TypeError):
         mesh.node_sets["more"] = np.array([0])  # type: ignore[index]
-
-
-def test_a_ring_closes() -> None:
-    ring = RingMesh(elements=8, radius=2.0)
-    np.testing.assert_allclose(np.diff(ring.angles), np.pi / 4.0, rtol=1e-12)
-    assert ring.angles[0] == 0.0
-    assert ring.elements * ring.element_length == pytest.approx(4.0 * np.pi)

@@ -50,12 +50,6 @@ def test_what_a_block_prints_and_writes(tmp_path: Path) -> None:
     assert (tmp_path / "a.txt").read_text() == "x = 1\n"
 
 
-def test_a_command_that_fails_is_told(tmp_path: Path) -> None:
-    (block,) = blocks("```console\nbladewhirl show nothing.toml\n```\n")
-    with pytest.raises(RuntimeError, match=r"exit code 2\n.*nothing\.toml"):
-        Session(tmp_path).run(block)
-
-
 def test_every_key_of_the_template_is_in_the_reference() -> None:
     told = set(re.findall(r"^```\{confval\} (\S+)", reference.case_keys(), flags=re.MULTILINE))
     table = ""

@@ -44,7 +44,6 @@ __all__ = [
     "stage_problem",
     "thrown",
     "wall",
-    "without_symmetry",
 ]
 
 
@@ -114,17 +113,6 @@ def stage_problem(blades: int = 22, elements: int = 40) -> ContactProblem:
         }
     )
     return contact_problem(build_stage(case))
-
-
-def without_symmetry(given: ContactProblem, *, rotor: bool, casing: bool) -> ContactProblem:
-    """The same problem with modes that carry no DFT columns."""
-    if rotor:
-        column = np.full_like(given.rotor.column, -1)
-        given = replace(given, rotor=replace(given.rotor, column=column))
-    if casing:
-        column = np.full_like(given.casing.column, -1)
-        given = replace(given, casing=replace(given.casing, column=column))
-    return given
 
 
 def random_problem(

@@ -170,13 +170,6 @@ class TestDimensionalKeys:
             assert "such as" in line
 
 
-def test_a_wrong_dimension_names_both() -> None:
-    assert fault_of("casing.clearance", "3 kg") == (
-        'casing.clearance = "3 kg": expected a number of zero or more in m, or text with a unit '
-        'such as "1 mm" (kilogram is [mass], not [length])'
-    )
-
-
 @pytest.mark.parametrize(("key", "least"), COUNTS)
 def test_counts(key: str, least: int) -> None:
     assert get(case_from(tables(key, least)), key) == least
@@ -228,12 +221,6 @@ def test_speeds_with_faults(value: object) -> None:
 def test_the_clearance_is_closed_at_a_positive_speed(value: object) -> None:
     line = fault_of("imbalance.clearance_speed", value)
     assert line.startswith("excitation.clearance_speed = ")
-
-
-def test_a_frequency_counts_cycles() -> None:
-    for text in ("50 Hz", "3000 rpm", "314.1592653589793 rad/s"):
-        case = case_from(tables("harmonic.frequency", text))
-        assert get(case, "harmonic.frequency") == pytest.approx(50.0, rel=1e-15)
 
 
 def test_initial_rows_take_units_and_arrays() -> None:

@@ -43,21 +43,6 @@ def along_blade(shown: BeamModel, blade: int) -> FloatArray:
     return shown.mesh.points[chain]
 
 
-def test_a_rigid_disk_moves_as_one() -> None:
-    """On the shaft alone the whole mass swings on both springs, far below the blades."""
-    section = {"width": 0.1, "thickness": 0.2}
-    case = case_from(
-        {
-            "bladed_disk": {"blades": 5, "disk_kind": "rigid", "blade": section},
-            "shaft": {"stiffness": 100.0},
-        }
-    )
-    body = case_bladed_disk(case, clamped=False)
-    mass = 5 * 0.45 * 0.1 * 0.2 * 7800.0
-    assert body.model.mass == pytest.approx(mass)
-    np.testing.assert_allclose(natural_frequencies(body)[:2], np.sqrt(100.0 / mass), rtol=1e-4)
-
-
 def test_a_wedge_vibrates_as_kirchhoff_found() -> None:
     """w = x^(-1/2) (J1 + I1 terms) of 2 k sqrt(x): J1 I2 + I1 J2 = 0 at z, omega ~ z^2 / 4."""
 
@@ -109,20 +94,6 @@ def test_materials_by_name() -> None:
     np.testing.assert_array_equal(
         shown.properties.young_modulus, np.where(titanium, 1.14e11, 2.1e11)
     )
-
-
-@pytest.mark.parametrize(
-    ("tables", "key"),
-    [
-        ({"casing": {"wall": {"material": "x"}}}, "casing.wall"),
-        ({"casing": {"struts": [{"angle": 0.0, "length": 0.2, "material": "x"}]}}, "casing.struts"),
-        ({"bladed_disk": {"disk": {"material": "x"}}}, "bladed_disk.disk"),
-        ({"bladed_disk": {"disk_rings": [{"radius": 0.02, "material": "x"}]}}, "disk_rings"),
-    ],
-)
-def test_unknown_materials_are_named(tables: dict[str, Any], key: str) -> None:
-    with pytest.raises(CaseError, match=rf'{key}.*of material.named \(none\), not "x"'):
-        case_from(tables)
 
 
 def test_masses_are_where_they_were_put() -> None:
@@ -297,12 +268,6 @@ BAD: list[tuple[dict[str, Any], str]] = [
 def test_what_cannot_be_is_refused_by_key(tables: dict[str, Any], message: str) -> None:
     with pytest.raises(CaseError, match=message):
         disk(**tables)
-
-
-def test_two_shrouds_at_one_radius_that_take_turns() -> None:
-    turns = [{"radius": 0.4, "cuts": [0, 2, 4]}, {"radius": 0.4, "cuts": [1, 3, 5]}]
-    parts = model(shrouds=turns).mesh.line_sets
-    assert len(parts["shrouds"]) == 6
 
 
 def test_a_shroud_stays_at_its_radius_on_a_longer_blade() -> None:

@@ -11,7 +11,7 @@ from places import EXAMPLES
 from stages import observed_order
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import case_from, dumps_case, loads, read_case
+from bladewhirl.models.case.file import case_from, read_case
 from bladewhirl.models.elements.build import case_clearance
 from bladewhirl.models.sections.wall import Lobe, RingProfile
 from bladewhirl.models.stage.build import contact_problem, march_faults
@@ -68,14 +68,6 @@ def test_the_profile_knows_its_slope_and_its_smallest_value() -> None:
     np.testing.assert_allclose(profile.lobe_slope(angle), central, atol=1e-8)
     fine = profile.value(np.linspace(0.0, 2.0 * np.pi, 1_000_000)).min()
     assert profile.smallest == pytest.approx(fine, abs=1e-6)
-
-
-def test_lobes_are_written_and_read_back() -> None:
-    case = lobed(40, {"lobes": 2, "amplitude": "0.3 mm", "phase": "30 deg"})
-    [row] = case.casing.clearance_lobes
-    assert (row.lobes, row.amplitude) == (2, 3e-4)
-    assert row.phase == pytest.approx(np.pi / 6, rel=1e-15)
-    assert loads(dumps_case(case)) == case
 
 
 def test_a_tip_that_starts_inside_a_lobe_is_a_fault() -> None:

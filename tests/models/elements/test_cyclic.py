@@ -227,13 +227,3 @@ def test_phases_of_pairs_are_set_by_the_tip_of_blade_0() -> None:
     scale = np.abs(modes.shapes).max(axis=0)
     np.testing.assert_allclose(radial[sine] / scale[sine], 0.0, atol=1e-9)
     np.testing.assert_allclose(tangential[pairs] / scale[pairs], 0.0, atol=1e-9)
-
-
-@pytest.mark.parametrize("count", [1, 2, 7, 20])
-def test_a_pair_is_never_cut(count: int) -> None:
-    disk = bladed_disk(blades=7, elements=2)
-    modes, everything = disk_modes(disk, count), disk_modes(disk)
-    assert count <= modes.count <= count + 1
-    np.testing.assert_allclose(modes.frequency, everything.frequency[: modes.count], rtol=1e-9)
-    paired = modes.nodal_diameter[modes.column > 0]
-    assert all(np.count_nonzero(paired == k) % 2 == 0 for k in paired)

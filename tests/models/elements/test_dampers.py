@@ -16,16 +16,12 @@ from contact_cases import (
     small_rotor,
     wall,
 )
-from places import EXAMPLES
 from stages import CASING_REFERENCE, SMALL, observed_order, ring, ring_moved, stage, steel
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.file import case_from, read_case
 from bladewhirl.models.elements.supports import spring, strut
 from bladewhirl.models.modal.modes import structure_modes
-from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem
-from bladewhirl.models.stage.stage import build_stage
 
 
 def damped(seed: int, rotor: int, casing: int, *, friction: float = 0.05) -> ContactProblem:
@@ -129,27 +125,3 @@ def test_dampers_of_the_shaft_act_on_the_centre() -> None:
     rotor = stage(*SMALL, *dampers).rotor
     np.testing.assert_allclose(rotor.dampers, np.array([[20.0], [10.0]]) * rotor.centre)
     assert not stage(*SMALL, *dampers, "shaft.clamped=true").rotor.dampers.any()
-
-
-def test_the_example_loses_energy_in_its_dampers() -> None:
-    built = build_stage(read_case(EXAMPLES / "damped_supports.toml"))
-    given = contact_problem(built)
-    assert len(given.rotor.dampers) == 2
-    assert len(given.casing.dampers) == 9
-    without = replace(
-        given,
-        rotor=replace(given.rotor, dampers=given.rotor.dampers[:0]),
-        casing=replace(given.casing, dampers=given.casing.dampers[:0]),
-    )
-    state, chunk, _ = run(given, 1e-6, 20_000, every=100)
-    _, free, _ = run(without, 1e-6, 20_000, every=100)
-    assert state.statistics.contact_steps > 100
-    assert ledger_residual(chunk) < 1e-8
-    assert chunk.damping_work[-1] > 2.0 * free.damping_work[-1]
-    assert built.arrays.support_radial_damping.max() > 0.0
-
-
-def test_a_damper_alone_is_a_support() -> None:
-    row = {"angle": 1.0, "radial_damping": "2 kN s/m"}
-    (given,) = case_from({"casing": {"springs": [row]}}).casing.springs
-    assert given.radial_damping == 2000.0

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pickle
 import re
 import shutil
-import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -392,18 +391,6 @@ def test_other_keys_beside_a_mesh_are_refused(tmp_path: Path) -> None:
     assert fault(read_case, path) == f"{path}: {expected}"
 
 
-def test_rows_of_tips_are_counted_by_the_mesh() -> None:
-    rows = [[0.0, 0.0]] * 11
-    line = fault(with_values, read_case(EXAMPLE), {"initial.tip_velocity": rows})
-    assert "expected 12 rows, one a blade, not 11" in line
-
-
-def test_a_long_path_ends_in_the_name_of_the_file(tmp_path: Path) -> None:
-    line = fault(from_file, tmp_path / ("folder" * 10) / "a.vtu")
-    assert line.startswith('bladed_disk.mesh.file = "...')
-    assert line.endswith('/a.vtu": expected a readable file (No such file or directory)')
-
-
 def test_what_a_file_says_of_some_lines_is_completed_by_the_material(tmp_path: Path) -> None:
     lines = grouped_lines(papers())
     modulus = np.where(np.arange(len(lines.lines)) < 220, 7e10, np.nan)
@@ -430,15 +417,6 @@ def test_the_template_shows_a_mapping_on_one_line(tmp_path: Path) -> None:
     mesh = loads(f"[bladed_disk]\n{line}", file=f"{tmp_path}/case.toml").bladed_disk.mesh
     assert mesh is not None
     assert (mesh.metres, [*mesh.sections]) == (1e-3, ["blades"])
-
-
-def test_the_document_shows_the_example() -> None:
-    text = (EXAMPLES.parent / "docs" / "meshes.md").read_text(encoding="utf-8")
-    [shown] = re.findall(r"^```toml\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
-    example = tomllib.loads(EXAMPLE.read_text(encoding="utf-8"))
-    assert tomllib.loads(shown)["bladed_disk"] == example["bladed_disk"]
-    [code] = re.findall(r"^```python\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
-    exec(compile(code.replace("examples/", f"{EXAMPLES}/"), "meshes.md", "exec"))
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".msh", ".inp"])

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg as la
-from faults import fault, faults
+from faults import faults
 from scipy.optimize import brentq
 from stages import beam, bladed_disk, clamped, natural_frequencies, steel, translation
 
@@ -45,11 +45,6 @@ def test_the_stage_of_the_paper_reads_like_a_sketch() -> None:
     np.testing.assert_array_equal(drawn.mesh.lines, known.mesh.lines)
     assert abs(drawn.structure.stiffness - known.structure.stiffness).max() == 0.0
     assert repr(drawn.model) == "<BeamModel: 243 nodes, 264 lines, 22 tips, 110.3 kg>"
-
-
-def test_a_case_of_a_sketch_is_named_by_it_unless_it_has_a_title() -> None:
-    assert star(5).case().title == "Sketch of 5 sectors"
-    assert star(5).case(title="Star").title == "Star"
 
 
 def test_a_case_holds_a_sketch_in_full() -> None:
@@ -295,16 +290,6 @@ def test_faults_name_the_part(spoil: Callable[[Sketch], object], message: str) -
         sketch.build()
 
     assert re.search(message, "\n".join(faults(build)))
-
-
-def test_one_node_is_the_centre() -> None:
-    sketch = Sketch(5)
-    sketch.node("centre", 0.0, 0.0, shared=True)
-    sketch.node("tip", 0.5)
-    sketch.member("blades", "centre", "tip", steel(0.01))
-    sketch.set("centre", "tip")
-    sketch.set("tips", "tip")
-    assert 'expected one node in the set "centre", not 5' in fault(sketch.build)
 
 
 def test_sectors_of_two_blades_are_found_to_be_two_sectors() -> None:

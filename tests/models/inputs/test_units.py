@@ -53,11 +53,6 @@ def test_what_is_read_without_pint_is_what_pint_reads(
     assert quick == [to_si(text, unit) for text in texts]
 
 
-def test_prefixes_are_exact() -> None:
-    assert to_si("210 GPa", "Pa") == 2.1e11
-    assert to_si("0.1 mm", "m") == 1e-4
-
-
 @pytest.mark.parametrize(
     ("text", "reason"),
     [

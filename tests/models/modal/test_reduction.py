@@ -75,16 +75,6 @@ def test_keeping_every_mode_changes_nothing() -> None:
     np.testing.assert_allclose(modes.shapes @ coordinates, field, atol=1e-9)
 
 
-def test_few_modes_of_many_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Found by iteration where the inside is large, without sectors."""
-    disk = bladed_disk(blades=5, elements=6)
-    expected = reduce(disk, 9, dense=True)
-    monkeypatch.setattr("bladewhirl.models.modal.reduction.DENSE_LIMIT", 20)
-    found = reduce(disk, 9, dense=True)
-    assert found.kept == expected.kept
-    np.testing.assert_allclose(found.modes.frequency, expected.modes.frequency, rtol=1e-9)
-
-
 def test_reduced_modes_are_normal_in_the_full_matrices() -> None:
     disk = bladed_disk()
     modes = reduce(disk, 110).modes

@@ -69,15 +69,6 @@ def test_the_reduction_at_speed(ratio: float) -> None:
     assert stage.reference_frequency / (2 * np.pi) == pytest.approx(THIN["reference_hz"], rel=1e-8)
 
 
-def test_the_answer_to_a_steady_force_is_that_of_the_full_model() -> None:
-    rotor = build_stage(turning()).rotor
-    for ratio, centre, tip in THIN["steady_per_newton"]:
-        if ratio == 1.05:
-            answer = rotor.centre[0] / rotor.frequency**2
-            assert rotor.centre[0] @ answer == pytest.approx(centre, rel=1e-8)
-            assert np.abs(rotor.tip_radial @ answer).max() == pytest.approx(tip, rel=1e-8)
-
-
 def test_a_cold_clearance_is_what_growth_leaves() -> None:
     hot, cold = (
         build_stage(turning(rotation={"effects": "centrifugal", "clearance": state}))

@@ -242,15 +242,6 @@ def test_the_other_sense_of_rotation_mirrors_all_waves() -> None:
         np.testing.assert_allclose(one.frequency[ours], other.frequency[theirs], rtol=1e-9)
 
 
-def test_a_turn_by_one_pitch_changes_nothing() -> None:
-    structure = rotation_matrices(assembled(fan())).at_speed(250.0, "full")
-    assert structure.layout is not None
-    assert structure.gyroscopic is not None
-    assert structure.layout.is_symmetry_of(structure.stiffness, structure.mass)
-    turn, skew = structure.layout.turn(), structure.gyroscopic
-    assert abs(turn @ skew @ turn.T - skew).max() < 1e-12 * abs(skew).max()
-
-
 @pytest.mark.parametrize("omega", [200.0, 300.0, -800.0])
 def test_internal_damping_feeds_whirl_until_bearings_hold_it(omega: float) -> None:
     """Waves by nodal diameter against real matrices of all sectors."""

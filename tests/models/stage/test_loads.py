@@ -235,8 +235,3 @@ def test_initial_values_are_met_by_the_static_shape(clamped: bool) -> None:
     )
     field = given.reduction.modes.shapes @ start.rotor
     np.testing.assert_allclose(field[inside], expected, atol=1e-7 * abs(expected).max())
-
-
-def test_without_initial_values_a_march_starts_at_rest() -> None:
-    start = initial_state(on_support())
-    assert not any(x.any() for x in (start.rotor, start.rotor_velocity))

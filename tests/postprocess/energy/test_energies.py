@@ -60,15 +60,6 @@ def lines(figure: Figure) -> dict[str, str]:
 
 
 class TestPlotEnergy:
-    def test_terms_are_labelled_in_colours_of_fixed_meaning(self) -> None:
-        drawn = lines(plot_energy(strain_energies(synthetic.synthetic_result())))
-        assert drawn == {
-            "total": "#000000",
-            "suspension": "#009e73",
-            "1F, k = 1": "#d55e00",
-            "rest": "#aaaaaa",
-        }
-
     def test_nodal_diameters_from_two_up_are_one_line(self) -> None:
         result = synthetic.synthetic_result(records=5)
         result["rotor_family"] = "rotor_mode", np.array(["1F"] * 5, dtype=object)
@@ -96,8 +87,3 @@ class TestPlotEnergy:
         assert len(drawn) == 35  # 35.8 periods
         np.testing.assert_allclose(drawn, 0.25 * (75.0 * 1e-3) ** 2, rtol=0.05)
         assert "means over 85.7 ms" in figure.get_suptitle()
-
-    def test_nothing_strained_draws_an_empty_figure(self) -> None:
-        result = synthetic.synthetic_result(records=2)
-        result["rotor_displacement"] = 0.0 * result["rotor_displacement"]
-        assert not lines(plot_energy(strain_energies(result)))

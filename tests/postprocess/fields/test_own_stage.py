@@ -18,34 +18,12 @@ from bladewhirl.models.case.file import read_case
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.sections.materials import Material
 from bladewhirl.models.sections.rectangular import Section
-from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.fields.result import open_result
-from bladewhirl.postprocess.run.summary import summarise
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 
 STEEL = Material()
-
-
-def propeller() -> Sketch:
-    """Four swept blades on arms, each with a rigid horn and a mass on it, joined by springs."""
-    arm = Section(width=0.08, thickness=0.03, material=STEEL)
-    root = Section(width=0.08, thickness=0.012, material=STEEL)
-    tip = Section(width=0.05, thickness=0.006, material=STEEL)
-    sketch = Sketch(sectors=4)
-    sketch.node("hub", 0.0, 0.0, shared=True)
-    sketch.node("root", "80 mm", "-20 mm")
-    sketch.node("horn", "110 mm", "10 mm")
-    sketch.node("tip", "400 mm")
-    sketch.member("arms", "hub", "root", arm)
-    sketch.member("blades", "root", "tip", [root, tip], elements=6, path=[(0.25, -0.03)])
-    sketch.link("root", "horn")
-    sketch.mass("horn", "300 g", inertia="2 kg cm2")
-    sketch.spring("root", "root+1", radial="2 MN/m", tangential="2 MN/m")
-    sketch.set("centre", "hub")
-    sketch.set("tips", "tip")
-    return sketch
 
 
 def case(sketch: Sketch) -> Case:
@@ -56,58 +34,6 @@ def case(sketch: Sketch) -> Case:
         excitation={"type": "imbalance", "unbalance": "50 g m", "ramp": 0.0},
         march={"speed": "3000 rpm", "duration": "2 ms"},
     )
-
-
-def test_march_in_a_few_lines() -> None:
-    result, report = march_in_memory(prepare(case(propeller())))
-    summary = summarise(result, report)
-    assert result.attrs["end_reason"] == "completed"
-    assert result.attrs["symmetry"].startswith("bladed disk: 4 equal sectors: cyclic path")
-    assert set(result["rotor_part"].values) == {"arms", "blades"}
-    assert summary.energy_residual < 1e-8
-    assert summary.shaft_radius_max > 1e-7
-
-
-def test_the_same_stage_with_every_sector_drawn_out() -> None:
-    """One sector turned four times, and all four drawn as if nothing were known of them."""
-    tuned = propeller()
-    found = build_stage(case(tuned))
-    table = tuned.table
-    whole = Sketch()
-    whole.node("hub", 0.0, shared=True)
-    for n in range(4):
-        cos, sin = np.round([np.cos(n * np.pi / 2), np.sin(n * np.pi / 2)])
-        for node in table.nodes[1:]:
-            x, y = node.at
-            whole.node(f"{node.name} {n}", cos * x - sin * y, sin * x + cos * y)
-    for n in range(4):
-        cos, sin = np.round([np.cos(n * np.pi / 2), np.sin(n * np.pi / 2)])
-        arms, blades = table.members
-        assert arms.section is not None
-        whole.member(f"arm {n}", "hub", f"root {n}", arms.section)
-        [(x, y)] = blades.path
-        whole.member(
-            *(f"blade {n}", f"root {n}", f"tip {n}", blades.stations),
-            elements=6,
-            path=[(cos * x - sin * y, sin * x + cos * y)],
-        )
-        whole.link(f"root {n}", f"horn {n}")
-        whole.mass(f"horn {n}", "300 g", inertia="2 kg cm2")
-        whole.spring(f"root {n}", f"root {(n + 1) % 4}", radial="2 MN/m", tangential="2 MN/m")
-    whole.set("centre", "hub")
-    whole.set("tips", *(f"tip {n}" for n in range(4)))
-    drawn = build_stage(case(whole))
-    assert drawn.symmetry["bladed_disk"] == "4 equal sectors: cyclic path"
-    np.testing.assert_allclose(
-        drawn.reduction.modes.frequency, found.reduction.modes.frequency, rtol=1e-9
-    )
-    whole.change(0, "blade 1", stiffness=1.01)
-    unlike = build_stage(case(whole))
-    assert unlike.symmetry["bladed_disk"] == "4 sectors that differ: dense path"
-    whole.mass("tip 2", 1e-3)
-    whole.move(0, "horn 3", 0.0, -0.12)
-    assert build_stage(case(whole)).symmetry["bladed_disk"] == "no sectors: dense path"
-    assert drawn.disk.model.mass == pytest.approx(found.disk.model.mass, rel=1e-12)
 
 
 @pytest.mark.usefixtures("pictures_unsaved")

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from itertools import pairwise
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -13,7 +11,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from numpy.typing import NDArray
-from PIL import Image, ImageSequence
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
@@ -23,7 +20,6 @@ from bladewhirl.models.modal.labels import Body
 from bladewhirl.postprocess.fields.kinematics import casing_rows, combine, rotate, turn
 from bladewhirl.postprocess.modal.campbell import drawn_part, plot_campbell
 from bladewhirl.postprocess.modal.mode_shapes import (
-    animate_mode,
     mode_title,
     plot_mode_shapes,
     plot_travelling_wave,
@@ -179,18 +175,6 @@ def test_a_single_mode_does_not_travel() -> None:
         moving("bladed-disk", "1F", 0, "forward")
 
 
-def test_films_loop_and_move(tmp_path: Path) -> None:
-    data = moving("casing", "1F", 2, "forward")
-    with Image.open(animate_mode(data, "casing", tmp_path / "mode.gif")) as film:
-        pictures = [np.asarray(one.convert("RGB")) for one in ImageSequence.Iterator(film)]
-    assert len(pictures) == PICTURES
-    assert all((one != other).any() for one, other in pairwise(pictures))
-    # After a period comes the first again: the last picture is as near to it as neighbours are.
-    step = np.abs(pictures[1].astype(float) - pictures[0]).mean()
-    assert np.abs(pictures[-1].astype(float) - pictures[0]).mean() < 1.5 * step
-    assert [path.name for path in tmp_path.iterdir()] == ["mode.gif"]
-
-
 def shapes(body: Body) -> xr.Dataset:
     own = stage()
     modes, ks = (
@@ -204,15 +188,9 @@ def shapes(body: Body) -> xr.Dataset:
     return shapes_dataset(own, body, np.array([modes.find("1F", k)[0] for k in ks]))
 
 
-def test_the_centre_is_said_to_move_with_one_nodal_diameter_only() -> None:
-    figure = plot_mode_shapes(shapes("bladed-disk"), "bladed-disk")
-    moves = [text.get_text().splitlines()[2] for axes in figure.axes for text in axes.texts]
-    assert [text == "centre at rest" for text in moves] == [True, False, True, True]
-
-
 @cache
 def diagrams() -> xr.Dataset:
-    return veering(stage(), families=4, stiffnesses=np.geomspace(1e5, 1e9, 20))
+    return veering(stage(), families=4, stiffnesses=np.geomspace(1e5, 1e9, 10))
 
 
 @pytest.mark.parametrize("frame", ["rotating", "static"])
@@ -245,27 +223,22 @@ def figures() -> dict[str, Figure]:
     ).assign_attrs(case="a case")
     return {
         "shapes": plot_mode_shapes(shapes("bladed-disk"), "bladed-disk"),
-        "casing": plot_mode_shapes(shapes("casing"), "casing"),
         "families": plot_families(diagrams()),
-        "close-up": plot_families(diagrams(), 2),
         "shaft": plot_shaft_veering(diagrams()),
         "rotating": plot_campbell(campbell(own), "rotating"),
-        "static": plot_campbell(campbell(own), "static"),
         "scenario": plot_scenario(whirl),
     }
 
 
 @pytest.mark.parametrize(
     "name",
-    ["shapes", "casing", "families", "close-up", "shaft", "rotating", "static", "scenario"],
+    ["shapes", "families", "shaft", "rotating", "scenario"],
 )
 def test_figures_are_as_wide_as_a_column_or_a_page_with_legible_text_inside(name: str) -> None:
     figure = figures()[name]
     figure.draw_without_rendering()
     width, height = figure.get_size_inches()
-    assert width * 0.0254 == pytest.approx(
-        0.08 if name in ("families", "close-up", "shaft") else 0.17
-    )
+    assert width * 0.0254 == pytest.approx(0.08 if name in ("families", "shaft") else 0.17)
     shown = [
         text
         for text in figure.findobj(Text)

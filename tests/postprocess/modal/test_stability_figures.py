@@ -9,13 +9,13 @@ from typing import Any, cast
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.collections import PolyCollection, QuadMesh
+from matplotlib.collections import QuadMesh
 from synthetic_result import synthetic_result
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.coupling.springs import CouplingModes, paper_modes
 from bladewhirl.models.coupling.stage_modes import StageModes
-from bladewhirl.postprocess.modal.coupled_modes import plot_orbits, plot_phases, plot_shapes
+from bladewhirl.postprocess.modal.coupled_modes import plot_orbits, plot_phases
 from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum, plot_truncation
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.solvers.stability.coupled_modes import CoupledMotion
@@ -89,12 +89,6 @@ def test_chart_draws_its_zones_up_from_the_coincidence_speeds() -> None:
     assert set(data["zone_rotor"].values) == {"1F", "suspension"}
 
 
-def test_chart_without_an_unstable_point_can_be_drawn() -> None:
-    data = chart(six_modes(), low=1.5, high=2.0)
-    plot_chart(data).draw_without_rendering()
-    assert data.sizes["zone"] == 0
-
-
 def test_spectrum_shows_three_types_of_modes() -> None:
     data = spectrum_along(system(six_modes()), np.array([0.6, 3.0]) * UNIT, 500.0)
     figure = plot_spectrum(data)
@@ -144,19 +138,3 @@ def test_orbits_are_named_as_measured() -> None:
     drawn = np.asarray(figure.axes[0].lines[0].get_xydata(), dtype=np.float64)
     assert drawn == pytest.approx(1e6 * orbit["rotating"].values)
     assert len(figure.axes[0].texts) == 8  # arrows
-
-
-def test_shapes_differ_from_record_to_record() -> None:
-    result = synthetic_result()
-    figure = plot_shapes(result, np.array([0, 20, 40]))
-    panels = figure.axes[:3]
-    assert [axes.get_title() for axes in panels] == ["0 ms", "20 ms", "40 ms"]
-    rotors = [axes.collections[1] for axes in panels]
-    corners = [
-        np.array([path.vertices for path in rotor.get_paths()], dtype=np.float64)
-        for rotor in rotors
-        if isinstance(rotor, PolyCollection)
-    ]
-    assert len(corners) == 3
-    for one, other in ((0, 1), (1, 2), (0, 2)):
-        assert np.abs(corners[one] - corners[other]).max() > 1e-3

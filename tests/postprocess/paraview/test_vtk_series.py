@@ -20,7 +20,6 @@ from bladewhirl.postprocess.paraview.series import export_vtk
 from bladewhirl.postprocess.pictures.drawing import Drawing, Frame
 
 PARTS = ("rotor", "casing", "contact", "supports")
-SINGLE = 3e-8  # half a digit of a place in single precision [m]
 
 
 @pytest.fixture(scope="module")

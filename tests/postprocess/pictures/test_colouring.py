@@ -90,16 +90,6 @@ def test_every_blade_has_the_gap_of_its_tip() -> None:
     assert np.isnan(colours.casing).all()
 
 
-def test_parts_have_colours_of_their_own() -> None:
-    colours = coloured(still(), "part")
-    assert colours.parts is not None
-    assert list(colours.parts) == ["spokes", "rim", "blades", "casing"]
-    assert len({*colours.parts.values()}) == 4
-    assert colours.colour_map == list(colours.parts.values())
-    assert np.unique(colours.rotor).tolist() == [0, 1, 2]
-    assert np.unique(colours.casing).tolist() == [3]
-
-
 def test_unknown_fields_are_refused() -> None:
     with pytest.raises(
         ViewError, match="colour must be one of displacement, deformation, velocity"

@@ -11,7 +11,6 @@ from bladewhirl.postprocess.run.blade_contact import (
     contact_classes,
     contact_maps,
     contact_span,
-    plot_contact_classes,
     plot_forces,
     plot_gaps,
 )
@@ -40,13 +39,6 @@ class TestClasses:
         expected = ["permanent", "intermittent", "intermittent", *["free"] * 19]
         assert classes.contact_class.values.tolist() == expected
         np.testing.assert_allclose(classes.share[:4], [1.0, 0.5, 1e-5, 0.0], rtol=1e-12)
-
-    def test_the_figure_counts_the_classes(self) -> None:
-        steps = np.zeros((11, 22), dtype=np.int64)
-        steps[1:, :3], steps[1:, 3] = STEPS, 100
-        (legend,) = plot_contact_classes(contact_classes(rubbing(steps))).legends
-        texts = [text.get_text() for text in legend.get_texts()]
-        assert texts == ["permanent: 3", "intermittent: 1", "free: 18"]
 
 
 class TestMaps:
@@ -144,18 +136,6 @@ class TestPhase:
         for name in ("smallest_clearance_phase", "shaft_lead"):
             assert np.isnan(phases[name][:5]).all()
             assert phases[name][5:].notnull().all()
-
-    @pytest.mark.parametrize(("records", "turns"), [(4001, 6.4), (16001, 12.0)])
-    def test_both_axes_show_the_last_turns_that_can_be_followed(
-        self, records: int, turns: float
-    ) -> None:
-        result = self.pressed(0.0, records=records)  # 80 rad/s less 70 in static axes
-        upper, lower = plot_contact_phase(contact_phase(result)).axes
-        assert upper.get_ylabel() == "phase in the\nstatic frame [°]"
-        for axes in (upper, lower):
-            drawn = np.asarray(axes.lines[0].get_xdata())
-            assert np.ptp(drawn) == pytest.approx(turns * 2 * np.pi / 10, rel=0.01)
-            assert drawn[-1] == pytest.approx(result.time.values[-1], abs=0.02)
 
 
 @pytest.mark.parametrize(

@@ -39,15 +39,6 @@ def test_at_rest_a_blade_rubs_its_own_sector() -> None:
     np.testing.assert_allclose(share, [0.5, *[0.0] * 21], rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("speed", "label"), [(200.0, "revolutions of the rotor"), (0.0, "time [s]")]
-)
-def test_the_figure_is_over_revolutions_or_time(speed: float, label: str) -> None:
-    axes = plot_casing_contact(casing_contact(rubbing_blade(speed))).axes[0]
-    assert axes.get_xlabel() == label
-    assert np.ptp(axes.get_ylim()) == pytest.approx(360.0)
-
-
 def test_the_last_revolutions_of_a_long_run_are_drawn_apart() -> None:
     long = synthetic.synthetic_result(speed=200.0, records=601)  # 19 revolutions
     contact = with_last_turns(casing_contact(long), long)

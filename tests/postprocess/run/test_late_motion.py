@@ -10,8 +10,6 @@ import xarray as xr
 from bladewhirl.postprocess.run.late_motion import late_motion, radius_peaks
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 
-WHIRL = -70.0 / (2 * np.pi)  # Hz in rotating axes, counter-clockwise
-
 
 def of(result: xr.Dataset) -> xr.Dataset:
     return late_motion(result, shaft_orbit(result))

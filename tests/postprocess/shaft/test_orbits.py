@@ -1,6 +1,5 @@
 """The shaft's orbit against circles and lines in closed form."""
 
-import matplotlib.patches
 import numpy as np
 import pytest
 import synthetic_result as synthetic
@@ -26,14 +25,6 @@ def moved(x: Array, y: Array, x_dot: Array, y_dot: Array) -> xr.Dataset:
         motion[:, :2] = np.column_stack(columns)
         result[f"rotor_{name}"] = ("time", "rotor_mode"), motion
     return result
-
-
-def line(direction: float, records: int = 401) -> xr.Dataset:
-    """A standing vibration of the centre along one direction of the rotating axes."""
-    turn = 100.0 * synthetic.RECORD_STEP * np.arange(records)
-    c, s = np.cos(direction), np.sin(direction)
-    rate = -100.0 * RADIUS * np.sin(turn)
-    return moved(RADIUS * np.cos(turn) * c, RADIUS * np.cos(turn) * s, rate * c, rate * s)
 
 
 class TestShaftOrbit:
@@ -83,18 +74,6 @@ class TestPlotOrbit:
             assert axes.get_xlim() == axes.get_ylim() == pytest.approx((-1.1, 1.1))
         assert "backward, 11.1 Hz" in rotating.get_title()
         assert "forward, 1.59 Hz" in static.get_title()
-
-    def test_axes_fit_a_tiny_orbit_and_tell_the_clearance(self) -> None:
-        figure = self.figure(shaft_radius=1e-6)
-        assert figure.axes[0].get_xlabel() == "x [µm]"
-        assert figure.axes[0].get_xlim()[1] == pytest.approx(1.1, rel=1e-3)
-        assert not figure.axes[0].patches
-        assert figure.get_suptitle().endswith("clearance 1 mm")
-
-    def test_the_clearance_is_a_circle(self) -> None:
-        for axes in self.figure().axes[:2]:
-            (circle,) = [p for p in axes.patches if isinstance(p, matplotlib.patches.Circle)]
-            assert circle.radius == pytest.approx(1e3 * synthetic.CLEARANCE)
 
     def test_arrows_point_the_way_the_shaft_goes(self) -> None:
         for axes, sense in zip(self.figure().axes[:2], (-1.0, 1.0), strict=True):

@@ -19,7 +19,6 @@ from contact_cases import (
     stage_problem,
     thrown,
     wall,
-    without_symmetry,
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -51,34 +50,6 @@ def test_every_step_is_the_one_plain_numpy_takes(
         seed, tips=tips, nodes=nodes, sliding=sliding, speed=speed, tip_rotation=tip_rotation
     )
     assert_same(run(given, dt, steps)[1], run_reference(given, dt, steps))
-
-
-STAGES = pytest.mark.parametrize(
-    ("blades", "elements"), [(22, 40), (21, 41), (5, 8)], ids=["22 in 40", "21 in 41", "5 in 8"]
-)
-
-
-@STAGES
-@pytest.mark.parametrize(
-    ("sliding", "tip_rotation", "slower"),
-    [("permanent", False, 1.0), ("signed", True, -0.003)],
-)
-def test_paths_by_harmonics_and_by_dense_products_agree(
-    blades: int, elements: int, sliding: Sliding, tip_rotation: bool, slower: float
-) -> None:
-    """Also with one body of each kind; even and odd numbers fold differently."""
-    base = thrown(stage_problem(blades, elements), 2.0, spread=0.5)
-    given = replace(base, sliding=sliding, tip_rotation=tip_rotation, speed=slower * base.speed)
-    dt, steps = min(1e-6, 0.5 * given.critical_time_step), 1500
-    state, chunk, _ = run(given, dt, steps)
-    assert chunk.contacts.max() > 1
-    assert state.statistics.contact_steps > 500
-    for rotor, casing in ((True, True), (True, False), (False, True)):
-        bare = without_symmetry(given, rotor=rotor, casing=casing)
-        other_state, other, _ = run(bare, dt, steps)
-        assert_same(chunk, other, 2e-10)
-        np.testing.assert_array_equal(chunk.contact_steps, other.contact_steps)
-        assert state.statistics.contact_steps == other_state.statistics.contact_steps
 
 
 def test_columns_that_the_displacements_do_not_follow_are_refused() -> None:

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
-import sys
 from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path
@@ -15,7 +11,6 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from places import ROOT
 from synthetic_result import synthetic_result
 
 from bladewhirl.models.case.case import Case
@@ -183,46 +178,3 @@ def test_the_size_of_a_result_is_foretold(
 def test_a_file_that_cannot_be_made_is_an_os_error(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="nowhere"):
         Recorder(tmp_path / "nowhere" / "result.nc", small_stage(), ATTRIBUTES)
-
-
-ENDLESS = """
-import sys
-from itertools import count
-from test_recorder import ATTRIBUTES, made_up, small_stage
-from bladewhirl.solvers.march.recorder import Recorder
-
-stage = small_stage()
-with Recorder(sys.argv[1], stage, ATTRIBUTES) as recorder:
-    for number in count():
-        recorder.write(made_up(stage, 5 * number, 5))
-        print(recorder.records, flush=True)
-"""
-
-
-def test_a_killed_run_is_readable_to_the_last_flush(tmp_path: Path) -> None:
-    told = 20
-    path = tmp_path / "result.nc"
-    # The test's own modules come before what the environment names, and don't replace it.
-    here = [str(Path(__file__).parent), str(ROOT / "tests" / "support")]
-    paths = [*here, *filter(None, [os.environ.get("PYTHONPATH")])]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
-    with subprocess.Popen(
-        [sys.executable, "-c", ENDLESS, str(path)],
-        stdout=subprocess.PIPE,
-        text=True,
-        env=environment,
-    ) as process:
-        assert process.stdout is not None
-        flushed = [int(process.stdout.readline()) for _ in range(told)][-1]
-        process.send_signal(signal.SIGKILL)
-    assert process.returncode == -signal.SIGKILL
-    with h5py.File(path) as file:  # opens without repair
-        assert "rotor_displacement" in file
-    with xr.open_dataset(path) as found:
-        assert found.sizes["time"] >= flushed == 5 * told
-        assert found.attrs["end_reason"] == "unfinished"
-        kept = made_up(small_stage(), 0, flushed)
-        assert found.attrs["steps"] >= kept.step[-1]
-        for name in HISTORY:
-            values = found[name].values[:flushed]
-            np.testing.assert_array_equal(values, getattr(kept, name))

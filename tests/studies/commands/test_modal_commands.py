@@ -16,7 +16,6 @@ from matplotlib.figure import Figure
 from PIL import Image
 from places import EXAMPLES
 from report_pages import Parsed
-from stages import oracle
 from typer.testing import CliRunner, Result
 
 from bladewhirl.files import MANIFEST_NAME, listed
@@ -27,7 +26,6 @@ from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.modal import campbell as modal_campbell
 from bladewhirl.studies.modal import veering as modal_veering
 
-LITERATURE = ("--set", "bladed_disk.disk.thickness=0.01")
 SMALL = ("--set", "bladed_disk.blades=5", "--set", "bladed_disk.elements_per_blade=2")
 
 
@@ -54,47 +52,12 @@ def document(command: str, *arguments: str) -> dict[str, Any]:
     return content
 
 
-def test_modes_of_the_literature_stage_equal_an_independent_program() -> None:
-    content = document("modes", *LITERATURE, "--count", "92")
-    assert list(content) == ["bladed_disk", "bladed_disk_free", "bladed_disk_clamped", "casing"]
-    assert content["bladed_disk"] == content["bladed_disk_free"]
-    for name in ("free", "clamped"):
-        expected = oracle("disk_modes")[name]
-        modes = content[f"bladed_disk_{name}"]
-        assert len(modes) == 92
-        assert all(
-            set(mode) >= {"frequency_hz", "normalised", "nodal_diameter", "family", "purity"}
-            for mode in modes
-        )
-        frequency = [mode["frequency_hz"] for mode in modes]
-        np.testing.assert_allclose(frequency, expected["frequency_hz"], rtol=1e-8)
-        assert [mode["nodal_diameter"] for mode in modes] == expected["nodal_diameter"]
-        assert [mode["family"] for mode in modes] == expected["family"]
-        lowest = oracle("disk_modes")["free"]["frequency_hz"][0]
-        np.testing.assert_allclose(
-            [mode["normalised"] for mode in modes], np.array(frequency) / lowest, rtol=1e-8
-        )
-        assert {mode["purity"] for mode in modes} == {1.0}
-    casing = [mode["frequency_hz"] for mode in content["casing"]]
-    assert len(casing) == 92
-    assert casing == sorted(casing)
-    assert [mode["family"] for mode in content["casing"][:3]] == ["rigid", "rigid", "1F"]
-
-
 def test_a_clamped_case_lists_its_own_modes_first_and_stays_normalised() -> None:
     free, clamped = document("modes"), document("modes", "--set", "shaft.clamped=true")
     assert clamped["bladed_disk"] == free["bladed_disk_clamped"]
     assert clamped["bladed_disk_free"] == free["bladed_disk"]
     assert len(free["bladed_disk"]) == 60
     assert all(mode["family"] != "suspension" for mode in clamped["bladed_disk"])
-
-
-def test_the_table_lists_both_bodies(case: Path) -> None:
-    result = run("modes", case, "--count", "24")
-    assert result.exit_code == 0
-    rows = [line.split() for line in result.stdout.splitlines()]
-    assert ["2.52666", "suspension"] in [sorted([row[4], row[1]]) for row in rows if len(row) == 7]
-    assert ["Casing"] in rows
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
@@ -143,27 +106,6 @@ def test_waves_at_speed_are_pictured_as_they_travel(case: Path, tmp_path: Path) 
     assert refused.exit_code == 2
     expected = "expected backward or forward, the only waves of 1F:1"
     assert refused.stderr == f"--wave standing: {expected}\n"
-
-
-@pytest.mark.usefixtures("pictures_unsaved")
-def test_a_clamped_centre_has_neither_suspension_nor_contact_scenario(
-    case: Path, tmp_path: Path
-) -> None:
-    folder = tmp_path / "clamped"
-    folder.mkdir()
-    clamped = (*SMALL, "--set", "shaft.clamped=true")
-    result = run("modes", case, *clamped, "-o", folder, "--overwrite", "--no-films", "--json")
-    assert result.exit_code == 0, result.stderr
-    assert json.loads(result.stdout)["bladed_disk"]
-    assert not list(folder.glob("*scenario*"))
-    assert (folder / "bladed-disk-shapes.png").is_file()
-
-
-@pytest.mark.parametrize("place", [".", "below"])
-def test_a_folder_that_cannot_be_made(case: Path, place: str) -> None:
-    result = run("modes", case, *SMALL, "-o", case / place, "--no-films")
-    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
-    assert "cannot be written" in result.stderr
 
 
 def test_every_nodal_diameter_and_family_has_its_speed() -> None:
@@ -231,11 +173,6 @@ def test_the_interactive_page_has_every_wave(case: Path, tmp_path: Path) -> None
     assert set(ways) <= {"backward", "forward", "standing"}
 
 
-def test_json_writes_nothing_unless_asked(case: Path, tmp_path: Path) -> None:
-    assert run("campbell", case, "--json").exit_code == 0
-    assert [path.name for path in tmp_path.iterdir()] == [case.name]
-
-
 def test_veering_diagrams(case: Path, saved: Figures) -> None:
     result = run("veering", case, *SMALL, "--families", "3", "--stiffnesses", "1e6:1e9")
     assert result.exit_code == 0, result.stderr
@@ -254,11 +191,6 @@ def test_veering_as_one_document() -> None:
         "frequency_hz": pytest.approx(content["reference_frequency_hz"]),
         "normalised": 1.0,
     }
-
-
-def test_veering_of_a_disk_with_fewer_families_than_asked_for(case: Path) -> None:
-    small = ("--set", "bladed_disk.blades=3", "--set", "bladed_disk.elements_per_blade=1")
-    assert run("veering", case, *small, "--json").exit_code == 0
 
 
 NO_SPEEDS = ': expected START:STOP, ends numbers or such as "2500 rpm"'

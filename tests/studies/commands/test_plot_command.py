@@ -51,6 +51,7 @@ def test_figures_come_with_their_data(directory: Path) -> None:
         assert peak == pytest.approx(-70.0, abs=5.0)
 
 
+@pytest.mark.usefixtures("pictures_unsaved")
 def test_a_window_and_a_folder(directory: Path, tmp_path: Path) -> None:
     result = plot(directory / "result.nc", "gaps", "orbit", "gaps", "--from", "0.1", "--to",
                   "200 ms", "-o", tmp_path / "figures")  # fmt: skip

@@ -82,11 +82,6 @@ def test_march_and_load(derived: Any) -> None:
     assert 8 * 30_001 * 600 < derived["result_bytes"] < 8 * 30_001 * 800
 
 
-def test_a_pair_of_fixed_interface_modes_is_not_cut(path: Path) -> None:
-    reduction = shown(path, "--set", "reduction.fixed_interface_modes=50")["derived"]["reduction"]
-    assert reduction["fixed_interface_modes"] == 51
-
-
 def test_the_distorted_mode_and_its_static_answer(path: Path) -> None:
     derived = shown(path, "--set", 'excitation={type="casing-distortion"}')["derived"]
     assert derived["imbalance"] is None

@@ -150,16 +150,6 @@ def test_damping_takes_energy_as_a_growing_circle_does(tmp_path: Path) -> None:
         assert balance == pytest.approx(energy - energy[0])
 
 
-def test_mode_of_more_nodal_diameters_leaves_the_shaft_alone(tmp_path: Path) -> None:
-    folder = tmp_path / "mode"
-    chosen = ["--speed", "0.85", "--kappa", "500", "--modes", "casing,1F", "--no-films"]
-    point = json.loads(run(*chosen, "-o", str(folder), "--json"))
-    assert point["coupled_mode"]["nodal_diameter"] == 2
-    assert not (folder / "orbit.png").exists()
-    with xr.open_dataset(folder / "mode.nc", engine="h5netcdf") as result:
-        assert set(result["rotor_nodal_diameter"].values) == {2}
-
-
 def test_stable_point_has_no_divergent_mode(tmp_path: Path) -> None:
     folder = tmp_path / "mode"
     result = RUNNER.invoke(

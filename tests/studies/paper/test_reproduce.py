@@ -5,8 +5,6 @@ from __future__ import annotations
 import importlib
 import json
 import re
-from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +18,6 @@ from typer.testing import CliRunner
 from bladewhirl.models.case.file import read_case, with_values
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.result import open_result
-from bladewhirl.postprocess.reports.page import page_html
 from bladewhirl.postprocess.run.measures import HOLDERS, Motion
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.paper.cases import CASES, changed
@@ -30,20 +27,16 @@ from bladewhirl.studies.paper.claim import (
     Check,
     Claim,
     Finding,
-    Measures,
     check,
 )
 from bladewhirl.studies.paper.claims_sweeps import done_points, middle_of_divergence
-from bladewhirl.studies.paper.figures import PAPER_FIGURES, draw_figures
+from bladewhirl.studies.paper.figures import PAPER_FIGURES
 from bladewhirl.studies.paper.judge import Plan, chosen_claims, reproduce_claims
-from bladewhirl.studies.paper.page import scorecard_page
-from bladewhirl.studies.paper.scorecard import Score, Scorecard, counted
+from bladewhirl.studies.paper.scorecard import Score, counted
 from bladewhirl.studies.paper.trials import (
     KAPPAS,
     SURVEYS,
     TRIALS,
-    Evidence,
-    NotTestableError,
     perturbed,
 )
 from bladewhirl.studies.sweeps.cache import RunStore, run_key
@@ -239,14 +232,6 @@ def test_critical_speeds_of_a_sweep() -> None:
     assert done_points(sweep)["march_speed"].values.tolist() == pytest.approx([1.2, 1.4, 1.6])
 
 
-def test_a_quick_sweep_is_coarser_in_speed_alone() -> None:
-    survey = SURVEYS["six modes, imbalance"]
-    full, quick = (survey.axes(coarse=coarse) for coarse in (False, True))
-    assert full["march.speed"] == [0.95, 1.3, 1.65, 2.0]
-    assert quick["march.speed"] == [0.95, 2.0]
-    assert quick["coupling.stiffness"] == full["coupling.stiffness"] == list(KAPPAS)
-
-
 @pytest.mark.parametrize(("second", "met"), [(1, False), (2, True)])
 def test_a_shift_has_to_be_larger_than_the_step_of_the_sweep(second: int, met: bool) -> None:
     """Each stiffness makes one speed diverge; the last is far from the others."""
@@ -255,17 +240,6 @@ def test_a_shift_has_to_be_larger_than_the_step_of_the_sweep(second: int, met: b
 
     finding = CLAIMS[36].finding(CLAIMS[36].measure(swept(divergent)))
     assert [check.met for check in finding.checks] == [met, True]
-
-
-def nothing(*_: object) -> Measures:
-    raise NotTestableError("no reason")
-
-
-def test_an_obstacle_becomes_a_finding() -> None:
-    claim = replace(CLAIMS[20], trials=(), measure=nothing)
-    finding = claim.judge(None)  # type: ignore[arg-type]
-    assert finding.verdict == "not testable"
-    assert finding.why == "no reason."
 
 
 def short_plan(claims: tuple[Claim, ...], repeats: int) -> Plan:
@@ -319,22 +293,6 @@ def test_every_cited_figure_has_its_panels() -> None:
         assert figure.panels
 
 
-def test_a_figure_that_cannot_be_had_says_why(tmp_path: Path) -> None:
-    """A stage that is stable at the paper's example point has no divergent mode."""
-    with Evidence(
-        directory=tmp_path,
-        store=RunStore(directory=tmp_path),
-        changes={"casing.support": 8e6},
-    ) as evidence:
-        (panel,) = draw_figures(evidence, ["13"], tmp_path / "figures")["13"]
-    assert not panel.picture
-    assert "no mode grows" in panel.obstacle
-    card = card_of(lambda: Finding(ours="<b>", checks=checks(True)))
-    page = page_html(scorecard_page(card, {"6": [panel]}))
-    assert "Not drawn: no mode grows" in page
-    assert "&lt;b&gt;" in page
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -351,10 +309,6 @@ def test_faults_end_in_one_line(arguments: list[str], message: str, tmp_path: Pa
     assert done.exit_code == 2
     assert message in done.stderr
     assert not (tmp_path / "out").exists()
-
-
-def card_of(make: Callable[[], Finding]) -> Scorecard:
-    return Scorecard(scores=(Score(claim=CLAIMS[1], findings=(make(),)),), conditions={})
 
 
 @pytest.mark.slow

@@ -182,4 +182,4 @@ def test_memory_of_a_plan_hardly_grows_with_its_points() -> None:
         return most
 
     peak(2)  # imports and what is kept from call to call
-    assert peak(200) - peak(20) < 500 * 200
+    assert peak(80) - peak(20) < 500 * 80
