@@ -124,15 +124,18 @@ class BladedDisk(Table):
         if self.elements_per_blade <= len(self.cut_radii):
             expected = f"at least {len(self.cut_radii) + 1}, for shrouds and masses along the blade"
             yield Inconsistency("elements_per_blade", expected, ("shrouds", "point_masses"))
-        yield from self._centre_line_faults()
-        yield from self._radius_faults()
-        yield from self._blade_faults()
-        yield from self.mistuning.faults(self.blades)
-
-    def _centre_line_faults(self) -> Iterator[Inconsistency]:
         spans = [0.0, *(point.span for point in self.centre_line)]
         if len(spans) > 1 and (spans[-1] != 1.0 or any(b <= a for a, b in pairwise(spans))):
-            yield Inconsistency("centre_line", "ascending spans that end with span = 1", ())
+            yield Inconsistency("centre_line", "ascending spans that end with span = 1")
+        yield from self._radius_faults()
+        for key, blades in (
+            *(("shrouds", shroud.cuts) for shroud in self.shrouds),
+            *(("point_masses", mass.blades or ()) for mass in self.point_masses),
+        ):
+            if max(blades, default=0) >= self.blades or len(set(blades)) < len(blades):
+                expected = f"blades from 0 to {self.blades - 1}, each once"
+                yield Inconsistency(key, expected, ("blades",))
+        yield from self.mistuning.faults(self.blades)
 
     def _radius_faults(self) -> Iterator[Inconsistency]:
         root, tip = self.disk_radius, self.tip_radius
@@ -167,16 +170,3 @@ class BladedDisk(Table):
         if radii and not self.disk_kind.startswith("spokes"):
             expected = 'none, or a bladed_disk.disk_kind with spokes, such as "spokes-and-rim"'
             yield Inconsistency("disk_rings", expected, ("disk_kind",))
-
-    def _blade_faults(self) -> Iterator[Inconsistency]:
-        """Yield mistuned blades that do not exist or are listed twice."""
-        for key, chosen in (
-            ("shrouds", [shroud.cuts for shroud in self.shrouds]),
-            ("point_masses", [mass.blades or () for mass in self.point_masses]),
-        ):
-            if any(
-                max(numbers, default=0) >= self.blades or len(set(numbers)) < len(numbers)
-                for numbers in chosen
-            ):
-                expected = f"blades from 0 to {self.blades - 1}, each once"
-                yield Inconsistency(key, expected, ("blades",))

@@ -114,8 +114,23 @@ class Case(Table):
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Values that do not fit together from table to table."""
-        yield from self._loads_out_of_reach()
-        yield from self._tips_without_blade()
+        load, elements = self.excitation, self.casing.elements
+        if isinstance(load, CasingDistortion) and 2 * load.nodal_diameter > elements:
+            expected = f"at most half of casing.elements = {elements}"
+            yield Inconsistency("excitation.nodal_diameter", expected, ("casing.elements",))
+        if self.shaft.clamped and isinstance(load, Imbalance | Harmonic):
+            expected = "a load that is not at the centre, or shaft.clamped = false"
+            yield Inconsistency("excitation.type", expected, ("shaft.clamped",))
+        for key in ("centre_velocity", "centre_displacement"):
+            if self.shaft.clamped and any(getattr(self.initial, key)):
+                expected = "zero, or shaft.clamped = false"
+                yield Inconsistency(f"initial.{key}", expected, ("shaft.clamped",))
+        for key in ("tip_velocity", "tip_displacement"):
+            rows = getattr(self.initial, key)
+            if rows is not None and len(rows) != self.blades:
+                expected = f"{self.blades} rows, one a blade, not {len(rows)}"
+                others = ("bladed_disk.blades", "bladed_disk.mesh.tips", "sketch")
+                yield Inconsistency(f"initial.{key}", expected, others)
         yield from self._unknown_materials()
         if self.shaft.damping_frame == "static" and self.rotation.effects != "full":
             expected = '"rotating", or rotation.effects = "full": it takes Coriolis forces'
@@ -125,29 +140,6 @@ class Case(Table):
                 if getattr(self.bladed_disk, name) != field.default:
                     expected = "to be left out beside [sketch]"
                     yield Inconsistency(f"bladed_disk.{name}", expected, ("sketch",))
-
-    def _loads_out_of_reach(self) -> Iterator[Inconsistency]:
-        load, elements = self.excitation, self.casing.elements
-        if isinstance(load, CasingDistortion) and 2 * load.nodal_diameter > elements:
-            expected = f"at most half of casing.elements = {elements}"
-            yield Inconsistency("excitation.nodal_diameter", expected, ("casing.elements",))
-        if not self.shaft.clamped:
-            return
-        if isinstance(load, Imbalance | Harmonic):
-            expected = "a load that is not at the centre, or shaft.clamped = false"
-            yield Inconsistency("excitation.type", expected, ("shaft.clamped",))
-        for key in ("centre_velocity", "centre_displacement"):
-            if any(getattr(self.initial, key)):
-                expected = "zero, or shaft.clamped = false"
-                yield Inconsistency(f"initial.{key}", expected, ("shaft.clamped",))
-
-    def _tips_without_blade(self) -> Iterator[Inconsistency]:
-        for key in ("tip_velocity", "tip_displacement"):
-            rows = getattr(self.initial, key)
-            if rows is not None and len(rows) != self.blades:
-                expected = f"{self.blades} rows, one a blade, not {len(rows)}"
-                others = ("bladed_disk.blades", "bladed_disk.mesh.tips", "sketch")
-                yield Inconsistency(f"initial.{key}", expected, others)
 
     def _unknown_materials(self) -> Iterator[Inconsistency]:
         disk = self.bladed_disk

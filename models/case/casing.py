@@ -28,9 +28,6 @@ ELEMENTS_PER_LOBE = 4
 """Fewer elements on a wave can't follow it: the clearance, a cubic between nodes, is then off by
 more than 2 % of the amplitude."""
 
-QUARTER = np.pi / 2.0
-"""A quarter turn [rad]."""
-
 
 class Station(Table):
     """The wall's thickness at an angle."""
@@ -79,7 +76,7 @@ class Strut(BeamSection):
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """A strut that runs inward."""
-        if not abs(self.inclination) < QUARTER:
+        if not abs(self.inclination) < TURN / 4.0:
             expected = "less than a quarter turn either way: struts run outward"
             yield Inconsistency("inclination", expected, ())
 
@@ -159,11 +156,6 @@ class Casing(Table):
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
         """Clearance or wall of no size, waves that elements can't follow, arcs that overlap."""
-        yield from self._lobe_faults()
-        yield from self._clearance_faults()
-        yield from self._wall_faults()
-
-    def _lobe_faults(self) -> Iterator[Inconsistency]:
         most = self.elements // ELEMENTS_PER_LOBE
         for key in ("clearance_lobes", "thickness_lobes"):
             if any(row.lobes > most for row in getattr(self, key)):
@@ -172,25 +164,19 @@ class Casing(Table):
                     f" {ELEMENTS_PER_LOBE} a lobe"
                 )
                 yield Inconsistency(key, expected, ("elements",))
-
-    def _clearance_faults(self) -> Iterator[Inconsistency]:
-        smallest = self.clearance_profile.smallest
-        if smallest < 0.0:
+        if (smallest := self.clearance_profile.smallest) < 0.0:
             expected = (
                 f"lobes that leave a gap: with casing.clearance = {self.clearance!r} the smallest"
                 f" would be {smallest:.6g} m"
             )
             yield Inconsistency("clearance_lobes", expected, ("clearance",))
-
-    def _wall_faults(self) -> Iterator[Inconsistency]:
-        thinnest = self.thickness_profile.smallest
-        if not thinnest > 0.0:
+        if not (thinnest := self.thickness_profile.smallest) > 0.0:
             expected = f"lobes that leave a wall: the smallest thickness would be {thinnest:.6g} m"
             others = ("wall.thickness", "thickness_stations")
             yield Inconsistency("thickness_lobes", expected, others)
         places = np.sort(np.mod([row.angle for row in self.thickness_stations], TURN))
         if len(places) > 1 and np.diff(places, append=places[0] + TURN).min() < SAME_ANGLE:
-            yield Inconsistency("thickness_stations", "one station at each angle", ())
+            yield Inconsistency("thickness_stations", "one station at each angle")
         arcs = sorted(self.stiffened_arcs, key=lambda arc: np.mod(arc.start, TURN))
         for arc, following in zip(arcs, [*arcs[1:], *arcs[:1]], strict=True):
             ahead = np.mod(following.start - arc.start, TURN) if len(arcs) > 1 else TURN
@@ -199,5 +185,5 @@ class Casing(Table):
                     f"arcs that do not overlap: from {arc.start:.6g} rad, one ends at"
                     f" {arc.end:.6g} rad, beyond the start of the next at {following.start:.6g} rad"
                 )
-                yield Inconsistency("stiffened_arcs", expected, ())
+                yield Inconsistency("stiffened_arcs", expected)
                 break

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
 import scipy.linalg as la
@@ -16,11 +17,9 @@ from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.plausibility import unusual_values
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.casing import CasingModel, assemble_casing
-from bladewhirl.models.elements.supports import Support, spring, strut
-from bladewhirl.models.geometry.beam_model import BeamModel
-from bladewhirl.models.geometry.checks import part_outside
+from bladewhirl.models.elements.supports import spring, strut
+from bladewhirl.models.geometry.beam_model import BeamModel, part_outside
 from bladewhirl.models.geometry.from_mesh import mesh_beam_model
-from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.geometry.sketch_build import build_sketch
 from bladewhirl.models.geometry.standard_disk import bladed_disk_sketch
 from bladewhirl.models.inputs.errors import CaseError, Fault
@@ -48,8 +47,10 @@ def case_beam_model(case: Case) -> BeamModel:
     mesh = case.bladed_disk.mesh
     if mesh is not None:
         model = mesh_beam_model(mesh, case.material)
+    elif case.sketch is not None:
+        model = build_sketch(case.sketch)
     else:
-        model = build_sketch(case_sketch(case).table if case.sketch is None else case.sketch)
+        model = bladed_disk_sketch(case.bladed_disk, partial(_section, case)).build()
     smallest_gap = case.casing.clearance_profile.smallest + model.tip_recess
     tight = int(smallest_gap.argmin())
     if smallest_gap[tight] < 0.0:
@@ -68,14 +69,21 @@ def case_beam_model(case: Case) -> BeamModel:
     return model
 
 
-def case_sketch(case: Case) -> Sketch:
-    """Return the sketch equivalent to the `[bladed_disk]` table of a case."""
-    return bladed_disk_sketch(case.bladed_disk, lambda section: _section(case, section))
-
-
 def case_casing(case: Case) -> CasingModel:
     """Assemble the casing of a case."""
     given = case.casing
+    springs = [spring(**row.model_dump()) for row in given.springs]
+    struts = [
+        strut(
+            row.angle,
+            _section(case, row),
+            length=row.length,
+            inclination=row.inclination,
+            ends=row.ends,
+            damping=row.damping,
+        )
+        for row in given.struts
+    ]
     return assemble_casing(
         _ring(case),
         Wall(
@@ -86,7 +94,7 @@ def case_casing(case: Case) -> CasingModel:
         curvature=given.curvature,
         support=given.support,
         rotation=given.rotation,
-        supports=_supports(case),
+        supports=(*springs, *struts),
     )
 
 
@@ -128,23 +136,6 @@ def lowest_frequency(disk: BladedDiskModel, frequencies: Iterable[float]) -> flo
 def _ring(case: Case) -> RingMesh:
     radius = case.tip_radius + case.casing.clearance
     return RingMesh(elements=case.casing.elements, radius=radius)
-
-
-def _supports(case: Case) -> tuple[Support, ...]:
-    """Springs and struts of a case's casing."""
-    springs = [spring(**row.model_dump()) for row in case.casing.springs]
-    struts = [
-        strut(
-            row.angle,
-            _section(case, row),
-            length=row.length,
-            inclination=row.inclination,
-            ends=row.ends,
-            damping=row.damping,
-        )
-        for row in case.casing.struts
-    ]
-    return (*springs, *struts)
 
 
 def _section(case: Case, section: BeamSection) -> Section:

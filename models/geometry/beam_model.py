@@ -1,16 +1,21 @@
 """A bladed disk as it is described, before any matrix: beams, masses, springs, rigid links.
 
-A `Sketch` builds one; so may anything else that has a mesh, its sections and its named sets.
+A `Sketch` builds one; so may anything else that has a mesh, its sections and its named sets. Its
+faults are those of any origin: unconnected parts, unusable sets.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray, LineMesh
+from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.sections.rectangular import LineProperties
 
 GROUND = -1
@@ -18,6 +23,12 @@ GROUND = -1
 
 ROUNDING = 1e-13
 """Relative differences of lengths below this are rounding errors."""
+
+AT_ORIGIN = 1e-9
+"""Largest distance of the centre from the origin, in tip radii."""
+
+OUTSIDE = 1e-9
+"""Largest distance of a node beyond a radius, as a share of it."""
 
 
 def _ints(values: Any = ()) -> IntArray:
@@ -125,3 +136,122 @@ class BeamModel:
         masses = {str(name): float(line_mass[parts == name].sum()) for name in dict.fromkeys(parts)}
         hung = float(self.masses.mass.sum())
         return masses | ({"point masses": hung} if hung else {})
+
+
+def check_model(model: BeamModel, key: str) -> None:
+    """See that a beam model can be a bladed disk.
+
+    Args:
+        model: to check.
+        key: of the case that it comes from, for the messages.
+
+    Raises:
+        CaseError: with all faults, each naming the part.
+    """
+    faults = [
+        *_sets(model, key),
+        *_links(model, key),
+        *_massless(model, key),
+        *_doubled(model, key),
+    ]
+    faults = faults or [*_loose_parts(model, key)]
+    if faults:
+        raise CaseError(faults)
+
+
+def _sets(model: BeamModel, key: str) -> Iterator[Fault]:
+    sets = model.mesh.node_sets
+    if len(sets["centre"]) != 1:
+        yield Fault(key=key, expected=f'one node in the set "centre", not {len(sets["centre"])}')
+        return
+    if np.linalg.norm(model.mesh.points[model.centre]) > AT_ORIGIN * model.tip_radius:
+        x, y = model.mesh.points[model.centre]
+        yield Fault(key=key, expected=f"the centre at the origin, not at ({x:.6g}, {y:.6g}) m")
+    tips = model.mesh.points[model.tips]
+    angles = np.arctan2(tips[:, 1], tips[:, 0])
+    steps = np.mod(np.diff(angles, append=angles[0]), 2.0 * np.pi)
+    if model.centre in model.tips:
+        yield Fault(key=key, expected='a centre that is not in the set "tips"')
+    elif len(tips) > 1 and not (np.all(steps > 0.0) and abs(steps.sum() - 2.0 * np.pi) < 1e-6):
+        expected = 'the set "tips" counter-clockwise, each tip at an angle of its own'
+        yield Fault(key=key, expected=expected)
+
+
+def _links(model: BeamModel, key: str) -> Iterator[Fault]:
+    led = model.links.led
+    for node in np.flatnonzero(np.bincount(led, minlength=1) > 1):
+        yield Fault(key=key, expected=f"one leader for {_node(model, int(node))}, not several")
+    for node in np.intersect1d(led, model.links.leader):
+        expected = f"a leader that is not tied itself; {_node(model, int(node))} is"
+        yield Fault(key=key, expected=expected)
+    for name in ("tips", "centre"):
+        for node in np.intersect1d(led, model.mesh.node_sets[name])[:1]:
+            expected = f'a set "{name}" of nodes that are not tied; {_node(model, int(node))} is'
+            yield Fault(key=key, expected=expected)
+
+
+def _massless(model: BeamModel, key: str) -> Iterator[Fault]:
+    """Yield nodes connected by springs only that lack inertia."""
+    count = len(model.mesh.points)
+    bare = np.ones(count, dtype=np.bool_)
+    bare[model.mesh.lines] = bare[model.links.led] = False
+    bare[model.links.leader] = False
+    mass, inertia = np.zeros(count), np.zeros(count)
+    np.add.at(mass, model.masses.node, model.masses.mass)
+    np.add.at(inertia, model.masses.node, model.masses.inertia)
+    inertia[model.mesh.node_sets["centre"]] = np.inf  # it does not rotate
+    for node in np.flatnonzero(bare & ((mass <= 0.0) | (inertia <= 0.0))):
+        expected = f"a beam, or a mass with rotary inertia, at {_node(model, int(node))}"
+        yield Fault(key=key, expected=expected)
+
+
+def _doubled(model: BeamModel, key: str) -> Iterator[Fault]:
+    """Yield overlapping lines, whose mass would count twice."""
+    parts = np.array(model.mesh.line_parts)
+    ends = np.sort(model.mesh.lines, axis=1)
+    _, first, number = np.unique(ends, axis=0, return_index=True, return_inverse=True)
+    again = np.flatnonzero(first[number.ravel()] != np.arange(len(ends)))
+    if again.size:
+        line = again[0]
+        names = dict.fromkeys([str(parts[first[number.ravel()[line]]]), str(parts[line])])
+        between = " and ".join(_node(model, int(node)) for node in ends[line])
+        expected = f"one beam between two nodes; {' and '.join(map(repr, names))} lie on each other"
+        yield Fault(key=key, expected=f"{expected} between {between}")
+
+
+def _loose_parts(model: BeamModel, key: str) -> Iterator[Fault]:
+    """Yield the first part that neither beams, springs nor links join to the centre."""
+    joints, count = model.joints, len(model.mesh.points)
+    graph = sp.csr_array((np.ones(len(joints)), (joints[:, 0], joints[:, 1])), shape=(count, count))
+    _, group = connected_components(graph, directed=False)
+    loose = np.flatnonzero(group != group[model.centre])
+    if loose.size:
+        expected = f"all parts joined to the centre; {_part(model, int(loose[0]))} is not"
+        yield Fault(key=key, expected=expected)
+
+
+def part_outside(model: BeamModel, radius: float) -> str | None:
+    """Return the part that exceeds a radius most [m] and its position; None if none does."""
+    away = np.linalg.norm(model.mesh.points, axis=1)
+    node = int(away.argmax())
+    if away[node] <= radius * (1.0 + OUTSIDE):
+        return None
+    return f"{_part(model, node)} is outside by {away[node] - radius:.3g} m"
+
+
+def _part(model: BeamModel, node: int) -> str:
+    """Return the part that a node belongs to, with its position; the node where it has no name."""
+    lines = np.flatnonzero((model.mesh.lines == node).any(axis=1))
+    names = [model.mesh.line_parts[line] for line in lines if model.mesh.line_parts[line]]
+    return f"part {names[0]!r} at {_at(model, node)}" if names else _node(model, node)
+
+
+def _node(model: BeamModel, node: int) -> str:
+    names = [name for name, nodes in model.mesh.node_sets.items() if node in nodes]
+    called = f" of {names[0]!r}" if names else ""
+    return f"node {node}{called} at {_at(model, node)}"
+
+
+def _at(model: BeamModel, node: int) -> str:
+    x, y = model.mesh.points[node]
+    return f"({x:.4g}, {y:.4g}) m"

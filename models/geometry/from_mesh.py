@@ -12,8 +12,7 @@ from bladewhirl.meshes.files.groups import GroupedLines
 from bladewhirl.meshes.line_mesh import IntArray, LineMesh
 from bladewhirl.meshes.symmetry import rotational_sectors, symmetric_points
 from bladewhirl.models.case.mesh_file import KEY, SAME_PLACE, MeshTable
-from bladewhirl.models.geometry.beam_model import BeamModel
-from bladewhirl.models.geometry.checks import AT_ORIGIN, check_model
+from bladewhirl.models.geometry.beam_model import AT_ORIGIN, BeamModel, check_model
 from bladewhirl.models.geometry.mesh_data import point_masses, rigid_links, springs
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.sections.materials import Material

@@ -18,8 +18,8 @@ from bladewhirl.models.geometry.beam_model import (
     NodeSprings,
     PointMasses,
     RigidLinks,
+    check_model,
 )
-from bladewhirl.models.geometry.checks import check_model
 from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.sections.rectangular import (
     CHANGES,

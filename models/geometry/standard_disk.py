@@ -123,9 +123,9 @@ class _Blade:
             return []
         return [self.point(ends[0] + s * (ends[1] - ends[0]), stretch) for s in BETWEEN]
 
-    def tip_radius(self, stretch: float = 1.0) -> float:
-        """Radius of the tip of a blade of another length."""
-        return self._root + stretch * self._span
+    def shares(self, ends: tuple[float, float]) -> tuple[float, float]:
+        """Shares of the way from root to tip of two radii."""
+        return (ends[0] - self._root) / self._span, (ends[1] - self._root) / self._span
 
     def pieces(self, elements: int) -> list[tuple[str, str, int]]:
         """Nodes at the ends of each piece of the blade, and its number of elements."""
@@ -138,11 +138,7 @@ class _Blade:
 
     def radius(self, name: str, stretch: float = 1.0) -> float:
         """Return the radius of a node on a blade of different length, which moves the tip only."""
-        return self.tip_radius(stretch) if name == "tip" else self._radius[name]
-
-    def share(self, name: str) -> float:
-        """Share of the way from root to tip at which a node is."""
-        return (self._radius[name] - self._root) / self._span
+        return self._root + stretch * self._span if name == "tip" else self._radius[name]
 
 
 def _draw_blades(sketch: Sketch, given: BladedDisk, blade: _Blade, section: MakeSection) -> None:
@@ -159,7 +155,7 @@ def _draw_blades(sketch: Sketch, given: BladedDisk, blade: _Blade, section: Make
             name,
             first,
             second,
-            _piece_of(taper, blade.share(first), blade.share(second), elements) or blade_section,
+            _piece_of(taper, blade.shares(ends), elements) or blade_section,
             elements=elements,
             path=blade.path(ends),
             part="blades",
@@ -169,7 +165,7 @@ def _draw_blades(sketch: Sketch, given: BladedDisk, blade: _Blade, section: Make
     )
     for b in np.flatnonzero((stiffness != 1.0) | (mass != 1.0) | (length != 1.0)).tolist():
         if length[b] != 1.0:
-            sketch.move(b, "tip", blade.tip_radius(length[b]))
+            sketch.move(b, "tip", blade.radius("tip", length[b]))
             for node in blade.inner if given.centre_line else ():
                 sketch.move(b, node, *blade.point(blade.radius(node), length[b]))
         for name, (first, second, _) in zip(names, pieces, strict=True):
@@ -182,12 +178,12 @@ def _draw_blades(sketch: Sketch, given: BladedDisk, blade: _Blade, section: Make
             )
 
 
-def _piece_of(taper: list[Section], start: float, end: float, elements: int) -> list[Section]:
+def _piece_of(taper: list[Section], ends: tuple[float, float], elements: int) -> list[Section]:
     """Return the stations of a part of a blade: those of the whole blade, or enough to include
     each."""
-    if not taper or (start, end) == (0.0, 1.0):
+    if not taper or ends == (0.0, 1.0):
         return taper
-    shares = np.linspace(start, end, FINE_STATIONS * elements + 1)
+    shares = np.linspace(*ends, FINE_STATIONS * elements + 1)
     return [
         Section(**dict(zip(QUANTITIES, column.tolist(), strict=True)))
         for column in along(taper, shares).T

@@ -9,7 +9,6 @@ springs between the bodies; "casing" selects it for every k. Degenerate pairs ar
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
@@ -28,8 +27,10 @@ EVERY = "*"
 
 CASING = "casing"
 
-_RADIAL = re.compile(r"casing(?::(\d+))?", re.ASCII)
-_NAME = re.compile(r"(casing:)?(\*|[A-Za-z0-9]+)(?::(\d+))?", re.ASCII)
+_RADIAL = re.compile(r"casing(?::(?P<diameter>\d+))?", re.ASCII)
+_NAME = re.compile(
+    r"(?P<body>casing:)?(?P<family>\*|[A-Za-z0-9]+)(?::(?P<diameter>\d+))?", re.ASCII
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,7 +103,8 @@ def chosen_modes(
     disk, wall = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
     for name in parse_mode_names(SIX_MODES if choice == SIX else choice):
         if name.family is None:
-            numbers = _radial(name, radial)
+            k = name.nodal_diameter
+            numbers = np.concatenate([wall[0], *(radial[n] for n in radial if k in (None, n))])
         else:
             numbers = (casing if name.on_casing else rotor).numbers(name)
         if not numbers.size:
@@ -111,46 +113,29 @@ def chosen_modes(
     return np.unique(np.concatenate(disk)), np.unique(np.concatenate(wall))
 
 
-def _radial(name: ModeName, radial: dict[int, IntArray]) -> IntArray:
-    none = np.zeros(0, dtype=np.int64)
-    if name.nodal_diameter is not None:
-        return radial.get(name.nodal_diameter, none)
-    return np.concatenate([none, *radial.values()])
-
-
 def _parsed(word: str) -> ModeName:
-    radial, named = _RADIAL.fullmatch(word), _NAME.fullmatch(word)
-    if radial:
-        return ModeName(on_casing=True, family=None, nodal_diameter=_number(radial[1]))
-    if named:
-        return ModeName(
-            on_casing=named[1] is not None, family=named[2], nodal_diameter=_number(named[3])
-        )
-    raise ValueError(f'"{word}" is not a mode name')
-
-
-def _number(text: str | None) -> int | None:
-    return None if text is None else int(text)
+    match = _RADIAL.fullmatch(word) or _NAME.fullmatch(word)
+    if match is None:
+        raise ValueError(f'"{word}" is not a mode name')
+    parts = match.groupdict()
+    diameter = None if parts["diameter"] is None else int(parts["diameter"])
+    on_casing = parts.get("body", CASING) is not None
+    return ModeName(on_casing=on_casing, family=parts.get("family"), nodal_diameter=diameter)
 
 
 def _instead(name: ModeName, modes: NamedModes, radial: dict[int, IntArray]) -> str:
     """Return a message that lists the available names."""
     families = list(dict.fromkeys(modes.family))
     body = "casing" if name.on_casing else "bladed disk"
-    if name.family is None:
-        known: Sequence[int] = sorted(radial)
-        if not known:
-            return f"{name}: the stage has no cyclic symmetry, name families of the casing"
-        return f"{name}: radial modes of the casing have nodal diameters {_listed(known)}"
-    if name.family != EVERY and name.family not in families:
-        near = get_close_matches(name.family, families, n=1)
+    if name.family is None and not radial:
+        return f"{name}: the stage has no cyclic symmetry, name families of the casing"
+    if name.family not in (None, EVERY, *families):
+        near = get_close_matches(str(name.family), families, n=1)
         hint = f", did you mean {near[0]}?" if near else ""
         return f"{name}: families of the {body} are {', '.join(families)}{hint}"
-    diameters = modes.nodal_diameter[[name.family in (EVERY, family) for family in modes.family]]
-    return (
-        f"{name}: {name.family} of the {body} has nodal diameters {_listed(np.unique(diameters))}"
-    )
-
-
-def _listed(numbers: Sequence[int] | IntArray) -> str:
-    return ", ".join(str(int(number)) for number in numbers)
+    of_family = [name.family in (EVERY, family) for family in modes.family]
+    diameters = radial if name.family is None else modes.nodal_diameter[of_family]
+    called = f"{name.family} of the {body} has"
+    if name.family is None:
+        called = "radial modes of the casing have"
+    return f"{name}: {called} nodal diameters {', '.join(map(str, np.unique([*diameters])))}"

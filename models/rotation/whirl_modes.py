@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import scipy.sparse as sp
@@ -71,17 +71,13 @@ class WhirlModes:
 
     def take(self, chosen: IntArray) -> WhirlModes:
         """Keep some of the modes."""
-        return replace(
-            self,
-            frequency=self.frequency[chosen],
-            growth=self.growth[chosen],
-            nodal_diameter=self.nodal_diameter[chosen],
-            purity=self.purity[chosen],
-            spring_share=self.spring_share[chosen],
-            direction=tuple(self.direction[i] for i in chosen),
-            rank=self.rank[chosen],
-            amplitudes=tuple(self.amplitudes[i] for i in chosen),
-        )
+        taken: dict[str, Any] = {}
+        for name, values in vars(self).items():
+            if isinstance(values, tuple):
+                taken[name] = tuple(values[i] for i in chosen)
+            elif name != "layout":
+                taken[name] = values[chosen]
+        return replace(self, **taken)
 
     def static_frequency(self, omega: float) -> FloatArray:
         """Frequency in the static frame, positive backward, of standing ones as is [rad/s].
@@ -229,17 +225,12 @@ def travelling(
 
 def _joined(parts: Sequence[WhirlModes]) -> WhirlModes:
     """Modes of all blocks of a structure, one after the other."""
-    return replace(
-        parts[0],
-        frequency=np.concatenate([part.frequency for part in parts]),
-        growth=np.concatenate([part.growth for part in parts]),
-        nodal_diameter=np.concatenate([part.nodal_diameter for part in parts]),
-        purity=np.concatenate([part.purity for part in parts]),
-        spring_share=np.concatenate([part.spring_share for part in parts]),
-        direction=tuple(way for part in parts for way in part.direction),
-        rank=np.concatenate([part.rank for part in parts]),
-        amplitudes=tuple(each for part in parts for each in part.amplitudes),
-    )
+    joined: dict[str, Any] = {}
+    for name, first in vars(parts[0]).items():
+        values = [vars(part)[name] for part in parts]
+        if name != "layout":
+            joined[name] = sum(values, ()) if isinstance(first, tuple) else np.concatenate(values)
+    return replace(parts[0], **joined)
 
 
 def _share(

@@ -17,13 +17,14 @@ from bladewhirl.models.sections.materials import Material, NamedMaterial
 Size = TypeVar("Size", float, FloatArray)
 
 
+@dataclass(frozen=True, kw_only=True)
 class Rectangle(Generic[Size]):
-    """Stiffness and mass of rectangular sections, a number or an array of each."""
+    """Rectangular sections, a number or an array of one shape for each quantity."""
 
-    width: Size
-    thickness: Size
-    young_modulus: Size
-    density: Size
+    width: Size  #: out of the plane [m]
+    thickness: Size  #: in the plane [m]
+    young_modulus: Size  #: [Pa]
+    density: Size  #: [kg/m3]
 
     @property
     def axial_stiffness(self) -> Size:
@@ -144,39 +145,25 @@ def along_elements(sections: Section | Taper, elements: int) -> tuple[FloatArray
 
 
 @dataclass(frozen=True, kw_only=True)
-class SectionArrays(Rectangle[FloatArray]):
-    """Rectangular sections at many places, arrays of one shape."""
-
-    width: FloatArray  #: out of the plane [m]
-    thickness: FloatArray  #: in the plane [m]
-    young_modulus: FloatArray  #: [Pa]
-    density: FloatArray  #: [kg/m3]
-
-
-def _unset() -> FloatArray:
-    return np.zeros(0)
-
-
-@dataclass(frozen=True, kw_only=True)
-class LineProperties(SectionArrays):
+class LineProperties(Rectangle[FloatArray]):
     """Sections of the lines of a mesh: those at the middles of the lines, (lines,), and how
     much they change from the first to the second end, linear in between: not at all, if left out.
     """
 
-    width_change: FloatArray = field(default_factory=_unset)  #: [m], (lines,)
-    thickness_change: FloatArray = field(default_factory=_unset)  #: [m], (lines,)
-    young_modulus_change: FloatArray = field(default_factory=_unset)  #: [Pa], (lines,)
-    density_change: FloatArray = field(default_factory=_unset)  #: [kg/m3], (lines,)
+    width_change: FloatArray = field(default_factory=lambda: np.zeros(0))  #: [m], (lines,)
+    thickness_change: FloatArray = field(default_factory=lambda: np.zeros(0))  #: [m], (lines,)
+    young_modulus_change: FloatArray = field(default_factory=lambda: np.zeros(0))  #: [Pa], (lines,)
+    density_change: FloatArray = field(default_factory=lambda: np.zeros(0))  #: [kg/m3], (lines,)
 
     def __post_init__(self) -> None:
         for name in CHANGES:
             if not len(getattr(self, name)):
                 object.__setattr__(self, name, np.zeros(len(self.width)))
 
-    def at(self, places: FloatArray) -> SectionArrays:
+    def at(self, places: FloatArray) -> Rectangle[FloatArray]:
         """Sections at places of every line, 0 at its first end to 1, arrays (lines, places)."""
         shift = np.asarray(places) - 0.5
-        return SectionArrays(
+        return Rectangle(
             **{
                 name: getattr(self, name)[:, None] + getattr(self, change)[:, None] * shift
                 for name, change in zip(QUANTITIES, CHANGES, strict=True)

@@ -24,7 +24,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.inputs.fields import Angle, Density, Length, LengthOrZero, Modulus, count
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.sections.rectangular import Section, SectionArrays
+from bladewhirl.models.sections.rectangular import Rectangle, Section
 
 FINE = 7200
 """Angles at which the smallest value is looked for: a twentieth of a degree apart."""
@@ -168,7 +168,7 @@ def _quantities(
         value = None if arc is None else getattr(arc, name)
         return np.broadcast_to(otherwise if value is None else value, thickness.shape)
 
-    values = SectionArrays(
+    values = Rectangle(
         thickness=given("thickness", thickness),
         **{
             name: given(name, getattr(section, name))

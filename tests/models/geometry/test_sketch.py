@@ -274,7 +274,7 @@ BAD: list[tuple[Callable[[Sketch], object], str]] = [
     (_changed_shaft, "member 'shaft' in sector 2: expected sector 0, which shared parts"),
     (
         lambda s: s.member("again", "centre", "root", steel(0.01)),
-        r"one beam between two nodes; parts 'spokes' and 'again' both lie between node",
+        r"one beam between two nodes; 'spokes' and 'again' lie on each other between node",
     ),
     (lambda s: s.node("1", 0.1), "nodes '1'.name = \"1\": expected a name of letters"),
     (lambda s: s.node("a", "1 kg"), r"at\[0\] = \"1 kg\": expected a finite number in m"),
