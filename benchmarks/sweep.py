@@ -8,22 +8,15 @@ and compiling is not. The best turn counts. The efficiency is the time that a wo
 over the time that it takes beside the others: 1 where they don't slow each other down. On a machine
 with other work the same ratio of processor times tells how far it is the workers that are in each
 other's way.
-
-`--memory 50 500` tells instead how much memory the process that writes the dataset takes at most in
-sweeps of so many points of a few steps each, their figures included.
 """
 
 from __future__ import annotations
 
 import argparse
-import resource
-import subprocess
-import sys
 import time
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from rich.console import Console
@@ -33,7 +26,6 @@ from bladewhirl.models.case.file import dumps_case, read_case
 from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.plan import Plan, plan_sweep
 from bladewhirl.studies.sweeps.points import Failure, Point, Work, march_point
-from bladewhirl.studies.sweeps.sweep import run_sweep
 from bladewhirl.studies.sweeps.workers import cores
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
@@ -73,29 +65,6 @@ def cost(pool: ProcessPoolExecutor, plan: Plan, workers: int, points: int) -> Co
     return Cost(wall=time.perf_counter() - began, processor=sum(used) / len(used))
 
 
-FEW_STEPS = 0.002  # s
-
-
-def peak_memory(points: int) -> float:
-    """Return the peak memory of this process in a sweep [MB]."""
-    plan = planned(FEW_STEPS, points)
-    with TemporaryDirectory() as scratch:
-        swept = run_sweep(plan.case, dict(plan.grid.over), Path(scratch) / "sweep", workers=1)
-    if swept.done < points:
-        raise RuntimeError(swept.failures)
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
-
-
-def print_memory(sizes: list[int]) -> None:
-    """Sweep numbers of points in separate processes and print the memory."""
-    table = Table("points", "memory [MB]", box=None)
-    for points in sizes:
-        command = [sys.executable, __file__, "--peak", str(points)]
-        answer = subprocess.run(command, stdout=subprocess.PIPE, check=True)
-        table.add_row(str(points), f"{float(answer.stdout):.0f}")
-    Console().print(table)
-
-
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -103,15 +72,7 @@ def main() -> None:
     parser.add_argument("--points", type=int, default=2, help="of each worker in a turn")
     parser.add_argument("--duration", type=float, default=0.5, help="of each march [s]")
     parser.add_argument("--turns", type=int, default=3)
-    parser.add_argument("--memory", type=int, nargs="+", metavar="POINTS", help="see above")
-    parser.add_argument("--peak", type=int, help=argparse.SUPPRESS)
     given = parser.parse_args()
-    if given.peak:
-        print(peak_memory(given.peak))
-        return
-    if given.memory:
-        print_memory(given.memory)
-        return
     plan = planned(given.duration, max(2, given.points))
     context = get_context("spawn")
     with ProcessPoolExecutor(given.workers, mp_context=context) as pool:

@@ -1,11 +1,9 @@
-"""Time of the parts of a whole run: `python benchmarks/whole_run.py [--against DIR]`.
+"""Time of the parts of a whole run: `python benchmarks/whole_run.py`.
 
 Runs `bladewhirl run examples/imbalance.toml` for 3 s and for 0.02 s of marched time without a
-ParaView series, each in a process of its own, and adds up the processor time of each part, all
-threads'; a part that calls another is not charged for it. With `--against DIR` another version
-takes turns with this one: DIR is a folder that holds its package, as
-`pip install --no-deps --target DIR` makes. Parts that it keeps elsewhere count as the rest.
-The best of some turns counts, since what else the machine does only ever adds.
+ParaView series, each in a process of its own, and adds up the processor time of each part; a part
+that calls another is not charged for it. The best of some turns counts, since what else the machine
+does only ever adds.
 """
 
 from __future__ import annotations
@@ -13,16 +11,14 @@ from __future__ import annotations
 import argparse
 import functools
 import json
-import os
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from importlib import _bootstrap
+from importlib import _bootstrap, import_module
 from pathlib import Path
 from typing import Any
 
@@ -32,83 +28,65 @@ from rich.table import Table
 CASE = Path(__file__).resolve().parent.parent / "examples" / "imbalance.toml"
 DURATIONS = (3.0, 0.02)  # s
 
-IMPORTS, REST, WHOLE = "imports", "rest", "whole run"
-LOADING, MARCH = "packing and loading the kernel", "march"
+IMPORTS, MARCH, REST, WHOLE = "imports", "march", "rest", "whole run"
 
 PARTS = {
-    "case": ["models.case.file:read_case"],
-    "build": ["models.stage.stage:build_stage"],
-    LOADING: ["studies.runs.prepare:prepare_stage"],
-    MARCH: ["solvers.march.central_difference:CentralDifference.advance"],
-    "writing": [
-        "studies.runs.recorded_march:march_to_file",
-        *(f"solvers.march.recorder:Recorder.{name}" for name in ("__init__", "write", "close")),
-        "solvers.march.checkpoint:write_checkpoint",
-    ],
-    "figures": [
-        "postprocess.plotting.style:save_figure",
-        "postprocess.shaft.orbits:plot_orbit",
-        "postprocess.energy.strain:plot_energy",
-    ],
-    "data of figures": [
-        "postprocess.shaft.orbits:shaft_orbit",
-        "postprocess.energy.strain:strain_energies",
-    ],
-    "series for ParaView": ["postprocess.paraview.series:write_series"],
-    "summary": ["postprocess.run.summary:summarise"],
-    "opening": ["postprocess.fields.result:open_result"],
+    "models.case.file:read_case": "case",
+    "models.stage.stage:build_stage": "build",
+    "solvers.march.central_difference:CentralDifference.advance": MARCH,
+    "solvers.march.recorder:Recorder.__init__": "writing",
+    "solvers.march.recorder:Recorder.write": "writing",
+    "solvers.march.recorder:Recorder.close": "writing",
+    "solvers.march.checkpoint:write_checkpoint": "writing",
+    "postprocess.fields.result:open_result": "opening",
+    "postprocess.plotting.style:save_figure": "figures",
+    "postprocess.shaft.orbits:plot_orbit": "figures",
+    "postprocess.energy.strain:plot_energy": "figures",
+    "postprocess.shaft.orbits:shaft_orbit": "data of figures",
+    "postprocess.energy.strain:strain_energies": "data of figures",
+    "postprocess.run.summary:summarise": "summary",
+    "studies.runs.prepare:prepare_stage": "packing and loading the kernel",
+    "studies.runs.recorded_march:march_to_file": "writing",
 }
-"""Functions of each part, by module; imports are told apart by themselves."""
+"""Part of each function; those that others import come first."""
 
 
 class Clock:
-    """Processor time by part over all threads; nested parts are counted once."""
+    """Processor time by part; nested parts are counted once."""
 
     def __init__(self) -> None:
         self.spent: Counter[str] = Counter()
-        self._running = threading.local()
+        self._stack = [REST]
+        self._since = 0.0  #: processor time [s]
 
     @contextmanager
     def charged(self, part: str) -> Iterator[None]:
-        """Charge a part with the time of this thread."""
-        stack: list[str] = self._running.__dict__.setdefault("stack", [])
-        if part == MARCH and stack and stack[-1] == LOADING:
-            part = LOADING  # no step yet
-        self._settle(stack)
-        stack.append(part)
+        """Charge a part with the time until the end of the block."""
+        self._settle()
+        self._stack.append(part)
         try:
             yield
         finally:
-            self._settle(stack)
-            stack.pop()
+            self._settle()
+            self._stack.pop()
 
-    def _settle(self, stack: list[str]) -> None:
-        now = time.thread_time()
-        if stack:
-            self.spent[stack[-1]] += now - self._running.since
-        self._running.since = now
+    def _settle(self) -> None:
+        now = time.process_time()
+        self.spent[self._stack[-1]] += now - self._since
+        self._since = now
 
-    def watch(self) -> None:
-        """Charge imports from now on, and the functions of `PARTS` as their modules are loaded."""
-        load: Callable[..., Any] = _bootstrap._find_and_load  # what an import statement calls
-        places: dict[str, list[tuple[str, str]]] = {}
-        for part, functions in PARTS.items():
-            for function in functions:
-                module, _, path = f"bladewhirl.{function}".partition(":")
-                places.setdefault(module, []).append((path, part))
+    def watch(self, function: str, part: str) -> None:
+        """Charge a part with the calls of a function, "module:Class.name"."""
+        module, _, path = function.partition(":")
+        owner: Any = import_module(f"bladewhirl.{module}")
+        *classes, name = path.split(".")
+        for inner in classes:
+            owner = getattr(owner, inner)
+        setattr(owner, name, self.charging(part, getattr(owner, name)))
 
-        def loading(name: str, *rest: Any) -> Any:
-            with self.charged(IMPORTS):
-                module = load(name, *rest)
-            for path, part in places.pop(name, []):
-                owner, _, attribute = path.rpartition(".")
-                holder = getattr(module, owner) if owner else module
-                setattr(holder, attribute, self._charging(part, getattr(holder, attribute)))
-            return module
+    def charging(self, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        """Return the function, whose calls are charged to a part."""
 
-        _bootstrap._find_and_load = loading
-
-    def _charging(self, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
         @functools.wraps(function)
         def charging(*args: Any, **kwargs: Any) -> Any:
             with self.charged(part):
@@ -118,39 +96,35 @@ class Clock:
 
 
 def probe(arguments: list[str], answer: Path) -> None:
-    """Run the command line in this process and leave the time of its parts, all threads'."""
+    """Run the command line in this process and leave the time of its parts."""
     clock = Clock()
-    clock.watch()
+    load: Callable[..., Any] = _bootstrap._find_and_load  # what an import statement calls
+    _bootstrap._find_and_load = clock.charging(IMPORTS, load)
+    for function, part in PARTS.items():
+        clock.watch(function, part)
     from bladewhirl.studies.commands.cli import main
 
     try:
         sys.argv = ["bladewhirl", *arguments]
-        main()
+        with clock.charged(REST):
+            main()
     except SystemExit as end:
         if end.code:
             raise
-    whole = time.process_time()
-    parts = dict(clock.spent) | {REST: whole - clock.spent.total(), WHOLE: whole}
+    parts = dict(clock.spent) | {WHOLE: clock.spent.total()}
     answer.write_text(json.dumps(parts), encoding="utf-8")
 
 
-def parts_of_run(duration: float, frames: int, version: Path | None) -> dict[str, float]:
-    """Return the processor time of each part of a run in a separate process [s].
-
-    Args:
-        duration: of the march [s].
-        frames: of the ParaView series.
-        version: folder that holds the package; None for the one that is installed.
-    """
+def parts_of_run(duration: float) -> dict[str, float]:
+    """Return the processor time of each part of a run of some length [s] in its own process [s]."""
     with tempfile.TemporaryDirectory() as scratch:
         answer = Path(scratch) / "parts.json"
         arguments = [
-            str(CASE), "-o", f"{scratch}/run", "--frames", str(frames),
+            str(CASE), "-o", f"{scratch}/run", "--frames", "0",
             "--set", f"march.duration={duration}",
         ]  # fmt: skip
         subprocess.run(
             [sys.executable, __file__, "--probe", str(answer), "run", *arguments],
-            env=os.environ | ({} if version is None else {"PYTHONPATH": str(version)}),
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             check=True,
@@ -165,29 +139,24 @@ def main() -> None:
         probe(sys.argv[3:], Path(sys.argv[2]))
         return
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--against", type=Path, help="folder with the package of another version")
     parser.add_argument("--repeat", type=int, default=3, help="turns")
     parser.add_argument("--durations", type=float, nargs="+", default=DURATIONS, help="[s]")
-    parser.add_argument("--frames", type=int, default=0, help="of the ParaView series")
     given = parser.parse_args()
-    versions = {"this": None} | ({"other": given.against.resolve()} if given.against else {})
-    found: dict[tuple[float, str], list[dict[str, float]]] = {}
-    for version in versions.values():
-        parts_of_run(min(given.durations), given.frames, version)
-    for _ in range(given.repeat):
-        for duration in given.durations:
-            for name, version in versions.items():
-                taken = parts_of_run(duration, given.frames, version)
-                found.setdefault((duration, name), []).append(taken)
-    best = {
-        column: {part: min(turn.get(part, 0.0) for turn in turns) for part in turns[0]}
-        for column, turns in found.items()
-    }
+    parts_of_run(min(given.durations))
+    turns = [
+        {duration: parts_of_run(duration) for duration in given.durations}
+        for _ in range(given.repeat)
+    ]
     table = Table("processor time [s]", title=f"bladewhirl run {CASE.name}, best of {given.repeat}")
-    for duration, name in best:
-        table.add_column(f"{duration:g} s, {name}", justify="right")
-    for part in (IMPORTS, *PARTS, REST, WHOLE):
-        table.add_row(part, *(f"{parts.get(part, 0.0):.2f}" for parts in best.values()))
+    best = {}
+    for duration in given.durations:
+        table.add_column(f"{duration:g} s", justify="right")
+        best[duration] = {
+            part: min(turn[duration].get(part, 0.0) for turn in turns)
+            for part in (IMPORTS, *dict.fromkeys(PARTS.values()), REST, WHOLE)
+        }
+    for part in best[given.durations[0]]:
+        table.add_row(part, *(f"{parts[part]:.2f}" for parts in best.values()))
     ratios = (parts[WHOLE] / parts[MARCH] for parts in best.values())
     table.add_row("whole run / march", *(f"{ratio:.2f}" for ratio in ratios))
     Console().print(table)

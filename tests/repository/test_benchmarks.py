@@ -22,7 +22,6 @@ BENCHMARKS = ROOT / "benchmarks"
             ["--workers", "1", "--points", "1", "--duration", "0.01", "--turns", "1"],
             ["per step of a worker", "efficiency"],
         ),
-        ("sweep.py", ["--memory", "2"], ["memory [MB]"]),
     ],
 )
 def test_benchmark(script: str, arguments: list[str], words: list[str]) -> None:
