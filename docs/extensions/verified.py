@@ -22,9 +22,8 @@ import bladewhirl as bw
 from bladewhirl.models.case.schemes import SchemeName
 from bladewhirl.studies.verification import march, modes, rings, rotation, schemes, stability, whirl
 from bladewhirl.studies.verification.bodies import marched
-from bladewhirl.studies.verification.case import Outcome, Pair
+from bladewhirl.studies.verification.case import Outcome, Pair, reference
 from bladewhirl.studies.verification.contact import bars_in_impact, pad_on_a_wall
-from bladewhirl.studies.verification.references import reference
 from bladewhirl.studies.verification.table import SUBJECTS, Verification
 
 INK, COLOURS = "#1f2430", ("#0072b2", "#d55e00", "#009e73")

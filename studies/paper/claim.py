@@ -91,6 +91,11 @@ class Claim:
     checks: tuple[Mapping[str, str], ...]  #: rows of checks.csv
     measure: Measure
 
+    @property
+    def place(self) -> list[int]:
+        """Numbers of the section and those it is in, to sort by."""
+        return [int(part) for part in self.section.split(".")]
+
     def judge(self, evidence: Evidence) -> Finding:
         """Judge the claim once; an obstacle becomes part of the finding."""
         try:

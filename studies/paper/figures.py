@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.postprocess.modal.stability import plot_chart, plot_spectrum
 from bladewhirl.postprocess.plotting.style import save_figure
 from bladewhirl.postprocess.reports.page import ReportFigure
@@ -91,13 +91,12 @@ def draw_figures(
 
 def _draw(evidence: Evidence, panel: Panel, folder: Path) -> str:
     """Draw a panel, and all others that are drawn with it; returns what stood in the way."""
-    try:
+    with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-        panel.draw(evidence, folder)
-    except OSError as error:
-        raise UserError(f"{folder}: cannot be written ({error.strerror})") from None
-    except (NotTestableError, UserError) as error:
-        return str(error)
+        try:
+            panel.draw(evidence, folder)
+        except (NotTestableError, UserError) as error:
+            return str(error)
     return ""
 
 
@@ -122,20 +121,6 @@ def _draw_coupled_mode(evidence: Evidence, folder: Path) -> None:
     draw_coupled_mode(system, omega, kappa, folder, films=False)
 
 
-def _draw_run(trial: str, name: str, evidence: Evidence, folder: Path) -> None:
-    figure, data = RunFigures(evidence.motion(trial).result).draw(name)
-    save_figure(figure, folder / name, data)
-
-
-def _draw_sweep(survey: str, name: str, evidence: Evidence, folder: Path) -> None:
-    figure, data = SweepFigures(evidence.sweep(survey)).draw(name)
-    save_figure(figure, folder / name, data)
-
-
-def _slug(text: str) -> str:
-    return "-".join(text.replace(",", "").split())
-
-
 _MODAL: Mapping[str, Draw] = {
     "modes": lambda evidence, folder: draw_modes(
         evidence.stage, plan_pictures(evidence.stage, shapes=None, animate="", wave=None), folder
@@ -150,16 +135,23 @@ _MODAL: Mapping[str, Draw] = {
 """Function that draws all pictures of a folder."""
 
 
+def _draw_one(kind: str, source: str, name: str, evidence: Evidence, folder: Path) -> None:
+    """Draw a figure of a march or a sweep."""
+    figures = (
+        RunFigures(evidence.motion(source).result)
+        if kind == "run"
+        else SweepFigures(evidence.sweep(source))
+    )
+    figure, data = figures.draw(name)
+    save_figure(figure, folder / name, data)
+
+
 def _panel(row: Mapping[str, str]) -> Panel:
-    """The panel of a row of figures.csv: of modes, or of a march or a sweep by name."""
-    source, name = row["source"], row["picture"]
-    draw: Draw
-    if row["kind"] == "modal":
-        folder, draw = source, _MODAL[source]
-    elif row["kind"] == "run":
-        folder, draw = _slug(source), partial(_draw_run, source, name)
-    else:
-        folder, draw = f"sweep-{_slug(source)}", partial(_draw_sweep, source, name)
+    """Return the panel of a row of figures.csv: of modes, or of a march or a sweep by name."""
+    kind, source, name = row["kind"], row["source"], row["picture"]
+    slug = "-".join(source.replace(",", "").split())
+    folder = {"modal": source, "run": slug, "sweep": f"sweep-{slug}"}[kind]
+    draw = _MODAL[source] if kind == "modal" else partial(_draw_one, kind, source, name)
     return Panel(caption=row["caption"], folder=folder, name=name, draw=draw)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from bladewhirl.files import write_atomically
-from bladewhirl.models.inputs.errors import UserError
+from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.postprocess.reports.page import write_page
 from bladewhirl.studies.paper import (  # noqa: F401 -- each registers its claims
     claims_marches,
@@ -18,8 +18,7 @@ from bladewhirl.studies.paper import (  # noqa: F401 -- each registers its claim
 )
 from bladewhirl.studies.paper.claim import CLAIMS, Claim
 from bladewhirl.studies.paper.figures import draw_figures
-from bladewhirl.studies.paper.page import scorecard_page
-from bladewhirl.studies.paper.scorecard import Score, Scorecard
+from bladewhirl.studies.paper.scorecard import Score, Scorecard, scorecard_page
 from bladewhirl.studies.paper.trials import (
     PERTURBATION,
     SURVEYS,
@@ -167,14 +166,10 @@ def write_scorecard(card: Scorecard, evidence: Evidence, directory: Path) -> lis
         UserError: it can't be written.
     """
     cited = {number for score in card.scores for number in score.claim.figures}
-    try:
+    document, page = directory / "scorecard.json", directory / "scorecard.html"
+    with writing(directory):
         directory.mkdir(parents=True, exist_ok=True)
         drawn = draw_figures(evidence, sorted(cited, key=int), directory / FIGURES_NAME)
-        document, page = directory / "scorecard.json", directory / "scorecard.html"
         write_atomically(document, card.to_json())
         write_page(scorecard_page(card, drawn), page)
-    except OSError as error:
-        raise UserError(
-            f"{error.filename or directory}: cannot be written ({error.strerror})"
-        ) from None
     return [document, page]

@@ -1,17 +1,19 @@
-"""The scorecard: claims judged over repeats, as a table, as JSON, and counted."""
+"""The scorecard: claims judged over repeats, counted, as JSON, a table and a page."""
 
 from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 from rich import box
+from rich import table as rich_table
 from rich.markup import escape
-from rich.table import Table
 
+from bladewhirl.postprocess.reports.page import Page, ReportFigure, Section, Table
 from bladewhirl.studies.paper.claim import VERDICTS, Claim, Finding, Verdict
 
 STYLES: Mapping[Verdict, str] = {
@@ -112,10 +114,12 @@ def _entry(score: Score) -> dict[str, Any]:
     }
 
 
-def scorecard_table(card: Scorecard) -> Table:
+def scorecard_table(card: Scorecard) -> rich_table.Table:
     """The scorecard as a table to read."""
     quick = ", quick: short marches, coarse sweeps" if card.conditions.get("quick") else ""
-    table = Table(title=f"{card.summary}{quick}", box=box.SIMPLE_HEAD, title_justify="left")
+    table = rich_table.Table(
+        title=f"{card.summary}{quick}", box=box.SIMPLE_HEAD, title_justify="left"
+    )
     table.add_column("", justify="right")
     table.add_column("claim", ratio=5, overflow="fold")
     table.add_column("ours", ratio=4, overflow="fold")
@@ -130,3 +134,52 @@ def scorecard_table(card: Scorecard) -> Table:
             f"[{STYLES[score.verdict]}]{score.verdict}[/]",
         )
     return table
+
+
+HEAD = ("", "claim", "paper", "ours", "verdict", "why")
+
+
+def scorecard_page(card: Scorecard, drawn: Mapping[str, Sequence[ReportFigure]]) -> Page:
+    """Return the scorecard as a report.
+
+    Args:
+        card: the scorecard.
+        drawn: panels of each figure of the paper, from `figures.draw_figures`.
+    """
+    ordered = sorted(card.scores, key=lambda score: (score.claim.place, score.claim.number))
+    sections = [
+        _section(section, list(scores), drawn)
+        for section, scores in groupby(ordered, key=lambda score: score.claim.section)
+    ]
+    conditions = [(name.replace("_", " "), _text(v)) for name, v in card.conditions.items()]
+    table = Table(name="conditions-table", title="", rows=conditions)
+    return Page(
+        title="What holds of the paper",
+        subject=f"bladewhirl {card.conditions.get('bladewhirl', '')}".strip(),
+        verdict=card.summary,
+        tone="open",
+        reason="Each claim is compared with the paper by thresholds.",
+        warnings=(),
+        figures=[(verdict, str(count), "") for verdict, count in card.counts.items()],
+        sections=[*sections, Section(name="conditions", title="Conditions", blocks=[table])],
+    )
+
+
+def _section(
+    section: str, scores: Sequence[Score], drawn: Mapping[str, Sequence[ReportFigure]]
+) -> Section:
+    rows = [
+        (str(s.claim.number), s.claim.text, s.claim.paper, s.ours, s.verdict, s.why) for s in scores
+    ]
+    numbers = {number for score in scores for number in score.claim.figures if number in drawn}
+    panels = [panel for number in sorted(numbers, key=int) for panel in drawn[number]]
+    table = Table(name=f"claims-{section}", title="", head=HEAD, rows=rows)
+    return Section(name=f"section-{section}", title=f"Section {section}", blocks=[table, *panels])
+
+
+def _text(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key} = {item}" for key, item in value.items()) or "none"
+    return str(value)

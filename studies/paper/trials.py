@@ -21,7 +21,6 @@ from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.measures import Motion
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
 from bladewhirl.studies.modal.coupled_system import EvenSystem, couple_even
-from bladewhirl.studies.paper.cases import changed
 from bladewhirl.studies.paper.modal_numbers import modal_measures
 from bladewhirl.studies.sweeps.cache import RunStore, run_key
 from bladewhirl.studies.sweeps.plan import PLAN_NAME
@@ -40,8 +39,44 @@ KAPPAS = (0.0, 500.0, 1000.0)
 """Coupling stiffnesses of the truncated space [N/m] (paper, Section 4.3.3)."""
 
 
+CONTACT = {"casing.support": 7.975e6, "damping.ratio": 0.001}
+"""In which the stage of the two scenarios differs from that of modal work."""
+
+CASES: Mapping[str, Case] = {
+    "modal": Case(),
+    "distortion": with_values(
+        Case(title="Casing distortion of one nodal diameter"),
+        {**CONTACT, "excitation": {"type": "casing-distortion", "duration": 0.01}},
+    ),
+    "imbalance": with_values(
+        Case(title="Mass imbalance"),
+        {**CONTACT, "excitation": {"type": "imbalance", "ramp": 0.1}},
+    ),
+}
+"""Cases by scenario: the stage for modal work, and both beginnings of contact, as in examples/."""
+
+
 class NotTestableError(Exception):
     """Claim that cannot be judged; the message states the reason."""
+
+
+def changed(scenario: str, changes: Mapping[str, Any]) -> Case:
+    """A case with other values, by dotted key.
+
+    Keys of `excitation` that belong to the other scenario's load are left out, and so is the title.
+
+    Raises:
+        CaseError: all faults of the new case.
+    """
+    case = CASES[scenario]
+    keys = type(case.excitation).model_fields
+    prefix = "excitation."
+    values = {
+        key: value
+        for key, value in changes.items()
+        if not key.startswith(prefix) or key.removeprefix(prefix) in keys
+    }
+    return with_values(case, values)
 
 
 @dataclass(frozen=True, kw_only=True)

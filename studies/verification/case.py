@@ -14,16 +14,16 @@ together name their function in the table, and it returns a pair for each of the
 from __future__ import annotations
 
 import csv
+import json
 import time
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
+from importlib import resources
 from typing import Any, Literal, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-from bladewhirl.studies.verification.references import FOLDER
 
 Pair = tuple[ArrayLike, ArrayLike]
 """Reference and ours."""
@@ -114,6 +114,15 @@ class VerificationCase:
 
 CASES: list[VerificationCase] = []
 """All cases of the modules imported so far."""
+
+
+FOLDER = resources.files("bladewhirl.studies.verification") / "data"
+
+
+@cache
+def reference(name: str) -> Any:
+    """Return the contents of a file of reference values, which states how its numbers were made."""
+    return json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))
 
 
 @cache

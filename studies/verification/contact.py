@@ -20,8 +20,7 @@ from bladewhirl.studies.verification.bodies import (
     small_rotor,
     wall,
 )
-from bladewhirl.studies.verification.case import Pair, Pairs, verifies
-from bladewhirl.studies.verification.references import reference
+from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
 
 ELEMENTS = 100
 BARS = (*reference("contact")["bars"], *reference("published")["bars"])

@@ -16,8 +16,7 @@ from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.modal.modes import families, structure_modes
 from bladewhirl.models.modal.reduction import craig_bampton
 from bladewhirl.models.sections.rectangular import Section
-from bladewhirl.studies.verification.case import Pair, Pairs, verifies
-from bladewhirl.studies.verification.references import reference
+from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
 from bladewhirl.studies.verification.stages import (
     beam,
     bladed_disk,

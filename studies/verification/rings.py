@@ -8,8 +8,7 @@ from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.modal.modes import Modes, structure_modes
 from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.sections.wall import Wall
-from bladewhirl.studies.verification.case import Pair, Pairs, verifies
-from bladewhirl.studies.verification.references import reference
+from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
 from bladewhirl.studies.verification.stages import (
     CASING_REFERENCE,
     RADIUS,

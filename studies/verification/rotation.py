@@ -19,8 +19,7 @@ from bladewhirl.models.rotation.matrices import RotationMatrices, axial_force, r
 from bladewhirl.models.rotation.waves import waves
 from bladewhirl.models.rotation.whirl_modes import whirl_modes
 from bladewhirl.models.sections.rectangular import Section
-from bladewhirl.studies.verification.case import Pair, Pairs, verifies
-from bladewhirl.studies.verification.references import reference
+from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
 from bladewhirl.studies.verification.stages import bladed_disk, steel
 
 STAGES = ("0.01", "0.03")
@@ -172,7 +171,18 @@ def steady_answer(stage: str) -> Pair:
     return [known_answer[1:] for known_answer in row["steady_per_newton"]], computed
 
 
-HUB = 0.05
+HUB, SHAFT = 0.05, 2e6
+"""Radius of the hub [m], stiffness of a shaft spring [N/m]."""
+
+
+def blades_on(
+    sketch: Sketch, root: str, section: Section, elements: int = 1, *, clamped: bool
+) -> BladedDiskModel:
+    """Return the blades from a root to the node "tip" of a sketch, around the centre "hub"."""
+    sketch.member("blades", root, "tip", section, elements=elements)
+    sketch.set("centre", "hub")
+    sketch.set("tips", "tip")
+    return assemble_bladed_disk(sketch.build(), shaft_stiffness=SHAFT, clamped=clamped)
 
 
 def cantilevers(delta: float, alpha: float, elements: int) -> tuple[BladedDiskModel, float]:
@@ -184,10 +194,7 @@ def cantilevers(delta: float, alpha: float, elements: int) -> tuple[BladedDiskMo
     sketch.node("root", HUB)
     sketch.node("tip", HUB + length)
     sketch.link("hub", "root")
-    sketch.member("blades", "root", "tip", section, elements=elements)
-    sketch.set("centre", "hub")
-    sketch.set("tips", "tip")
-    disk = assemble_bladed_disk(sketch.build(), shaft_stiffness=3.4e7, clamped=True)
+    disk = blades_on(sketch, "root", section, elements, clamped=True)
     time = np.sqrt(section.line_mass * length**4 / section.bending_stiffness)
     return disk, float(time)
 
@@ -227,17 +234,14 @@ def rigid_disk() -> Pair:
     sketch = Sketch(3)
     sketch.node("hub", 0.0, 0.0, shared=True)
     sketch.node("tip", 0.3)
-    sketch.member("blades", "hub", "tip", stiff)
-    sketch.set("centre", "hub")
-    sketch.set("tips", "tip")
-    disk = assemble_bladed_disk(sketch.build(), shaft_stiffness=2e6, clamped=False)
+    disk = blades_on(sketch, "hub", stiff, clamped=False)
     computed: list[FloatArray] = []
     for omega in (30.0, 200.0):
         modes = whirl_modes(rotation_matrices(disk).at_speed(omega, "full"))
         swinging = (modes.nodal_diameter == 1) & (modes.frequency < 1e3)
         chosen = modes.take(np.flatnonzero(swinging))
         computed.append(np.abs(chosen.static_frequency(omega)))
-    return np.full((2, 2), np.sqrt(2e6 / disk.model.mass)), computed
+    return np.full((2, 2), np.sqrt(SHAFT / disk.model.mass)), computed
 
 
 @verifies()
@@ -247,10 +251,7 @@ def rod() -> Pair:
     sketch = Sketch(2)
     sketch.node("hub", 0.0, 0.0, shared=True)
     sketch.node("tip", 0.5)
-    sketch.member("blades", "hub", "tip", section, elements=40)
-    sketch.set("centre", "hub")
-    sketch.set("tips", "tip")
-    disk = assemble_bladed_disk(sketch.build(), shaft_stiffness=3.4e7, clamped=True)
+    disk = blades_on(sketch, "hub", section, 40, clamped=True)
     matrices = rotation_matrices(disk)
     kappa = omega * 0.5 * np.sqrt(section.line_mass / section.axial_stiffness)
     computed = [

@@ -19,9 +19,8 @@ from bladewhirl.studies.verification.bodies import (
     small_rotor,
     wall,
 )
-from bladewhirl.studies.verification.case import Pair, Pairs, verifies
+from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
 from bladewhirl.studies.verification.contact import bars_in_impact, pad_on_a_wall
-from bladewhirl.studies.verification.references import reference
 
 MASS, SPEED, DEPTH = 2.0, 3.0, 1e-4
 

@@ -24,8 +24,7 @@ from bladewhirl.solvers.stability.growth import coincidence_speeds, growth_rate
 from bladewhirl.solvers.stability.zones import UnstableZones, unstable_zones
 from bladewhirl.studies.modal.coupled_system import EvenSystem, couple
 from bladewhirl.studies.verification.bodies import marched
-from bladewhirl.studies.verification.case import Pair, Pairs, verifies
-from bladewhirl.studies.verification.references import reference
+from bladewhirl.studies.verification.case import Pair, Pairs, reference, verifies
 
 POINT = {"march.speed": 1.17, "coupling.stiffness": 500.0, "reduction.modes": "six"}
 """The paper's example point, Figs 11 and 14."""

@@ -120,16 +120,9 @@ def casing(
 
 
 @cache
-def casing_modes(
-    elements: int = 40,
-    support: float = 0.0,
-    curvature: Literal["exact", "shallow"] = "exact",
-    rotation: Literal["free", "fixed"] = "free",
-) -> Modes:
-    """All modes of that ring."""
-    return structure_modes(
-        casing(elements, support, curvature, rotation).structure, CASING_REFERENCE
-    )
+def casing_modes(*arguments: Any) -> Modes:
+    """All modes of that ring, of the arguments of `casing`."""
+    return structure_modes(casing(*arguments).structure, CASING_REFERENCE)
 
 
 def hertz(modes: Modes) -> FloatArray:

@@ -12,8 +12,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.scheme import make_scheme
 from bladewhirl.studies.verification.bodies import marched, problem, small_rotor, wall
-from bladewhirl.studies.verification.case import Pair, verifies
-from bladewhirl.studies.verification.references import reference
+from bladewhirl.studies.verification.case import Pair, reference, verifies
 
 
 def stage_at_speed(

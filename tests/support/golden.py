@@ -12,7 +12,7 @@ from places import DATA
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
-from bladewhirl.studies.paper.cases import CASES
+from bladewhirl.studies.paper.trials import CASES
 from bladewhirl.studies.runs.prepare import prepare
 from bladewhirl.studies.runs.recorded_march import march_in_memory
 

@@ -11,7 +11,7 @@ from bladewhirl.models.case.file import loads
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.casing import RADIAL, TANGENTIAL, CasingModel
 from bladewhirl.models.stage.stage import Stage, build_stage
-from bladewhirl.studies.verification.references import reference as oracle
+from bladewhirl.studies.verification.case import reference as oracle
 from bladewhirl.studies.verification.stages import (
     CASING_REFERENCE,
     RADIUS,

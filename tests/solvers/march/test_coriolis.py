@@ -27,7 +27,7 @@ from bladewhirl.models.stage.contact_problem import ContactProblem, ReducedRotor
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.solvers.march.central_difference import CentralDifference
 from bladewhirl.solvers.march.reference import Reference
-from bladewhirl.studies.verification.references import reference
+from bladewhirl.studies.verification.case import reference
 from bladewhirl.studies.verification.stages import observed_order
 from bladewhirl.studies.verification.whirl import jeffcott, pulled, stage_at_speed
 

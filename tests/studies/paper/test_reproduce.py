@@ -20,7 +20,6 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.measures import HOLDERS, Motion
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.paper.cases import CASES, changed
 from bladewhirl.studies.paper.claim import (
     CLAIMS,
     VERDICTS,
@@ -34,9 +33,11 @@ from bladewhirl.studies.paper.figures import PAPER_FIGURES
 from bladewhirl.studies.paper.judge import Plan, chosen_claims, reproduce_claims
 from bladewhirl.studies.paper.scorecard import Score, counted
 from bladewhirl.studies.paper.trials import (
+    CASES,
     KAPPAS,
     SURVEYS,
     TRIALS,
+    changed,
     perturbed,
 )
 from bladewhirl.studies.sweeps.cache import RunStore, run_key

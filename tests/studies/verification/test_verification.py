@@ -12,8 +12,7 @@ from places import ROOT
 from typer.testing import CliRunner
 
 from bladewhirl.studies.commands.cli import app
-from bladewhirl.studies.verification.case import CASES, Pair, VerificationCase, rows
-from bladewhirl.studies.verification.references import reference
+from bladewhirl.studies.verification.case import CASES, Pair, VerificationCase, reference, rows
 from bladewhirl.studies.verification.table import SUBJECTS, cases
 
 DEFAULT = cases()
