@@ -7,7 +7,7 @@ from .models.case.template import dumps_case as dumps_case
 from .models.geometry.sketch import Sketch as Sketch
 from .models.inputs.errors import CaseError as CaseError
 from .models.inputs.errors import UserError as UserError
-from .models.sections.materials import Material as Material
+from .models.sections.rectangular import Material as Material
 from .models.sections.rectangular import Section as Section
 from .models.stage.stage import build_stage as build_stage
 from .postprocess.energy.growth import amplitude_growth as amplitude_growth

@@ -32,7 +32,7 @@ from bladewhirl.models.case.shaft import Rotation, Shaft
 from bladewhirl.models.case.sketch import SketchTable
 from bladewhirl.models.inputs.errors import CaseError, shown
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.sections.materials import BeamSection, Material
+from bladewhirl.models.sections.rectangular import BeamSection, Material
 from bladewhirl.models.sections.wall import Lobe
 
 __all__ = [

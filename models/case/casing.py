@@ -18,7 +18,7 @@ from bladewhirl.models.inputs.fields import (
     rows,
 )
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.sections.materials import BeamSection
+from bladewhirl.models.sections.rectangular import BeamSection
 from bladewhirl.models.sections.wall import TURN, Arc, Lobe, RingProfile
 
 SAME_ANGLE = 1e-9

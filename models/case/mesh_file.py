@@ -24,7 +24,7 @@ from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.inputs.errors import LONGEST_VALUE, CaseError, Fault, shown
 from bladewhirl.models.inputs.fields import Length, expectation, positive
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.sections.materials import BeamSection
+from bladewhirl.models.sections.rectangular import BeamSection
 
 KEY = "bladed_disk.mesh"
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import Imbalance
 from bladewhirl.models.inputs.errors import Fault
-from bladewhirl.models.sections.materials import Material, NamedMaterial
+from bladewhirl.models.sections.rectangular import Material, NamedMaterial
 
 Bound = tuple[str, float, float, float, str]
 """Key, its value, least and largest plausible value, and their unit or the reason for them."""

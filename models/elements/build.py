@@ -16,8 +16,7 @@ from bladewhirl.models.case.case import BeamSection, Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.plausibility import unusual_values
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
-from bladewhirl.models.elements.casing import CasingModel, assemble_casing
-from bladewhirl.models.elements.supports import spring, strut
+from bladewhirl.models.elements.casing import CasingModel, assemble_casing, spring, strut
 from bladewhirl.models.geometry.beam_model import BeamModel, part_outside
 from bladewhirl.models.geometry.from_mesh import mesh_beam_model
 from bladewhirl.models.geometry.sketch_build import build_sketch

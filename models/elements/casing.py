@@ -1,14 +1,27 @@
-"""Finite element model of a flexible casing: a closed ring of curved beams."""
+"""Finite element model of a flexible casing: a closed ring of curved beams, springs and struts.
+
+A support acts on what the wall does at its foot, on the ring's line: the radial and tangential
+displacement w and u, and the rotation of the section phi = u/R - w', counter-clockwise. The foot
+may lie anywhere in an element; Hermite's functions give w, u and phi there, so that the matrices
+are those of the continuous field and nothing jumps as a foot passes a node. Feet at nodes keep
+the fourth order of the frequencies; inside an element a force there has the second to third and a
+moment, of a strut that is built in, the first (a per cent with 40 elements).
+
+A strut is one straight beam element from the wall to the ground, massive and without modes of its
+own: pinned at both ends it is a bar, built in at both it also bends.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 import scipy.sparse as sp
 
-from bladewhirl.meshes.line_mesh import FloatArray
+from bladewhirl.meshes.hermite import cubic_weights, slope_weights
+from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.elements.assembly import curved_beams
 from bladewhirl.models.elements.cyclic import SectorLayout
@@ -19,8 +32,128 @@ from bladewhirl.models.elements.forms import (
     support_stiffness,
 )
 from bladewhirl.models.elements.structure import Structure
-from bladewhirl.models.elements.supports import Support, at_feet, foot_rows
+from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.sections.wall import Wall, WallProperties
+
+OUTWARD, ALONG, ROTATION = range(3)
+"""Components on which a support acts at its foot: radial, tangential, rotation."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Support:
+    """Spring or strut that supports the wall at an angle."""
+
+    kind: Literal["spring", "strut"]
+    angle: float  #: of the foot from +x [rad]
+    reach: tuple[float, float]  #: from foot to ground, x and y [m]; none of a spring
+    stiffness: FloatArray  #: on w, u, phi [N/m, N, N m], (3, 3)
+    mass: FloatArray  #: on w, u, phi [kg, kg m, kg m2], (3, 3)
+    weight: float  #: whole mass of it [kg]
+    dampers: FloatArray
+    """On w, u, phi: rows d of the damping d^T d [(N s/m)^1/2, (N s m)^1/2], (dampers, 3)."""
+
+
+def spring(
+    angle: float,
+    *,
+    radial: float,
+    tangential: float,
+    radial_damping: float = 0.0,
+    tangential_damping: float = 0.0,
+) -> Support:
+    """Return a support of two springs to the ground, each with a parallel damper.
+
+    Args:
+        angle: of the foot [rad].
+        radial: stiffness [N/m].
+        tangential: stiffness [N/m].
+        radial_damping: [N s/m].
+        tangential_damping: [N s/m].
+    """
+    damping = np.diag([radial_damping, tangential_damping, 0.0])
+    return Support(
+        kind="spring",
+        angle=angle,
+        reach=(0.0, 0.0),
+        stiffness=np.diag([radial, tangential, 0.0]),
+        mass=np.zeros((3, 3)),
+        weight=0.0,
+        dampers=np.sqrt(damping[damping.any(axis=1)]),
+    )
+
+
+def strut(
+    angle: float,
+    section: Section,
+    *,
+    length: float,
+    inclination: float,
+    ends: Literal["pinned", "built-in"],
+    damping: float = 0.0,
+) -> Support:
+    """A straight strut to the ground.
+
+    Args:
+        angle: of the foot [rad].
+        section: its section and material.
+        length: [m].
+        inclination: of the strut to the outward normal, counter-clockwise [rad].
+        ends: both pinned, or both built in.
+        damping: of a damper along the strut [N s/m].
+    """
+    cos, sin = np.cos(inclination), np.sin(inclination)
+    axes = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])  # along, across, turn
+    total = section.line_mass * length
+    stiffness = np.zeros((3, 3))
+    stiffness[0, 0] = section.axial_stiffness / length
+    mass = np.diag([total / 3.0, total / 3.0, 0.0])
+    if ends == "built-in":
+        across = np.array([[12.0 / length**2, 6.0 / length], [6.0 / length, 4.0]])
+        stiffness[1:, 1:] = section.bending_stiffness / length * across
+        mixed = 11.0 * length / 210.0
+        mass[1:, 1:] = total * np.array([[13.0 / 35.0, mixed], [mixed, length**2 / 105.0]])
+    direction = angle + inclination
+    return Support(
+        kind="strut",
+        angle=angle,
+        reach=(length * np.cos(direction), length * np.sin(direction)),
+        stiffness=axes.T @ stiffness @ axes,
+        mass=axes.T @ mass @ axes,
+        weight=total,
+        dampers=np.sqrt(damping) * axes[:1] if damping else np.zeros((0, 3)),
+    )
+
+
+def foot_rows(mesh: RingMesh, node_dofs: IntArray, angles: Iterable[float]) -> sp.csr_array:
+    """Rows that give w, u and phi at angles from a field, (3 angles, size).
+
+    Args:
+        mesh: the ring.
+        node_dofs: u, u', w, w' of each node, (nodes, 4).
+        angles: [rad].
+    """
+    theta = np.array(list(angles), dtype=np.float64)
+    count, length = mesh.elements, mesh.element_length
+    place = np.mod(theta, 2.0 * np.pi) * count / (2.0 * np.pi)
+    first = np.floor(place).astype(np.int64)
+    value = cubic_weights(place - first, length).T
+    slope = slope_weights(place - first, length).T
+    rows = sp.lil_array((3 * len(theta), node_dofs.size))
+    for i, element in enumerate(first):
+        ends = node_dofs[[element % count, (element + 1) % count]]
+        along, outward = ends[:, :2].ravel(), ends[:, 2:].ravel()
+        rows[[3 * i + OUTWARD], outward] = value[i]
+        rows[[3 * i + ALONG], along] = value[i]
+        rows[[3 * i + ROTATION], along] = value[i] / mesh.radius
+        rows[[3 * i + ROTATION], outward] = -slope[i]
+    return sp.csr_array(rows)
+
+
+def at_feet(matrices: Iterable[FloatArray]) -> sp.csr_array:
+    """Matrices of supports one after the other on the diagonal, (rows, 3 supports)."""
+    blocks = [sp.csr_array(matrix) for matrix in matrices]
+    return sp.csr_array(sp.block_diag(blocks)) if blocks else sp.csr_array((0, 0))
+
 
 TANGENTIAL, TANGENTIAL_SLOPE, RADIAL, RADIAL_SLOPE = range(4)
 """Components of a node: u, du/ds, w, dw/ds with s the arc length."""

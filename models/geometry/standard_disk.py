@@ -11,8 +11,7 @@ from bladewhirl.meshes.line_mesh import FloatArray, points_along
 from bladewhirl.models.case.bladed_disk import BladedDisk
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.inputs.errors import CaseError, Fault
-from bladewhirl.models.sections.materials import BeamSection
-from bladewhirl.models.sections.rectangular import QUANTITIES, Section, along
+from bladewhirl.models.sections.rectangular import QUANTITIES, BeamSection, Section, along
 
 FINE = 400
 """Points along a curved centre line between which its angle is interpolated."""

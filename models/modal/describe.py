@@ -10,8 +10,7 @@ import numpy as np
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.build import case_clearance
-from bladewhirl.models.elements.casing import CasingModel
-from bladewhirl.models.elements.supports import ALONG, OUTWARD
+from bladewhirl.models.elements.casing import ALONG, OUTWARD, CasingModel
 from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.rotation.at_speed import TurningDisk, tip_recess

@@ -1,18 +1,82 @@
-"""Rectangular beam sections and the stiffnesses they give along a mesh."""
+"""Rectangular beam sections, their materials, and the stiffnesses they give along a mesh."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields
-from typing import ClassVar, Generic, TypeVar
+from typing import Annotated, ClassVar, Generic, TypeVar
 
 import numpy as np
-from pydantic import ConfigDict
+from pydantic import ConfigDict, Field, StrictStr
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.inputs.errors import CaseError, Fault
-from bladewhirl.models.inputs.fields import Density, Length, Modulus, positive
-from bladewhirl.models.sections.materials import Material, NamedMaterial
+from bladewhirl.models.inputs.fields import Density, Length, Modulus, positive, rows
+from bladewhirl.models.inputs.table import Inconsistency, Table
+
+
+class BeamSection(Table):
+    """A rectangular beam section."""
+
+    width: Length = 0.1
+    """Size out of the plane of motion [m]."""
+    thickness: Length = 0.01
+    """Size in the plane of motion [m]."""
+    material: StrictStr | None = None
+    """Name in material.named; the material of the case by default."""
+
+
+class NamedMaterial(Table):
+    """A material that sections may ask for by name."""
+
+    name: StrictStr
+    """Name for use in sections."""
+    young_modulus: Modulus
+    """Young's modulus [Pa]."""
+    density: Density
+    """Density [kg/m3]."""
+    yield_strength: Modulus | None = Field(default=None, examples=['"600 MPa"'])
+    """Stress at which it yields [Pa]: the summary of a run says where that is passed. Nothing
+    yields in the model."""
+
+
+class Material(Table):
+    """Material of the bladed disk and the casing, where their sections name no other."""
+
+    young_modulus: Modulus = 2.1e11
+    """Young's modulus [Pa] (the paper: "steel")."""
+    density: Density = 7800.0
+    """Density [kg/m3] (the paper: "steel")."""
+    yield_strength: Modulus | None = Field(default=None, examples=['"600 MPa"'])
+    """Stress at which it yields [Pa]: the summary of a run says where that is passed. Nothing
+    yields in the model."""
+    named: Annotated[
+        tuple[NamedMaterial, ...],
+        rows('{ name = "titanium", young_modulus = "114 GPa", density = 4430.0 }'),
+    ] = ()
+    """More materials, rows of { name = "titanium", young_modulus = "114 GPa", density = 4430.0 },
+    for sections that ask for one: { material = "titanium", ... }."""
+
+    def inconsistencies(self) -> Iterator[Inconsistency]:
+        """Yield names that two materials share."""
+        names = [one.name for one in self.named]
+        if len(set(names)) < len(names):
+            yield Inconsistency("named", "a name of its own for each material", ())
+
+    @property
+    def lowest_yield_strength(self) -> float | None:
+        """Lowest yield strength of the materials that specify one [Pa]."""
+        given = [self.yield_strength, *(one.yield_strength for one in self.named)]
+        return min((value for value in given if value is not None), default=None)
+
+    def find(self, name: str | None) -> Material | NamedMaterial:
+        """A material by name, this one for None.
+
+        Raises:
+            KeyError: there is none of that name.
+        """
+        return self if name is None else {one.name: one for one in self.named}[name]
+
 
 Size = TypeVar("Size", float, FloatArray)
 

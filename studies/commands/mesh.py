@@ -58,7 +58,7 @@ def _content(source: Path, overrides: list[str]) -> GroupedLines:
     from bladewhirl.meshes.files.registry import READERS, read_line_mesh
     from bladewhirl.models.case.file import faults_from, read_case
     from bladewhirl.models.elements.build import case_beam_model
-    from bladewhirl.models.geometry.mesh_data import grouped_lines
+    from bladewhirl.models.geometry.from_mesh import grouped_lines
 
     if source.suffix.lower() not in READERS:
         with faults_from(source, overrides):

@@ -21,8 +21,8 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.inputs.mode_names import ALL, SIX, chosen_modes
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage
 from bladewhirl.models.rotation.at_speed import lowest_critical_speed
-from bladewhirl.models.rotation.internal_damping import internal_growth
 from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matrices
+from bladewhirl.models.rotation.waves import internal_growth
 from bladewhirl.solvers.stability.floquet import exponents
 from bladewhirl.solvers.stability.growth import Progress, growth_rate, is_unstable
 

@@ -14,8 +14,7 @@ from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.case.file import case_from
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.build import case_bladed_disk
-from bladewhirl.models.elements.casing import CasingModel, assemble_casing
-from bladewhirl.models.elements.supports import Support
+from bladewhirl.models.elements.casing import CasingModel, Support, assemble_casing
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.modal.modes import Modes, structure_modes
 from bladewhirl.models.sections.rectangular import Section

@@ -17,8 +17,7 @@ from bladewhirl.models.elements.build import case_beam_model, case_bladed_disk
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.inputs.errors import CaseError
-from bladewhirl.models.sections.materials import Material
-from bladewhirl.models.sections.rectangular import Section
+from bladewhirl.models.sections.rectangular import Material, Section
 
 
 def disk(*, clamped: bool = False, **tables: Any) -> BladedDiskModel:

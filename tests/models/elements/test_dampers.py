@@ -19,7 +19,7 @@ from contact_cases import (
 from stages import CASING_REFERENCE, SMALL, observed_order, ring, ring_moved, stage, steel
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.elements.supports import spring, strut
+from bladewhirl.models.elements.casing import spring, strut
 from bladewhirl.models.modal.modes import structure_modes
 from bladewhirl.models.stage.contact_problem import ContactProblem
 

@@ -37,7 +37,7 @@ from bladewhirl.models.case.mesh_file import MeshSection, MeshTable
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.build import case_beam_model
 from bladewhirl.models.geometry.beam_model import BeamModel
-from bladewhirl.models.geometry.mesh_data import grouped_lines
+from bladewhirl.models.geometry.from_mesh import grouped_lines
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.modal.full_stage import lowest_frequencies
 from bladewhirl.models.sections.rectangular import Section

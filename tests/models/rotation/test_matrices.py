@@ -20,8 +20,8 @@ from bladewhirl.models.rotation.eigenproblems import (
     lowest_gyroscopic_eigen,
     modal_damping,
 )
-from bladewhirl.models.rotation.internal_damping import internal_growth
 from bladewhirl.models.rotation.matrices import rotation_matrices
+from bladewhirl.models.rotation.waves import internal_growth
 from bladewhirl.models.rotation.whirl_modes import (
     WhirlModes,
     directions,

@@ -16,8 +16,7 @@ import bladewhirl as bw
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.geometry.sketch import Sketch
-from bladewhirl.models.sections.materials import Material
-from bladewhirl.models.sections.rectangular import Section
+from bladewhirl.models.sections.rectangular import Material, Section
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.prepare import prepare

@@ -15,9 +15,8 @@ from bladewhirl.models.case.shaft import Effects
 from bladewhirl.models.elements.cyclic import nodal_diameters
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import modal_stage
-from bladewhirl.models.rotation.internal_damping import DampedWaves, internal_growth
 from bladewhirl.models.rotation.matrices import rotation_matrices
-from bladewhirl.models.rotation.waves import waves
+from bladewhirl.models.rotation.waves import DampedWaves, internal_growth, waves
 from bladewhirl.solvers.stability.floquet import coupled_floquet, floquet
 from bladewhirl.solvers.stability.growth import (
     coincidence_speeds,
