@@ -22,7 +22,8 @@ from typing import NamedTuple
 from rich.console import Console
 from rich.table import Table
 
-from bladewhirl.models.case.file import dumps_case, read_case
+from bladewhirl.models.case.file import read_case
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.studies.sweeps.axes import make_grid
 from bladewhirl.studies.sweeps.plan import Plan, plan_sweep
 from bladewhirl.studies.sweeps.points import Failure, Point, Work, march_point

@@ -19,7 +19,7 @@ from pydantic import (
 )
 
 from bladewhirl.models.case.analysis import Contact, Coupling, Damping, Initial, March, Reduction
-from bladewhirl.models.case.bladed_disk import BladedDisk, DiskSection
+from bladewhirl.models.case.bladed_disk import BladedDisk
 from bladewhirl.models.case.casing import Casing
 from bladewhirl.models.case.excitation import (
     CasingDistortion,
@@ -32,26 +32,7 @@ from bladewhirl.models.case.shaft import Rotation, Shaft
 from bladewhirl.models.case.sketch import SketchTable
 from bladewhirl.models.inputs.errors import CaseError, shown
 from bladewhirl.models.inputs.table import Inconsistency, Table
-from bladewhirl.models.sections.rectangular import BeamSection, Material
-from bladewhirl.models.sections.wall import Lobe
-
-__all__ = [
-    "BeamSection",
-    "BladedDisk",
-    "Case",
-    "Casing",
-    "Contact",
-    "Coupling",
-    "Damping",
-    "DiskSection",
-    "Initial",
-    "Lobe",
-    "March",
-    "Material",
-    "Reduction",
-    "Rotation",
-    "Shaft",
-]
+from bladewhirl.models.sections.rectangular import Material
 
 
 class Case(Table):

@@ -15,23 +15,7 @@ from typing import Any
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.check import case_from
 from bladewhirl.models.case.excitation import EXCITATIONS
-from bladewhirl.models.case.template import dumps_case, template
 from bladewhirl.models.inputs.errors import CaseError, Fault, faults_in
-
-__all__ = [
-    "CaseError",
-    "Fault",
-    "case_fault",
-    "case_from",
-    "dumps_case",
-    "faults_from",
-    "faults_in",
-    "loads",
-    "override_values",
-    "read_case",
-    "template",
-    "with_values",
-]
 
 SET = "--set"
 """Named instead of the file in faults of overridden keys."""

@@ -12,7 +12,7 @@ import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.meshes.ring_mesh import RingMesh
-from bladewhirl.models.case.case import BeamSection, Case
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
 from bladewhirl.models.case.plausibility import unusual_values
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
@@ -22,7 +22,7 @@ from bladewhirl.models.geometry.from_mesh import mesh_beam_model
 from bladewhirl.models.geometry.sketch_build import build_sketch
 from bladewhirl.models.geometry.standard_disk import bladed_disk_sketch
 from bladewhirl.models.inputs.errors import CaseError, Fault
-from bladewhirl.models.sections.rectangular import Section
+from bladewhirl.models.sections.rectangular import BeamSection, Section
 from bladewhirl.models.sections.wall import Wall
 
 LOST = 100.0

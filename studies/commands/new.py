@@ -17,7 +17,7 @@ def new(
 ) -> None:
     """Write a case file with every key, its default and its meaning."""
     from bladewhirl.files import write_atomically
-    from bladewhirl.models.case.file import template
+    from bladewhirl.models.case.template import template
 
     if path.exists() and not force:
         raise UserError(f"{path}: already exists; --force overwrites it")

@@ -94,7 +94,8 @@ def show(
     """
     from dataclasses import asdict
 
-    from bladewhirl.models.case.file import dumps_case, faults_from, read_case
+    from bladewhirl.models.case.file import faults_from, read_case
+    from bladewhirl.models.case.template import dumps_case
     from bladewhirl.models.stage.build import time_step_faults
     from bladewhirl.models.stage.hints import stage_hints
     from bladewhirl.models.stage.stage import build_stage

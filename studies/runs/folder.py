@@ -17,7 +17,7 @@ from typing import Any
 from bladewhirl.files import write_atomically
 from bladewhirl.files import listed
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import dumps_case
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.case.mesh_file import MeshTable
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME

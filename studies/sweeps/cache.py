@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import dumps_case
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.runs import folder
 from bladewhirl.studies.sweeps.points import Failure, Outcome, Point, Work, march_point

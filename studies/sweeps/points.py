@@ -15,7 +15,8 @@ from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from bladewhirl.models.case.case import Case, Contact, Initial, March
+from bladewhirl.models.case.analysis import Contact, Initial, March
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.excitation import NoExcitation
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.inputs.errors import UserError

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import dumps_case
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 from bladewhirl.solvers.march.free_motion import RULE, StopWhen

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bladewhirl.models.case.file import case_from
+from bladewhirl.models.case.check import case_from
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import ContactProblem, Load
 from bladewhirl.models.stage.stage import build_stage

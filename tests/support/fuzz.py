@@ -31,7 +31,8 @@ import numpy as np
 from small_run import COMMAND, SMALL, small
 
 from bladewhirl.meshes.files.registry import WRITERS
-from bladewhirl.models.case.file import dumps_case, read_case
+from bladewhirl.models.case.file import read_case
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import toml_value
 from bladewhirl.studies.commands.cli import app, main
 

@@ -8,21 +8,18 @@ import pytest
 from faults import fault, faults
 from pydantic import ValidationError
 
-from bladewhirl.models.case.case import (
-    BeamSection,
-    BladedDisk,
-    Case,
-    Casing,
-    DiskSection,
-    Initial,
-    March,
-    Shaft,
-)
+from bladewhirl.models.case.analysis import Initial, March
+from bladewhirl.models.case.bladed_disk import BladedDisk, DiskSection
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.casing import Casing
+from bladewhirl.models.case.check import case_from
 from bladewhirl.models.case.excitation import EXCITATIONS, CasingDistortion, Harmonic, Imbalance
-from bladewhirl.models.case.file import case_from, with_values
+from bladewhirl.models.case.file import with_values
+from bladewhirl.models.case.shaft import Shaft
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
+from bladewhirl.models.sections.rectangular import BeamSection
 
 # Key, a unit of its dimension with its SI size, whether 0 means something.
 NUMBERS: list[tuple[str, str, float, bool]] = [

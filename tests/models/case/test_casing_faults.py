@@ -3,7 +3,7 @@
 import pytest
 from faults import fault
 
-from bladewhirl.models.case.file import case_from
+from bladewhirl.models.case.check import case_from
 
 LOBES = {"lobes": 2, "amplitude": 1e-4}
 TURN = [{"angle": 0, "thickness": 0.01}, {"angle": "1 turn", "thickness": 0.02}]

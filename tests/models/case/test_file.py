@@ -12,17 +12,11 @@ from hypothesis import strategies as st
 from places import DATA, EXAMPLES
 
 from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.check import case_from
 from bladewhirl.models.case.excitation import EXCITATIONS, CasingDistortion, Imbalance
-from bladewhirl.models.case.file import (
-    CaseError,
-    case_from,
-    dumps_case,
-    loads,
-    read_case,
-    template,
-    with_values,
-)
-from bladewhirl.models.inputs.errors import toml_value
+from bladewhirl.models.case.file import loads, read_case, with_values
+from bladewhirl.models.case.template import dumps_case, template
+from bladewhirl.models.inputs.errors import CaseError, toml_value
 from bladewhirl.models.inputs.table import Table
 from bladewhirl.models.inputs.units import Speed
 

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from faults import faults
 
-from bladewhirl.models.case.case import Initial
+from bladewhirl.models.case.analysis import Initial
 from bladewhirl.models.case.excitation import Imbalance
 from bladewhirl.models.case.file import loads
 from bladewhirl.models.inputs.units import Speed

@@ -11,7 +11,7 @@ import scipy.linalg as la
 
 import bladewhirl.models.elements.structure as structures
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import case_from
+from bladewhirl.models.case.check import case_from
 from bladewhirl.models.coupling.stage_modes import stage_modes
 from bladewhirl.models.coupling.stage_waves import coupled_waves
 from bladewhirl.models.modal.full_stage import ModalStage, modal_stage

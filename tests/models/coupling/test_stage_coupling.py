@@ -7,7 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from bladewhirl.models.case.case import Case, Shaft
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.shaft import Shaft
 from bladewhirl.models.coupling.stage_modes import StageModes, stage_modes, wave_amplitudes
 from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.solvers.stability.floquet import coupled_floquet

@@ -11,7 +11,9 @@ from scipy.special import iv, jv
 from stages import beam, clamped, natural_frequencies, observed_order, steel
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.file import case_from, dumps_case, loads
+from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.file import loads
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.build import case_beam_model, case_bladed_disk
 from bladewhirl.models.geometry.beam_model import BeamModel

@@ -18,7 +18,8 @@ from stages import (
 )
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.file import dumps_case, loads, read_case
+from bladewhirl.models.case.file import loads, read_case
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.elements.casing import ALONG, OUTWARD, ROTATION, spring, strut
 from bladewhirl.models.modal.modes import structure_modes
 from bladewhirl.models.stage.stage import build_stage

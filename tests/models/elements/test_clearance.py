@@ -11,7 +11,8 @@ from places import EXAMPLES
 from stages import observed_order
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import case_from, read_case
+from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.file import read_case
 from bladewhirl.models.elements.build import case_clearance
 from bladewhirl.models.sections.wall import Lobe, RingProfile
 from bladewhirl.models.stage.build import contact_problem, march_faults

@@ -23,17 +23,12 @@ from stages import steel
 from bladewhirl.meshes.files.groups import GroupedLines
 from bladewhirl.meshes.files.registry import WRITERS, left_out, read_line_mesh, write_line_mesh
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.case import BladedDisk as BladedDiskTable
+from bladewhirl.models.case.bladed_disk import BladedDisk as BladedDiskTable
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import (
-    case_from,
-    dumps_case,
-    loads,
-    read_case,
-    template,
-    with_values,
-)
+from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.file import loads, read_case, with_values
 from bladewhirl.models.case.mesh_file import MeshSection, MeshTable
+from bladewhirl.models.case.template import dumps_case, template
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel, assemble_bladed_disk
 from bladewhirl.models.elements.build import case_beam_model
 from bladewhirl.models.geometry.beam_model import BeamModel

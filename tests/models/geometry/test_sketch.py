@@ -16,7 +16,8 @@ from stages import beam, bladed_disk, clamped, natural_frequencies, steel, trans
 
 from bladewhirl.meshes.line_mesh import points_along
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import dumps_case, loads
+from bladewhirl.models.case.file import loads
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.elements.bladed_disk import assemble_bladed_disk
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.sketch import Sketch

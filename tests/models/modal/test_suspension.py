@@ -9,7 +9,8 @@ import pytest
 from stages import SMALL, stage
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import dumps_case, loads, with_values
+from bladewhirl.models.case.file import loads, with_values
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.modal.suspension import KEY, with_sized_shaft

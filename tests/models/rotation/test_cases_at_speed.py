@@ -11,8 +11,11 @@ import pytest
 from stages import oracle
 from typer.testing import CliRunner
 
-from bladewhirl.models.case.case import Case, Rotation
-from bladewhirl.models.case.file import case_from, dumps_case, loads, with_values
+from bladewhirl.models.case.case import Case
+from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.file import loads, with_values
+from bladewhirl.models.case.shaft import Rotation
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues
 from bladewhirl.models.stage.build import contact_problem

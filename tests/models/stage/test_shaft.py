@@ -20,7 +20,8 @@ from scipy.integrate import solve_ivp
 from stages import SMALL, observed_order, stage
 
 from bladewhirl.meshes.line_mesh import FloatArray
-from bladewhirl.models.case.file import dumps_case, loads, read_case
+from bladewhirl.models.case.file import loads, read_case
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.modal.modes import suspension_pair
 from bladewhirl.models.stage.contact_problem import ContactProblem
 from bladewhirl.models.stage.loads import imbalance_force

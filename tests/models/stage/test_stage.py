@@ -11,8 +11,9 @@ from faults import fault
 from stages import stage
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import CaseError, with_values
+from bladewhirl.models.case.file import with_values
 from bladewhirl.models.elements import cost
+from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.stage import build_stage
 

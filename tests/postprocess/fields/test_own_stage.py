@@ -38,7 +38,7 @@ def case(sketch: Sketch) -> Case:
 @pytest.mark.usefixtures("pictures_unsaved")
 def test_pictures_of_modes_without_nodal_diameters(tmp_path: Path) -> None:
     """Three blades at odd angles: nothing turns them into each other."""
-    from bladewhirl.models.case.file import dumps_case
+    from bladewhirl.models.case.template import dumps_case
 
     steel = Section(width=0.08, thickness=0.02, material=STEEL)
     sketch = Sketch()

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bladewhirl.models.case.case import Case, March
+from bladewhirl.models.case.analysis import March
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.sweep.digest import magnitudes
 from bladewhirl.studies.sweeps.layout import make_layout, march_extent

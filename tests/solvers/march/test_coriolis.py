@@ -19,7 +19,8 @@ from contact_cases import (
 from places import EXAMPLES
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
-from bladewhirl.models.case.file import case_from, read_case
+from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.rotation.eigenproblems import damped_eigenvalues, gyroscopic_eigen
 from bladewhirl.models.stage.build import contact_problem

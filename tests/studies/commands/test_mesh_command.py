@@ -15,7 +15,8 @@ from typer.testing import CliRunner
 
 from bladewhirl.meshes.files.registry import WRITERS, read_line_mesh
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import dumps_case, read_case, with_values
+from bladewhirl.models.case.file import read_case, with_values
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.sweeps.axes import make_grid

@@ -19,7 +19,8 @@ from typer.testing import CliRunner
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import dumps_case, read_case, with_values
+from bladewhirl.models.case.file import read_case, with_values
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.shaft.orbits import shaft_orbit

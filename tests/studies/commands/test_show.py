@@ -14,7 +14,8 @@ from typer.testing import CliRunner
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import case_from, with_values
+from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.file import with_values
 from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.runs.properties import stage_properties

@@ -13,7 +13,8 @@ from stages import steel
 from typer.testing import CliRunner
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import dumps_case, loads, with_values
+from bladewhirl.models.case.file import loads, with_values
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.geometry.sketch import Sketch
 from bladewhirl.models.inputs.errors import CaseError, UserError
 from bladewhirl.studies.commands.cli import app

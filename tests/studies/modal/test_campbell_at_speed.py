@@ -14,7 +14,9 @@ from stages import oracle
 from typer.testing import CliRunner
 
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import case_from, dumps_case, with_values
+from bladewhirl.models.case.check import case_from
+from bladewhirl.models.case.file import with_values
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.models.stage.build import contact_problem

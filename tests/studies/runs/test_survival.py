@@ -15,7 +15,8 @@ from small_run import COMMAND, SMALL, run_script, small
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.case.file import dumps_case, read_case
+from bladewhirl.models.case.template import dumps_case
+from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.schema import HISTORY, RESULT_NAME
 from bladewhirl.solvers.march.scheme import KERNEL

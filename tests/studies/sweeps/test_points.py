@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import bladewhirl as bw
-from bladewhirl.models.case.file import dumps_case
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.postprocess.sweep.digest import digest
 from bladewhirl.studies.runs.prepare import prepare_stage
 from bladewhirl.studies.runs.recorded_march import march_in_memory, march_to_file

@@ -20,7 +20,7 @@ import sweep_work
 from distributed import LocalCluster
 from sweep_work import CASE, OVER, same_bits
 
-from bladewhirl.models.case.file import dumps_case
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.sweep.dataset import DONE, Layout
 from bladewhirl.studies.sweeps import cluster as sweep_cluster

@@ -18,7 +18,8 @@ from sweep_work import CASE, OVER, march_in_process, same_bits
 from synthetic_sweep import LAYOUT
 from typer.testing import CliRunner
 
-from bladewhirl.models.case.file import dumps_case, with_values
+from bladewhirl.models.case.file import with_values
+from bladewhirl.models.case.template import dumps_case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.postprocess.fields.result import ResultError, open_result
 from bladewhirl.postprocess.run.late_motion import late_motion

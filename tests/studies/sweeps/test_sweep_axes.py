@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from bladewhirl.models.case.case import Case, March
+from bladewhirl.models.case.analysis import March
+from bladewhirl.models.case.case import Case
 from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.sweeps.axes import Value, coordinate, make_grid, parse_over
 from bladewhirl.studies.sweeps.plan import plan_sweep
