@@ -135,13 +135,13 @@ def test_it_begins_with_the_run_at_one_instant(folder: Path, page: Parsed) -> No
 @pytest.mark.parametrize(
     ("reason", "words"),
     [
-        ("interrupted", "The march was interrupted at 0.4 s."),
+        ("interrupted", "The march was interrupted at 0.9 s."),
         ("unfinished", "it was killed, or is still running. The last record is at 0.9 s"),
     ],
 )
 def test_an_unfinished_march_is_reported(tmp_path: Path, reason: str, words: str) -> None:
     gone = dict.fromkeys(MARCHED) if reason == "unfinished" else {}
-    steps = 0 if reason == "unfinished" else 400_000
+    steps = 0 if reason == "unfinished" else 900_000
     run = made(tmp_path / "run", end_reason=reason, steps=steps, **gone)
     target = tmp_path / "own.html"
     target.write_text("old")
