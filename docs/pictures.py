@@ -3,7 +3,7 @@
     python docs/pictures.py
 
 needs what `bladewhirl render` needs, and two minutes. PNGs are reduced to a palette.
-The film is one revolution of casing_distortion.toml.
+The film is one revolution of the rub of imbalance.toml.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ DOCS = Path(__file__).parent
 EXAMPLES = DOCS.parent / "examples"
 BLADEWHIRL = Path(sys.executable).with_name("bladewhirl")
 COLOURS = 256  #: of a palette
-FRAMES, REVOLUTION = 36, ("--from", "0.85 s", "--to", "0.87367 s")  #: of the film
+FRAMES, REVOLUTION = 36, ("--from", "0.9 s", "--to", "0.92367 s")  #: of the film
 FILM = (560, 420, 64)  #: its width and height [pixels], its colours
 
 GALLERY = {
@@ -108,13 +108,14 @@ def main() -> None:
         folder = Path(scratch)
         distortion, imbalance, chart = (folder / n for n in ("distortion", "imbalance", "chart"))
         bladewhirl("run", EXAMPLES / "casing_distortion.toml", "-o", distortion, "--frames", "0")
-        bladewhirl("render", distortion, "--png", "--time", "0.9 s", "-o", folder / "still.png")
-        bladewhirl("run", EXAMPLES / "imbalance.toml", "-o", imbalance, "--frames", "0")
+        rub = (EXAMPLES / "imbalance.toml", "--set", "march.duration=1.0")
+        bladewhirl("run", *rub, "-o", imbalance, "--frames", "0")
+        bladewhirl("render", imbalance, "--png", "--time", "0.9 s", "-o", folder / "still.png")
         bladewhirl("stability", EXAMPLES / "fan_stage.toml", "-o", chart, "--no-films")
         keep(gallery(folder), "gallery.png", PLAIN, Image.Quantize.FASTOCTREE)  # flat colours
         keep(folder / "still.png", "contact.png")
         film = ("--frames", str(FRAMES), *REVOLUTION, "--orbit", "-o", folder / "film.gif")
-        bladewhirl("render", distortion, "--gif", *film)
+        bladewhirl("render", imbalance, "--gif", *film)
         keep_film(folder / "film.gif", "contact.gif")
         keep(distortion / "energy.png", "distortion_energy.png")
         keep(imbalance / "orbit.png", "imbalance_orbit.png")
