@@ -13,7 +13,7 @@ unseen are refused.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -88,7 +88,7 @@ def read_inp(path: Path) -> GroupedLines:
     content = _Content()
     for card in _cards(text):
         try:
-            READERS.get(card.keyword, _skip)(card, content)
+            _read(card, content)
         except MeshFileError:
             raise
         except UNSOUND:
@@ -123,9 +123,35 @@ def _cards(text: str) -> Iterator[_Card]:
     yield card
 
 
-def _skip(card: _Card, content: _Content) -> None:
-    if card.keyword in CHANGES_THE_MESH:
-        raise MeshFileError(f"an .inp file without *{card.keyword}, written out in full")
+def _read(card: _Card, content: _Content) -> None:
+    """Add what a keyword says to the content; keywords without a meaning here are skipped."""
+    match card.keyword:
+        case "NODE":
+            _read_nodes(card, content)
+        case "ELEMENT":
+            _read_elements(card, content)
+        case "NSET":
+            _read_node_set(card, content)
+        case "ELSET":
+            sets = content.element_sets
+            _extend(sets, card.needs("ELSET"), _members(card, sets))
+        case "BEAM SECTION" if card.parameters.get("SECTION", "").upper() == "RECT":
+            _read_section(card, content)
+        case "MATERIAL":
+            content.material = card.needs("NAME").upper()
+            content.materials[content.material] = {}
+        case "ELASTIC" if card.parameters.get("TYPE", "ISOTROPIC").upper().startswith("ISO"):
+            content.materials[content.material]["young_modulus"] = float(card.rows[0][0])
+        case "DENSITY":
+            content.materials[content.material]["density"] = float(card.rows[0][0])
+        case "MASS":
+            content.masses.append(("mass", card.needs("ELSET"), float(card.rows[0][0])))
+        case "ROTARY INERTIA":
+            content.masses.append(("inertia", card.needs("ELSET"), float(card.rows[0][-1])))
+        case "INSTANCE" if card.rows:
+            raise MeshFileError("a part that its *INSTANCE neither moves nor turns")
+        case keyword if keyword in CHANGES_THE_MESH:
+            raise MeshFileError(f"an .inp file without *{keyword}, written out in full")
 
 
 def _read_nodes(card: _Card, content: _Content) -> None:
@@ -170,59 +196,12 @@ def _read_node_set(card: _Card, content: _Content) -> None:
     _extend(content.node_sets, card.needs("NSET"), _members(card, content.node_sets))
 
 
-def _read_element_set(card: _Card, content: _Content) -> None:
-    _extend(content.element_sets, card.needs("ELSET"), _members(card, content.element_sets))
-
-
-def _read_instance(card: _Card, content: _Content) -> None:
-    if card.rows:
-        raise MeshFileError("a part that its *INSTANCE neither moves nor turns")
-
-
 def _read_section(card: _Card, content: _Content) -> None:
-    if card.parameters.get("SECTION", "").upper() != "RECT":
-        return
     first, second = (float(value) for value in card.rows[0][:2])
     axis = [float(value) for value in card.rows[1]] if len(card.rows) > 1 else [0.0, 0.0, -1.0]
     out_of_plane = abs(axis[2]) > max(abs(axis[0]), abs(axis[1]))
     width, thickness = (first, second) if out_of_plane else (second, first)
     content.sections.append((card.needs("ELSET"), card.needs("MATERIAL"), width, thickness))
-
-
-def _read_material(card: _Card, content: _Content) -> None:
-    content.material = card.needs("NAME").upper()
-    content.materials[content.material] = {}
-
-
-def _read_elastic(card: _Card, content: _Content) -> None:
-    if card.parameters.get("TYPE", "ISOTROPIC").upper().startswith("ISO"):
-        content.materials[content.material]["young_modulus"] = float(card.rows[0][0])
-
-
-def _read_density(card: _Card, content: _Content) -> None:
-    content.materials[content.material]["density"] = float(card.rows[0][0])
-
-
-def _read_mass(card: _Card, content: _Content) -> None:
-    value = float(card.rows[0][0 if card.keyword == "MASS" else -1])
-    content.masses.append((POINT_MASSES[card.keyword], card.needs("ELSET"), value))
-
-
-READERS: Mapping[str, Callable[[_Card, _Content], None]] = {
-    "NODE": _read_nodes,
-    "ELEMENT": _read_elements,
-    "NSET": _read_node_set,
-    "ELSET": _read_element_set,
-    "INSTANCE": _read_instance,
-    "BEAM SECTION": _read_section,
-    "MATERIAL": _read_material,
-    "ELASTIC": _read_elastic,
-    "DENSITY": _read_density,
-    "MASS": _read_mass,
-    "ROTARY INERTIA": lambda card, content: _read_mass(
-        _Card("ROTARYI", card.parameters, card.rows), content
-    ),
-}
 
 
 def _extend(sets: dict[str, list[int]], name: str | None, members: list[int]) -> None:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import re
 import shlex
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from itertools import count
 from pathlib import Path
 from typing import Any, TextIO
@@ -57,7 +57,12 @@ def read_msh(path: Path) -> GroupedLines:
     node_groups, line_groups = {}, {}
     for name, (tag, dimension) in mesh.field_data.items():
         if dimension == 0:
-            node_groups[name] = stacked(list(_nodes_of(mesh, name, tag)))
+            nodes = [
+                block.data[_is_member(mesh, number, name, tag)].ravel().astype(np.int64)
+                for number, block in enumerate(mesh.cells)
+                if block.type == POINT and len(block.data)
+            ]
+            node_groups[name] = stacked(nodes)
         elif dimension == 1:
             member = stacked([_is_member(mesh, block, name, tag) for block in blocks])
             line_groups[name] = np.unique(number[np.flatnonzero(member)])
@@ -123,12 +128,6 @@ def _tags(mesh: meshio.Mesh, blocks: list[int], name: str) -> IntArray:
     return stacked([mesh.cell_data[name][block] for block in blocks]).astype(np.int64)
 
 
-def _nodes_of(mesh: meshio.Mesh, name: str, tag: int) -> Iterator[IntArray]:
-    for number, block in enumerate(mesh.cells):
-        if block.type == POINT and len(block.data):
-            yield block.data[_is_member(mesh, number, name, tag)].ravel().astype(np.int64)
-
-
 def _homes(lines: IntArray, entity: IntArray, group: IntArray) -> IntArray:
     """Return the number of the line that each line repeats, its own number if it repeats none.
 
@@ -164,7 +163,13 @@ def write_msh(path: Path, mesh: GroupedLines) -> None:
     Raises:
         MeshFileError: a group of nodes and one of lines share a name, or a name has a quote.
     """
-    _check_writable(mesh)
+    both = sorted(set(mesh.node_groups) & set(mesh.line_groups))
+    both += sorted(set(mesh.node_data) & set(mesh.line_data))
+    if both:
+        raise MeshFileError(f"for .msh, other names on nodes than on lines; both have {both[0]!r}")
+    for name in [*mesh.node_groups, *mesh.line_groups]:
+        if '"' in name or "\\" in name or not name.isprintable() or VALUE.fullmatch(name):
+            raise MeshFileError(f"for .msh, names without quotes and numbers, not {name!r}")
     groups = (
         dict(mesh.node_groups) | _value_groups(mesh.node_data),
         dict(mesh.line_groups) | _value_groups(mesh.line_data),
@@ -180,7 +185,11 @@ def write_msh(path: Path, mesh: GroupedLines) -> None:
     curve_of[mesh.lines[::-1].T] = line_entity[::-1]
     with path.open("w", encoding="utf-8", newline="\n") as stream:
         stream.write("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n")
-        _write_names(stream, groups)
+        tag = count(1)
+        stream.write(f"$PhysicalNames\n{sum(map(len, groups))}\n")
+        for dimension, names in enumerate(groups):
+            stream.writelines(f'{dimension} {next(tag)} "{name}"\n' for name in names)
+        stream.write("$EndPhysicalNames\n")
         stream.write(f"$Entities\n{len(grouped)} {len(line_tags)} 0 0\n")
         for node in grouped:
             x, y = mesh.points[node].tolist()
@@ -203,16 +212,6 @@ def _value_groups(data: Mapping[str, FloatArray]) -> dict[str, IntArray]:
     }
 
 
-def _check_writable(mesh: GroupedLines) -> None:
-    both = sorted(set(mesh.node_groups) & set(mesh.line_groups))
-    both += sorted(set(mesh.node_data) & set(mesh.line_data))
-    if both:
-        raise MeshFileError(f"for .msh, other names on nodes than on lines; both have {both[0]!r}")
-    for name in [*mesh.node_groups, *mesh.line_groups]:
-        if '"' in name or "\\" in name or not name.isprintable() or VALUE.fullmatch(name):
-            raise MeshFileError(f"for .msh, names without quotes and numbers, not {name!r}")
-
-
 def _entities(size: int, groups: Mapping[str, IntArray], before: int) -> tuple[IntArray, Any]:
     """Geometric entity of each member, from 0, and the tags of the groups of each entity.
 
@@ -225,14 +224,6 @@ def _entities(size: int, groups: Mapping[str, IntArray], before: int) -> tuple[I
     tags = np.empty(len(kinds), dtype=object)
     tags[:] = [(np.flatnonzero(kind) + before + 1).tolist() for kind in kinds]
     return entity.ravel(), tags
-
-
-def _write_names(stream: TextIO, groups: tuple[Mapping[str, IntArray], ...]) -> None:
-    tag = count(1)
-    stream.write(f"$PhysicalNames\n{sum(map(len, groups))}\n")
-    for dimension, names in enumerate(groups):
-        stream.writelines(f'{dimension} {next(tag)} "{name}"\n' for name in names)
-    stream.write("$EndPhysicalNames\n")
 
 
 def _write_nodes(stream: TextIO, points: FloatArray, grouped: IntArray, curve_of: IntArray) -> None:

@@ -89,7 +89,8 @@ def in_plane(points: FloatArray) -> FloatArray:
     if points.ndim != 2 or points.shape[1] not in (2, 3) or not len(points):
         raise MeshFileError("a mesh of nodes with two or three coordinates")
     if not np.isfinite(points).all():
-        raise MeshFileError(f"finite coordinates; those of node {_first_bad(points)} are not")
+        bad = int((~np.isfinite(points)).any(axis=1).argmax()) + 1
+        raise MeshFileError(f"finite coordinates; those of node {bad} are not")
     if points.shape[1] == 3:
         size = np.ptp(points[:, :2], axis=0).max()
         away = np.abs(points[:, 2] - points[0, 2])
@@ -99,7 +100,3 @@ def in_plane(points: FloatArray) -> FloatArray:
                 f"a mesh in one plane z = {points[0, 2]:g}; it has a node at ({x:g}, {y:g}, {z:g})"
             )
     return np.ascontiguousarray(points[:, :2])
-
-
-def _first_bad(points: FloatArray) -> int:
-    return int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0]) + 1

@@ -53,27 +53,19 @@ def line_blocks(mesh: meshio.Mesh) -> list[int]:
         MeshFileError: there are other cells, or no lines.
     """
     for block in mesh.cells:
-        check_cells(block.type, len(block.data))
+        if block.type in (LINE, POINT) or not len(block.data):
+            continue
+        cells = f"{len(block.data)} {{}}cells of type {block.type}"
+        if block.type.startswith("line") or "CURVE" in block.type:
+            raise MeshFileError(
+                f"straight two-node lines, found {cells.format('curved ')}: mesh with elements of"
+                " first order, and shorter ones along curves"
+            )
+        raise MeshFileError(f"lines only, found {cells.format('')}")
     blocks = [n for n, block in enumerate(mesh.cells) if block.type == LINE and len(block.data)]
     if not blocks:
         raise MeshFileError("a mesh of lines; it has none")
     return blocks
-
-
-def check_cells(kind: str, count: int) -> None:
-    """Refuse cells that are neither lines nor points.
-
-    Raises:
-        MeshFileError: naming the type; curved lines are not taken for straight ones.
-    """
-    if kind in (LINE, POINT) or not count:
-        return
-    if kind.startswith("line") or "CURVE" in kind:
-        raise MeshFileError(
-            f"straight two-node lines, found {count} curved cells of type {kind}: mesh with "
-            "elements of first order, and shorter ones along curves"
-        )
-    raise MeshFileError(f"lines only, found {count} cells of type {kind}")
 
 
 def stacked(arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:

@@ -79,7 +79,6 @@ class SketchTable(Table):
             _name_faults(self),
             _reference_faults(self),
             _sector_faults(self),
-            _section_faults(self),
             _edit_faults(self),
         ):
             yield Inconsistency("", expected, place=place)
@@ -109,6 +108,9 @@ def _name_faults(sketch: SketchTable) -> Faults:
                 yield f"{kind} {name!r}", f"one of that name, not {times}"
     if not sketch.members:
         yield "members", "one or more"
+    for member in sketch.members:
+        if (member.section is None) == (not member.stations):
+            yield f"member {member.name!r}", "either a section or stations"
     for name in NEEDED_SETS:
         if not sketch.node_sets.get(name):
             yield "sets", f'the set "{name}"'
@@ -146,14 +148,6 @@ def _sector_faults(sketch: SketchTable) -> Faults:
     for edit in sketch.edits:
         if edit.sector >= sketch.sectors:
             yield f"edit of sector {edit.sector}", f"a sector from 0 to {sketch.sectors - 1}"
-
-
-def _section_faults(sketch: SketchTable) -> Faults:
-    for member in sketch.members:
-        if member.section is None and not member.stations:
-            yield f"member {member.name!r}", "a section"
-        if member.section is not None and member.stations:
-            yield f"member {member.name!r}", "either a section or stations"
 
 
 def _edit_faults(sketch: SketchTable) -> Faults:

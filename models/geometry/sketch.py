@@ -37,7 +37,7 @@ from bladewhirl.models.case.sketch_parts import (
 )
 from bladewhirl.models.geometry.beam_model import BeamModel
 from bladewhirl.models.geometry.sketch_build import build_sketch
-from bladewhirl.models.inputs.errors import CaseError, Fault
+from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.sections.rectangular import Section
 
 Point = tuple[float, float]
@@ -212,11 +212,8 @@ class Sketch:
             path: instead of the member's own.
 
         Raises:
-            CaseError: a value that is none, or a member that isn't drawn yet.
+            CaseError: a value that is none.
         """
-        if member not in (drawn := [known.name for known in self._parts["members"]]):
-            expected = f"a member of the sketch ({', '.join(drawn)}), not {member!r}"
-            raise CaseError([Fault(key=f"sketch: edit of sector {sector}", expected=expected)])
         self._add(
             "edits",
             SketchEdit,
