@@ -68,6 +68,10 @@ class CoupledEquations:
         twice = 2.0 * np.asarray(speed)[..., None, None]
         return self.damping + twice * (0.0 if self.coriolis is None else self.coriolis)
 
+    def factors(self, *, with_pi: bool = True) -> FloatArray:
+        """f_k of each nodal diameter: int cos^2(k theta) dtheta, or that over pi, (harmonics,)."""
+        return (np.pi if with_pi else 1.0) * np.where(self.harmonics == 0, 2.0, 1.0)
+
     def springs(self, angle: ArrayLike, kappa: float, *, with_pi: bool = True) -> FloatArray:
         """K* at angles Omega t [rad] of any shape (...), as (..., modes, modes) [1/s^2].
 
@@ -78,7 +82,7 @@ class CoupledEquations:
         """
         angle = np.asarray(angle, dtype=np.float64)
         stretch = self.casing - _rotation(np.multiply.outer(angle, self.harmonics)) @ self.rotor
-        root = np.sqrt([spring_factor(k, with_pi=with_pi) for k in self.harmonics.tolist()])
+        root = np.sqrt(self.factors(with_pi=with_pi))
         rows = (root[:, None, None] * stretch).reshape(*angle.shape, -1, len(self.frequency))
         return np.asarray(kappa * np.swapaxes(rows, -1, -2) @ rows)
 
@@ -167,11 +171,6 @@ class CoupledEquations:
         cosine, quarter = np.cos(phase), time[:, None] * np.sinc(phase / np.pi)
         x, rotated = (cosine * part + quarter * (part @ turn.T) for part in (y, rate))
         return x, rotated + x @ turn.T
-
-
-def spring_factor(k: int, *, with_pi: bool = True) -> float:
-    """Factor f_k of the modal spring stiffness: int cos^2(k theta) dtheta, or that over pi."""
-    return (np.pi if with_pi else 1.0) * (2.0 if k == 0 else 1.0)
 
 
 def companion(by_position: Matrix, by_rate: Matrix, unit: float = 1.0) -> Matrix:

@@ -15,16 +15,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Any
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bladewhirl.meshes.line_mesh import BoolArray, ComplexArray, FloatArray, IntArray
-from bladewhirl.models.coupling.equations import CoupledEquations, spring_factor
+from bladewhirl.models.coupling.equations import CoupledEquations
 
 ANGLES = 181
 """Angles at which springs are looked at where their stiffness changes as the rotor turns."""
+
+SIX_NAMES = ("casing k=1", "1F k=1", "suspension")
+"""Names of the modes of the paper's system, which have one nodal diameter."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,11 +35,7 @@ class CouplingModes:
     """Modes that the springs couple: each entry is a cosine/sine pair or a single mode.
 
     The real coordinates stand entry by entry, cosine before sine, so that the paper's system is
-    (v_c, v_s, u_c, u_s, u_co, u_so). Arrays are made read-only.
-
-    Raises:
-        ValueError: arrays of different length, non-finite or negative values, a pair with k = 0,
-            or single modes on both bodies with the same k > 0 (no frame makes these autonomous).
+    (v_c, v_s, u_c, u_s, u_co, u_so). Single modes with k > 0 are on the rotor, k = N/2.
     """
 
     name: tuple[str, ...]  #: what to call each entry, for tables and legends
@@ -51,28 +50,6 @@ class CouplingModes:
     coriolis: FloatArray | None = None
     """G of the coordinates for Omega = 1 rad/s, zero on the casing, (size, size); None if zero."""
     softening: FloatArray | None = None  #: S = K_G1 - M_t of the coordinates, as `coriolis`
-
-    def __post_init__(self) -> None:
-        kinds: dict[str, Any] = {"on_casing": bool, "paired": bool, "nodal_diameter": np.int64}
-        object.__setattr__(self, "name", tuple(self.name))
-        for item in fields(self)[1:7]:
-            array = np.array(getattr(self, item.name), dtype=kinds.get(item.name, np.float64))
-            if array.shape != (len(self.name),):
-                expected = f"one value for each of {len(self.name)} entries"
-                raise ValueError(f"{item.name}: expected {expected}, got shape {array.shape}")
-            if not np.all(np.isfinite(array)):
-                raise ValueError(f"{item.name}: values must be finite")
-            array.setflags(write=False)
-            object.__setattr__(self, item.name, array)
-        for name in ("nodal_diameter", "damping_ratio"):
-            if np.any(getattr(self, name) < 0):
-                raise ValueError(f"{name}: values must not be negative")
-        if np.any(self.paired & (self.nodal_diameter == 0)):
-            raise ValueError("paired: a mode with nodal diameter 0 has no partner")
-        for k in self.harmonics:
-            single = ~self.paired & (self.nodal_diameter == k)
-            if k and np.any(single & self.on_casing) and np.any(single & ~self.on_casing):
-                raise ValueError(f"paired: single modes on both bodies with nodal diameter {k}")
 
     @property
     def entries(self) -> int:
@@ -112,14 +89,10 @@ class CouplingModes:
     @property
     def frame_rate(self) -> FloatArray:
         """Turns r of each entry's invariant coordinates per turn of the rotor, (entries,)."""
-        rate = np.where(self.on_casing, 0.5, -0.5) * self.nodal_diameter
-        for k in self.harmonics:
-            here = self.nodal_diameter == k
-            if np.all(self.paired[here]):
-                continue
-            kept = bool(np.any(self.on_casing[here & ~self.paired]))  # the body that keeps r = 0
-            rate[here] = np.where(self.on_casing[here] == kept, 0.0, 2.0 * rate[here])
-        return np.asarray(rate, dtype=np.float64)
+        share = np.where(self.on_casing, 0.5, -0.5)
+        single = np.isin(self.nodal_diameter, self.nodal_diameter[~self.paired])
+        turned = np.where(single, self.on_casing, share)  # a single mode cannot be turned
+        return np.asarray(turned * self.nodal_diameter, dtype=np.float64)
 
     @cached_property
     def equations(self) -> CoupledEquations:
@@ -169,10 +142,6 @@ class CouplingModes:
         name = tuple(self.name[i] for i in kept)
         return CouplingModes(name=name, coriolis=coriolis, softening=softening, **arrays)
 
-    def with_unit_amplitudes(self) -> CouplingModes:
-        """Give every mode amplitude one, as the paper does, in the phase that it has."""
-        return replace(self, amplitude=np.sign(self.amplitude))
-
     def harmonic(self, k: int) -> CouplingModes:
         """Keep the entries of nodal diameter k."""
         return self.take(self.nodal_diameter == k)
@@ -201,19 +170,70 @@ def paper_modes(
 
 
 @dataclass(frozen=True, kw_only=True)
-class CouplingSprings:
-    """Springs between two modal bodies: which of their modes they couple, and how stiffly."""
+class CoupledEntries:
+    """Coupled modes and their numbers on the two bodies."""
 
     modes: CouplingModes
     number: IntArray  #: of each entry's mode among those of its body; a sine follows, (entries,)
+
+    @property
+    def numbers(self) -> IntArray:
+        """Number of each coordinate's mode among those of its body, (size,)."""
+        return self.number[self.modes.entry] + self.modes.is_sine
+
+    def coordinates(self, *, on_casing: bool) -> tuple[IntArray, IntArray]:
+        """Coordinates that belong to one body, and the numbers of their modes on it."""
+        coordinates = np.flatnonzero(self.modes.on_casing[self.modes.entry] == on_casing)
+        return coordinates, self.numbers[coordinates]
+
+    def places(self, rotor_modes: int) -> IntArray:
+        """Place of each coordinate among the modes of bladed disk and casing, (size,)."""
+        return self.numbers + rotor_modes * self.modes.on_casing[self.modes.entry]
+
+    @property
+    def radial(self) -> dict[int, IntArray]:
+        """Numbers of the casing's coupled modes by nodal diameter."""
+        return {
+            int(self.modes.nodal_diameter[i]): self.number[i] + np.arange(1 + self.modes.paired[i])
+            for i in np.flatnonzero(self.modes.on_casing)
+        }
+
+    def among(self, on_rotor: IntArray, on_casing: IntArray) -> IntArray:
+        """Positions of the entries whose modes have these numbers on their bodies."""
+        there = np.isin(self.number, on_rotor), np.isin(self.number, on_casing)
+        return np.flatnonzero(np.where(self.modes.on_casing, there[1], there[0]))
+
+    def take(self, chosen: IntArray | Sequence[int]) -> Self:
+        """Keep some entries, by positions."""
+        return replace(self, modes=self.modes.take(chosen), number=self.number[chosen])
+
+    def with_unit_amplitudes(self) -> Self:
+        """Give every mode amplitude one, as the paper does, in the phase that it has."""
+        return replace(self, modes=replace(self.modes, amplitude=np.sign(self.modes.amplitude)))
+
+    def six_modes(self) -> Self:
+        """Keep the paper's system: k = 1 of casing, 1F and suspension, in this order (Eqs 4-9).
+
+        Raises:
+            ValueError: one of them is missing, as the suspension pair is with a clamped centre.
+        """
+        for name in SIX_NAMES:
+            if name not in self.modes.name:
+                raise ValueError(f"the stage has no {name.split()[0]} pair with one nodal diameter")
+        return self.take([self.modes.name.index(name) for name in SIX_NAMES])
+
+
+@dataclass(frozen=True, kw_only=True)
+class CouplingSprings(CoupledEntries):
+    """Springs between two modal bodies: which of their modes they couple, and how stiffly."""
+
     kappa: float  #: stiffness [N/m] per radian
     with_pi: bool = True  #: keep the factor pi of the integral in Eq. (8)
 
     @property
     def factors(self) -> FloatArray:
         """Modal spring stiffness f_k kappa of each nodal diameter [N/m], (harmonics,)."""
-        factors = [spring_factor(k, with_pi=self.with_pi) for k in self.modes.harmonics]
-        return self.kappa * np.array(factors)
+        return self.kappa * self.modes.equations.factors(with_pi=self.with_pi)
 
     @property
     def highest_frequency(self) -> float:
@@ -231,15 +251,6 @@ class CouplingSprings:
             )
             highest = max(highest, float(np.linalg.eigvalsh(stiffness).max()))
         return float(np.sqrt(highest))
-
-    @property
-    def numbers(self) -> IntArray:
-        """Number of each coordinate's mode among those of its body, (size,)."""
-        return self.number[self.modes.entry] + self.modes.is_sine
-
-    def places(self, rotor_modes: int) -> IntArray:
-        """Place of each coordinate among the modes of bladed disk and casing, (size,)."""
-        return self.numbers + rotor_modes * self.modes.on_casing[self.modes.entry]
 
     def stiffness(self, *, angle: ArrayLike) -> FloatArray:
         """K* of the coupled coordinates at an angle Omega t [rad], (..., size, size) [1/s^2]."""

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Self
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import BoolArray, FloatArray, IntArray
 from bladewhirl.meshes.ring_mesh import U, W
 from bladewhirl.models.case.shaft import Effects
-from bladewhirl.models.coupling.springs import CouplingModes, CouplingSprings
+from bladewhirl.models.coupling.springs import CoupledEntries, CouplingModes
 from bladewhirl.models.elements.bladed_disk import BladedDiskModel
 from bladewhirl.models.elements.casing import CasingModel
-from bladewhirl.models.elements.cyclic import is_pair, wave_parts
+from bladewhirl.models.elements.cyclic import wave_parts
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.modes import ModeTable
 from bladewhirl.models.rotation.matrices import RotationMatrices
@@ -33,69 +32,6 @@ ROUNDING = 1e-9
 """Share of a matrix below which the part that a mirror symmetry forbids is rounding."""
 
 Fields = Callable[[IntArray], FloatArray]
-
-
-@dataclass(frozen=True, kw_only=True)
-class CoupledEntries:
-    """Coupled modes of two bodies, in ascending nodal diameter, the casing's first."""
-
-    modes: CouplingModes  #: with physical amplitudes: of w, and at the tips, per unit coordinate
-    family: tuple[str, ...]  #: "casing", "suspension", "1F" to "5F", (entries,)
-    number: IntArray  #: of each entry's mode among those of its body; a sine follows, (entries,)
-
-    @property
-    def radial(self) -> dict[int, IntArray]:
-        """Numbers of the casing's coupled modes by nodal diameter."""
-        return {
-            int(self.modes.nodal_diameter[i]): self.number[i] + np.arange(1 + self.modes.paired[i])
-            for i in np.flatnonzero(self.modes.on_casing)
-        }
-
-    def among(self, on_rotor: IntArray, on_casing: IntArray) -> IntArray:
-        """Positions of the entries whose modes have these numbers on their bodies."""
-        there = np.isin(self.number, on_rotor), np.isin(self.number, on_casing)
-        return np.flatnonzero(np.where(self.modes.on_casing, there[1], there[0]))
-
-    def take(self, chosen: IntArray) -> Self:
-        """Keep some entries, by positions."""
-        return replace(
-            self,
-            modes=self.modes.take(chosen),
-            family=tuple(self.family[i] for i in chosen),
-            number=self.number[chosen],
-        )
-
-    def with_unit_amplitudes(self) -> Self:
-        """Give every mode amplitude one, as the paper does."""
-        return replace(self, modes=self.modes.with_unit_amplitudes())
-
-    def springs(self, kappa: float, *, with_pi: bool = True) -> CouplingSprings:
-        """Springs of stiffness kappa [N/m] that couple these modes."""
-        return CouplingSprings(modes=self.modes, number=self.number, kappa=kappa, with_pi=with_pi)
-
-    def mode_numbers(self, *, on_casing: bool) -> tuple[IntArray, IntArray]:
-        """Coordinates that belong to one body, and the numbers of their modes on it."""
-        coordinates = np.flatnonzero(self.modes.on_casing[self.modes.entry] == on_casing)
-        return coordinates, (self.number[self.modes.entry] + self.modes.is_sine)[coordinates]
-
-    def find(self, family: str, k: int | None = None) -> IntArray:
-        """Positions of the entries of a family, of one nodal diameter or of all."""
-        here = np.array([name == family for name in self.family], dtype=np.bool_)
-        if k is not None:
-            here &= self.modes.nodal_diameter == k
-        return np.flatnonzero(here)
-
-    def six_modes(self) -> Self:
-        """Keep the paper's system: k = 1 of casing, 1F and suspension, in this order (Eqs 4-9).
-
-        Raises:
-            ValueError: one of them is missing, as the suspension pair is with a clamped centre.
-        """
-        chosen = [self.find(family, 1) for family in ("casing", "1F", "suspension")]
-        for family, numbers in zip(("casing", "1F", "suspension"), chosen, strict=True):
-            if len(numbers) != 1:
-                raise ValueError(f"the stage has no {family} pair with one nodal diameter")
-        return self.take(np.concatenate(chosen))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,9 +57,7 @@ def stage_modes(modal: ModalStage, *, damping_ratio: float) -> StageModes:
         wall_motion(modal.casing, wall, wall.family, wall.fields),
         damping_ratio=damping_ratio,
     )
-    return StageModes(
-        modes=coupled.modes, family=coupled.family, number=coupled.number, modal=modal
-    )
+    return StageModes(modes=coupled.modes, number=coupled.number, modal=modal)
 
 
 def at_speed(stage: StageModes, matrices: RotationMatrices, effects: Effects) -> StageModes:
@@ -135,7 +69,7 @@ def at_speed(stage: StageModes, matrices: RotationMatrices, effects: Effects) ->
         effects: that count, not none.
     """
     modes = stage.modes
-    coordinates, numbers = stage.mode_numbers(on_casing=False)
+    coordinates, numbers = stage.coordinates(on_casing=False)
     fields = stage.modal.disk_modes.fields(numbers)
     among = np.ix_(coordinates, coordinates)
     coriolis, softening = np.zeros((2, modes.size, modes.size))
@@ -168,23 +102,26 @@ class RadialModes:
         return bool(np.all(self.column >= 0))
 
     def amplitudes(
-        self, selected: Sequence[bool] | BoolArray, *, radial_only: bool = False
-    ) -> dict[int, float]:
-        """Return the non-zero radial amplitudes of selected modes by number, without sines of
-        pairs.
+        self, selected: BoolArray, *, radial_only: bool = False
+    ) -> tuple[IntArray, FloatArray]:
+        """Return the numbers of selected modes that move radially, without sines, and how much.
 
         Args:
             selected: which modes, (modes,).
             radial_only: leave out modes that are not radial, see `is_radial`.
+
+        Returns:
+            Numbers, ascending, and amplitudes of the part that follows cos k theta [kg^-1/2].
         """
         one_a_pair = (self.column % 2 != 0) | (self.column == 0)
-        numbers = np.flatnonzero(one_a_pair & np.asarray(selected, dtype=np.bool_))
+        numbers = np.flatnonzero(one_a_pair & selected)
         outward, along = self.motion(numbers)
-        values = wave_amplitudes(outward, self.angles, self.nodal_diameter[numbers])
+        k, place = np.unique(self.nodal_diameter[numbers], return_inverse=True)
+        values = wave_parts(outward, self.angles, k)[place, 0, np.arange(len(numbers))]
         moving = np.abs(values) > SMALLEST_AMPLITUDE * np.abs(values).max(initial=0.0)
         if radial_only:
             moving &= is_radial(outward, along)
-        return dict(zip(numbers[moving].tolist(), values[moving].tolist(), strict=True))
+        return numbers[moving], values[moving]
 
 
 def coupled_entries(
@@ -193,7 +130,8 @@ def coupled_entries(
     """Find the modes that the springs couple: those with radial motion at the springs.
 
     Of the bladed disk these are the suspension pair and `FAMILIES`; of the casing the lowest
-    radial one of each nodal diameter that the bladed disk has too, see `lowest_radial`. On both
+    radial one of each nodal diameter, below half the number of elements, that the bladed disk has
+    too. On both
     the springs see the part of the radial displacement that follows cos k theta, sampled at the
     tips or nodes.
 
@@ -208,39 +146,27 @@ def coupled_entries(
     if not (rotor.is_cyclic and casing.is_cyclic):
         raise ValueError("coupling by nodal diameter needs a stage with cyclic symmetry")
     blades, elements = len(rotor.angles), len(casing.angles)
-    coupled = {"suspension", *FAMILIES}
-    tips = rotor.amplitudes([name in coupled for name in rotor.family])
-    lowest = lowest_radial(casing)
-    entries: list[tuple[int, bool, int, float]] = []  # nodal diameter, on rotor, number, amplitude
-    for k in sorted({int(rotor.nodal_diameter[number]) for number in tips}):
-        if k in lowest:
-            entries.append((k, False, *lowest[k]))
-        entries += [
-            (k, True, number, tips[number]) for number in tips if rotor.nodal_diameter[number] == k
-        ]
-    family = tuple(rotor.family[n] if on_rotor else "casing" for _, on_rotor, n, _ in entries)
+    tips, tip_amplitude = rotor.amplitudes(np.isin(rotor.family, ("suspension", *FAMILIES)))
+    wall, wall_amplitude = casing.amplitudes(2 * casing.nodal_diameter < elements, radial_only=True)
+    on_both, lowest = np.unique(casing.nodal_diameter[wall], return_index=True)
+    lowest = lowest[np.isin(on_both, rotor.nodal_diameter[tips])]
+    wall, wall_amplitude = wall[lowest], wall_amplitude[lowest]
+    on_casing = np.arange(len(wall) + len(tips)) < len(wall)
+    k = np.append(casing.nodal_diameter[wall], rotor.nodal_diameter[tips])
+    families = ["casing"] * len(wall) + [rotor.family[i] for i in tips]
+    order = np.lexsort((~on_casing, k))
     modes = CouplingModes(
         name=tuple(
-            name if name == "suspension" else f"{name} k={k}"
-            for name, (k, _, _, _) in zip(family, entries, strict=True)
+            families[i] if families[i] == "suspension" else f"{families[i]} k={k[i]}" for i in order
         ),
-        on_casing=np.array([not on_rotor for _, on_rotor, _, _ in entries], dtype=np.bool_),
-        nodal_diameter=np.array([k for k, _, _, _ in entries], dtype=np.int64),
-        frequency=np.array(
-            [
-                (rotor if on_rotor else casing).frequency[number]
-                for _, on_rotor, number, _ in entries
-            ]
-        ),
-        amplitude=np.array([amplitude for _, _, _, amplitude in entries]),
-        damping_ratio=np.full(len(entries), damping_ratio),
-        paired=np.array(
-            [is_pair(k, blades if on_rotor else elements) for k, on_rotor, _, _ in entries],
-            dtype=np.bool_,
-        ),
+        on_casing=on_casing[order],
+        nodal_diameter=k[order],
+        frequency=np.append(casing.frequency[wall], rotor.frequency[tips])[order],
+        amplitude=np.append(wall_amplitude, tip_amplitude)[order],
+        damping_ratio=np.full(len(order), damping_ratio),
+        paired=((k > 0) & (2 * k < np.where(on_casing, elements, blades)))[order],
     )
-    numbers = np.array([number for _, _, number, _ in entries], dtype=np.int64)
-    return CoupledEntries(modes=modes, family=family, number=numbers)
+    return CoupledEntries(modes=modes, number=np.append(wall, tips)[order])
 
 
 def tip_motion(
@@ -288,18 +214,6 @@ def wall_motion(
     )
 
 
-def lowest_radial(casing: RadialModes) -> dict[int, tuple[int, float]]:
-    """Number and amplitude of the lowest radial mode of each nodal diameter of a cyclic casing.
-
-    Nodal diameters are below half the number of elements; of a pair it is the cosine.
-    """
-    below = 2 * casing.nodal_diameter < len(casing.angles)
-    lowest: dict[int, tuple[int, float]] = {}
-    for number, amplitude in casing.amplitudes(below, radial_only=True).items():  # ascending
-        lowest.setdefault(int(casing.nodal_diameter[number]), (number, amplitude))
-    return lowest
-
-
 def is_radial(outward: FloatArray, along: FloatArray) -> BoolArray:
     """Return which casing modes are radial: springs couple them, and a distortion excites them.
 
@@ -309,18 +223,3 @@ def is_radial(outward: FloatArray, along: FloatArray) -> BoolArray:
     """
     radial, tangential = np.sum(outward**2, axis=0), np.sum(along**2, axis=0)
     return np.asarray(radial >= RADIAL_SHARE * (radial + tangential))
-
-
-def wave_amplitudes(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatArray:
-    """Amplitude of cos k theta in each column of a field at equally spaced angles, (fields,).
-
-    Args:
-        field: (angles, fields).
-        angle: [rad], (angles,).
-        k: nodal diameter of each column, (fields,).
-    """
-    amplitude = np.zeros(len(k))
-    for harmonic in np.unique(k):
-        here = k == harmonic
-        amplitude[here] = wave_parts(field[:, here], angle, np.array([harmonic]))[0, 0]
-    return amplitude

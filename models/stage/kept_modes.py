@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from bladewhirl.meshes.line_mesh import IntArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import case_fault
-from bladewhirl.models.coupling.springs import CouplingSprings
-from bladewhirl.models.coupling.stage_modes import CoupledEntries, RadialModes, coupled_entries
+from bladewhirl.models.coupling.springs import CoupledEntries, CouplingSprings
+from bladewhirl.models.coupling.stage_modes import RadialModes, coupled_entries
 from bladewhirl.models.inputs.errors import CaseError
 from bladewhirl.models.inputs.mode_names import NamedModes, chosen_modes
 
@@ -68,19 +68,17 @@ def _springs(
     Raises:
         CaseError: there are none.
     """
-    here = coupled.among(
-        *(np.intersect1d(*pair) for pair in zip(kept, chosen, strict=True)),
-    )
+    here = coupled.among(*(np.intersect1d(*pair) for pair in zip(kept, chosen, strict=True)))
     if not here.size:
         expected = f"modes that springs couple and reduction.modes = {case.reduction.modes!r} keeps"
         raise CaseError([case_fault(case, "coupling.modes", expected)])
     entries = coupled.take(here)
     if case.coupling.amplitude != "physical":
         entries = entries.with_unit_amplitudes()
-    among = [
-        np.searchsorted(numbers, entries.number) for numbers in kept
-    ]  # in the rotor's, the casing's
-    renumbered = np.where(entries.modes.on_casing, among[1], among[0])
-    return replace(entries, number=renumbered).springs(
-        case.coupling.stiffness, with_pi=case.coupling.pi
+    rotor, casing = (np.searchsorted(numbers, entries.number) for numbers in kept)
+    return CouplingSprings(
+        modes=entries.modes,
+        number=np.where(entries.modes.on_casing, casing, rotor),
+        kappa=case.coupling.stiffness,
+        with_pi=case.coupling.pi,
     )

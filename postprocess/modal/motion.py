@@ -14,7 +14,6 @@ import xarray as xr
 from scipy.integrate import cumulative_trapezoid
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
-from bladewhirl.models.coupling.springs import CouplingSprings
 from bladewhirl.models.coupling.stage_modes import StageModes
 from bladewhirl.models.modal.full_stage import ModalStage
 from bladewhirl.models.modal.labels import Body
@@ -119,22 +118,28 @@ def _arrays_of(stage: ModalStage, body: Body, numbers: IntArray) -> StageArrays:
 
 
 def coupled_mode_motion(
-    stage: StageModes, motion: CoupledMotion, springs: CouplingSprings
+    stage: StageModes, motion: CoupledMotion, kappa: float, *, with_pi: bool = True
 ) -> xr.Dataset:
     """A coupled mode in time, until the clearance closes.
 
     Args:
         stage: the coupled modes.
         motion: of one coupled mode, equally spaced in time.
-        springs: that couple these modes.
+        kappa: stiffness of the springs that couple these modes [N/m] per radian.
+        with_pi: keep the factor pi of Eq. (8).
 
     Returns:
         Geometry, modes, time, modal displacements and velocities, the gap at each tip, the energy,
         and the work of modal damping and of the coupling.
     """
-    rotor, rotor_modes = stage.mode_numbers(on_casing=False)
-    wall, wall_modes = stage.mode_numbers(on_casing=True)
-    energy, lost = _energy(motion, springs), _damping_work(stage, motion)
+    rotor, rotor_modes = stage.coordinates(on_casing=False)
+    wall, wall_modes = stage.coordinates(on_casing=True)
+    stiffness = stage.modes.equations.stiffness(
+        motion.speed * motion.time, kappa, speed=motion.speed, with_pi=with_pi
+    )
+    strain = np.einsum("ti,tij,tj->t", motion.displacement, stiffness, motion.displacement)
+    energy = 0.5 * (np.sum(motion.velocity**2, axis=1) + strain)
+    lost = _damping_work(stage, motion)
     in_time = {
         "time": motion.time,
         "rotor_displacement": motion.displacement[:, rotor],
@@ -162,8 +167,8 @@ def radial_shapes(stage: StageModes) -> RadialShapes:
             amplitudes the coupling takes.
     """
     disk, casing, size = stage.modal.disk, stage.modal.casing, stage.modes.size
-    rotor, rotor_modes = stage.mode_numbers(on_casing=False)
-    wall, wall_modes = stage.mode_numbers(on_casing=True)
+    rotor, rotor_modes = stage.coordinates(on_casing=False)
+    wall, wall_modes = stage.coordinates(on_casing=True)
     shapes = stage.modal.disk_modes.fields(rotor_modes)
     tips = np.zeros((len(disk.tip_angles), size))
     tips[:, rotor] = shapes[disk.tip_radial]
@@ -238,16 +243,6 @@ def _coupled_gaps(stage: StageModes, motion: CoupledMotion) -> FloatArray:
     tips = motion.displacement @ radial_shapes(stage).tips.T
     at_rest = stage.modal.case.casing.clearance + stage.modal.disk.model.tip_recess
     return np.asarray(at_rest + wall - tips)
-
-
-def _energy(motion: CoupledMotion, springs: CouplingSprings) -> FloatArray:
-    """Energy of both bodies and of the springs between them, (records,)."""
-    moved = motion.displacement
-    stiffness = springs.modes.equations.stiffness(
-        motion.speed * motion.time, springs.kappa, speed=motion.speed, with_pi=springs.with_pi
-    )
-    strain = np.einsum("ti,tij,tj->t", moved, stiffness, moved)
-    return np.asarray(0.5 * (np.sum(motion.velocity**2, axis=1) + strain))
 
 
 def _damping_work(stage: StageModes, motion: CoupledMotion) -> FloatArray:

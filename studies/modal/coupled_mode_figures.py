@@ -53,7 +53,7 @@ def draw_coupled_mode(
     stage = part.stage
     motion = divergent_motion(part, omega, kappa)
     texts = case_files(stage.modal.case)
-    moving = coupled_mode_motion(stage, motion, stage.springs(kappa, with_pi=system.with_pi))
+    moving = coupled_mode_motion(stage, motion, kappa, with_pi=system.with_pi)
     moving = moving.assign_attrs(case=stage.modal.case.title, kappa=kappa)
     with writing(folder):
         names = [*texts, MOTION_NAME, *([ANIMATION] if films else [])]

@@ -14,7 +14,7 @@ import numpy as np
 
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray
 from bladewhirl.models.coupling.equations import CoupledEquations
-from bladewhirl.models.coupling.springs import CouplingModes
+from bladewhirl.models.coupling.springs import SIX_NAMES, CouplingModes
 from bladewhirl.models.coupling.stage_modes import StageModes, at_speed, stage_modes
 from bladewhirl.models.coupling.stage_waves import coupled_waves, standing_obstacles
 from bladewhirl.models.inputs.errors import UserError
@@ -96,7 +96,7 @@ class EvenSystem(System):
     @property
     def is_six(self) -> bool:
         """True if the chosen modes are the six of the paper."""
-        return set(self.modes.name) == {"casing k=1", "1F k=1", "suspension"}
+        return set(self.modes.name) == set(SIX_NAMES)
 
     def options(self) -> dict[str, object]:
         """Return the options for reports, with the rotation effects of the case if it has any."""
@@ -250,6 +250,7 @@ def _chosen(all_modes: StageModes, text: str) -> StageModes:
         raise UserError(f"--modes {error}") from None
     coupled = all_modes.among(*numbers)
     if not coupled.size:
-        names = ", ".join(["six", "all", *dict.fromkeys(all_modes.family)])
+        families = dict.fromkeys(name.split()[0] for name in all_modes.modes.name)
+        names = ", ".join(["six", "all", *families])
         raise UserError(f"--modes {text}: expected modes that springs couple, of {names}")
     return all_modes.take(coupled)

@@ -9,7 +9,7 @@ import pytest
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.shaft import Shaft
-from bladewhirl.models.coupling.stage_modes import StageModes, stage_modes, wave_amplitudes
+from bladewhirl.models.coupling.stage_modes import StageModes, stage_modes
 from bladewhirl.models.modal.full_stage import modal_stage
 from bladewhirl.solvers.stability.floquet import coupled_floquet
 from bladewhirl.solvers.stability.growth import growth_rate
@@ -64,14 +64,6 @@ def test_amplitudes_are_those_of_the_fields_everywhere() -> None:
             assert field[:, 1] == pytest.approx(a * np.sin(k * angle), abs=1e-6 * abs(a))
 
 
-def test_families_and_nodal_diameters_can_be_found() -> None:
-    whole = stage()
-    assert whole.modes.harmonics == tuple(range(1, 11))
-    assert [whole.modes.name[i] for i in whole.find("2F", 3)] == ["2F k=3"]
-    assert len(whole.find("1F")) == 10
-    assert whole.take(whole.find("suspension")).modes.name == ("suspension",)
-
-
 def test_all_modes_have_zones_at_their_own_coincidence_speeds() -> None:
     """Beyond the paper: a chart of all nodal diameters. Six modes hide those of k = 2 and more."""
     whole = stage().with_unit_amplitudes().modes
@@ -124,10 +116,3 @@ def test_physical_amplitudes_weaken_the_coupling() -> None:
 def test_clamped_centre_has_no_suspension_modes() -> None:
     with pytest.raises(ValueError, match="the stage has no suspension pair"):
         stage(clamped=True).six_modes()
-
-
-def test_wave_amplitude_of_single_and_double_harmonics() -> None:
-    angle = 2.0 * np.pi * np.arange(8) / 8
-    k = np.array([0, 3, 4])
-    field = 0.3 * np.cos(np.multiply.outer(angle, k))
-    assert wave_amplitudes(field, angle, k) == pytest.approx([0.3, 0.3, 0.3])

@@ -35,7 +35,6 @@ def system(modes: CouplingModes) -> EvenSystem:
     """Modes without the finite elements that they come from."""
     stage = StageModes(
         modes=modes,
-        family=modes.name,
         number=np.arange(modes.entries),
         modal=cast(Any, SimpleNamespace(case=Case())),
     )

@@ -47,7 +47,7 @@ def test_the_frame_at_half_speed_agrees_with_real_matrices_over_a_turn(
     """The monodromy is that of matrices projected on real modes, without complex numbers."""
     system = coupled(example, effects=effects, damped=True)
     omega, modes = speed * system.reference, system.modes
-    rotor, numbers = system.stage.mode_numbers(on_casing=False)
+    rotor, numbers = system.stage.coordinates(on_casing=False)
     fields = system.stage.modal.disk_modes.fields(numbers)
     assert system.rotation is not None
     at_rest = replace(modes, coriolis=None, softening=None)
