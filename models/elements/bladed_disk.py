@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray, LineMesh
-from bladewhirl.models.elements.assembly import straight_beams
+from bladewhirl.models.elements.assembly import LineAssembler, straight_beams
 from bladewhirl.models.elements.cyclic import NO_COLUMN, SectorLayout
 from bladewhirl.models.elements.forms import mass, straight_stiffness
 from bladewhirl.models.elements.structure import Structure, keep_free
@@ -163,17 +163,11 @@ def assemble_bladed_disk(
         shaft_stiffness: of each of the two springs at the centre, or of those in x and y [N/m].
         clamped: hold the centre instead.
     """
-    mesh, properties = model.mesh, model.properties
+    mesh = model.mesh
     assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
     transform = nodal_to_line_axes(mesh)
-    sections = properties.at(assembler.points)
-    elastic = assembler.matrix(
-        straight_stiffness,
-        transform,
-        EA=sections.axial_stiffness,
-        EI=sections.bending_stiffness,
-    )
-    inertial = assembler.matrix(mass, transform, rho_A=sections.line_mass)
+    line_mass = model.properties.at(assembler.points).line_mass
+    inertial = assembler.matrix(mass, transform, rho_A=line_mass)
     centre = assembler.node_dofs[model.centre]
     fixed = centre if clamped else centre[ROTATION:]
     spring = np.zeros(inertial.shape[0])
@@ -191,13 +185,27 @@ def assemble_bladed_disk(
 
     structure = Structure(
         mass=reduced(inertial + point_masses(model, assembler.node_dofs)),
-        stiffness=reduced(elastic + node_springs(model, assembler.node_dofs) + shaft),
+        stiffness=reduced(elastic_stiffness(model, assembler, transform) + shaft),
         springs=reduced(shaft),
         node_dofs=node_dofs,
         layout=_sector_layout(mesh, node_dofs),
         constraints=np.zeros((unknowns.shape[1], 0)),
     )
     return BladedDiskModel(model=model, structure=structure, expansion=expansion)
+
+
+def elastic_stiffness(
+    model: BeamModel, assembler: LineAssembler, transform: FloatArray
+) -> sp.csr_array:
+    """Stiffness of beams and springs over all DoF of all nodes."""
+    sections = model.properties.at(assembler.points)
+    beams = assembler.matrix(
+        straight_stiffness,
+        transform,
+        EA=sections.axial_stiffness,
+        EI=sections.bending_stiffness,
+    )
+    return sp.csr_array(beams + node_springs(model, assembler.node_dofs))
 
 
 def nodal_to_line_axes(mesh: LineMesh) -> FloatArray:

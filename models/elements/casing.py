@@ -26,10 +26,8 @@ from bladewhirl.meshes.ring_mesh import RingMesh
 from bladewhirl.models.elements.assembly import curved_beams
 from bladewhirl.models.elements.cyclic import SectorLayout
 from bladewhirl.models.elements.forms import (
-    curved_exact_stiffness,
-    curved_shallow_stiffness,
+    curved_stiffness,
     mass,
-    support_stiffness,
 )
 from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.sections.rectangular import Section
@@ -214,14 +212,15 @@ def assemble_casing(
     properties = wall.properties(mesh, assembler.points, assembler.weights)
     ones = np.ones(count)
     elastic = assembler.matrix(
-        curved_exact_stiffness if curvature == "exact" else curved_shallow_stiffness,
+        curved_stiffness,
         EA=properties.axial_stiffness,
         EI=properties.bending_stiffness,
         curvature=ones / mesh.radius,
+        bend=ones / mesh.radius if curvature == "exact" else 0.0 * ones,
     )
     node_dofs = assembler.node_dofs
     feet = foot_rows(mesh, node_dofs, [each.angle for each in supports])
-    springs = assembler.matrix(support_stiffness, support=support * ones)
+    springs = assembler.matrix(mass, rho_A=support * ones)
     springs = springs + feet.T @ at_feet(each.stiffness for each in supports) @ feet
     total_mass = assembler.matrix(mass, rho_A=properties.line_mass)
     total_mass = total_mass + feet.T @ at_feet(each.mass for each in supports) @ feet

@@ -5,8 +5,8 @@ Curved beam: tangential displacement u(s), radial displacement w(s), outward pos
 strain eps = u' + w/R and change of curvature kappa = w'' - u'/R ("exact": a free ring then has
 its three rigid motions) or kappa = w'' ("shallow"). s is the arc length.
 
-Coefficients come in by keyword, one value an element: EA [N], EI [N m2], rho_A [kg/m], support
-[N/m per metre of length], tension [N], and for curved beams the curvature 1/R [1/m].
+Coefficients come in by keyword, one value an element: EA [N], EI [N m2], rho_A [kg/m], tension
+[N], and for curved beams the curvature 1/R and, in kappa, bend [1/m].
 """
 
 from __future__ import annotations
@@ -25,7 +25,10 @@ def straight_stiffness(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
 
 @BilinearForm  # type: ignore[untyped-decorator]
 def mass(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
-    """Kinetic energy: rho A (u^2 + w^2), the same for straight and curved beams."""
+    """Kinetic energy: rho A (u^2 + w^2), the same for straight and curved beams.
+
+    A uniform elastic support in both directions has the same form.
+    """
     return p.rho_A * (u * du + w * dw)
 
 
@@ -42,22 +45,9 @@ def coriolis(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
 
 
 @BilinearForm  # type: ignore[untyped-decorator]
-def curved_exact_stiffness(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
-    """Strain energy of the curved beam with kappa = w'' - u'/R."""
+def curved_stiffness(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
+    """Strain energy of the curved beam with kappa = w'' - bend u'; bend is 1/R or 0."""
     strain, dstrain = d(u)[0] + p.curvature * w, d(du)[0] + p.curvature * dw
-    bending = dd(w)[0, 0] - p.curvature * d(u)[0]
-    dbending = dd(dw)[0, 0] - p.curvature * d(du)[0]
+    bending = dd(w)[0, 0] - p.bend * d(u)[0]
+    dbending = dd(dw)[0, 0] - p.bend * d(du)[0]
     return p.EA * strain * dstrain + p.EI * bending * dbending
-
-
-@BilinearForm  # type: ignore[untyped-decorator]
-def curved_shallow_stiffness(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
-    """Strain energy of the curved beam with kappa = w''."""
-    strain, dstrain = d(u)[0] + p.curvature * w, d(du)[0] + p.curvature * dw
-    return p.EA * strain * dstrain + p.EI * dd(w)[0, 0] * dd(dw)[0, 0]
-
-
-@BilinearForm  # type: ignore[untyped-decorator]
-def support_stiffness(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
-    """Energy of a uniform elastic support in both directions."""
-    return p.support * (u * du + w * dw)

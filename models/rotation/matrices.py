@@ -21,20 +21,19 @@ import scipy.sparse.linalg as spla
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.shaft import Effects
-from bladewhirl.models.elements.assembly import LineAssembler, straight_beams
+from bladewhirl.models.elements.assembly import straight_beams
 from bladewhirl.models.elements.bladed_disk import (
     COMPONENTS,
     FIRST,
     ROTATION,
     SECOND,
     BladedDiskModel,
+    elastic_stiffness,
     nodal_to_line_axes,
-    node_springs,
 )
 from bladewhirl.models.elements.forms import (
     coriolis,
     mass,
-    straight_stiffness,
     tension_stiffness,
 )
 from bladewhirl.models.elements.structure import Structure
@@ -136,7 +135,7 @@ def rotation_matrices(disk: BladedDiskModel) -> RotationMatrices:
     force = axial_force(model, field, assembler.points, omega=1.0)
     stiffened = assembler.matrix(tension_stiffness, transform, tension=force)
     if model.links.led.size:
-        carried = full_load - _elastic(model, assembler, transform) @ field
+        carried = full_load - elastic_stiffness(model, assembler, transform) @ field
         stiffened = sp.csr_array(stiffened + _arm_stiffness(model, carried))
     geometric, translated = (unknowns.T @ each @ unknowns for each in (stiffened, inertial))
     turned = unknowns.T @ (turning + _point_coriolis(weights)) @ unknowns
@@ -174,18 +173,6 @@ def _point_coriolis(weights: FloatArray) -> sp.csr_array:
         (np.concatenate([first, second]), np.concatenate([second, first])),
     )
     return sp.csr_array(entries, shape=(len(weights), len(weights)))
-
-
-def _elastic(model: BeamModel, assembler: LineAssembler, transform: FloatArray) -> sp.csr_array:
-    """Stiffness of beams and springs over all DoF of all nodes."""
-    sections = model.properties.at(assembler.points)
-    beams = assembler.matrix(
-        straight_stiffness,
-        transform,
-        EA=sections.axial_stiffness,
-        EI=sections.bending_stiffness,
-    )
-    return sp.csr_array(beams + node_springs(model, assembler.node_dofs))
 
 
 def _arm_stiffness(model: BeamModel, carried: FloatArray) -> sp.csr_array:
