@@ -14,7 +14,6 @@ from faults import faults
 from scipy.optimize import brentq
 from stages import beam, bladed_disk, clamped, natural_frequencies, steel, translation
 
-from bladewhirl.meshes.line_mesh import points_along
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads
 from bladewhirl.models.case.template import dumps_case
@@ -79,17 +78,6 @@ def test_one_sector_can_differ() -> None:
         expected = getattr(tuned.properties, name).copy()
         expected[blade[1]] *= factor
         np.testing.assert_allclose(getattr(model.properties, name), expected, rtol=1e-15)
-
-
-def test_a_curve_is_followed_with_equal_elements() -> None:
-    angle = np.linspace(0.0, np.pi / 2.0, 9)
-    circle = np.column_stack([np.cos(angle), np.sin(angle)])
-    points = points_along(circle, 12)
-    np.testing.assert_allclose(np.linalg.norm(points, axis=1), 1.0, rtol=4e-5)
-    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    np.testing.assert_allclose(lengths, 2.0 * np.sin(np.pi / 48.0), rtol=2e-4)
-    assert points[0].tolist() == circle[0].tolist()
-    assert points[-1].tolist() == circle[-1].tolist()
 
 
 def test_a_quarter_arc_under_a_load_at_its_end() -> None:

@@ -64,17 +64,6 @@ def test_a_degenerate_pair_is_never_cut(blades: int, asked: int, kept: int, dens
     assert not apart[asked - 1 : kept - 1].any()  # and no more than it takes
 
 
-def test_keeping_every_mode_changes_nothing() -> None:
-    disk = bladed_disk(blades=5, elements=3)
-    internal = disk.structure.size - len(tips_and_centre(disk))
-    modes = reduce(disk, internal).modes
-    np.testing.assert_allclose(modes.frequency, disk_modes(disk).frequency, rtol=1e-9)
-    # Mass-normalised modes of the whole space: any field is recovered from its coordinates.
-    field = np.random.default_rng(2).normal(size=disk.structure.size)
-    coordinates = modes.shapes.T @ (disk.structure.mass @ field)
-    np.testing.assert_allclose(modes.shapes @ coordinates, field, atol=1e-9)
-
-
 def test_reduced_modes_are_normal_in_the_full_matrices() -> None:
     disk = bladed_disk()
     modes = reduce(disk, 110).modes

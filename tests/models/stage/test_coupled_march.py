@@ -78,20 +78,6 @@ def test_marches_in_all_modes_as_the_stability_analysis_says(damping: float) -> 
     assert ledger_residual(chunk) < 1e-8
 
 
-@pytest.mark.parametrize("modes", ["six", "all"])
-def test_springs_without_stiffness_change_nothing(modes: str) -> None:
-    """To the bit: a march with springs of no stiffness and one without springs."""
-    push = "excitation.type=imbalance"
-    coupled = problem(f"reduction.modes={modes}", push)
-    free = problem(f"reduction.modes={modes}", push, "coupling.stiffness=0")
-    assert free.springs is None
-    none = replace(coupled, springs=replace(springs(coupled), kappa=0.0))
-    one, other = (run(given, 5e-6, 6000, every=20)[1] for given in (none, free))
-    np.testing.assert_array_equal(one.rotor_displacement, other.rotor_displacement)
-    np.testing.assert_array_equal(one.energy, other.energy)
-    assert not one.coupling_work.any()
-
-
 def sideways(given: ContactProblem, speed: float = 10.0) -> ContactProblem:
     """The same stage, its shaft thrown at the casing with that speed [m/s]."""
     return thrown(given, speed * np.cos(given.rotor.tip_angle - 0.1))

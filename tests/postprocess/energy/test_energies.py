@@ -60,17 +60,6 @@ def lines(figure: Figure) -> dict[str, str]:
 
 
 class TestPlotEnergy:
-    def test_nodal_diameters_from_two_up_are_one_line(self) -> None:
-        result = synthetic.synthetic_result(records=5)
-        result["rotor_family"] = "rotor_mode", np.array(["1F"] * 5, dtype=object)
-        result["rotor_nodal_diameter"] = "rotor_mode", np.array([0, 1, 2, 3, 3])
-        result["rotor_displacement"] = ("time", "rotor_mode"), np.ones((5, 5))
-        figure = plot_energy(strain_energies(result))
-        assert set(lines(figure)) == {"total", "1F, k = 0", "1F, k = 1", "1F, other k"}
-        (other,) = [line for line in figure.axes[0].lines if "other" in str(line.get_label())]
-        spring = 0.5 * synthetic.ROTOR_FREQUENCY**2
-        np.testing.assert_allclose(np.asarray(other.get_ydata()), spring[2:].sum())
-
     def test_modes_without_a_nodal_diameter_count_as_other(self) -> None:
         result = synthetic.synthetic_result(records=5)
         result["rotor_nodal_diameter"] = "rotor_mode", np.full(5, -1)

@@ -15,8 +15,7 @@ from typer.testing import CliRunner
 import bladewhirl as bw
 from bladewhirl.postprocess.plotting.registry import SWEEP_FIGURES
 from bladewhirl.postprocess.reports import page as report_page
-from bladewhirl.postprocess.reports.sweep import sweep_report
-from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
+from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME
 from bladewhirl.studies.commands.cli import app
 
 REFERENCE = 75.0  # rad/s
@@ -65,20 +64,6 @@ def test_the_verdict_counts_points(page: Parsed) -> None:
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave the pictures of figures empty."""
     monkeypatch.setattr(report_page, "_as_png", lambda figure: "AAAA")
-
-
-@pytest.mark.usefixtures("undrawn")
-def test_swept_speeds_are_given_in_multiples_and_in_rpm(tmp_path: Path) -> None:
-    turns = REFERENCE * np.array([1.0, 1.5])
-    over, units = {"march.speed": turns.tolist()}, {"march.speed": "rad/s"}
-    motions = [{"speed": speed, "shaft_radius": 1e-3} for speed in turns]
-    folder = synthetic_sweep(tmp_path / "sweep", over, motions, units=units)
-    with open_sweep(folder) as sweep:
-        ((_, words, remark),) = [
-            row for row in sweep_report(sweep, {}).figures if row[0] == "march.speed"
-        ]
-    rpm = turns * 30 / np.pi
-    assert (words, remark) == ("1 to 1.5", f"2 values, Ω/ω₁; {rpm[0]:.0f} to {rpm[1]:.0f} rpm")
 
 
 def test_points_and_maps_are_those_of_the_sweep(page: Parsed) -> None:
@@ -130,17 +115,3 @@ def test_a_sweep_without_a_point_done(tmp_path: Path) -> None:
     assert "2 of 2 points failed" in page.words
     assert "Not drawn: no point of the sweep is done" in page.words
     assert page.plots == []
-
-
-def test_a_folder_of_neither_and_a_broken_sweep(tmp_path: Path) -> None:
-    (tmp_path / "broken").mkdir()
-    (tmp_path / "broken" / SWEEP_NAME).write_text("broken")
-    for name, complaint in (
-        (".", "expected the folder of a run or a sweep, with its result.nc or sweep.nc"),
-        ("broken", "expected a sweep"),
-    ):
-        done = CliRunner().invoke(app, ["report", str(tmp_path / name)])
-        assert (done.exit_code, done.stdout) == (2, "")
-        assert complaint in done.stderr
-        assert len(done.stderr.splitlines()) == 1
-    assert [path.name for path in tmp_path.iterdir()] == ["broken"]

@@ -257,14 +257,6 @@ def test_a_sweep_without_points_says_so(none: Path) -> None:
     assert plot(none, "all").exit_code == 0
 
 
-def test_a_sweep_of_the_first_format_says_what_it_lacks(one: Path) -> None:
-    with open_sweep(one) as sweep:
-        old = sweep.drop_vars(["whirl_frequency", "whirl_rotating"]).assign_attrs(format=1)
-        with pytest.raises(ViewError, match="whirl_frequency, whirl_rotating: not in this sweep"):
-            whirls(old, "march_speed")
-        assert shaft_radius(old, "march_speed").sizes["march_speed"] == 5
-
-
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [

@@ -15,15 +15,14 @@ from matplotlib.transforms import Bbox
 from synthetic_sweep import synthetic_sweep
 
 from bladewhirl.postprocess.plotting.style import new_figure
-from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis, linear_threshold
+from bladewhirl.postprocess.sweep.axes import in_handy_units, key_axis
 from bladewhirl.postprocess.sweep.dataset import open_sweep
 from bladewhirl.postprocess.sweep.drawing import lines_of
 from bladewhirl.postprocess.sweep.figures import SweepFigures
 from bladewhirl.postprocess.sweep.frequency_map import frequency_map, plot_frequency_map
 from bladewhirl.postprocess.sweep.maps import DOUBTFUL, plot_sweep_maps, sweep_maps
-from bladewhirl.postprocess.sweep.quantities import bifurcation, contact_sides, regimes
-from bladewhirl.postprocess.sweep.regimes import plot_regimes
-from bladewhirl.postprocess.sweep.shaft import plot_bifurcation, plot_contact_sides
+from bladewhirl.postprocess.sweep.quantities import contact_sides, regimes
+from bladewhirl.postprocess.sweep.shaft import plot_contact_sides
 
 REFERENCE = 75.0  # rad/s
 SPEEDS = (1.0, 1.1, 1.2)
@@ -123,12 +122,6 @@ def test_points_that_nothing_touches_have_no_side(four: Path) -> None:
     assert high > SPEEDS[-1]
 
 
-def test_rates_that_are_noise_are_on_a_linear_scale() -> None:
-    rate = np.array([1e-4, -2e-4, 3e-4, 0.0, 0.02])
-    assert linear_threshold(rate, np.full(5, 1e-2)) is None
-    assert linear_threshold(rate, np.full(5, 1e-6)) == pytest.approx(1e-3)
-
-
 def test_growth_that_may_be_none_is_crossed_out(four: Path) -> None:
     with open_sweep(four) as sweep:
         maps = sweep_maps(sweep, "march_speed")
@@ -155,19 +148,3 @@ def test_a_frequency_map_names_only_modes_that_are_seen(four: Path) -> None:
     maps["mode_line"].loc[{"mode": "casing k=1"}] = 1e4
     names = [text.get_text() for text in plot_frequency_map(maps).legends[0].get_texts()]
     assert names == ["suspension", "1F k=1", "engine orders"]
-
-
-def test_a_bifurcation_diagram_without_a_section_keeps_its_unit(tmp_path: Path) -> None:
-    """A last third shorter than a revolution: the largest radius alone says the unit."""
-    over = {"march.speed": (1.0, 1.1)}
-    motions = [{"speed": REFERENCE * s, "shaft_radius": 2e-3, "records": 201} for s in (1.0, 1.1)]
-    with open_sweep(synthetic_sweep(tmp_path / "sweep", over, motions)) as sweep:
-        found = bifurcation(sweep, "march_speed")
-        for name in ("section_x", "section_y", "section_radius"):
-            found[name] = xr.full_like(found[name], np.nan)
-        figure = plot_bifurcation(found)
-        judged = regimes(sweep, "march_speed")
-        growth = plot_regimes(judged.assign(growth_rate=np.nan * judged["growth_rate"]))
-        assert "too short to judge" in growth.legends[0].get_title().get_text()
-    assert not any("growth rate" in axes.get_ylabel() for axes in growth.axes)
-    assert all("[mm]" in axes.get_ylabel() for axes in figure.axes)

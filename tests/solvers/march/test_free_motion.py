@@ -11,8 +11,6 @@ from sweep_work import march_in_process
 
 import bladewhirl as bw
 from bladewhirl.models.case.case import Case
-from bladewhirl.models.inputs.errors import UserError
-from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.postprocess.energy.regimes import classify
 from bladewhirl.postprocess.energy.strain import strain_energies
 from bladewhirl.postprocess.sweep.dataset import open_sweep
@@ -99,24 +97,6 @@ def test_what_is_waited_for() -> None:
     assert stop.since == pytest.approx(0.4)
     assert not over(stop, 0.79)
     assert over(stop, 0.81)
-
-
-@pytest.mark.parametrize(
-    ("changed", "told"),
-    [
-        ({"excitation": {"type": "imbalance"}}, "a load never ends"),
-        ({"coupling": {"stiffness": 1e4}}, "may drive the rotor"),
-    ],
-)
-def test_motion_that_may_be_driven_for_ever_is_told_before_a_sweep(
-    changed: dict[str, object], told: str, tmp_path: Path
-) -> None:
-    case = pulse(3e4, **changed) if "coupling" in changed else bw.case_from(changed)
-    with pytest.raises(ValueError, match=told):
-        FreeMotion.of(contact_problem(bw.build_stage(case)), STEP)
-    with pytest.raises(UserError, match=f"--stop-when damped.*{told}"):
-        run_sweep(case, {"march.speed": [1.0, 1.1]}, tmp_path / "new", stop_when="damped")
-    assert not (tmp_path / "new").exists()
 
 
 @pytest.mark.slow

@@ -1,6 +1,5 @@
 """The command line: new case files, and errors of the user's in one line each."""
 
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -135,16 +134,6 @@ def test_help_loads_nothing_heavy() -> None:
         "bladewhirl.models",
     }
     assert all(name.startswith("bladewhirl.studies") for name in own - small - rooms)
-
-
-def test_help_shows_every_word_in_brackets(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Texts are taken for markup: a bracket not escaped would vanish with what is in it."""
-    monkeypatch.setenv("TERMINAL_WIDTH", "300")
-    for name, command in typer.main.get_command(app).commands.items():  # type: ignore[attr-defined]
-        shown = RUNNER.invoke(app, [name, "--help"], env={"COLUMNS": "300"}).stdout
-        texts = [command.help, *(getattr(parameter, "help", None) for parameter in command.params)]
-        for bracketed in re.findall(r"\[[^\]\\]*\]", " ".join(filter(None, texts))):
-            assert bracketed in shown, f"{name} --help lacks {bracketed}"
 
 
 def test_a_job_without_a_terminal_writes_a_line_each_tenth(

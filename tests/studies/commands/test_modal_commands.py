@@ -82,19 +82,6 @@ def test_pictures_and_films(case: Path, tmp_path: Path, monkeypatch: pytest.Monk
 
 
 @pytest.mark.usefixtures("pictures_unsaved")
-def test_all_modes_of_a_name_are_pictured_where_blades_differ(tmp_path: Path) -> None:
-    mistuned = EXAMPLES / "mistuned_blades.toml"
-    few = ("--shapes", "1F:2", "--no-films", "-o", tmp_path / "new")
-    result = run("modes", mistuned, *few, "--json", "--count", "200")
-    assert result.exit_code == 0, result.stderr
-    listed_modes = json.loads(result.stdout)["bladed_disk"]
-    named = [mode for mode in listed_modes if (mode["family"], mode["nodal_diameter"]) == ("1F", 2)]
-    assert len(named) > 1
-    with xr.open_dataset(tmp_path / "new" / "bladed-disk-shapes.nc") as data:
-        assert data.sizes["rotor_mode"] == len(named)
-
-
-@pytest.mark.usefixtures("pictures_unsaved")
 def test_waves_at_speed_are_pictured_as_they_travel(case: Path, tmp_path: Path) -> None:
     effects = (*SMALL, "--set", "rotation.effects=full", "-o", tmp_path / "new", "--no-films")
     result = run("modes", case, *effects, "--shapes", "1F:0,1F:1")

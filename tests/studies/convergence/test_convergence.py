@@ -9,14 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from stages import steel
 from typer.testing import CliRunner
 
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import loads, with_values
 from bladewhirl.models.case.template import dumps_case
-from bladewhirl.models.geometry.sketch import Sketch
-from bladewhirl.models.inputs.errors import CaseError, UserError
+from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.convergence.study import MODES as MODES_KEPT
 from bladewhirl.studies.convergence.study import (
@@ -106,23 +104,6 @@ def test_default_time_steps_and_modes() -> None:
     # Of 1.6e-5 and 8e-6 s a record step of 1e-4 s is no multiple.
     assert default_time_steps(case) == [4e-6, 2e-6]
     assert default_time_steps(small("march.record_step=8e-5")) == [8e-6, 4e-6, 2e-6]
-
-
-def drawn(blades: int, elements: int) -> Case:
-    """Blades on a hub, by a sketch."""
-    sketch = Sketch(blades)
-    sketch.node("hub", 0.0, 0.0, shared=True)
-    sketch.node("tip", 0.5)
-    sketch.member("blades", "hub", "tip", steel(0.01), elements=elements)
-    sketch.set("centre", "hub")
-    sketch.set("tips", "tip")
-    return sketch.case(reduction={"fixed_interface_modes": 3})
-
-
-def test_the_blades_of_a_sketch_count() -> None:
-    assert default_modes(drawn(12, 5)) == [24, 36, 48, 60, 72]
-    with pytest.raises(CaseError, match="at least 9 inner degrees of freedom"):
-        default_modes(drawn(3, 1))
 
 
 def test_a_march_that_cannot_be_made(store: RunStore) -> None:
