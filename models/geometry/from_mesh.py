@@ -222,16 +222,15 @@ def _double_parts(mesh: GroupedLines) -> Iterator[str]:
 def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> LineProperties:
     count = len(mesh.lines)
     values = np.full((len(QUANTITIES), count), np.nan)
+    changes = np.zeros_like(values)
     if table.metres == 1.0:  # what else would the file's numbers mean, and its moduli?
+        for row, name in zip(changes, CHANGES, strict=True):
+            row[:] = np.nan_to_num(mesh.line_data.get(name, row))
         for row, name in zip(values, QUANTITIES, strict=True):
             line_values = mesh.line_data.get(name, row)
             row[:] = np.where(
                 np.isfinite(line_values), line_values, getattr(material, name, np.nan)
             )
-    changes = np.zeros_like(values)
-    if table.metres == 1.0:
-        for row, name in zip(changes, CHANGES, strict=True):
-            row[:] = np.nan_to_num(mesh.line_data.get(name, row))
     given = Counter[int]()
     for name, section in table.sections.items():
         lines = mesh.line_groups[name]
@@ -259,19 +258,15 @@ def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> Lin
         raise CaseError([table.fault("file", expected)])
     bare = np.flatnonzero(~(np.isfinite(values) & (values > 0.0)).all(axis=0))
     if len(bare):
-        raise CaseError([table.fault("sections", _wanted(mesh, bare))])
+        groups = [k for k, lines in mesh.line_groups.items() if np.isin(bare, lines).any()]
+        named = f", in {', '.join(map(repr, groups))}" if groups else ", in no group"
+        expected = (
+            f"a section for all lines; {len(bare)} of {len(mesh.lines)} have none{named} (what a"
+            ' file says itself counts, in SI, where unit is "m")'
+        )
+        raise CaseError([table.fault("sections", expected)])
     names = (*QUANTITIES, *CHANGES)
     return LineProperties(**dict(zip(names, np.vstack([values, changes]), strict=True)))
-
-
-def _wanted(mesh: GroupedLines, bare: IntArray) -> str:
-    """Says which groups of lines still need a section."""
-    groups = [k for k, lines in mesh.line_groups.items() if np.isin(bare, lines).any()]
-    named = f", in {', '.join(map(repr, groups))}" if groups else ", in no group"
-    return (
-        f"a section for all lines; {len(bare)} of {len(mesh.lines)} have none{named} (what a file "
-        'says itself counts, in SI, where unit is "m")'
-    )
 
 
 def _hung(table: MeshTable, mesh: GroupedLines) -> dict[str, Any]:

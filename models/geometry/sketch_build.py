@@ -93,6 +93,10 @@ class _Drawing:
 
     def mesh(self) -> LineMesh:
         """Return all nodes and lines with their sets and, if all sectors are equal, sectors."""
+        sets = {
+            name: [self._at_node(node, s) for s in range(self._sketch.sectors) for node in nodes]
+            for name, nodes in self._sets.items()
+        }
         lines, count = [], 0
         line_sets: dict[str, list[int]] = {}
         for member in self._sketch.members:
@@ -106,7 +110,7 @@ class _Drawing:
             points=np.array(self._point).reshape(-1, 2),
             lines=np.array(lines, dtype=np.int64).reshape(-1, 2),
             node_axes=np.array(self._axis),
-            node_sets={name: np.array(self._set(name)) for name in self._sets},
+            node_sets={name: np.array([*dict.fromkeys(nodes)]) for name, nodes in sets.items()},
             line_sets={name: np.array(member_lines) for name, member_lines in line_sets.items()},
             sectors=self._alike(),
         )
@@ -237,14 +241,6 @@ class _Drawing:
         if self._sketch.is_shared(*part.references):
             return range(1)
         return range(self._sketch.sectors) if part.sectors is None else part.sectors
-
-    def _set(self, name: str) -> list[int]:
-        nodes = [
-            self._at_node(reference, sector)
-            for sector in range(self._sketch.sectors)
-            for reference in self._sets[name]
-        ]
-        return list(dict.fromkeys(nodes))
 
     def _alike(self) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]] | None:
         """Nodes of each sector in one order; None where sectors have different nodes."""

@@ -26,7 +26,11 @@ def toml_value(value: object) -> str:
     if isinstance(value, int):
         return str(value)
     if isinstance(value, float):
-        return _float(value)
+        text = repr(float(value))
+        if not math.isfinite(value) or value == 0.0 or 1e-3 <= abs(value) < 1e5:
+            return text
+        mantissa, _, exponent = f"{Decimal(text).normalize():e}".partition("e")
+        return f"{mantissa}e{int(exponent)}"
     if isinstance(value, Mapping):
         pairs = (f"{toml_key(key)} = {toml_value(item)}" for key, item in value.items())
         return f"{{ {', '.join(pairs)} }}" if value else "{}"
@@ -39,14 +43,6 @@ def toml_key(name: object) -> str:
     """A key, quoted where TOML needs it."""
     text = str(name)
     return text if re.fullmatch(r"[A-Za-z0-9_-]+", text) else toml_value(text)
-
-
-def _float(value: float) -> str:
-    text = repr(float(value))
-    if not math.isfinite(value) or value == 0.0 or 1e-3 <= abs(value) < 1e5:
-        return text
-    mantissa, _, exponent = f"{Decimal(text).normalize():e}".partition("e")
-    return f"{mantissa}e{int(exponent)}"
 
 
 LONGEST_VALUE = 60

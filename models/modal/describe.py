@@ -15,6 +15,12 @@ from bladewhirl.models.modal.modes import Modes
 from bladewhirl.models.modal.stage_arrays import StageArrays
 from bladewhirl.models.rotation.at_speed import TurningDisk, tip_recess
 
+DRAWN = (
+    *("thickness", "width", "young_modulus"),
+    *("thickness_change", "width_change", "young_modulus_change"),
+)
+"""Properties of lines that results contain; a casing has no changes."""
+
 
 def stage_arrays(
     case: Case,
@@ -39,6 +45,8 @@ def stage_arrays(
         turning: the bladed disk at speed; None without rotation effects.
     """
     model, mesh, supports, shaft = disk.model, disk.mesh, casing.supports, case.shaft
+    stiffness = np.array([np.diag(each.stiffness) for each in supports]).reshape(-1, 3)
+    damping = np.array([(each.dampers**2).sum(axis=0) for each in supports]).reshape(-1, 3)
     growth = np.zeros(len(disk.tip_radial)) if turning is None else turning.growth
     return StageArrays(
         rotor_frequency=disk_modes.frequency,
@@ -52,12 +60,7 @@ def stage_arrays(
         casing_family=casing_family,
         rotor_point=mesh.points,
         rotor_line=mesh.lines,
-        rotor_thickness=disk.properties.thickness,
-        rotor_width=disk.properties.width,
-        rotor_young_modulus=disk.properties.young_modulus,
-        rotor_thickness_change=disk.properties.thickness_change,
-        rotor_width_change=disk.properties.width_change,
-        rotor_young_modulus_change=disk.properties.young_modulus_change,
+        **{f"rotor_{name}": getattr(disk.properties, name) for name in DRAWN},
         rotor_part=tuple(mesh.line_parts),
         rotor_shape=disk.cartesian(disk_modes.shapes),
         rotor_link=np.column_stack([model.links.led, model.links.leader]),
@@ -73,22 +76,16 @@ def stage_arrays(
         shaft_stiffness=np.zeros(2) if shaft.clamped else np.array(shaft.springs),
         shaft_damping=np.zeros(2) if shaft.clamped else np.array(shaft.dampings),
         casing_angle=casing.mesh.angles,
-        casing_thickness=casing.properties.thickness,
-        casing_width=casing.properties.width,
-        casing_young_modulus=casing.properties.young_modulus,
+        **{f"casing_{name}": getattr(casing.properties, name) for name in DRAWN[:3]},
         casing_curvature=casing.curvature,
         casing_shape=casing.nodal(casing_modes.shapes),
         casing_foundation=casing.foundation,
         support_kind=np.array([each.kind for each in supports], dtype=np.str_),
         support_angle=np.array([each.angle for each in supports], dtype=np.float64),
         support_reach=np.array([each.reach for each in supports], dtype=np.float64).reshape(-1, 2),
-        support_radial_stiffness=np.array([each.stiffness[OUTWARD, OUTWARD] for each in supports]),
-        support_tangential_stiffness=np.array([each.stiffness[ALONG, ALONG] for each in supports]),
-        support_radial_damping=np.array(
-            [np.sum(each.dampers[:, OUTWARD] ** 2) for each in supports]
-        ),
-        support_tangential_damping=np.array(
-            [np.sum(each.dampers[:, ALONG] ** 2) for each in supports]
-        ),
+        support_radial_stiffness=stiffness[:, OUTWARD],
+        support_tangential_stiffness=stiffness[:, ALONG],
+        support_radial_damping=damping[:, OUTWARD],
+        support_tangential_damping=damping[:, ALONG],
         clearance=case_clearance(case)[:, 0],
     )

@@ -136,7 +136,10 @@ def _cyclic(
     layout, blocks, kept = _cyclic_blocks(structure, boundary, count)
     squares, shapes, columns, total = [], [], [], 0
     for k, block in blocks.items():
-        square, vectors = _reduced_modes(block, kept[k])
+        basis = block.basis(kept[k])
+        reduced = (basis.conj().T @ matrix @ basis for matrix in (block.stiffness, block.mass))
+        vectors = basis @ la.eigh(*reduced)[1]
+        square = rayleigh_quotients(block.stiffness, block.mass, vectors)
         pair = is_pair(k, layout.sectors)
         fields, column = layout.real_shapes(k, align_phase(vectors, reference, pair=pair))
         twice = 2 if pair else 1
@@ -160,11 +163,13 @@ def _cyclic_blocks(
         k: _split(mass, stiffness, _edge(layout, boundary, k), count)
         for k, (mass, stiffness) in layout.blocks(structure.mass, structure.stiffness)
     }
-    return (
-        layout,
-        blocks,
-        _share_out({k: b.squares for k, b in blocks.items()}, layout.sectors, count),
-    )
+    kept, left = dict.fromkeys(blocks, 0), count
+    for _, k in sorted((square, k) for k, block in blocks.items() for square in block.squares):
+        if left <= 0:
+            break
+        kept[k] += 1
+        left -= 2 if is_pair(k, layout.sectors) else 1  # pairs are complete
+    return layout, blocks, kept
 
 
 def _edge(layout: SectorLayout, boundary: IntArray, k: int) -> IntArray:
@@ -188,28 +193,6 @@ def _split(mass: ComplexArray, stiffness: ComplexArray, edge: IntArray, count: i
     return _Block(
         mass=mass, stiffness=stiffness, edge=edge, inside=inside, squares=squares, vectors=vectors
     )
-
-
-def _share_out(squares: dict[int, FloatArray], sectors: int, count: int) -> dict[int, int]:
-    """Return the number of lowest modes in each nodal diameter, in complete pairs."""
-    ranked = sorted((square, k) for k, values in squares.items() for square in values)
-    kept = dict.fromkeys(squares, 0)
-    left = count
-    for _, k in ranked:
-        if left <= 0:
-            break
-        kept[k] += 1
-        left -= 2 if is_pair(k, sectors) else 1
-    return kept
-
-
-def _reduced_modes(block: _Block, kept: int) -> tuple[FloatArray, ComplexArray]:
-    basis = block.basis(kept)
-    vectors = la.eigh(
-        basis.conj().T @ block.stiffness @ basis, basis.conj().T @ block.mass @ basis
-    )[1]
-    fields = basis @ vectors
-    return rayleigh_quotients(block.stiffness, block.mass, fields), fields
 
 
 def _plain(structure: Structure, boundary: IntArray, count: int) -> tuple[Modes, int]:

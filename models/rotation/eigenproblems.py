@@ -97,8 +97,10 @@ def damped_eigenvalues(
     """
     inverse = _inverse_root(mass)
     damped, elastic = (inverse @ each @ inverse.conj().T for each in (damping, stiffness))
-    s, vectors = _companion(-damped, -elastic)
-    return s, inverse.conj().T @ vectors
+    scale = np.sqrt(la.norm(elastic, 2))  # s is of order one over it
+    top = np.hstack([-damped / scale, -elastic / scale**2])
+    s, states = la.eig(np.vstack([top, np.eye(len(mass), 2 * len(mass))]))
+    return scale * s, inverse.conj().T @ states[len(mass) :]
 
 
 def lowest_gyroscopic_eigen(
@@ -141,15 +143,6 @@ def positive_speeds(stiffness: Matrix, pulled: Matrix) -> tuple[FloatArray, Comp
     share, vectors = la.eigh(_hermitian(pulled), stiffness)
     positions = np.flatnonzero(share > share[-1] * len(share) * np.finfo(np.float64).eps)[::-1]
     return 1.0 / np.sqrt(share[positions]), vectors[:, positions]
-
-
-def _companion(first: Matrix, zeroth: Matrix) -> tuple[ComplexArray, ComplexArray]:
-    """All w and v of w^2 v = (w A + B) v, with w scaled to order one."""
-    size = len(zeroth)
-    scale = np.sqrt(la.norm(zeroth, 2))
-    top = np.hstack([first / scale, zeroth / scale**2])
-    w, states = la.eig(np.vstack([top, np.eye(size, 2 * size)]))
-    return scale * w, states[size:]
 
 
 def _inverse_root(mass: Matrix) -> Matrix:

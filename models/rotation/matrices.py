@@ -123,12 +123,19 @@ def rotation_matrices(disk: BladedDiskModel) -> RotationMatrices:
     assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
     transform = nodal_to_line_axes(mesh)
     line_mass = model.properties.at(assembler.points).line_mass
-    weights = _point_masses(model)
+    point_masses = np.zeros((len(mesh.points), COMPONENTS))  # on translations only
+    np.add.at(point_masses[:, FIRST], model.masses.node, model.masses.mass)
+    point_masses[:, SECOND] = point_masses[:, FIRST]
+    weights = point_masses.ravel()
     inertial = sp.csr_array(
         assembler.matrix(mass, transform, rho_A=line_mass) + sp.diags_array(weights)
     )
     turning = assembler.matrix(coriolis, transform, skew=True, rho_A=line_mass)
-    full_load = inertial @ _coordinates(model)
+    x, y = mesh.points.T
+    cos, sin = np.cos(mesh.node_axes), np.sin(mesh.node_axes)
+    # Positions about the axis in nodal axes, rotation zero.
+    places = np.column_stack([cos * x + sin * y, cos * y - sin * x, np.zeros(len(x))]).ravel()
+    full_load = inertial @ places
     load = np.asarray(unknowns.T @ full_load)
     growth = np.asarray(spla.spsolve(structure.stiffness.tocsc(), load))
     field = unknowns @ growth
@@ -147,21 +154,6 @@ def rotation_matrices(disk: BladedDiskModel) -> RotationMatrices:
         load=load,
         growth=growth,
     )
-
-
-def _coordinates(model: BeamModel) -> FloatArray:
-    """Return the position of each node about the axis in nodal axes, rotation zero, (3 nodes,)."""
-    x, y = model.mesh.points.T
-    cos, sin = np.cos(model.mesh.node_axes), np.sin(model.mesh.node_axes)
-    return np.column_stack([cos * x + sin * y, cos * y - sin * x, np.zeros(len(x))]).ravel()
-
-
-def _point_masses(model: BeamModel) -> FloatArray:
-    """Return the point masses on nodal translations, zero on rotations, (3 nodes,)."""
-    diagonal = np.zeros((len(model.mesh.points), COMPONENTS))
-    np.add.at(diagonal[:, FIRST], model.masses.node, model.masses.mass)
-    diagonal[:, SECOND] = diagonal[:, FIRST]
-    return diagonal.ravel()
 
 
 def _point_coriolis(weights: FloatArray) -> sp.csr_array:
