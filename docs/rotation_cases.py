@@ -10,7 +10,6 @@ figures to PNGs with a palette.
 from __future__ import annotations
 
 import csv
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,7 +20,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from PIL import Image
+from pictures import DOCS, EXAMPLES, bladewhirl, keep
 
 import bladewhirl as bw
 from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, INCH, SEQUENTIAL, styled
@@ -29,7 +28,6 @@ from bladewhirl.postprocess.shaft.orbits import shaft_orbit
 from bladewhirl.postprocess.sweep.frequency_map import LINES, MODE_DASHES, frequency_map
 from bladewhirl.postprocess.sweep.quantities import cell_edges
 
-DOCS = Path(__file__).parent
 CASES = {"casing_distortion": ("casing distortion", 1.5), "imbalance": ("imbalance", 3.0)}
 """Case files, with their name in figures and the length of their marches [s]."""
 
@@ -49,40 +47,27 @@ NUMBERS = (
 SHARES = {"suspension": "suspension", "k = 0": "1F k=0", "k = 1": "1F k=1", "rest": "rest"}
 
 
-def bladewhirl(folder: Path, *arguments: str | Path) -> Path:
-    """Run a command of the program that makes a folder, unless there is one."""
+def made(folder: Path, command: tuple[str, ...], case: str, effects: str) -> Path:
+    """Return the folder of a sweep or a run of a case with some effects, made if missing."""
     if not folder.exists():
-        program = Path(sys.executable).with_name("bladewhirl")
-        subprocess.run([program, *arguments, "-o", folder], check=True, stdout=subprocess.DEVNULL)
+        changes = ("--set", f"rotation.effects={effects}")
+        length = ("--set", f"march.duration={CASES[case][1]}")
+        bladewhirl(*command, EXAMPLES / f"{case}.toml", "-o", folder, *changes, *length)
     return folder
 
 
 def swept(folder: Path, case: str, effects: str) -> xr.Dataset:
     """Sweep of a case over the speed with some effects."""
-    known = [speed for speed in SPEEDS if effects != "centrifugal" or speed < CRITICAL]
-    bladewhirl(
-        folder / f"{case}-{effects}",
-        *(
-            "sweep",
-            DOCS.parent / "examples" / f"{case}.toml",
-            "--set",
-            f"rotation.effects={effects}",
-        ),
-        *("--over", f"march.speed={','.join(map(str, known))}"),
-        *("--set", f"march.duration={CASES[case][1]}"),
-    )
-    return bw.open_sweep(folder / f"{case}-{effects}")
+    allowed = [speed for speed in SPEEDS if effects != "centrifugal" or speed < CRITICAL]
+    over = f"march.speed={','.join(map(str, allowed))}"
+    sweep = made(folder / f"{case}-{effects}", ("sweep", "--over", over), case, effects)
+    return bw.open_sweep(sweep)
 
 
 def orbit(folder: Path, case: str, effects: str) -> xr.Dataset:
     """Orbit of a case at `SHOWN` with some effects."""
-    example = DOCS.parent / "examples" / f"{case}.toml"
-    run = bladewhirl(
-        folder / f"{case}-{effects}-run",
-        *("run", example, "--set", f"rotation.effects={effects}"),
-        *("--set", f"march.speed={SHOWN}", "--set", f"march.duration={CASES[case][1]}"),
-        *("--frames", "0"),
-    )
+    speed = ("--set", f"march.speed={SHOWN}", "--frames", "0")
+    run = made(folder / f"{case}-{effects}-run", ("run", *speed), case, effects)
     with bw.open_result(run) as result:
         return shaft_orbit(result).load()
 
@@ -120,10 +105,11 @@ def plot_radii(table: list[dict[str, Any]]) -> Figure:
             sizes = [float(row["late_radius"]) for row in rows]
             radius.plot(speed, sizes, color=colour, linewidth=0.7)
             turning = [float(row["whirl_frequency"]) for row in rows]
-            clear = [
-                value if row["whirl_rotating"] != "none" and _is_steady(row) else np.nan
-                for value, row in zip(turning, rows, strict=True)
+            steady = [  # too short a march has no scatter
+                row["whirl_rotating"] != "none" and not float(row["whirl_scatter"]) > STEADY
+                for row in rows
             ]
+            clear = np.where(steady, turning, np.nan)
             whirl.plot(speed, clear, color=colour, linewidth=0.7)
             for x, size, rate, row in zip(speed, sizes, clear, rows, strict=True):
                 filled = colour if row["regime"] == "divergent" else "white"
@@ -146,11 +132,6 @@ def plot_radii(table: list[dict[str, Any]]) -> Figure:
     axes[0, 0].plot([], [], color="grey", linestyle=":", label="critical speed")
     figure.legend(loc="outside lower center", ncols=4)
     return figure
-
-
-def _is_steady(row: dict[str, Any]) -> bool:
-    """Whether the whirl of a point has one frequency; too short a march has no scatter."""
-    return not float(row["whirl_scatter"]) > STEADY
 
 
 @styled
@@ -213,15 +194,6 @@ def plot_orbits(orbits: dict[tuple[str, str], xr.Dataset]) -> Figure:
     return figure
 
 
-def keep(figure: Figure, name: str) -> None:
-    """Put a figure beside this script, small."""
-    path = DOCS / f"{name}.png"
-    figure.savefig(path, dpi=200)
-    with Image.open(path) as image:
-        small = image.convert("RGB").quantize(256, dither=Image.Dither.NONE)
-    small.save(path, optimize=True)
-
-
 def main(folder: Path) -> None:
     """Make table and figures."""
     kinds = [(case, effects) for case in CASES for effects in EFFECTS]
@@ -231,9 +203,11 @@ def main(folder: Path) -> None:
         writer = csv.DictWriter(file, table[0], lineterminator="\n")
         writer.writeheader()
         writer.writerows(table)
-    keep(plot_radii(table), "rotation_radii")
-    keep(plot_maps(sweeps), "rotation_maps")
-    keep(plot_orbits({kind: orbit(folder, *kind) for kind in kinds}), "rotation_orbits")
+    orbits = {kind: orbit(folder, *kind) for kind in kinds}
+    figures = {"radii": plot_radii(table), "maps": plot_maps(sweeps), "orbits": plot_orbits(orbits)}
+    for name, figure in figures.items():
+        figure.savefig(folder / f"{name}.png", dpi=200)
+        keep(folder / f"{name}.png", f"rotation_{name}.png")
 
 
 if __name__ == "__main__":

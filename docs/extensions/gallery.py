@@ -106,14 +106,9 @@ def _page(example: Path, numbers: dict[str, Any], drawings: Path) -> str:
     )
 
 
-def _turns(name: str) -> bool:
-    """Return whether an example has rotation effects."""
-    return bw.read_case(EXAMPLES / f"{name}.toml").rotation.effects != "none"
-
-
 def _campbell(name: str) -> str:
     """Campbell diagram of an example with rotation effects, whose frequencies change with speed."""
-    if not _turns(name):
+    if bw.read_case(EXAMPLES / f"{name}.toml").rotation.effects == "none":
         return ""
     return (
         f"## Campbell diagram\n\n```console\nbladewhirl campbell examples/{name}.toml\n```\n\n"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import partial
 from typing import Annotated, Any, get_args
 
 import licences
@@ -35,7 +36,7 @@ def case_keys() -> str:
         if name == "excitation":
             tables = list(EXCITATIONS.values())
         for table in tables:
-            kind = _kind(table)
+            kind = table.model_fields["type"].default if name == "excitation" else ""
             title = f"{name}, type {kind}" if kind else name
             parts.append(f"## [{title}]\n\n{_words(_summary(table))}\n\n")
             suffix = f" ({kind})" if kind else ""
@@ -118,11 +119,6 @@ def _tables(annotation: Any) -> Iterator[type[Table]]:
         yield from _tables(inner)
 
 
-def _kind(table: type[Table]) -> str:
-    field = table.model_fields.get("type")
-    return str(field.default) if field and table in EXCITATIONS.values() else ""
-
-
 def _summary(thing: object) -> str:
     return (inspect.getdoc(thing) or "").splitlines()[0]
 
@@ -158,24 +154,9 @@ def _command(command: Any) -> str:
     return "".join(parts)
 
 
-def results() -> str:
-    """Variables of result.nc."""
-    return schema_table(RESULT)
-
-
-def sweeps() -> str:
-    """Variables of sweep.nc."""
-    return schema_table(SWEEP)
-
-
-def run_figures() -> str:
-    """Figures of a run, with a picture of each."""
-    return "".join(_figure(kind, drawn=True) for kind in RUN_FIGURES.values())
-
-
-def sweep_figures() -> str:
-    """Figures of a sweep."""
-    return "".join(_figure(kind, drawn=False) for kind in SWEEP_FIGURES.values())
+def figures(kinds: Mapping[str, FigureKind], *, drawn: bool) -> str:
+    """Figures, with a picture of each where they are drawn."""
+    return "".join(_figure(kind, drawn=drawn) for kind in kinds.values())
 
 
 def _figure(kind: FigureKind, *, drawn: bool) -> str:
@@ -229,10 +210,10 @@ def _documented(name: str, thing: Any) -> str:
 GENERATED = {
     "case-keys": case_keys,
     "commands": commands,
-    "results": results,
-    "sweeps": sweeps,
-    "run-figures": run_figures,
-    "sweep-figures": sweep_figures,
+    "results": partial(schema_table, RESULT),
+    "sweeps": partial(schema_table, SWEEP),
+    "run-figures": partial(figures, RUN_FIGURES, drawn=True),
+    "sweep-figures": partial(figures, SWEEP_FIGURES, drawn=False),
     "api": api,
     "licences": licences.table,
 }

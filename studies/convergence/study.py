@@ -24,7 +24,7 @@ from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import with_values
 from bladewhirl.models.inputs.errors import CaseError, Fault, UserError, writing
 from bladewhirl.models.stage.build import contact_problem
-from bladewhirl.models.stage.stage import Stage, build_stage
+from bladewhirl.models.stage.stage import build_stage
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.run.measures import Motion, orbit_distance
 from bladewhirl.studies.runs.figures_folder import check_figure_folder
@@ -216,7 +216,9 @@ def mode_convergence(
         modes=("modes", np.array(modes), {"long_name": "fixed-interface modes"})
     )
     data["kept"] = "modes", [stage.reduction.kept for stage in stages]
-    data["frequency_error"] = "modes", [_frequency_error(stage) for stage in stages], {"units": "1"}
+    errors = [stage.frequency_error for stage in stages]
+    worst = [max((error[k] for k in FAMILIES if k in error), default=np.nan) for error in errors]
+    data["frequency_error"] = "modes", worst, {"units": "1"}
     return data.assign_attrs(
         title="convergence in the fixed-interface modes",
         motion_converged=int(len(set(data["regime"].values)) == 1),
@@ -305,11 +307,6 @@ def _compared(
 def _relative(difference: FloatArray, reference: float) -> FloatArray:
     """Return absolute differences over a reference; NaN if that is zero."""
     return np.abs(difference) / reference if reference else np.full(len(difference), np.nan)
-
-
-def _frequency_error(stage: Stage) -> float:
-    errors = [stage.frequency_error[name] for name in FAMILIES if name in stage.frequency_error]
-    return max(errors, default=float("nan"))
 
 
 def _plain(data: xr.Dataset) -> dict[str, Any]:

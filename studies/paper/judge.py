@@ -129,7 +129,7 @@ def reproduce_claims(
     ]
     first, *others = repeats
     names = needed(plan.claims, "trials")
-    store.make([case for evidence in repeats for case in evidence.cases(names)], progress)
+    store.make([case for evidence in repeats for case in map(evidence.case, names)], progress)
     for name in needed(plan.claims, "sweeps"):
         with suppress(NotTestableError):  # reported by the claims that need it
             first.sweep(name, watch)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -196,10 +196,6 @@ class Evidence:
         changes = {**self.changes, **trial.changes}
         repeat = self.repeat if trial.repeated else 0
         return perturbed(self._timed(changed(trial.load, changes), trial.length), repeat)
-
-    def cases(self, names: Iterable[str]) -> list[Case]:
-        """Cases of marches."""
-        return [self.case(name) for name in names]
 
     def motion(self, name: str) -> Motion:
         """Return a march, made on first use.

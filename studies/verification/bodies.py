@@ -91,17 +91,6 @@ def problem(
     )
 
 
-def thrown(
-    given: ContactProblem, outward: float | FloatArray, spread: float = 0.0
-) -> ContactProblem:
-    """Return the problem with initial outward velocities of the tips [m/s], with random scatter."""
-    tips = len(given.rotor.tip_angle)
-    expected = outward * (1.0 + spread * np.random.default_rng(0).normal(size=tips))
-    velocity = np.linalg.lstsq(given.rotor.tip_radial, expected, rcond=None)[0]
-    start = replace(given.start, rotor_velocity=np.asarray(velocity, dtype=np.float64))
-    return replace(given, start=start)
-
-
 def ledger_residual(chunk: Chunk) -> float:
     """Largest mismatch of energy and work, by the largest term."""
     work = chunk.external_work + chunk.normal_work + chunk.friction_work + chunk.coupling_work

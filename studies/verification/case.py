@@ -17,7 +17,7 @@ import csv
 import json
 import time
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache, partial
 from importlib import resources
 from typing import Any, Literal, TypeVar, cast
@@ -38,20 +38,26 @@ Function = TypeVar("Function", bound=Callable[..., Pair | Pairs])
 
 
 @dataclass(frozen=True, kw_only=True)
-class Outcome:
-    """Outcome of a case."""
+class Row:
+    """Row of the table."""
 
-    name: str
-    subject: str
+    name: str  #: "rings.nafems_ring[2]"
+    subject: str  #: module of the case
     quantity: str
     source: str
     unit: str  #: "1" for numbers without
+    tolerance: float
+    measure: Measure
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome(Row):
+    """Outcome of a case."""
+
     values: int  #: compared
     reference: float  #: of the worst value
     ours: float  #: of the worst value
     error: float  #: largest, NaN where a value is not finite
-    tolerance: float
-    measure: Measure
     seconds: float
 
     @property
@@ -61,22 +67,11 @@ class Outcome:
 
 
 @dataclass(frozen=True, kw_only=True)
-class VerificationCase:
-    """Row of the table before its computation."""
+class VerificationCase(Row):
+    """A case before its computation."""
 
-    name: str  #: "rings.nafems_ring[2]"
-    quantity: str
-    source: str
-    unit: str
-    tolerance: float
-    measure: Measure
     long: bool  #: left out of the default set
     compute: Callable[[], Pair]
-
-    @property
-    def subject(self) -> str:
-        """Module of the case."""
-        return self.name.partition(".")[0]
 
     def run(self) -> Outcome:
         """Compute and compare.
@@ -97,17 +92,11 @@ class VerificationCase:
         error = np.abs(ours - reference) / scale
         worst = np.unravel_index(np.argmax(error), error.shape)  # a NaN counts as the largest
         return Outcome(
-            name=self.name,
-            subject=self.subject,
-            quantity=self.quantity,
-            source=self.source,
-            unit=self.unit,
+            **{field.name: getattr(self, field.name) for field in fields(Row)},
             values=reference.size,
             reference=float(reference[worst]),
             ours=float(ours[worst]),
             error=float(error[worst]),
-            tolerance=self.tolerance,
-            measure=self.measure,
             seconds=time.perf_counter() - began,
         )
 
@@ -152,6 +141,7 @@ def verifies(*values: Hashable) -> Callable[[Function], Function]:
                 CASES.append(
                     VerificationCase(
                         name=f"{name}[{value}]" if values else name,
+                        subject=subject,
                         quantity=row["quantity"].format(value),
                         source=row["source"],
                         unit=row["unit"],

@@ -52,21 +52,13 @@ def mathieu_border(name: str) -> Pair:
 
 
 @cache
-def coupled(ratio: str) -> ContactProblem:
-    """Return the paper's six modes at its example point with an initial velocity and damping."""
+def coupled(ratio: str) -> tuple[ContactProblem, CouplingSprings]:
+    """Return the paper's six modes at its example point with an initial velocity and damping, and
+    their springs."""
     push = {"initial.centre_velocity": [1e-6, 0.0], "damping.ratio": float(ratio)}
-    return contact_problem(build_stage(with_values(Case(), POINT | push)))
-
-
-def springs(given: ContactProblem) -> CouplingSprings:
-    """Return the springs of a coupled problem.
-
-    Raises:
-        ValueError: it has none.
-    """
-    if given.springs is None:
-        raise ValueError("expected a stage with springs between the bodies")
-    return given.springs
+    given = contact_problem(build_stage(with_values(Case(), POINT | push)))
+    assert given.springs is not None  # the point has a stiffness
+    return given, given.springs
 
 
 def late_growth(given: ContactProblem, steps: int) -> float:
@@ -78,8 +70,7 @@ def late_growth(given: ContactProblem, steps: int) -> float:
 
 def monodromy(ratio: str) -> Floquet:
     """Return the Floquet analysis of the example point by direct integration."""
-    given = coupled(ratio)
-    coupling = springs(given)
+    given, coupling = coupled(ratio)
     return floquet(
         lambda times: coupling.modes.equations.stiffness(given.speed * times, coupling.kappa),
         period=2.0 * np.pi / given.speed,
@@ -93,8 +84,8 @@ def growth_rates(ratio: str) -> Pairs:
 
     The growth rate is positive only with the factor pi of Eq. (8).
     """
-    given, exact = coupled(ratio), reference("published")["growth_at_1.17_500"][ratio]
-    coupling, direct = springs(given), monodromy(ratio).growth
+    given, coupling = coupled(ratio)
+    exact, direct = reference("published")["growth_at_1.17_500"][ratio], monodromy(ratio).growth
     invariant = growth_rate(coupling.modes, speed=given.speed, kappa=coupling.kappa)
     return {
         "growth_by_monodromy": (exact, direct),
@@ -106,8 +97,7 @@ def growth_rates(ratio: str) -> Pairs:
 @verifies()
 def growth_without_pi() -> Pair:
     """Compare the growth rate with the coefficient of Eq. (9) as printed."""
-    given = coupled("0.0")
-    coupling = springs(given)
+    given, coupling = coupled("0.0")
     computed = growth_rate(coupling.modes, speed=given.speed, kappa=coupling.kappa, with_pi=False)
     return 0.0, computed
 
@@ -115,8 +105,8 @@ def growth_without_pi() -> Pair:
 @verifies()
 def monodromy_by_runge_kutta() -> Pair:
     """Compare the monodromy matrices, positions scaled by the reference frequency."""
-    given = coupled("0.005")
-    modes, kappa = springs(given).modes, springs(given).kappa
+    given, coupling = coupled("0.005")
+    modes, kappa = coupling.modes, coupling.kappa
     size, damping = modes.size, modes.equations.damping
 
     def rate(time: float, state: FloatArray) -> FloatArray:
@@ -136,13 +126,13 @@ def monodromy_by_runge_kutta() -> Pair:
 @verifies()
 def growth_of_a_march_at_speed() -> Pair:
     """Compare the growth rate inside the zone that begins at 1.055 without rotation effects."""
-    turned, modes = six_modes_at_speed()
-    exact = growth_rate(modes, speed=turned.speed, kappa=springs(turned).kappa)
+    turned, coupling = six_modes_at_speed()
+    exact = growth_rate(coupling.modes, speed=turned.speed, kappa=coupling.kappa)
     return exact, late_growth(turned, 200_000)
 
 
-def six_modes_at_speed() -> tuple[ContactProblem, CouplingModes]:
-    """Return the paper's six modes with rotation effects, as a march and at rest.
+def six_modes_at_speed() -> tuple[ContactProblem, CouplingSprings]:
+    """Return the paper's six modes with rotation effects, as a march and with springs at rest.
 
     The march takes those of the stiffness at speed, in which its Coriolis forces are full.
     """
@@ -152,7 +142,8 @@ def six_modes_at_speed() -> tuple[ContactProblem, CouplingModes]:
     case = with_values(Case(), changes | {"rotation.effects": "full"})
     system = couple(modal_stage(case), modes="six", damped=True, with_pi=True, physical=False)
     assert isinstance(system, EvenSystem)
-    coupling, omega = springs(at_rest), at_rest.speed
+    coupling, omega = at_rest.springs, at_rest.speed
+    assert coupling is not None  # it has a stiffness
     of_rotation = system.modes.coriolis, system.modes.softening
     modes = replace(coupling.modes, coriolis=of_rotation[0], softening=of_rotation[1])
     on_rotor = ~modes.on_casing
@@ -172,13 +163,13 @@ def six_modes_at_speed() -> tuple[ContactProblem, CouplingModes]:
     both, amplitude = modes.frequency.copy(), modes.amplitude.copy()
     both[on_rotor], amplitude[on_rotor] = frequency, axes.T @ amplitude[on_rotor]
     stiff = replace(coupling, modes=replace(coupling.modes, frequency=both, amplitude=amplitude))
-    return replace(at_rest, rotor=rotor, springs=stiff), modes
+    return replace(at_rest, rotor=rotor, springs=stiff), replace(coupling, modes=modes)
 
 
 def zones_at(kappa: float) -> tuple[CouplingModes, UnstableZones]:
     """Return the undamped modes of the example point and their zones for a stiffness [N/m]."""
-    given = coupled("0.0")
-    modes, unit = springs(given).modes, given.speed / 1.17
+    given, coupling = coupled("0.0")
+    modes, unit = coupling.modes, given.speed / 1.17
     return modes, unstable_zones(modes, kappas=np.array([kappa]), low=0.6 * unit, high=3.0 * unit)
 
 
@@ -203,7 +194,7 @@ def narrow_zones() -> Pair:
 @cache
 def coupled_march(steps: int) -> FloatArray:
     """Return the state of six coupled modes after 0.2 s."""
-    chunk = marched(coupled("0.005"), 0.2 / steps, steps, every=steps)
+    chunk = marched(coupled("0.005")[0], 0.2 / steps, steps, every=steps)
     return np.asarray(chunk.rotor_displacement[-1])
 
 

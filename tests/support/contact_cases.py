@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.stage.build import contact_problem
 from bladewhirl.models.stage.contact_problem import (
@@ -25,7 +26,6 @@ from bladewhirl.studies.verification.bodies import (
     problem,
     small_casing,
     small_rotor,
-    thrown,
     wall,
 )
 
@@ -45,6 +45,17 @@ __all__ = [
     "thrown",
     "wall",
 ]
+
+
+def thrown(
+    given: ContactProblem, outward: float | FloatArray, spread: float = 0.0
+) -> ContactProblem:
+    """Return the problem with initial outward velocities of the tips [m/s], with random scatter."""
+    tips = len(given.rotor.tip_angle)
+    expected = outward * (1.0 + spread * np.random.default_rng(0).normal(size=tips))
+    velocity = np.linalg.lstsq(given.rotor.tip_radial, expected, rcond=None)[0]
+    start = replace(given.start, rotor_velocity=np.asarray(velocity, dtype=np.float64))
+    return replace(given, start=start)
 
 
 def run(

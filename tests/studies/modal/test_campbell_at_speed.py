@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from contact_cases import thrown
 from matplotlib.figure import Figure
 from stages import oracle
 from typer.testing import CliRunner
@@ -27,7 +28,7 @@ from bladewhirl.studies.commands.cli import app
 from bladewhirl.studies.modal import campbell as modal_campbell
 from bladewhirl.studies.modal.campbell import campbell, coincidence_list
 from bladewhirl.studies.modal.scenarios import CASING_SHARES, whirling_modes
-from bladewhirl.studies.verification.bodies import marched, thrown
+from bladewhirl.studies.verification.bodies import marched
 
 SMALL = {
     "bladed_disk.blades": 8,
