@@ -15,7 +15,7 @@ from bladewhirl.models.case.file import with_values
 from bladewhirl.models.case.schemes import SCHEMES
 from bladewhirl.models.inputs.errors import writing
 from bladewhirl.models.stage.stage import build_stage
-from bladewhirl.solvers.march.march import Chunk, march
+from bladewhirl.solvers.march.march import Chunk, joined, march
 from bladewhirl.studies.runs.figures_folder import check_figure_folder
 from bladewhirl.studies.runs.prepare import Prepared, prepare_stage
 
@@ -107,32 +107,30 @@ def _marched(prepared: Prepared, number: int, progress: Progress | None) -> xr.D
             progress(number * total + min(steps, total), len(SCHEMES) * total)
     cost = (time.perf_counter() - began) / max(steps, 1)
 
-    def joined(name: str) -> np.ndarray[Any, Any]:
-        return np.concatenate([getattr(chunk, name) for chunk in chunks])
-
-    tips = joined("rotor_displacement") @ prepared.problem.rotor.tip_radial.T
-    energy, damped = joined("energy"), joined("damping_work")
-    works = np.array([joined(name) for name in WORKS])
+    whole = joined(chunks)
+    tips = whole.rotor_displacement @ prepared.problem.rotor.tip_radial.T
+    energy, damped = whole.energy, whole.damping_work
+    works = np.array([getattr(whole, name) for name in WORKS])
     mismatch = energy - energy[0] - works.sum(axis=0) + damped
     terms = np.abs([energy, damped, *works]).max()
     histories = {
         "tip_displacement": np.abs(tips).max(axis=1),
-        "impulse": joined("contact_impulse").sum(axis=1).cumsum(),
-        "friction_impulse": joined("friction_impulse").sum(axis=1).cumsum(),
+        "impulse": whole.contact_impulse.sum(axis=1).cumsum(),
+        "friction_impulse": whole.friction_impulse.sum(axis=1).cumsum(),
         "energy": energy,
-        "friction_work": joined("friction_work"),
+        "friction_work": whole.friction_work,
     }
     numbers = {
-        "penetration": max(0.0, -float(joined("gap").min())),
+        "penetration": max(0.0, -float(whole.gap.min())),
         "ledger": float(np.abs(mismatch).max() / terms) if terms > 0.0 else 0.0,
         "step_cost": cost,
-        "end_time": float(joined("time")[-1]),
+        "end_time": float(whole.time[-1]),
     }
     return xr.Dataset(
         {name: ("time", values) for name, values in histories.items()}
         | {"tips": (("time", "tip"), tips)}
         | numbers,
-        coords={"time": joined("time")},
+        coords={"time": whole.time},
     )
 
 

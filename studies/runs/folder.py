@@ -87,11 +87,16 @@ def is_run(directory: Path) -> bool:
     """Return whether a folder contains the files of `write_provenance`, or the start of a run."""
     if RESULT_NAME in listed(directory):
         return True
+    return PACKAGE in read_provenance(directory)
+
+
+def read_provenance(directory: Path) -> dict[str, Any]:
+    """Return the provenance of a run or a sweep; empty if unknown."""
     try:
-        provenance = json.loads((directory / PROVENANCE_NAME).read_text(encoding="utf-8"))
+        content = json.loads((directory / PROVENANCE_NAME).read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        return False
-    return isinstance(provenance, dict) and PACKAGE in provenance
+        return {}
+    return content if isinstance(content, dict) else {}
 
 
 def case_files(case: Case) -> dict[str, bytes]:

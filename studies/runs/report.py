@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from bladewhirl.models.inputs.errors import UserError, writing
 from bladewhirl.postprocess.fields.result import open_result
 from bladewhirl.postprocess.plotting.files import checked_target
 from bladewhirl.postprocess.reports.page import Page, write_page
-from bladewhirl.postprocess.reports.provenance import Provenance
 from bladewhirl.postprocess.reports.run import run_report
 from bladewhirl.postprocess.sweep.dataset import SWEEP_NAME, open_sweep
 from bladewhirl.solvers.march.schema import RESULT_NAME
-from bladewhirl.studies.runs.folder import PROVENANCE_NAME, REPORT_NAME, read_failures
+from bladewhirl.studies.runs.folder import REPORT_NAME, read_failures, read_provenance
 
 
 def report(directory: str | Path, output: str | Path | None = None) -> Path:
@@ -52,38 +50,19 @@ def report_target(directory: Path, output: Path | None) -> Path:
 
 def _run_page(directory: Path) -> Page:
     with open_result(directory) as result:
-        return run_report(result, _provenance(directory), name=directory.absolute().name)
+        return run_report(result, read_provenance(directory), name=directory.absolute().name)
 
 
 def _sweep_page(directory: Path) -> Page:
     from bladewhirl.postprocess.reports.sweep import sweep_report
 
-    with open_sweep(directory) as sweep:
-        return sweep_report(
-            sweep,
-            _provenance(directory),
-            _failures(directory),
-            name=directory.absolute().name,
-        )
-
-
-def _failures(directory: Path) -> list[tuple[str, str]]:
-    """Return the failed points and the reasons; empty if unknown."""
-    rows = []
+    failures = []
     for entry in read_failures(directory):
-        values = {key: value for key, value in entry.items() if key not in ("point", "reason")}
-        words = ", ".join(f"{key} = {value}" for key, value in values.items())
-        rows.append((words, str(entry["reason"])))
-    return rows
-
-
-def _provenance(directory: Path) -> Provenance:
-    """Return the provenance; empty if unknown."""
-    try:
-        content = json.loads((directory / PROVENANCE_NAME).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return content if isinstance(content, dict) else {}
+        values = (f"{k} = {v}" for k, v in entry.items() if k not in ("point", "reason"))
+        failures.append((", ".join(values), str(entry["reason"])))
+    provenance, name = read_provenance(directory), directory.absolute().name
+    with open_sweep(directory) as sweep:
+        return sweep_report(sweep, provenance, failures, name=name)
 
 
 PAGES = {RESULT_NAME: _run_page, SWEEP_NAME: _sweep_page}

@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
-from bladewhirl.files import write_atomically
-from bladewhirl.files import claim
+from bladewhirl.files import claim, write_atomically
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
 from bladewhirl.models.inputs.errors import UserError, writing

@@ -95,15 +95,9 @@ def ledger_residual(chunk: Chunk) -> float:
     """Largest mismatch of energy and work, by the largest term."""
     work = chunk.external_work + chunk.normal_work + chunk.friction_work + chunk.coupling_work
     mismatch = (chunk.energy - chunk.energy[0]) - (work - chunk.damping_work)
-    terms = [
-        chunk.energy,
-        chunk.external_work,
-        chunk.normal_work,
-        chunk.friction_work,
-        chunk.damping_work,
-        chunk.coupling_work,
-    ]
-    return float(np.abs(mismatch).max() / max(np.abs(term).max() for term in terms))
+    works = ("external", "normal", "friction", "damping", "coupling")
+    terms = [chunk.energy, *(getattr(chunk, f"{name}_work") for name in works)]
+    return float(np.abs(mismatch).max() / np.abs(terms).max())
 
 
 class Bar:

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from importlib import import_module, metadata
+from math import isfinite
 from typing import Any
 
 from rich import box
@@ -70,7 +71,8 @@ class Verification:
         rows: list[dict[str, Any]] = []
         for outcome in self.outcomes:
             row = asdict(outcome) | {"passed": outcome.passed}
-            rows.append({k: None if v != v or v in (INF, -INF) else v for k, v in row.items()})
+            infinite = {k for k, v in row.items() if isinstance(v, float) and not isfinite(v)}
+            rows.append(row | dict.fromkeys(infinite))
         document = {
             "version": metadata.version("bladewhirl"),
             "passed": self.passed,
@@ -116,9 +118,6 @@ class Verification:
             figures=[("cases", str(count), f"{good} pass")],
             sections=sections,
         )
-
-
-INF = float("inf")
 
 
 def cells(outcome: Outcome) -> Sequence[str]:
