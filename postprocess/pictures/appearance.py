@@ -66,7 +66,7 @@ def contact_text(forces: Array) -> str:
     touching = int(np.count_nonzero(size))
     if not touching:
         return "no contact"
-    largest = f"largest force {handy(float(size.max()), 'N', 3)},\nwith friction"
+    largest = f"largest force now {handy(float(size.max()), 'N', 3)},\nwith friction"
     return f"{touching} of {len(size)} blades in contact\n{largest}"
 
 

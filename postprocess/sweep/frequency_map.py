@@ -182,7 +182,7 @@ def _draw_map(axes: Axes, one: xr.Dataset, top: float) -> QuadMesh:
                     level,
                     linestyle=MODE_DASHES[name],
                     color=colour,
-                    label=name,
+                    label=name.replace("=", " = "),
                     path_effects=OUTLINE,
                 )
     for order in ORDERS:

@@ -240,14 +240,16 @@ def observed_order(size: FloatArray, change: FloatArray) -> float:
         change: of the result from each size to the next, (sizes,); the last one is ignored.
 
     Returns:
-        p, between -8 and 8; NaN with fewer than two changes above zero, or if they deviate from
-        that law by more than `OFF_THE_LAW`, such as those that rise and fall.
+        p, between -8 and 8; NaN with fewer than two changes above zero, if they rise and fall, or
+        if they deviate from that law by more than `OFF_THE_LAW`.
     """
     positive = change[:-1] > 0.0  # False for NaN
     if np.count_nonzero(positive) < 2:
         return float("nan")
     logarithm, finer = np.log(change[:-1][positive]), np.log(size[1:][positive])
     ratio = np.log(size[:-1] / size[1:])[positive]
+    if len(set(np.sign(np.diff(logarithm - np.log(ratio))))) > 1:
+        return float("nan")
 
     def scatter(order: float) -> float:
         grown = ratio if order == 0.0 else np.expm1(order * ratio) / order

@@ -67,7 +67,9 @@ def test_every_command_has_its_row() -> None:
 def test_the_two_commands_install_run_and_test() -> None:
     install = r"python3 -m venv \.venv && \.venv/bin/pip install -e \S+ && \.venv/bin/"
     run, tests = (block.strip() for block in blocks("sh"))
-    assert re.fullmatch(install + r"bladewhirl run examples/imbalance\.toml --set march\.duration=1\.0", run)
+    assert re.fullmatch(
+        install + r"bladewhirl run examples/imbalance\.toml --set march\.duration=1\.0", run
+    )
     assert re.fullmatch(install + r"pytest -n auto", tests)
 
 
