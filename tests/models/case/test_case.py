@@ -278,11 +278,6 @@ def test_initial_rows_of_a_wrong_shape(key: str, value: object, place: str) -> N
             "shaft.clamped = false",
         ),
         (
-            {"excitation": {"type": "harmonic"}, "shaft": {"clamped": True}},
-            'excitation.type = "harmonic"',
-            "shaft.clamped = false",
-        ),
-        (
             {"initial": {"centre_velocity": [0.0, 1.0]}, "shaft": {"clamped": True}},
             "initial.centre_velocity = [0.0, 1.0]",
             "zero, or shaft.clamped = false",

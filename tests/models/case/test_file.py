@@ -262,19 +262,8 @@ def test_all_faults_of_a_file_at_once(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("march.sped = 1", "march.sped = 1: expected a known key; the nearest is march.speed"),
         ("sped = 1", "sped = 1: expected a known key; the nearest is march.speed"),
-        ("time_step = 1", "time_step = 1: expected a known key; the nearest is march.time_step"),
-        (
-            "casing.friction = 0",
-            "the nearest is casing.rotation or contact.friction",
-        ),
         ("marsh.speed = 1", "marsh = { speed = 1 }: expected a known key; the nearest is march"),
-        (
-            "nope.speed = 1",
-            "nope = { speed = 1 }: expected a known key; the nearest is sketch.edits.node",
-        ),
-        ("casing.wall.widht = 1", "expected a known key; the nearest is casing.wall.width"),
         (
             'march."sp.eed" = 1',
             'march."sp.eed" = 1: expected a known key; the nearest is march.speed',
@@ -284,27 +273,13 @@ def test_all_faults_of_a_file_at_once(tmp_path: Path) -> None:
             'excitation = { type = "imbalance", shape = "half-sine" }',
             'expected a key of excitation.type = "imbalance"; this one is of "casing-distortion"',
         ),
-        (
-            'excitation = { type = "imbalance", rmap = 1 }',
-            "excitation.rmap = 1: expected a known key; the nearest is excitation.ramp",
-        ),
         ("excitation.ramp = 1", 'excitation.type: expected "casing-distortion" or "imbalance"'),
         ('excitation.type = "imbalanc"', 'excitation.type = "imbalanc": expected'),
-        ("excitation.type = []", "excitation.type = []: expected"),
-        ("excitation = 3", "excitation = 3: expected a table"),
         ("title = 3", "title = 3: expected text"),
-        ("title = 1979-05-27", "title = 1979-05-27: expected text"),
-        ("casing.elemnts = 4", "the nearest is casing.elements"),
         ("x = 1", "x = 1: expected a known key: title, material, bladed_disk, "),
         ("casing.foo = 1", "expected a known key of [casing]: elements, clearance, "),
-        ("casing.wall.x = 1", "expected a known key of [casing.wall]: width, thickness"),
         ("march = 3", "march = 3: expected a table, [march]"),
-        ("casing.wall = 1", "casing.wall = 1: expected a table, [casing.wall]"),
         ('bladed_disk = ["a"]', 'bladed_disk = ["a"]: expected a table, [bladed_disk]'),
-        (
-            'casing = { width = "120 mm", struts = [{ angle = 0.0, length = 0.1 }] }',
-            'casing.width = "120 mm": expected a known key; the nearest is ',
-        ),
     ],
 )
 def test_faults_name_the_key_and_what_was_expected(text: str, line: str) -> None:

@@ -209,11 +209,6 @@ def _twice_changed(sketch: Sketch) -> None:
     sketch.change(0, "blades", mass=1.2)
 
 
-def _twice_moved(sketch: Sketch) -> None:
-    sketch.move(1, "tip", 0.49)
-    sketch.move(1, "tip", 0.48)
-
-
 def _changed_where_it_is_not(sketch: Sketch) -> None:
     sketch.member("rim", "root", "root+1", steel(0.01), sectors=[0, 2])
     sketch.change(1, "rim", mass=2.0)
@@ -224,48 +219,31 @@ def _shaft(sketch: Sketch, **more: Any) -> None:
     sketch.member("shaft", "centre", "hub", steel(0.01), **more)
 
 
-def _changed_shaft(sketch: Sketch) -> None:
-    _shaft(sketch)
-    sketch.change(2, "shaft", stiffness=5.0)
-
-
 BAD: list[tuple[Callable[[Sketch], object], str]] = [
     (_loose, r"joined to the centre; part 'debris' at \(0\.3, 0\.1\) m is not"),
     (lambda s: s.node("spare", 0.2), "node 'spare': expected a member, a link or a spring at it"),
     (lambda s: s.member("rim", "root", "root+1"), "member 'rim': expected either a section"),
-    (
-        lambda s: s.member("dot", "root", "root", steel(0.01)),
-        "member 'dot' in sector 0: expected a member with length",
-    ),
     (lambda s: s.move(2, "tip", 0.05), "member 'blades' in sector 2: expected a member with"),
     (
         lambda s: s.member("rim", "root", "rood", steel(0.01)),
         r"member 'rim': expected a node of the sketch \(centre, root, tip\), not 'rood'",
     ),
-    (lambda s: s.node("root", 0.1), "node 'root': expected one of that name, not 2"),
-    (lambda s: s.mass("hub", 1.0), "mass at 'hub': expected a node of the sketch"),
     (lambda s: s.mass("tip", -1.0), r"masses 'tip'.mass = -1\.0: expected a number of zero or"),
     (lambda s: s.move(7, "tip", 0.4), "edit of sector 7: expected a sector from 0 to 4"),
-    (lambda s: s.change(1, "blade"), "sector 1: expected a member of the sketch, not 'blade'"),
-    (lambda s: s.set("tips", "end"), "set 'tips': expected a node of the sketch"),
     (lambda s: s.link("root", "tip"), 'a set "tips" of nodes that are not tied'),
     (
         lambda s: s.member("rim", "root", "root+1", steel(0.01), sectors=[0, 0]),
         "member 'rim': expected sectors from 0 to 4, each once",
     ),
     (_twice_changed, "edit of member 'blades' in sector 0: expected one edit of a part in"),
-    (_twice_moved, "edit of node 'tip' in sector 1: expected one edit of a part in a sector"),
-    (lambda s: s.set("tips", "root"), "set 'tips': expected one of that name, not 2"),
     (lambda s: s.move(2, "centre", 0.1), "'centre' in sector 2: expected sector 0, which shared"),
     (_changed_where_it_is_not, r"'rim' in sector 1: expected a sector that has it \(0, 2\)"),
     (lambda s: s.mass("centre", 1.0, sectors=[1, 2]), "mass at 'centre': expected no sectors"),
     (lambda s: _shaft(s, sectors=[3]), "member 'shaft': expected no sectors: its nodes are"),
-    (_changed_shaft, "member 'shaft' in sector 2: expected sector 0, which shared parts"),
     (
         lambda s: s.member("again", "centre", "root", steel(0.01)),
         r"one beam between two nodes; 'spokes' and 'again' lie on each other between node",
     ),
-    (lambda s: s.node("1", 0.1), "nodes '1'.name = \"1\": expected a name of letters"),
     (lambda s: s.node("a", "1 kg"), r"at\[0\] = \"1 kg\": expected a finite number in m"),
 ]
 

@@ -15,11 +15,11 @@ RUNNER = CliRunner()
 
 @pytest.mark.usefixtures("can_draw")
 def test_each_kind_goes_to_the_folder_of_the_run(run: Path) -> None:
-    done = RUNNER.invoke(app, ["render", str(run), "--gif", "--frames", "4"])
+    done = RUNNER.invoke(app, ["render", str(run), "--gif", "--frames", "2"])
     assert done.exit_code == 0, done.stderr
     with Image.open(run / "animation.gif") as film:
-        assert getattr(film, "n_frames", 1) == 4
-    assert "4 pictures from" in done.stdout
+        assert getattr(film, "n_frames", 1) == 2
+    assert "2 pictures from" in done.stdout
     assert RUNNER.invoke(app, ["render", str(run / "result.nc"), "--png"]).exit_code == 0
     assert (run / "still.png").is_file()
 
@@ -64,16 +64,11 @@ def test_a_page_needs_no_display(run: Path, tmp_path: Path) -> None:
     ("arguments", "message"),
     [
         (["--png", "--from", "0.1"], "--from: not for what is to be drawn"),
-        (["--gif", "--time", "0.1"], "--time: not for what is to be drawn"),
         (["--png", "--time", "soon"], "--time soon: expected a time in seconds"),
         (["--from", "0.3", "--to", "0.1"], "window [0.3, 0.1] s must be ordered"),
-        (["--from", "nan"], "--from nan: expected a time in seconds"),
-        (["--sheet", "--time", "0.1", "--frames", "3"], "--frames: not for what is to be drawn"),
         (["--png", "--time", "0.1", "--time", "9"], "time 9 s lies outside the run"),
-        (["--exaggeration", "0"], "exaggeration must be a positive number"),
         (["-o", "film.avi"], "--output film.avi: expected a name that ends in"),
         (["--png", "-o", "film.gif"], "--output film.gif: expected a single file"),
-        (["--gif", "--mp4", "-o", "film.gif"], "of the type for --gif --mp4"),
     ],
 )
 def test_bad_input_is_one_line(

@@ -194,10 +194,7 @@ def test_a_window_of_the_run_seen_from_the_rotor(path: Path) -> None:
     ("arguments", "line"),
     [
         (["--set", "march.time_step=5e-5"], "--set: march.time_step = 5e-5: expected less than"),
-        (["--set", "march.sped=1"], "--set: march.sped = 1: expected a known key; the nearest is"),
         (["--frames", "-1"], "--frames -1: expected 0 or more"),
-        (["--from", "0.2", "--to", "0.1"], "--from 0.2 --to 0.1: expected a window in order"),
-        (["--from", "-1"], "--from -1 --to 0.01: expected a window in order"),
         (
             ["--from", "20 ms"],
             "--from 0.02 --to 0.01: expected a window in order within",

@@ -165,21 +165,13 @@ def test_stable_point_has_no_divergent_mode(tmp_path: Path) -> None:
     [
         (["--speed", "1", "--kappa", "-1"], "--kappa -1: expected a number of zero or more"),
         (["--speed", "1"], "--speed, --kappa: expected both"),
-        (["--speed", "fast", "--kappa", "1"], "--speed fast: expected multiples of"),
         (["--speed", "1e300", "--kappa", "1"], "--speed 1e300: expected multiples of"),
         (["--speeds", "1:2"], "--speeds 1:2: expected START:STOP:COUNT"),
-        (["--kappas", "0:10:1"], "--kappas 0:10:1: expected a COUNT from 2"),
-        (["--modes", "suspensoin"], ", did you mean suspension?"),
-        (["--modes", "1F:99"], "--modes 1F:99: 1F of the bladed disk has nodal diameters 0, 1, 2,"),
         (["--modes", "casing:1F:1"], "expected modes that springs couple, of six, all, casing, 1F"),
         (["--set", "shaft.clamped=true"], "--modes six: the stage has no suspension pair"),
         (
             ["--damped", "--set", "shaft.damping=10"],
             "here with --damped there are dampers: --speed and --kappa give one",
-        ),
-        (
-            ["--set", "shaft.stiffness_y=1e7", "--set", "shaft.frame=static"],
-            "here the shaft springs that stand still differ: --speed and --kappa give one point",
         ),
         (
             ["--set", 'casing.springs=[{ angle = 0.0, radial = "1 MN/m" }]'],

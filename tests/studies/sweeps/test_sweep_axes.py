@@ -50,16 +50,12 @@ def test_ranges_and_lists(option: str, expected: tuple[Value, ...]) -> None:
     ("option", "message"),
     [
         ("march.speed", "expected KEY="),
-        ("march.speed=", "expected KEY="),
         ("a=1:2", "START:STOP:STEP"),
         ("a=1:nan:1", "expected numbers"),
         ("a=1:2:0", "a positive STEP"),
-        ("a=2:1:0.1", "START below STOP"),
         ("a=1:1.05:0.1", "2 to 10000000 points"),
-        ("a=0:1:1e-30", "2 to 10000000 points"),
         ("a=1,,2", "expected numbers"),
         ("a=1 mm:2:1", "the same unit"),
-        ("a=1 mm,1 m", "the same unit"),
     ],
 )
 def test_bad_ranges_say_what_was_expected(option: str, message: str) -> None:
@@ -79,9 +75,7 @@ def test_a_key_comes_once() -> None:
     ("key", "nearest"),
     [
         ("march.sped", "march.speed"),
-        ("friction", "contact.friction"),
         ("contact.sliding", "contact."),
-        ("title", ""),
         ("march", ""),
         ("excitation.clearance_speed", ""),  # the default case has no load
     ],
