@@ -32,7 +32,7 @@ COUNT = re.compile(r"(?<=<!-- scorecard -->\n).*?(?=\n<!-- scorecard end -->)", 
 AFTER_INTRODUCTION = re.compile(r"^## .*", re.DOTALL | re.MULTILINE)
 """All of a page from its first heading on."""
 
-WIDTH, COLOURS = 1000, 64  #: of a picture [pixels], of its palette
+WIDTH, COLOURS = 1000, 256  #: of a picture [pixels], of its palette
 
 CARD = re.compile(r"(?<=^## Scorecard\n).*?(?=^## )", re.DOTALL | re.MULTILINE)
 """What stands below the page's first heading."""
