@@ -131,9 +131,8 @@ def coupled_entries(
 
     Of the bladed disk these are the suspension pair and `FAMILIES`; of the casing the lowest
     radial one of each nodal diameter, below half the number of elements, that the bladed disk has
-    too. On both
-    the springs see the part of the radial displacement that follows cos k theta, sampled at the
-    tips or nodes.
+    too. On both the springs see the part of the radial displacement that follows cos k theta,
+    sampled at the tips or nodes.
 
     Args:
         rotor: modes of the bladed disk, ascending.

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import scipy.linalg as la
 
 from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 from bladewhirl.meshes.ring_mesh import U, W
@@ -73,10 +74,10 @@ def coupled_waves(
     disk_modes, casing_modes = modal.disk_modes, modal.casing_modes
     by_family = still and bool(np.any(disk.blade_columns(disk_modes.column) < 0))
     on_rotor, on_casing = _chosen(modal, modes, harmonics, by_family=by_family)
-    on_rotor, tips, rotor_waves = _with_waves(
+    on_rotor, disk_fields, rotor_waves = _with_waves(
         disk_modes, on_rotor, lambda fields: fields[disk.tip_radial], disk.tip_angles, harmonics
     )
-    on_casing, wall, casing_waves = _with_waves(
+    on_casing, casing_fields, casing_waves = _with_waves(
         casing_modes,
         on_casing,
         lambda fields: casing.nodal(fields)[:, W],
@@ -93,27 +94,30 @@ def coupled_waves(
         rotor_waves = rotor_waves / np.linalg.norm(rotor_waves, axis=(0, 1))
         casing_waves = casing_waves / np.linalg.norm(casing_waves, axis=(0, 1))
     frequency = np.concatenate([disk_modes.frequency[on_rotor], casing_modes.frequency[on_casing]])
-    first, size = len(on_rotor), len(frequency)
-    rotor, ring = np.zeros((2, len(harmonics), 2, size))
-    rotor[..., :first], ring[..., first:] = rotor_waves, casing_waves
+    rotor, size = len(on_rotor), len(frequency)
+    waves, turning = np.zeros((2, len(harmonics), 2, size)), np.zeros((size, size))
+    waves[0, ..., :rotor], waves[1, ..., rotor:] = rotor_waves, casing_waves
+    cosine = rotor + np.flatnonzero(casing_modes.column[on_casing] % 2 == 1)
+    k = casing_modes.nodal_diameter[on_casing[cosine - rotor]]
+    if still:
+        turning[cosine + 1, cosine], turning[cosine, cosine + 1] = k, -k
     centre, damping = np.zeros((2, size)), np.zeros((size, size))
     if not case.shaft.clamped:
-        centre[:, :first] = tips[disk.centre]
+        centre[:, :rotor] = disk_fields[disk.centre]
     if damped:
-        casing_rows = np.zeros((casing.dampers.shape[0], size))
-        casing_rows[:, first:] = casing.dampers @ wall
-        rows = np.vstack([np.sqrt(case.shaft.dampings)[:, None] * centre, casing_rows])
-        damping = np.diag(2.0 * case.damping.ratio * frequency) + rows.T @ rows
+        strength = np.sqrt(case.shaft.dampings)[:, None]
+        dampers = la.block_diag(strength * centre[:, :rotor], casing.dampers @ casing_fields)
+        damping = np.diag(2.0 * case.damping.ratio * frequency) + dampers.T @ dampers
     return CoupledEquations(
         name=_names(modal, on_rotor, on_casing, by_family=by_family),
         frequency=frequency,
         damping=damping,
         harmonics=harmonics,
-        casing=ring,
-        rotor=rotor,
+        casing=waves[1],
+        rotor=waves[0],
         centre=centre,
         anisotropy=0.0 if case.shaft.clamped else case.shaft.anisotropy,
-        turning=_turning(casing_modes.column[on_casing], first) if still else None,
+        turning=turning if still else None,
     )
 
 
@@ -166,13 +170,3 @@ def _names(
         names = [f"{disk.family[i]} k={disk.nodal_diameter[i]}" for i in on_rotor]
         names += [f"casing {casing.family[i]} k={casing.nodal_diameter[i]}" for i in on_casing]
     return tuple(dict.fromkeys(names))
-
-
-def _turning(column: IntArray, first: int) -> FloatArray:
-    """Return J of casing modes with given DFT columns, from a first position on."""
-    size = first + len(column)
-    turning = np.zeros((size, size))
-    for cosine in np.flatnonzero(column % 2 == 1):
-        k, place = (column[cosine] + 1) // 2, first + cosine
-        turning[place + 1, place], turning[place, place + 1] = k, -k
-    return turning

@@ -150,24 +150,14 @@ def _intervals(
     ]
     owner = np.repeat(np.arange(len(kappas)), [len(speeds) for speeds in line])
     speeds = np.concatenate(line)
-    there = excess(speeds, kappas[owner]) > 0.0
-    changes = np.flatnonzero((there[1:] != there[:-1]) & (owner[1:] == owner[:-1]))
-    border = _border(excess, speeds[changes], speeds[changes + 1], kappas[owner[changes]])
-    begins = there[changes + 1]
-    edges = np.diff(owner, prepend=-1, append=len(kappas)) > 0
-    begun, ended = np.flatnonzero(there & edges[:-1]), np.flatnonzero(there & edges[1:])
-    rows, starts = _ascending(owner, speeds, begun, changes[begins], border[begins])
-    _, ends = _ascending(owner, speeds, ended, changes[~begins], border[~begins])
-    return rows, starts, ends
-
-
-def _ascending(
-    owner: IntArray, speeds: FloatArray, cut: IntArray, changes: IntArray, border: FloatArray
-) -> tuple[IntArray, FloatArray]:
-    """Rows and speeds of one side of all zones: at the range's end, where cut, or at a border."""
-    row, speed = np.append(owner[cut], owner[changes]), np.append(speeds[cut], border)
-    order = np.lexsort((speed, row))
-    return row[order], speed[order]
+    growing = excess(speeds, kappas[owner]) > 0.0
+    left, right = growing[:-1], growing[1:]
+    part = np.flatnonzero((left | right) & (owner[:-1] == owner[1:]))
+    edge, changes = np.zeros(len(speeds)), part[left[part] != right[part]]
+    edge[changes] = _border(excess, speeds[changes], speeds[changes + 1], kappas[owner[changes]])
+    starts = np.where(left, speeds[:-1], edge[:-1])[part]
+    ends = np.where(right, speeds[1:], edge[:-1])[part]
+    return _merged(owner[part], starts, ends)
 
 
 def _ladder(
