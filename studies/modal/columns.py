@@ -52,7 +52,7 @@ def texts(document: Mapping[str, Any], columns: Sequence[Column]) -> dict[str, s
 
 
 def rows_of(data: xr.Dataset, columns: Sequence[Column], prefix: str = "") -> list[dict[str, Any]]:
-    """Return variables over one dimension as rows.
+    """Return variables over one dimension as rows; what is missing (NaN) is None.
 
     Args:
         data: with the variables.
@@ -61,7 +61,9 @@ def rows_of(data: xr.Dataset, columns: Sequence[Column], prefix: str = "") -> li
     """
     names = [f"{prefix}{column.variable or column.key}" for column in columns]
     values = zip(*(data[name].values.tolist() for name in names), strict=True)
-    return [dict(zip([column.key for column in columns], row, strict=True)) for row in values]
+    keys = [column.key for column in columns]
+    rows = (dict(zip(keys, row, strict=True)) for row in values)
+    return [{key: v if v == v else None for key, v in row.items()} for row in rows]
 
 
 def quantity(

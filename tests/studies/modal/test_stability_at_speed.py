@@ -25,7 +25,10 @@ from bladewhirl.solvers.stability.growth import (
     rotor_waves,
 )
 from bladewhirl.solvers.stability.zones import unstable_zones
+from bladewhirl.studies.modal.columns import rows_of
 from bladewhirl.studies.modal.coupled_system import EvenSystem, couple
+from bladewhirl.studies.modal.stability_chart import stability_chart
+from bladewhirl.studies.modal.stability_report import ZONES
 
 
 @cache
@@ -132,6 +135,15 @@ def test_zones_begin_at_coincidences_at_speed() -> None:
     assert zones.upper == pytest.approx([speed], rel=1e-4)
     at_rest = coincidence_speeds(replace(system.modes, coriolis=None, softening=None))
     assert speed > 1.2 * at_rest[pair]  # Coriolis forces raise the backward wave
+
+
+def test_a_zone_of_waves_that_never_meet_has_no_start() -> None:
+    """Static divergence past the critical speed, without Coriolis forces."""
+    system = coupled("curved_blades", effects="centrifugal", damped=True)
+    speeds = np.array([2.5, 2.8]) * system.reference
+    chart = stability_chart(system, speeds, np.array([1000.0]))
+    document = rows_of(chart, ZONES, "zone_")
+    assert [row["coincidence"] for row in document] == [None] * 61
 
 
 def test_internal_damping_grows_as_known_and_bearings_hold_it() -> None:
