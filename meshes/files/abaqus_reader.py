@@ -39,6 +39,9 @@ CHANGES_THE_MESH = frozenset(
 UNSOUND = (ValueError, IndexError, KeyError)
 """Exceptions raised by data that do not match their keyword."""
 
+MOST_MEMBERS = 1_000_000
+"""Largest number of members of a set given by ranges."""
+
 
 @dataclass
 class _Card:
@@ -210,6 +213,8 @@ def _members(card: _Card, sets: Mapping[str, list[int]]) -> list[int]:
     if "GENERATE" in card.parameters:
         ranges = [[int(value) for value in row] for row in card.rows]
         runs = [range(first, last + 1, *step[:1]) for first, last, *step in ranges]
+        if sum(map(len, runs)) > MOST_MEMBERS:
+            raise MeshFileError(f"sets of at most {MOST_MEMBERS} members")
         return [number for run in runs for number in run]
     members: list[int] = []
     for value in (value for row in card.rows for value in row):

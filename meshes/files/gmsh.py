@@ -36,6 +36,9 @@ VALUE = re.compile(
 ALONE = "lines"
 """Group written for lines that are in no group: meshio reads no file with such elements."""
 
+LARGEST_NUMBER = 10_000_000
+"""Largest number of a node, or count of nodes or elements: meshio makes arrays as long."""
+
 LINE_TYPE, POINT_TYPE = 1, 15
 """Gmsh's numbers of the two-node line and the point."""
 
@@ -88,16 +91,21 @@ def _read(path: Path) -> meshio.Mesh:
 
 
 def _check_head(path: Path) -> None:
-    """Refuse other versions and physical groups of equal name, which meshio cannot tell apart.
+    """Refuse what meshio cannot read: other versions, physical groups of equal name, huge numbers.
 
     Raises:
         MeshFileError: it is so.
     """
     blocks: dict[str, list[int]] = defaultdict(list)
+    section, binary = b"", False
     with readable(path), path.open("rb") as stream:
         for line in stream:
+            section = line.strip() if line.startswith(b"$") else section
+            if section in (b"$Nodes", b"$Elements") and not binary:
+                _check_numbers(line)
             if line.strip() == b"$MeshFormat":
-                version = stream.readline().split()[0].decode()
+                version, kind = stream.readline().decode().split()[:2]
+                binary = kind != "0"
                 if version not in VERSIONS:
                     raise MeshFileError(
                         f"a .msh file of version {' or '.join(VERSIONS)} "
@@ -107,11 +115,19 @@ def _check_head(path: Path) -> None:
                 for _ in range(int(stream.readline())):
                     dimension, _, name = shlex.split(stream.readline().decode())
                     blocks[name].append(int(dimension))
-                break
+                if binary:
+                    break
     for name, dimensions in blocks.items():
         if len(dimensions) > 1:
             kinds = " and ".join(("points", "curves", "surfaces", "volumes")[d] for d in dimensions)
             raise MeshFileError(f"one physical group a name; {kinds} share the name {name!r}")
+
+
+def _check_numbers(line: bytes) -> None:
+    """Refuse a line of nodes or elements with whole numbers that are too large."""
+    words = line.split()
+    if any(word.isdigit() and int(word) > LARGEST_NUMBER for word in words):
+        raise MeshFileError(f"numbers of nodes and elements up to {LARGEST_NUMBER}")
 
 
 def _is_member(mesh: meshio.Mesh, block: int, name: str, tag: int) -> Any:

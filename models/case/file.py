@@ -17,6 +17,12 @@ from bladewhirl.models.case.check import case_from
 from bladewhirl.models.case.excitation import EXCITATIONS
 from bladewhirl.models.inputs.errors import CaseError, Fault, faults_in
 
+MOST_LETTERS = 2**24
+"""Longest case file; what is longer is something else."""
+
+_DEEP_KEY = re.compile(r"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){50}")
+"""A dotted key of more than 50 parts: the memory of tomllib grows with their square."""
+
 SET = "--set"
 """Named instead of the file in faults of overridden keys."""
 
@@ -41,7 +47,7 @@ def read_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
         if os.path.exists(file) and not os.path.isfile(file) and not os.path.isdir(file):
             raise OSError(errno.EINVAL, "it is not a regular file")
         with open(file, encoding="utf-8-sig") as stream:
-            text = stream.read()
+            text = stream.read(MOST_LETTERS + 1)
     except OSError as error:
         expected = f"a readable file ({error.strerror})"
         raise CaseError([Fault(file=file, expected=expected)]) from None
@@ -64,6 +70,9 @@ def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Ca
     Raises:
         CaseError: not TOML, or faults: all of them.
     """
+    if len(text) > MOST_LETTERS or _DEEP_KEY.search(text):
+        expected = f"valid TOML of at most {MOST_LETTERS} letters, keys of at most 50 parts"
+        raise CaseError([Fault(file=file, expected=expected)])
     try:
         tables = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
