@@ -6,7 +6,6 @@ import io
 import json
 import shutil
 import tempfile
-import tomllib
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import redirect_stdout
@@ -132,7 +131,7 @@ def _marched(name: str, drawings: Path) -> str:
 
 
 def _title(name: str) -> str:
-    return str(tomllib.loads((EXAMPLES / f"{name}.toml").read_text(encoding="utf-8"))["title"])
+    return bw.read_case(EXAMPLES / f"{name}.toml").title
 
 
 def _header(example: Path) -> str:

@@ -19,7 +19,6 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 import bladewhirl as bw
-from bladewhirl.models.case.schemes import SchemeName
 from bladewhirl.studies.verification import march, modes, rings, rotation, schemes, stability, whirl
 from bladewhirl.studies.verification.bodies import marched
 from bladewhirl.studies.verification.case import Outcome, Pair, reference
@@ -48,9 +47,9 @@ def _bars(elements: int) -> float:
     return float(impulse / met.known["impulse"] - 1.0)
 
 
-def _pad(steps: int, scheme: SchemeName = "central-difference") -> float:
+def _pad(steps: int) -> float:
     dt = 0.2 / steps
-    chunk = marched(pad_on_a_wall(), dt, steps, scheme=scheme)
+    chunk = marched(pad_on_a_wall(), dt, steps)
     at = [*(round(n * np.pi / 100.0 / dt) for n in range(4)), steps]
     known = reference("published")["coulomb_pad"]["extremes"]
     return float(np.abs(chunk.rotor_displacement[at, 1] - known).max())
@@ -193,12 +192,7 @@ def _save(figure: Figure, folder: Path, name: str) -> None:
     figure.savefig(folder / f"{name}.svg", metadata={"Date": None})
 
 
-def main(folder: str) -> None:
-    """Draw, and print the text."""
-    place = Path(folder)
-    place.mkdir(parents=True, exist_ok=True)
-    print(json.dumps(["\n".join(sections(place))]))
-
-
 if __name__ == "__main__":
-    main(sys.argv[2])
+    built = Path(sys.argv[2])
+    built.mkdir(parents=True, exist_ok=True)
+    print(json.dumps(["\n".join(sections(built))]))
