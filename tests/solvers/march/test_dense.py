@@ -147,6 +147,7 @@ def test_steps_in_pieces_are_the_same_bits() -> None:
     scheme = make_scheme(given, 1e-6, 7, "moreau-jean")
     begin = scheme.init()
     whole, chunk, _ = scheme.advance(begin, 150)
+    assert 0.0 < whole.statistics.complementarity_residual < 1e-10
     part, first, _ = scheme.advance(begin, 63)
     again, second, _ = scheme.advance(part, 87)
     assert begin.step == 0
