@@ -218,14 +218,6 @@ def test_a_unit_scales_the_mesh(tmp_path: Path) -> None:
     np.testing.assert_allclose(again.mesh.points, model.mesh.points, atol=1e-15)
 
 
-def test_nodes_without_lines_are_left_out(tmp_path: Path) -> None:
-    lines = grouped_lines(papers())
-    points = np.vstack([[7.0, 7.0], lines.points])
-    groups = {name: nodes + 1 for name, nodes in lines.node_groups.items()}
-    more = replace(lines, points=points, lines=lines.lines + 1, node_groups=groups)
-    assert len(through(tmp_path / "a.vtu", more).mesh.points) == len(lines.points)
-
-
 def test_blade_0_is_the_one_nearest_to_x(tmp_path: Path) -> None:
     lines = grouped_lines(varied(heavy_tip=False))
     turn = -0.3  # tips lean by 0.12, so blade 0 is below +x and still the nearest to it
@@ -317,11 +309,6 @@ def test_faults_of_a_mapping_are_one_line(
     line = fault(of_example, path)
     assert message in line
     assert "bladed_disk.mesh" in line
-
-
-@pytest.mark.parametrize("text", ["mesh = {}", "mesh.file = 3", 'mesh.file = "a\\u0000b.msh"'])
-def test_a_mesh_needs_a_file(text: str) -> None:
-    assert fault(loads, f"bladed_disk.{text}").startswith("case: bladed_disk.mesh.file")
 
 
 def test_a_tip_radius_of_its_own_sets_tips_back(tmp_path: Path) -> None:

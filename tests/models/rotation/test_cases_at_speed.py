@@ -52,13 +52,6 @@ def test_the_table_goes_to_a_file_and_back() -> None:
     assert "\n  rotation " not in repr(Case())
 
 
-def test_tips_that_do_not_grow_have_no_cold_clearance() -> None:
-    with pytest.raises(
-        CaseError, match=r'clearance = "cold": expected "hot", or rotation\.effects'
-    ):
-        case_from({"rotation": {"clearance": "cold"}})
-
-
 @pytest.mark.parametrize("ratio", [1.05, 1.6])
 def test_the_reduction_at_speed(ratio: float) -> None:
     """On a basis found with K_Omega, as accurate as the reference found such a basis to be."""
@@ -118,12 +111,6 @@ def test_reduced_matrices_with_coriolis_forces() -> None:
     assert damped.real.max() == pytest.approx(growth, rel=2e-4)
     assert "gyroscopic" in reduced.to_xarray()
     assert "gyroscopic" not in build_stage(turning()).reduced.to_xarray()
-
-
-def test_without_effects_nothing_is_assembled_anew() -> None:
-    stage = build_stage(turning("none"))
-    assert stage.turning is None
-    assert stage.disk.structure.gyroscopic is None
 
 
 def test_a_march_knows_coriolis_forces_and_damping_of_the_modes_at_rest() -> None:

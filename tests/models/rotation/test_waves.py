@@ -75,14 +75,14 @@ def test_where_waves_meet_one_keeps_pace_with_the_casing_s(waves: Waves, casing:
 
 
 def test_no_speed_is_left_out(waves: Waves) -> None:
-    speeds = np.linspace(1e-3, 5.0, 4001)
+    speeds = np.linspace(1e-3, 5.0, 1601)
     for casing in (0.5, 2.0):
         seen = crossings(waves, 3 * speeds - casing, speeds)
         seen = seen[3 * seen > casing]
-        np.testing.assert_allclose(waves.meeting(casing, 5.0), seen, atol=2e-3)
-        np.testing.assert_array_equal(waves.meeting(casing, seen[0] - 2e-3), [])
+        np.testing.assert_allclose(waves.meeting(casing, 5.0), seen, atol=5e-3)
+        np.testing.assert_array_equal(waves.meeting(casing, seen[0] - 5e-3), [])
     found, _ = waves.synchronous(3)
-    np.testing.assert_allclose(found, crossings(waves, 3 * speeds, speeds), atol=2e-3)
+    np.testing.assert_allclose(found, crossings(waves, 3 * speeds, speeds), atol=5e-3)
 
 
 def test_branches_are_ranked_from_the_lowest_both_ways(waves: Waves) -> None:

@@ -106,10 +106,3 @@ class TestBlades:
         np.testing.assert_array_equal(blade[:22], -1)
         np.testing.assert_array_equal(blade[22:], line_blades(result))
         assert member_names(with_shroud)[0][22:] == ["shroud", "spokes", "rim"]
-
-    def test_of_one_part(self, result: xr.Dataset) -> None:
-        """Half of a rim line is nearer to one tip, half to the other: every beam finds one."""
-        one = result.assign(rotor_part=("rotor_line", np.full(result.sizes["rotor_line"], "")))
-        blade = line_blades(one)
-        np.testing.assert_array_equal(blade[44:], np.repeat(np.arange(22), 4))
-        assert np.all(blade >= 0)

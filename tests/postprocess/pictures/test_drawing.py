@@ -183,14 +183,6 @@ def test_automatic_factor(clearance: float, largest: float, factor: float) -> No
     assert round_factor(0.5, clearance, largest) == factor
 
 
-def test_bad_arguments_are_refused() -> None:
-    for factor in (0.0, -1.0, np.nan, np.inf):
-        with pytest.raises(ValueError, match="exaggeration must be a positive number"):
-            draw(moved(), exaggeration=factor)
-    with pytest.raises(ValueError, match='"static" or "rotating"'):
-        Drawing(moved(), np.array([0]), frame="spinning")  # type: ignore[arg-type]
-
-
 def test_arrows_end_on_the_tips_and_scale_with_the_force() -> None:
     tips = np.array([[0.5, 0.0], [0.0, 0.5], [-0.5, 0.0]])
     forces = np.array([[-200.0, 0.0], [0.0, 0.0], [50.0, -50.0]])

@@ -162,10 +162,3 @@ def test_bearings_that_stand_still_do_so_in_pictures(stand: str, frame: str) -> 
     sign = {"static": 1.0, "rotating": -1.0}[frame]
     assert by_springs == pytest.approx(0.0 if stand == frame else sign * angle, abs=1e-9)
     assert by_damper == pytest.approx(0.0 if frame == "rotating" else angle, abs=1e-9)
-
-
-def test_springs_start_where_the_shaft_is_drawn_whatever_their_frame() -> None:
-    result = damped(supported(rotor=(5e-4, 2e-4, 0, 0, 0))).assign(shaft_frame=((), "static"))
-    seen = Drawing(result, np.array([1]), exaggeration=20.0).picture(0)
-    start = seen.symbols.springs.reshape(-1, ZIGZAG, 2, 2)[-SHAFT:, 0, 0]
-    np.testing.assert_allclose(start, [seen.shaft] * 2, atol=1e-12)

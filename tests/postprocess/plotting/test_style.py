@@ -89,7 +89,3 @@ class TestSaveFigure:
         *_, beside = style.save_figure(self.figure(), tmp_path / "energy.png", data)
         with xr.open_dataset(beside, engine="h5netcdf") as saved:
             xr.testing.assert_identical(saved.load(), data)
-
-    def test_a_name_with_dots_is_kept(self, tmp_path: Path) -> None:
-        paths = style.save_figure(self.figure(), tmp_path / "speed_1.05")
-        assert [path.name for path in paths] == ["speed_1.05.png", "speed_1.05.pdf"]

@@ -20,7 +20,6 @@ from bladewhirl.postprocess.sweep.frequency_map import frequency_map
 from bladewhirl.postprocess.sweep.maps import plot_sweep_maps, sweep_maps
 from bladewhirl.postprocess.sweep.quantities import (
     bifurcation,
-    cell_edges,
     contact_sides,
     regimes,
     shaft_radius,
@@ -222,16 +221,6 @@ def test_a_third_key_makes_rows_of_maps(tmp_path: Path) -> None:
     ratio = top.values / radius["shaft_radius_max"].values
     np.testing.assert_allclose(ratio, ratio[0, 0], rtol=1e-6)
     assert len(plot_sweep_maps(maps).axes) == 2 * 2 + 1
-
-
-def test_cells_reach_midway_to_their_neighbours() -> None:
-    np.testing.assert_allclose(
-        cell_edges(np.array([1.0, 2, 4]), logarithmic=False), [0.5, 1.5, 3, 5]
-    )
-    np.testing.assert_allclose(
-        cell_edges(np.array([1.0, 4, 16]), logarithmic=True), [0.5, 2, 8, 32], rtol=1e-12
-    )
-    np.testing.assert_allclose(cell_edges(np.array([3.0]), logarithmic=False), [2.5, 3.5])
 
 
 @pytest.mark.usefixtures("pictures_unsaved")

@@ -173,8 +173,3 @@ def test_the_size_of_a_result_is_foretold(
     modes = len(stage.rotor_frequency), len(stage.casing_frequency)
     told = description_bytes(stage) + result_bytes(*modes, 5, chunk * chunks)
     assert path.stat().st_size == pytest.approx(told, rel=tolerance)
-
-
-def test_a_file_that_cannot_be_made_is_an_os_error(tmp_path: Path) -> None:
-    with pytest.raises(OSError, match="nowhere"):
-        Recorder(tmp_path / "nowhere" / "result.nc", small_stage(), ATTRIBUTES)

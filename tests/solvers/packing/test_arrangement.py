@@ -2,15 +2,14 @@
 
 import numpy as np
 import pytest
-from contact_cases import random_problem, stage_problem
+from contact_cases import stage_problem
 
 from bladewhirl.meshes.line_mesh import FloatArray
 from bladewhirl.models.elements.cyclic import real_dft
 from bladewhirl.solvers.kernel.structs import CACHE_LINE, aligned
-from bladewhirl.solvers.packing.arrangement import Arrangement, Harmonics, dense_arrangement
+from bladewhirl.solvers.packing.arrangement import Arrangement, Harmonics
 from bladewhirl.solvers.packing.casing import pack_casing
 from bladewhirl.solvers.packing.rotor import pack_rotor
-from bladewhirl.solvers.packing.supports import pack_dampers, pack_springs
 
 
 def arrangements(blades: int, elements: int, *, cyclic: bool) -> list[Arrangement]:
@@ -66,13 +65,6 @@ def test_columns_stand_by_parity_and_across_from_their_partners(
     assert np.linalg.norm(harmonics.shape) == pytest.approx(np.sqrt(points))  # the rest is zero
 
 
-def test_without_harmonics_each_mode_has_a_column() -> None:
-    arrangement = dense_arrangement(20)
-    assert arrangement.rows == 1
-    np.testing.assert_array_equal(arrangement.entry, np.arange(20))
-    assert arrangement.half == 0
-
-
 @pytest.mark.parametrize("shape", [7, (3, 5), (0, 8)])
 def test_arrays_start_on_a_cache_line(shape: int | tuple[int, ...]) -> None:
     found: list[FloatArray] = [aligned(shape) for _ in range(20)]
@@ -98,11 +90,3 @@ def test_sums_by_column_and_shapes_give_the_tips_motion(cyclic: bool) -> None:
     )
     np.testing.assert_allclose(radial, given.rotor.tip_radial @ modal, atol=1e-12)
     np.testing.assert_allclose(tangential + crossed, given.rotor.tip_tangential @ modal, atol=1e-12)
-
-
-def test_what_a_stage_has_none_of_is_none() -> None:
-    given = random_problem(1)
-    rotor, casing = (pack(given, 1e-4, cyclic=False) for pack in (pack_rotor, pack_casing))
-    places, bodies = (rotor[0], casing[0]), (rotor[1].body, casing[1].body)
-    assert pack_dampers(given, bodies, places, 1e-4) is None
-    assert pack_springs(given, places, 1e-4) is None

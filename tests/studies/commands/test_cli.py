@@ -83,11 +83,6 @@ def test_faults_are_lines_on_standard_error(tmp_path: Path) -> None:
     assert len(lines) == 2
 
 
-def test_a_message_of_many_lines_becomes_one() -> None:
-    result = RUNNER.invoke(command_raising(UserError("a\n  b")), ["fail", "x"])
-    assert (result.exit_code, result.stderr) == (2, "a b\n")
-
-
 def test_defects_of_the_program_are_not_hidden() -> None:
     result = RUNNER.invoke(command_raising(ValueError("ours")), ["fail", "x"])
     assert isinstance(result.exception, ValueError)

@@ -172,16 +172,3 @@ def test_a_drawing_of_the_stage(
     assert reach[1] / reach[0] == pytest.approx(0.5 / 0.065, rel=0.03)  # half of the rim's 30 mm
     for name, part_colour in (("blue", blade), ("sky", casing)):
         assert np.all(image[:, 960:] == part_colour, axis=-1).any(), name  # and so in the key
-
-
-def test_a_drawing_where_none_can_be_written(path: Path, tmp_path: Path) -> None:
-    few = ["--set", "reduction.fixed_interface_modes=10"]
-    for arguments, message in (
-        (["-o", "x.png"], "--output: not without --png"),
-        (["--png", "-o", str(tmp_path / "x.svg")], "must end in .png"),
-    ):
-        done = RUNNER.invoke(app, ["show", str(path), *few, *arguments])
-        assert done.exit_code == 2
-        assert message in done.stderr
-        assert len(done.stderr.splitlines()) == 1
-        assert done.stdout == ""

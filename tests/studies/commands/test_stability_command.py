@@ -67,12 +67,6 @@ def test_rest_has_no_monodromy(speed: str) -> None:
     assert "growth_rate_floquet" not in point
 
 
-def test_point_as_a_table() -> None:
-    rows = [line.split() for line in run(*POINT).splitlines()]
-    assert ["growth", "rate", "[1/s]", "7.50348"] in rows
-    assert ["stability", "unstable"] in rows
-
-
 def test_chart_with_its_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     figures: dict[str, tuple[Figure, xr.Dataset]] = {}
     monkeypatch.setattr(

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from places import ROOT
-from synthetic_result import CLEARANCE, ROTOR_FREQUENCY, synthetic_result
+from synthetic_result import ROTOR_FREQUENCY, synthetic_result
 from typer.testing import CliRunner
 
 from bladewhirl.models.case.file import read_case, with_values
@@ -186,16 +186,6 @@ def test_motion_of_a_known_result() -> None:
         grown = Motion(synthetic_result(growth=8.0, records=records))
         assert grown.onset(10.0, 0.1) == pytest.approx(expected, abs=1.5 * period)
     assert motion.onset(10.0, 0.1) == np.inf
-
-
-def test_orbit_of_known_radius_and_casing_motion() -> None:
-    motion = Motion(synthetic_result())
-    mean, ripple = motion.radius_between(0.1, 0.3)
-    assert mean == pytest.approx(motion.radius.mean(), rel=1e-3)
-    assert ripple < 0.3 * CLEARANCE
-    assert motion.casing_motion < 0.4e-3
-    assert motion.touched
-    assert sum(motion.blades.values()) == 22
 
 
 def swept(divergent: list[list[bool]]) -> xr.Dataset:
