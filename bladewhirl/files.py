@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -41,6 +42,13 @@ def replacing(target: Path) -> Iterator[Path]:
         draft = Path(private) / target.name
         yield draft
         os.replace(draft, target)
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Remove drafts of killed processes; no other process may be writing into the folder."""
+    for left in folder.glob(f"{PREFIX}*"):
+        if left.is_dir() and not left.is_symlink():
+            shutil.rmtree(left, ignore_errors=True)
 
 
 def write_atomically(target: Path, content: str | bytes) -> None:

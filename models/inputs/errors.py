@@ -62,6 +62,10 @@ class UserError(Exception):
         return [" ".join(str(fault).split()) for fault in self.args]
 
 
+class Hint(UserWarning):
+    """A valid but implausible value, or one that could be chosen better."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Fault:
     """One fault of a case."""

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import gc
 import os
+import warnings
 from importlib import metadata
 from typing import Annotated
 
 import typer
 
+from bladewhirl.models.inputs.errors import Hint
 from bladewhirl.studies.commands.campbell import campbell
 from bladewhirl.studies.commands.compare import compare
 from bladewhirl.studies.commands.convergence import convergence
@@ -85,5 +87,6 @@ def main() -> None:
     # each other, twenty times as long as one thread needs. This must precede the import of NumPy.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(GARBAGE_THRESHOLD)
+    warnings.simplefilter("ignore", Hint)  # commands print hints themselves
     with robust_output():
         app()

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
-from bladewhirl.files import claim, write_atomically
+from bladewhirl.files import claim, remove_leftovers, write_atomically
 from bladewhirl.models.case.case import Case
 from bladewhirl.models.case.file import read_case
-from bladewhirl.models.inputs.errors import UserError, writing
+from bladewhirl.models.inputs.errors import Hint, UserError, writing
 from bladewhirl.models.stage.hints import stage_hints
 from bladewhirl.solvers.march.checkpoint import CHECKPOINT_NAME, Checkpoint, read_checkpoint
 from bladewhirl.solvers.march.schema import RESULT_NAME
@@ -27,7 +28,7 @@ from bladewhirl.studies.runs.recorded_march import (
 
 
 def run(
-    case: Case,
+    case: Case | str | Path,
     directory: str | Path,
     *,
     overwrite: bool = False,
@@ -45,7 +46,7 @@ def run(
     recorded is finished and summed up, and the run says "interrupted".
 
     Args:
-        case: to run.
+        case: to run, or the path of its file.
         directory: to make.
         overwrite: put the run in the place of the one in an existing folder when it is done; files
             that are not of that run stay.
@@ -56,16 +57,23 @@ def run(
         progress: called with what is being done, steps done and steps in all, many times a second
             while marching.
 
+    Warns:
+        Hint: an implausible value of the case, such as a clearance of a metre.
+
     Raises:
         CaseError: all faults of the case.
         UserError: the folder may not be used, the window makes no sense, or something can't be
             written.
     """
+    if not isinstance(case, Case):
+        case = read_case(case)
     directory = Path(directory)
     window = Window(frames=frames, start=start, end=end, rotating=rotating)
     window.check(case.march.duration)
     folder.check_free(directory, overwrite=overwrite)
     prepared = prepare(case)
+    for hint in stage_hints(prepared.stage):
+        warnings.warn(hint, Hint, stacklevel=2)
     with writing(directory):
         check_room(directory, expected_bytes(prepared))
         files = folder.case_files(case)
@@ -113,6 +121,7 @@ def resume(
     prepared = prepare(case)
     state_at(prepared, checkpoint)  # nothing is written if the run cannot continue
     with writing(directory), locked(directory):
+        remove_leftovers(directory)
         write_atomically(path, folder.portable_case(case))
         return _march_and_sum_up(prepared, directory, window, progress, checkpoint)
 
@@ -122,7 +131,10 @@ def _read_checkpoint(directory: Path) -> Checkpoint:
     try:
         return read_checkpoint(path)
     except (OSError, ValueError) as error:
-        raise UserError(f"{path}: expected where a run was when it ended ({error})") from None
+        raise UserError(
+            f"{path}: expected the state that a run was in when it ended ({error});"
+            f" bladewhirl run {directory / folder.CASE_NAME} --overwrite runs it anew"
+        ) from None
 
 
 def _march_and_sum_up(
