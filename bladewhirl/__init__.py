@@ -10,35 +10,37 @@ A case in, a result out::
     with run.open() as result:  # an xarray.Dataset in SI units, read when used
         bw.save_figure(bw.plot.orbit(result), "runs/first/my_orbit.png")
 
-All there is, in the order of work:
+The public names, in the order of work:
 
 Describe a stage and what it meets
     `read_case` reads a case file, `Case` holds its tables as arguments, `case_from` takes nested
     dicts, `with_values` changes keys ("march.speed") and `dumps_case` gives the text of a file.
-    `Sketch`, with `Section` and `Material`, draws a bladed disk of one's own. Numbers are SI or
-    text with a unit, "0.5 mm".
+    `Sketch`, with `Section` and `Material`, draws a bladed disk of your own design. Numbers are in
+    SI units, or text with a unit, such as "0.5 mm".
 Build it
     `build_stage` makes finite elements of bladed disk and casing, and the reduced model.
 Before any march
     `modes`, `campbell`, `veering`, `stability`: frequencies by family and nodal diameter,
     coincidence speeds, how both depend on the shaft, and which coupled modes grow, as Datasets.
 March
-    `run` one case, `run_sweep` a case over ranges of its keys (`resume_sweep` finishes one),
-    `convergence` in time step and modes. Each leaves a folder.
+    `run` marches one case, `run_sweep` a case over ranges of its keys (`resume_sweep` finishes an
+    interrupted sweep), `convergence` varies time step and modes. Each writes a folder.
 Look
-    `open_result` and `open_sweep` give Datasets. Of a result, or a window of it in seconds: the
-    shaft (`shaft_orbit`, `whirl_history`, `shaft_spectrum`, `shaft_spectrogram`, `poincare_map`),
-    blades and casing (`gap`, `contact_force`, `tip_displacement`, `casing_displacement`,
-    `stress_history`, `contact_classes`, `contact_phase`), energies and growth (`strain_energies`,
-    `family_energies`, `amplitude_growth`).
+    `open_result` and `open_sweep` return Datasets. Functions of a result, or of a time window of a
+    result in seconds: the shaft (`shaft_orbit`, `whirl_history`, `shaft_spectrum`,
+    `shaft_spectrogram`, `poincare_map`), blades and casing (`gap`, `contact_force`,
+    `tip_displacement`, `casing_displacement`, `stress_history`, `contact_classes`,
+    `contact_phase`), energies and growth (`strain_energies`, `family_energies`,
+    `amplitude_growth`).
     `plot` has a function for each figure, `save_figure` writes one; `render` makes stills, films
     and pages, `export_vtk` a series for ParaView, `report` one HTML page of a run or a sweep.
+    run or a sweep.
 Trust
-    `verify` recomputes known answers and compares.
+    `verify` recomputes problems with known answers and compares.
 Errors
-    All that a user can put right is a `UserError`, whose `lines` name file, key, value and what
-    was expected: `CaseError`, `ResultError`, `ViewError` (a time, window or file
-    that makes no sense) and `OffScreenError` (nothing to draw pictures with).
+    Every error that a user can correct is a `UserError`, whose `lines` name file, key, value and
+    the expected value: `CaseError`, `ResultError`, `ViewError` (a time, window or file that makes
+    no sense) and `OffScreenError` (nothing to draw pictures with).
 
 Names are loaded when first used. The command ``bladewhirl`` does the same from a shell.
 """
@@ -50,7 +52,8 @@ __all__ += ["__version__"]
 
 
 def __getattr__(name: str) -> object:
-    """A public name, loaded now; the version from the installed package."""
+    """Return a public name, imported at its first use; the version is that of the installed
+    package."""
     if name == "__version__":
         from importlib import metadata
 
@@ -59,5 +62,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """Public names, for tab completion."""
+    """Return the public names, for tab completion."""
     return sorted(__all__)

@@ -1,4 +1,5 @@
-"""Output files: written completely or not at all, and owned by the program.
+"""Output files: each is written completely or not at all, and the program replaces only its own
+files.
 
 A manifest in a folder lists the files that the program wrote there; no other file is replaced or
 removed.
@@ -20,15 +21,16 @@ FILES = "files written by bladewhirl"
 """Key of the list in a manifest."""
 
 PREFIX = ".bladewhirl-"
-"""Prefix of the private folders of drafts; left-over ones may be removed."""
+"""Prefix of the private folders of drafts; a folder left by a killed run may be removed."""
 
 
 @contextmanager
 def replacing(target: Path) -> Iterator[Path]:
     """Yield a draft that replaces the target when complete and is removed on failure.
 
-    The draft is in a new private folder beside the target, so no planted link is followed. A target
-    that is a link is replaced; the file it points to does not change.
+    The draft is in a new private folder next to the target, so that a link placed there by others
+    is not followed. A target that is a link is replaced; the file that the link points to does not
+    change.
 
     Raises:
         OSError: the target is a folder or a device, or the system refuses.
@@ -58,7 +60,8 @@ def write_atomically(target: Path, content: str | bytes) -> None:
 
 
 def listed(folder: Path) -> set[str]:
-    """Return the names listed in the manifest of a folder, with ``/`` in subfolders, if any."""
+    """Return the names listed in the manifest of a folder, empty without a manifest; subfolders are
+    separated by ``/``."""
     try:
         content = json.loads((folder / MANIFEST_NAME).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -68,16 +71,16 @@ def listed(folder: Path) -> set[str]:
 
 
 def claim(folder: Path, names: Iterable[str], *, overwrite: bool = False) -> None:
-    """List files before they are written into a folder, which is made if it does not exist.
+    """List files in the manifest before they are written; the folder is made if it does not exist.
 
     Args:
-        folder: that gets them; its manifest too.
-        names: of the files, relative to it.
-        overwrite: also those that are there and not the program's.
+        folder: folder of the files and of the manifest.
+        names: names of the files, relative to the folder.
+        overwrite: also replace existing files that the manifest does not list.
 
     Raises:
-        FileExistsError: a file is there that the manifest does not list.
-        OSError: a folder that the program makes itself is a link to elsewhere.
+        FileExistsError: a file exists that the manifest does not list.
+        OSError: a link stands in place of a folder that the program makes itself.
     """
     new, known = set(names), listed(folder)
     _refuse_links(folder, new)
@@ -87,10 +90,10 @@ def claim(folder: Path, names: Iterable[str], *, overwrite: bool = False) -> Non
 
 
 def claim_file(path: Path, *, overwrite: bool = False) -> None:
-    """Check one file; a folder without a manifest does not get one.
+    """Check one file and list it if its folder has a manifest; no manifest is made.
 
     Raises:
-        FileExistsError: it is there and not listed.
+        FileExistsError: the file exists and is not in the manifest of its folder.
     """
     if (path.parent / MANIFEST_NAME).exists():
         claim(path.parent, [path.name], overwrite=overwrite)

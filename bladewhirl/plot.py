@@ -6,10 +6,10 @@
         figure = bw.plot.orbit(result, start=0.2)
         bw.save_figure(figure, "orbit")
 
-Most take a result of `bw.open_result`, or a sweep of `bw.open_sweep` where their docstring says so,
-and the window of a run [s]. They are the figures of `bladewhirl plot`, listed in
-`postprocess/plotting/figures.toml`, with _ for -. `campbell`, `veering` and `shaft_veering` take
-datasets of `bw.campbell` and `bw.veering`.
+Most functions take a result of `bw.open_result` and a time window [s], or a sweep of
+`bw.open_sweep` where their docstring says so. They are the figures of `bladewhirl plot`, listed in
+`postprocess/plotting/figures.toml`; hyphens in names become underscores. `campbell`, `veering` and
+`shaft_veering` take datasets of `bw.campbell` and `bw.veering`.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Plot(Protocol):
     def __call__(
         self, dataset: xr.Dataset, start: float | None = None, end: float | None = None
     ) -> Figure:
-        """Draw the figure, of a run within [start, end] [s]."""
+        """Draw the figure; that of a run shows the time window [start, end] [s]."""
 
 
 def _plot(name: str) -> Plot:
@@ -66,14 +66,15 @@ if TYPE_CHECKING:
 
 
 def campbell(data: xr.Dataset, frame: Literal["rotating", "static"] = "rotating") -> Figure:
-    """Campbell diagram, in rotating axes or as seen from the casing, of `bw.campbell(case)`."""
+    """Draw the Campbell diagram of `bw.campbell(case)`, in rotating axes or as seen from the
+    casing."""
     from bladewhirl.postprocess.modal.campbell import plot_campbell
 
     return plot_campbell(data, frame)
 
 
 def veering(data: xr.Dataset, families: int | None = None) -> Figure:
-    """Frequencies over nodal diameter with a free and a clamped centre, of `bw.veering(case)`.
+    """Draw frequencies over nodal diameter with a free and a clamped centre, of `bw.veering(case)`.
 
     Args:
         data: from `bw.veering`.
@@ -85,7 +86,7 @@ def veering(data: xr.Dataset, families: int | None = None) -> Figure:
 
 
 def shaft_veering(data: xr.Dataset) -> Figure:
-    """Modes with one nodal diameter over the stiffness of the shaft, of `bw.veering(case)`."""
+    """Draw modes with one nodal diameter over the stiffness of the shaft, of `bw.veering(case)`."""
     from bladewhirl.postprocess.modal.veering import plot_shaft_veering
 
     return plot_shaft_veering(data)

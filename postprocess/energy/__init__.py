@@ -1,1 +1,1 @@
-"""Energy of a run: who holds it, where it came from, whether it grows, and the regime."""
+"""Energy of a run: its distribution over modes, its sources, its growth, and the regime."""

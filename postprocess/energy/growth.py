@@ -1,4 +1,5 @@
-"""Amplitude over time, and its growth rate with uncertainty, from which the regime follows."""
+"""Amplitude over time, and its growth rate with uncertainty; the growth rate determines the
+regime."""
 
 from __future__ import annotations
 
@@ -28,25 +29,28 @@ def amplitude_growth(
     start: float | None = None,
     end: float | None = None,
 ) -> xr.Dataset:
-    """Compute the amplitude in equal windows, and fit an exponential to the last of them.
+    """Compute the amplitude in equal windows, and fit an exponential to the amplitudes of the last
+    windows.
 
     Args:
-        result: of a run.
-        energies: from `strain.strain_energies`, of the same time; computed when None.
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run.
+        energies: from `strain.strain_energies`, for the same time window; computed when None.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over time, the middle of each window [s]: `energy`, mean strain energy of bladed disk and
-        shaft springs [J], the amplitude squared; `ripple`, that of the motion about its mean place
-        in each window [J], nan if inseparable; `local_rate`, growth rate of the amplitude
-        from one window to the next [1/s]; `fit` [J] with `low` and `high`, two standard errors of
-        the rate from it, nan before the windows fitted to, see `growth_rates.growth_windows`.
-        Attributes `rate` and `error`, its standard error, `end_rate`, of the last windows alone,
-        `ripple_rate` and `ripple_error`, nan where there is none, all [1/s]; `residual`, misfit of
-        the logarithm of the amplitude, `span`, the time fitted over in words, `regime`, `reason`.
+        over time, the middle of each window [s]: `energy`, the mean strain energy of bladed disk
+        and shaft springs [J], which is the square of the amplitude; `ripple`, the same energy for
+        the motion about its mean position in each window [J], nan where the two cannot be
+        separated; `local_rate`, growth rate of the amplitude from one window to the next [1/s];
+        `fit`, the fitted energy [J], and `low` and `high`, the fit with its rate changed by two
+        standard errors; all three are nan before the fitted windows, see
+        `growth_rates.growth_windows`. Attributes: `rate` and its standard error `error`;
+        `end_rate`, fitted to the very last windows only; `ripple_rate` and `ripple_error`, nan if
+        there is no ripple, all [1/s]; `residual`, misfit of the logarithm of the amplitude; `span`,
+        the fitted time interval in words; `regime`, `reason`.
 
     Raises:
-        ViewError: too short a history to judge growth by, or at rest.
+        ViewError: the history is too short to judge growth, or the stage is at rest.
     """
     dataset = in_window(result, start, end)
     if energies is None:
@@ -96,7 +100,7 @@ def amplitude_growth(
 
 
 def _ripple(dataset: xr.Dataset, energy: Array, middle: Array) -> Array:
-    """Energy of the ripple at the middles of its windows, nan elsewhere."""
+    """Return the energy of the ripple [J] in the windows that have it, nan in the others."""
     windows = ripple_windows(dataset, energy)
     if windows is None:
         return np.full(len(middle), np.nan)
@@ -106,8 +110,10 @@ def _ripple(dataset: xr.Dataset, energy: Array, middle: Array) -> Array:
 
 @styled
 def plot_growth(growth: xr.Dataset) -> Figure:
-    """Draw the mean strain energy over time with the growth fitted to its last windows, and below
-    how far the amplitude is off that fit, with the band of the errors of its rate.
+    """Draw the mean strain energy over time with the exponential fitted to the last windows.
+
+    The lower panel shows the deviation of the amplitude from the fit, with a band for the error of
+    the rate.
 
     Args:
         growth: from `amplitude_growth`.

@@ -1,10 +1,10 @@
 """Growth of a motion, and of its ripple, by exponentials fitted to amplitudes in equal windows.
 
 Growth must be distinguished from ripple, beating, noise, the onset of a load, and a motion that
-approaches a limit cycle. The amplitude is the root of the strain energy of the bladed
-disk with its shaft springs, averaged over equal windows: that smooths ripple and works with a
-clamped shaft too. A small ripple that grows about a large steady displacement hardly changes it,
-so the motion about its mean position in each window is examined as well.
+approaches a limit cycle. The amplitude is the root of the strain energy of the bladed disk with its
+shaft springs, averaged over equal windows: averaging smooths the ripple, and the strain energy also
+exists with a clamped shaft. A small ripple that grows about a large steady displacement hardly
+changes this amplitude, so the motion about the mean position of each window is examined as well.
 """
 
 from dataclasses import dataclass, replace
@@ -15,28 +15,31 @@ import xarray as xr
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.fields.result import portions
 
-CERTAINTY = 2.0  #: standard errors that a growth rate must be away from zero
-STEADINESS = 0.75  #: least ratio of the growth rates in the second and first half of the third
+CERTAINTY = 2.0  #: a growth rate is significant from this number of standard errors
+#: least ratio of the growth rates in the second and the first half of the last third
+STEADINESS = 0.75
 RISE = 1.1  #: least ratio of the last amplitude to the largest before the last third
 MOST_WINDOWS, FEWEST_WINDOWS = 12, 8  #: windows in the last third
-FEWEST_LAST = 5  #: windows that growth is fitted to where the march ended at its limit
-FEWEST_IN_HALF = 3  #: windows of a half of them; the halves share some where there are so few
+FEWEST_LAST = 5  #: fewest fitted windows if the march ended at its displacement limit
+#: fewest windows in each half of the fitted windows; halves of few windows overlap
+FEWEST_IN_HALF = 3
 WINDOW_RECORDS = 3  #: fewest records in a window
 RIGID = 1e-6  #: a mode below this share of the highest frequency is rigid to rounding
-RIPPLE_RISE = 1.5  #: the same of the ripple, over the largest in the middle third
-RIPPLE_SHARE = 0.01  #: least share of the amplitude that a growing ripple has come to
-RIPPLE_PERIODS = 2.0  #: least length of a window with a mean position [periods]
+#: least ratio of the last amplitude of the ripple to its largest in the middle third
+RIPPLE_RISE = 1.5
+RIPPLE_SHARE = 0.01  #: least final share of a growing ripple in the amplitude
+RIPPLE_PERIODS = 2.0  #: length of a window needed for a mean position [periods]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Windows:
     """Amplitude in equal windows of time; growth is fitted to the last of them."""
 
-    begin: Array  #: of each window [s], (window,)
-    length: float  #: of a window [s]
-    amplitude: Array  #: root of the mean strain energy in it [J^0.5], (window,)
+    begin: Array  #: start of each window [s], (window,)
+    length: float  #: length of a window [s]
+    amplitude: Array  #: root of the mean strain energy in each window [J^0.5], (window,)
     late: int  #: first window that growth is fitted to
-    is_third: bool  #: these are the last third of the time
+    is_third: bool  #: the fitted windows are the last third of the time
 
     @property
     def span(self) -> str:
@@ -49,16 +52,18 @@ class Windows:
 class Growth:
     """Exponential growth of the amplitude over the last windows of a run."""
 
-    rate: float  #: fitted to the logarithm of the amplitude; negative in decay [1/s]
-    error: float  #: standard error of that rate, see `fit_growth` [1/s]
-    slows: bool  #: the second half of these windows grows clearly less than the first
-    rise: float  #: amplitude of the last window over the largest before; inf where none was
-    residual: float  #: root mean square misfit of the logarithm: 0.1 is about 10 %
-    end_rate: float  #: the same of the last windows alone, five of them [1/s]
-    end_error: float  #: standard error of that [1/s]
-    span: str  #: the time that it is fitted over, in words
-    least_rise: float = RISE  #: from which `rise` counts
-    share: float = 1.0  #: of the amplitude in the last window: less than 1 of a ripple
+    rate: float  #: slope of the logarithm of the amplitude; negative in decay [1/s]
+    error: float  #: standard error of `rate`, see `fit_growth` [1/s]
+    #: the rate in the second half of the fitted windows is clearly less than in the first
+    slows: bool
+    #: ratio of the last amplitude to the largest before the fitted windows; inf without one
+    rise: float
+    residual: float  #: root mean square misfit of the logarithm of the amplitude: 0.1 is about 10 %
+    end_rate: float  #: growth rate fitted to the last five windows only [1/s]
+    end_error: float  #: standard error of `end_rate` [1/s]
+    span: str  #: time interval of the fit, in words
+    least_rise: float = RISE  #: smallest significant `rise`
+    share: float = 1.0  #: share of the amplitude in the last window; less than 1 for a ripple
 
     @property
     def text(self) -> str:
@@ -90,15 +95,15 @@ class Growth:
 
 
 def windowed_amplitude(time: Array, strain_energy: Array, shortest_window: float) -> Windows | None:
-    """Root of the mean strain energy in equal windows; None where growth cannot be judged by it.
+    """Root of the mean strain energy in equal windows; None if growth cannot be judged by it.
 
-    That is a history at rest or beyond all numbers, one with fewer than eight windows in its last
-    third, or one with fewer than three records in some window.
+    Growth cannot be judged if the stage is at rest, if the energy overflows, if the last third of
+    the time has fewer than eight windows, or if some window has fewer than three records.
 
     Args:
-        time: of the records [s], (time,), ascending.
-        strain_energy: at the records [J], (time,).
-        shortest_window: that averages the ripple away [s].
+        time: times of the records [s], (time,), ascending.
+        strain_energy: strain energy at the records [J], (time,).
+        shortest_window: shortest length of a window over which the ripple averages out [s].
     """
     third = (time[-1] - time[0]) / 3
     fitting = [third / shortest_window, len(time) / (3 * (WINDOW_RECORDS + 1)), MOST_WINDOWS]
@@ -113,10 +118,11 @@ def windowed_amplitude(time: Array, strain_energy: Array, shortest_window: float
 def growth_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
     """Return the windows to which growth is fitted; None if it cannot be judged.
 
-    They are those of `windowed_amplitude`. A march that ended at its displacement limit is often
-    too short for them, and grows fastest: there they are the last ones of the shortest length,
-    eight, or those since the load ended if these are at least five and no more. Under a load that
-    lasts, or too soon after it, they are eight, or at least five, wherever they begin.
+    Usually these are the windows of `windowed_amplitude`. A march that ended at its displacement
+    limit is often too short for them, although it grows fastest. Windows of the shortest length are
+    used then, and growth is fitted to the last eight. If only five to seven fit into the time since
+    the load ended, growth is fitted to these. If fewer than five fit, because the load still acts
+    or has just ended, growth is fitted to the last eight, or at least five, wherever they begin.
 
     Args:
         dataset: a result.
@@ -137,10 +143,11 @@ def growth_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
 
 
 def ripple_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
-    """Windows of the motion about its mean place; None where it cannot be judged.
+    """Return the windows of the motion about its mean position; None if it cannot be judged.
 
-    They cover the last two thirds of the time, half of them the last third, and are two periods
-    of the slowest wave of the rotor long or more: long enough for a mean position.
+    The windows cover the last two thirds of the time; half of them lie in the last third. Each is
+    at least two periods of the slowest wave of the rotor long, which is long enough for a mean
+    position.
 
     Args:
         dataset: a result.
@@ -163,18 +170,18 @@ def ripple_windows(dataset: xr.Dataset, strain_energy: Array) -> Windows | None:
         mean = np.asarray(total) / (end - begin)
         energy[number] = motion.amplitude[middle + number] ** 2 - weights @ mean**2
     if not energy.min() > np.finfo(np.float64).eps * motion.amplitude.max() ** 2:
-        return None  # nothing but rounding
+        return None  # the ripple is only rounding
     return replace(
         motion, begin=motion.begin[middle:], amplitude=np.sqrt(energy), late=motion.late - middle
     )
 
 
 def fit_ripple(ripple: Windows, motion: Windows) -> Growth:
-    """Growth of the motion about its mean place.
+    """Fit the growth of the motion about its mean position.
 
     Args:
         ripple: from `ripple_windows`.
-        motion: of the same run as a whole.
+        motion: windows of the total motion of the same run, from `growth_windows`.
     """
     share = ripple.amplitude[-1] / motion.amplitude[-1]
     return replace(fit_growth(ripple), least_rise=RIPPLE_RISE, share=float(share))
@@ -183,17 +190,18 @@ def fit_ripple(ripple: Windows, motion: Windows) -> Growth:
 def fit_growth(windows: Windows) -> Growth:
     """Fit an exponential to the last windows of a history.
 
-    The standard error is that of a straight line fitted to the logarithms of the amplitudes.
-    Neighbouring windows don't miss the line independently: with the correlation r of a misfit
-    with the next one, n windows count as n (1 - r) / (1 + r), so the error is larger by
-    sqrt((1 + r) / (1 - r)); a negative r counts as none. That is after Santer et al., J. Geophys.
-    Res. 105, 2000, without their loss of freedom by the line. Of so few windows r comes out too
-    small rather than too large: an amplitude without trend is beyond two errors in 7 % of series
-    of 12 independent windows, 14 % of 5, and in 20 % of 12 whose true correlation is 0.5. Of half
-    of the windows r says nothing, so slowing is judged by errors without it.
+    The standard error is that of a straight line fitted to the logarithms of the amplitudes. The
+    misfits of neighbouring windows are not independent: with the correlation r of a misfit with the
+    next one, n windows count as n (1 - r) / (1 + r), so the error is larger by sqrt((1 + r) / (1 -
+    r)); a negative r counts as zero. This follows Santer et al., J. Geophys. Res. 105, 2000, but
+    without subtracting the degrees of freedom of the line. With so few windows r is usually
+    underestimated: the fitted rate of an amplitude without trend exceeds two errors in 7 % of
+    series of 12 independent windows, in 14 % of series of 5, and in 20 % of series of 12 whose true
+    correlation is 0.5. From half of the windows r cannot be estimated, so slowing is judged by
+    errors without this correction.
 
     Args:
-        windows: of the history.
+        windows: windows of the history, from `growth_windows`.
     """
     before, last = windows.amplitude[: windows.late], np.log(windows.amplitude[windows.late :])
     rate, error, factor = _fitted_slope(last, windows.length)
@@ -218,24 +226,27 @@ def rate_text(rate: float, error: float) -> str:
     """Return a growth rate ± `CERTAINTY` standard errors; a dash if there is none.
 
     Args:
-        rate: [1/s]
-        error: its standard error [1/s].
+        rate: growth rate [1/s].
+        error: standard error of the rate [1/s].
     """
     return f"{rate:.3g} ± {CERTAINTY * error:.2g}" if np.isfinite(rate) else "–"
 
 
 def load_end(dataset: xr.Dataset) -> float:
-    """Time from which on the load does no more work [s]; the first record where it does none."""
+    """Return the time after which the load does no more work [s]; the first record if it never does
+    work."""
     time, work = dataset["time"].values, dataset["external_work"].values
     working = np.flatnonzero(np.diff(work))
     return float(time[working[-1] + 1] if len(working) else time[0])
 
 
 def longest_half_period(dataset: xr.Dataset) -> float:
-    """Half a period of the lowest rotor mode [s], in which a strain energy rises and falls.
+    """Return half a period of the lowest rotor mode [s], in which its strain energy rises and
+    falls.
 
-    With Coriolis forces the energy of a pair does so in 2 pi over the sum of the frequencies of
-    its two waves. Rigid modes hold none and don't count; infinite where there are no others.
+    With Coriolis forces the strain energy of a pair of modes rises and falls in 2 pi over the sum
+    of the frequencies of its two waves. Rigid modes have no strain energy and are ignored; infinite
+    if all modes are rigid.
     """
     return _half_period(np.abs(np.mean(_wave_frequencies(dataset), axis=0)))
 
@@ -252,10 +263,10 @@ def _half_period(frequency: Array) -> float:
 
 
 def _fitted_slope(values: Array, step: float) -> tuple[float, float, float]:
-    """Slope of a straight line through equally spaced values, and its standard error.
+    """Fit a straight line to equally spaced values; return its slope, error and correction.
 
-    The error takes the misfits of the values as independent; the third number is what it has to be
-    multiplied by for their correlation, see `fit_growth`.
+    The standard error of the slope is computed as if the misfits were independent. The third number
+    is the factor by which it must be multiplied for correlated misfits, see `fit_growth`.
     """
     place = step * (np.arange(len(values)) - (len(values) - 1) / 2)
     spread = place @ place

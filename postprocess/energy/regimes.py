@@ -29,7 +29,7 @@ from bladewhirl.postprocess.fields.kinematics import Array, smallest_clearance
 
 RegimeName = Literal["divergent", "no-contact", "damped", "sustained"]
 
-CLOSING = 0.01  #: least share of the clearance that a motion called divergent has taken up
+CLOSING = 0.01  #: least share of the clearance that a tip must have used up in a divergent motion
 
 MOST_RIPPLE = 0.9  #: share of the amplitude above which the ripple is the motion itself
 
@@ -63,9 +63,10 @@ class Regime:
     """Regime of a run, with its reason."""
 
     name: RegimeName
-    reason: str  #: what decided it, with numbers
-    growth: Growth | None  #: None where the run is too short, or at rest
-    ripple: Growth | None  #: of the motion about its mean place; None if it cannot be separated
+    reason: str  #: reason for the regime, with numbers
+    growth: Growth | None  #: growth of the amplitude; None if the run is too short, or at rest
+    #: growth of the motion about its mean position; None if it cannot be separated
+    ripple: Growth | None
 
 
 def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
@@ -109,7 +110,7 @@ def classify(dataset: xr.Dataset, strain_energy: Array) -> Regime:
 
 
 def _has_closed(dataset: xr.Dataset, touched: NDArray[np.bool_]) -> bool:
-    """Return True if a tip has taken up the share `CLOSING` of the clearance."""
+    """Return whether the motion of a tip has used up the share `CLOSING` of the clearance."""
     closing = (1 - CLOSING) * smallest_clearance(dataset)
     return bool(touched.any()) or float(dataset["gap"].min()) <= closing
 

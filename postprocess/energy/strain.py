@@ -1,7 +1,8 @@
 """Strain energy of the bladed disk: suspension, first blade family, rest (Figs 17b-22).
 
-Every mode has its own energy (Eq. 22) and the labels of its family and nodal diameter, which are
-exact for a stage with equal sectors and those of most of its motion for another.
+Every mode has its own energy (Eq. 22) and is labelled by family and nodal diameter. The labels are
+exact for a stage with equal sectors; otherwise they name the largest part of the motion of the
+mode.
 """
 
 import numpy as np
@@ -29,31 +30,33 @@ SUSPENSION = "suspension"
 FIRST_FAMILY = "1F"
 
 SMOOTHED_PERIODS = 30.0
-"""Number of reference periods above which means are drawn: the ripple would fill the figure."""
+"""Number of reference periods above which means are drawn, because the ripple would fill the
+figure."""
 
-PLOT_POINTS = 300  #: points of a line of means at most
+PLOT_POINTS = 300  #: largest number of points of a line of means
 
-SPANS = 300  #: spans of time of the figure by families at most
-NONE = "0.92"  #: grey of cells without energy, or without such a mode
+SPANS = 300  #: largest number of time spans in the figure by families
+NONE = "0.92"  #: grey of cells without energy, or without a mode
 PLOT_DECADES = 6.0  #: decades below the largest energy that the plot shows
 
 
 def strain_energies(
     result: xr.Dataset, *, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Strain energy of the bladed disk with its shaft springs over time, by groups of modes.
+    """Compute the strain energy of the bladed disk with its shaft springs over time, by groups of
+    modes.
 
     In mass-normalised modes 1/2 x^T K x = sum of 1/2 omega_i^2 q_i^2 (the paper's Eq. 22), so each
-    mode has its own share and the groups add up to the whole.
+    mode has its own share and the groups add up to the total.
 
     Args:
-        result: of a run; it is read portion by portion.
+        result: result of a run; it is read portion by portion.
         start, end: limits of the window [s]; those of the run when None.
 
     Returns:
-        [J] over time: `suspension`, the modes that the shaft springs hold; `rest`, all that are in
-        no other group; `total`. Over (time, nodal_diameter): `first_family`, the first blade
-        family.
+        energies [J] over time: `suspension`, the modes in which the body moves on the shaft
+        springs; `rest`, the modes in no other group; `total`. Over (time, nodal_diameter):
+        `first_family`, the first blade family.
 
     Example:
         ``strain_energies(result)["first_family"].sel(nodal_diameter=1).plot()``
@@ -111,9 +114,9 @@ def term_label(name: str) -> str:
 def plot_energy(energies: xr.Dataset) -> Figure:
     """Draw the strain energies over time on a logarithmic axis, from `strain_energies`.
 
-    All nodal diameters but 0 and 1 are added together, as in the paper's Figs 17(b) and 22. A
-    long run is drawn as means over a period of the reference frequency, which the title says.
-    The axis ends a decade below the least of the terms' medians; what stays below is left out.
+    All nodal diameters but 0 and 1 are added together, as in the paper's Figs 17(b) and 22. A long
+    run is drawn as means over a period of the reference frequency, as stated in the title. The axis
+    ends a decade below the smallest median of the terms; terms below the axis are left out.
     """
     terms = {name: energy.values for name, energy in energy_terms(energies).items()}
     time = energies["time"].values
@@ -144,7 +147,8 @@ def plot_energy(energies: xr.Dataset) -> Figure:
 
 
 def _drawn_starts(time: Array, period: float) -> IntArray:
-    """First record of each drawn point: of every record in a short run, else of equal spans."""
+    """Return the first record of each drawn point: every record of a short run, otherwise one in
+    each of equal spans of time."""
     periods = np.ptp(time) / period
     if periods <= SMOOTHED_PERIODS:
         return np.arange(len(time))
@@ -154,7 +158,8 @@ def _drawn_starts(time: Array, period: float) -> IntArray:
 def family_energies(
     result: xr.Dataset, *, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Strain energy by the labels of the modes: `energy` (time, family, nodal_diameter) [J].
+    """Compute the strain energy by the labels of the modes: `energy` (time, family, nodal_diameter)
+    [J].
 
     Args:
         result: of a run.
@@ -167,7 +172,7 @@ def family_energies(
     names, first, number = np.unique(
         dataset["rotor_family"].values.astype(str), return_index=True, return_inverse=True
     )
-    order = np.argsort(first)  # of their lowest modes
+    order = np.argsort(first)  # families in the order of their lowest modes
     diameters, place = np.unique(dataset["rotor_nodal_diameter"].values, return_inverse=True)
     weights = np.zeros((len(names), len(diameters), len(number)))
     weights[np.argsort(order)[number], place, np.arange(len(number))] = (
@@ -186,11 +191,11 @@ def family_energies(
 
 
 def mean_energies(energies: xr.Dataset, spans: int = SPANS) -> xr.Dataset:
-    """Means over up to that many equal spans of time, each at the end of its span.
+    """Compute means over equal spans of time; each mean is at the end of its span.
 
     Args:
         energies: from `family_energies`.
-        spans: at most; the records themselves where they are fewer.
+        spans: largest number of spans; if there are fewer records, these are returned unchanged.
     """
     time = energies["time"].values
     starts = span_starts(time, spans)
@@ -204,8 +209,8 @@ def mean_energies(energies: xr.Dataset, spans: int = SPANS) -> xr.Dataset:
 
 @styled
 def plot_family_energies(energies: xr.Dataset) -> Figure:
-    """Draw the strain energy by nodal diameter over time, and by family over nodal diameter, mean
-    over the last third.
+    """Draw the strain energy by nodal diameter over time, and its mean over the last third of the
+    time by family and nodal diameter.
 
     A long run is drawn as means over equal spans of time.
 

@@ -23,25 +23,25 @@ SOURCES = {
 
 
 class Works(TypedDict):
-    """Works since the start [J]; what feeds the motion is positive.
+    """Works since the start [J]; work that feeds the motion is positive.
 
-    Load, normal, friction and springs less damping is what the energy has risen by. The drive,
-    which keeps the speed, gives what its torque against both contact forces does at that speed: all
-    of the normal work, the friction work, and the heat of rubbing.
+    Load, normal, friction and springs minus damping equals the rise of the energy. The drive, which
+    keeps the speed constant, supplies the work of its torque against both contact forces: the
+    normal work, the friction work, and the heat of rubbing.
     """
 
     load: float
     normal: float
-    closing: float | None  #: part of `normal` that stops tips; None where the result has it not
+    closing: float | None  #: part of `normal` that stops tips; None if the result lacks it
     friction: float
     springs: float
-    damping: float  #: lost to it, positive
+    damping: float  #: energy lost to damping, positive
     drive: float
-    heat: float  #: of rubbing, lost
+    heat: float  #: energy lost as heat of rubbing
 
 
 def works(dataset: xr.Dataset) -> Works:
-    """Works of a run up to its last record.
+    """Return the works of a run up to its last record.
 
     Args:
         dataset: a result.
@@ -70,18 +70,18 @@ LEDGER = {
     "springs": "springs that stand still",
     "damping": "damping",
 }
-"""Works of the balance and their names; normal forces are one where a result does not tell."""
+"""Works of the balance and their names; `normal` is used where a result lacks its two parts."""
 
 
 def work_histories(dataset: xr.Dataset) -> xr.Dataset:
-    """Return works since the start over time; what feeds the motion is positive.
+    """Return works since the start over time; work that feeds the motion is positive.
 
     Args:
         dataset: a result.
 
     Returns:
-        load, closing and passing (the two parts of the work of normal forces; normal where
-        they are not known), friction, springs, damping and energy, the sum of all that.
+        load; closing and passing, the two parts of the work of normal forces, or their sum normal
+        where the parts are not known; friction; springs; damping; and energy, the sum of all works.
     """
     terms = {
         "load": dataset["external_work"],
@@ -123,8 +123,8 @@ def plot_work(histories: xr.Dataset) -> Figure:
 def drive_work(dataset: xr.Dataset) -> Array:
     """Work of the drive against the contact forces since the start [J], (time,).
 
-    The torque of friction is that at the tip radius. Normal forces, which rub nothing away, take
-    from the drive what they do on both bodies as the wall turns past the tips.
+    The torque of friction is computed at the tip radius. Normal forces dissipate nothing: the drive
+    supplies the work that they do on both bodies as the wall turns past the tips.
     """
     dragged = np.cumsum(dataset["friction_impulse"].values.sum(axis=1))
     reach = float(dataset.attrs["speed"]) * float(dataset.attrs["tip_radius"])
@@ -143,7 +143,8 @@ def late_drive_power(dataset: xr.Dataset) -> float:
 def leading_source(dataset: xr.Dataset) -> str:
     """Return the largest energy source in words; empty if there is none.
 
-    Above a critical speed squares of frequencies are negative, and whirl grows as it loses energy.
+    Above a critical speed the squares of some frequencies are negative, and whirl grows as it loses
+    energy.
     """
     balance = works(dataset)
     supplied = {name: float(balance[name]) for name in SOURCES}  # type: ignore[literal-required]

@@ -1,1 +1,1 @@
-"""Results opened, and displacements, strains and sections recovered from them."""
+"""Open results, and recover displacements, strains and sections from them."""

@@ -11,9 +11,10 @@ from bladewhirl.postprocess.fields.kinematics import Array, IntArray
 def line_blades(dataset: xr.Dataset) -> IntArray:
     """Number of the blade that each beam belongs to, -1 for none, (rotor_line,).
 
-    A blade's beams are those of the part that its tip ends (where several parts meet at a tip, as
-    under a shroud, the part of the beam that points most outward), reached from the tip through
-    that part. Where one part joins several tips, a beam goes to the tip nearest along the beams.
+    The beams of a blade are found by going from its tip along beams of the same part as the beam at
+    the tip. Where several parts meet at a tip, as under a shroud, the part of the beam that points
+    most outward is taken. Where one part joins several tips, a beam belongs to the tip nearest
+    along the beams.
     """
     lines, part = dataset["rotor_line"].values, dataset["rotor_part"].values.astype(str)
     tips, points = dataset["tip_node"].values, dataset["rotor_point"].values
@@ -31,14 +32,14 @@ def line_blades(dataset: xr.Dataset) -> IntArray:
     number = np.full(nodes, -1)
     number[tips] = np.arange(len(tips))
     blade_of_node[reached] = number[source[reached]]
-    far = np.argmax(distance[lines], axis=1)  # half way between two tips either end will do
+    far = np.argmax(distance[lines], axis=1)  # halfway between two tips either end can be used
     blade: IntArray = np.where(blades, blade_of_node[lines[np.arange(len(lines)), far]], -1)
     return blade
 
 
 def member_names(dataset: xr.Dataset) -> tuple[list[str], IntArray]:
-    """Names of what the rotor consists of, blade by blade and then part by part, and the number of
-    the one that each beam belongs to (rotor_line,).
+    """Return the names of the members of the rotor, first the blades and then the other parts, and
+    the number of the member that each beam belongs to (rotor_line,).
     """
     blade = line_blades(dataset)
     part = dataset["rotor_part"].values.astype(str)
@@ -60,8 +61,8 @@ def _outward_line(points: Array, lines: IntArray, tip: int) -> int:
 
 
 def with_recess(dataset: xr.Dataset, stations: Array, recess: Array) -> tuple[Array, Array]:
-    """Nodes and stations of beams with every tip nearer to the centre by `recess` (blade,) [m],
-    its blade shortened evenly, and what hangs on the blade moved along.
+    """Return nodes and stations of beams after moving every tip towards the centre by `recess`
+    (blade,) [m]. The blade is shortened evenly; members attached to the blade move with it.
     """
     nodes, lines = dataset["rotor_point"].values, dataset["rotor_line"].values
     blade, radius = line_blades(dataset), np.linalg.norm(nodes, axis=1)
@@ -76,7 +77,7 @@ def with_recess(dataset: xr.Dataset, stations: Array, recess: Array) -> tuple[Ar
 
 
 def _moved_in(points: Array, shift: Array) -> Array:
-    """Points (..., 2) nearer to the centre by `shift` (...) [m]."""
+    """Return points (..., 2) moved towards the centre by `shift` (...) [m]."""
     radius = np.linalg.norm(points, axis=-1)
     share = np.divide(shift, radius, out=np.zeros_like(radius), where=radius > 0)
     return np.asarray(points * (1.0 - share[..., None]))

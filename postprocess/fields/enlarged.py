@@ -1,19 +1,19 @@
-"""Places of bodies whose displacements and clearance are multiplied by one factor, for all views.
+"""Positions of the bodies with displacements and clearance multiplied by one factor, for all views.
 
 A clearance of 1 mm on a radius of 0.5 m is invisible, and so is motion within it. Drawn
 displacements are therefore multiplied by a factor, and **so is the clearance**: the casing's inner
 wall is drawn at tip radius + factor (clearance + w), a tip at tip radius + factor u_r, so the drawn
 gap is the factor times the true gap and bodies touch in the picture exactly when they touch in the
-run. A blade that ends short of the tip radius, or beyond it, is drawn so by the factor, too.
-Thicknesses stay true; the end of a blade is cut along the wall that it faces, so that no corner
-reaches the wall before the tip does.
+run. If a blade ends short of the tip radius, or beyond it, this distance is multiplied by the
+factor, too. Thicknesses stay true; the end of a blade is cut parallel to the wall that it faces, so
+that no corner reaches the wall before the tip does.
 
-Multiplied small displacements are no longer small. Each body is therefore first shifted by its
-mean motion (the rotor by that of its centre, the ring by the mean over its circumference), along
-straight lines, and what remains is drawn in polar coordinates about the shifted centre,
-(r, theta) -> (r + factor u_r, theta + factor u_theta / r). So a shift stays a shift and a circle a
-circle, while a blade that bends swings on an arc instead of growing longer into the casing: the
-linear model knows no second order of a bending either.
+Multiplied small displacements are no longer small. Each body is therefore first shifted by its mean
+motion (the rotor by that of its centre, the ring by the mean over its circumference), along
+straight lines, and what remains is drawn in polar coordinates about the shifted centre, (r, theta)
+-> (r + factor u_r, theta + factor u_theta / r). So a shift stays a shift and a circle a circle,
+while a blade that bends swings on an arc instead of growing longer into the casing: the linear
+model has no second-order elongation of a bent blade either.
 """
 
 from __future__ import annotations
@@ -40,26 +40,32 @@ from bladewhirl.postprocess.fields.kinematics import (
 )
 from bladewhirl.postprocess.fields.strains import rotor_sections
 
-DRAWN_CLEARANCE = 0.1  #: share of the tip radius that the clearance takes, if factors are automatic
-DRAWN_MOTION = 0.25  #: share that the largest displacement may take then
-LARGE_DISPLACEMENT = 0.3  #: share of the tip radius from which bending in a line is off by a tenth
+#: drawn clearance as a share of the tip radius, if the factor is chosen automatically
+DRAWN_CLEARANCE = 0.1
+#: limit of the largest drawn displacement, as a share of the tip radius, likewise
+DRAWN_MOTION = 0.25
+#: share of the tip radius from which the linear displacement of a bent blade is wrong by a tenth
+LARGE_DISPLACEMENT = 0.3
 
 MOST = 1e9  #: exaggeration beyond which, and below whose inverse, nothing can be seen
 
 
 class EnlargedStage:
-    """Both bodies at chosen records, each in its own axes, displacements and clearance multiplied.
+    """Both bodies at chosen records, each in its own axes, with displacements and clearance
+    multiplied.
 
     Args:
         dataset: a result.
         records: numbers of records.
-        factor: None chooses a round number by which the clearance is drawn as a tenth of the tip
-            radius, or less where the largest displacement would then leave the picture.
-        per_line: pieces of a beam.
-        per_element: pieces of an element of the casing.
+        factor: factor of displacements and clearance. None chooses a round number: the clearance is
+            drawn as at most a tenth of the tip radius, and the largest displacement stays in the
+            picture.
+        per_line: number of pieces of a beam.
+        per_element: number of pieces of an element of the casing.
 
     Raises:
-        ViewError: a factor that is not positive, or larger than `MOST` or smaller than its inverse.
+        ViewError: the factor is not positive, larger than `MOST`, or smaller than the inverse of
+            `MOST`.
     """
 
     def __init__(
@@ -77,7 +83,7 @@ class EnlargedStage:
             )
         self._dataset = dataset
         self.tip_radius = float(dataset.attrs["tip_radius"])
-        #: from the rotor's to the casing's axes (record,) [rad]
+        #: angle from the casing's to the rotor's axes (record,) [rad]
         self.turns = turn(dataset, records)
         self.line, rows = line_rows(dataset, per_line)
         self._thickness = rotor_sections(dataset, "thickness", per_line)
@@ -111,7 +117,7 @@ class EnlargedStage:
             self.nodes, self.line = with_recess(dataset, self.line, shift)
 
     def rotor_line(self, index: int) -> Array:
-        """Beams' stations (line, station, 2) [m] at the index-th record."""
+        """Return the stations of the beams (line, station, 2) [m] at the index-th record."""
         shift = self.centre[index]
         flat = self.line.reshape(-1, 2)
         line = magnify(flat, self.rotor_displacement[index], shift, self.factor)
@@ -141,8 +147,8 @@ class EnlargedStage:
         return np.asarray(radius[:, None] * _directions(self.angle))
 
     def rotor_sides(self, index: int, line: Array, wall: Array) -> Array:
-        """Right and left sides of the beams (line, station, side, 2) [m] along their drawn
-        `line`, ends of blades cut along the `wall`.
+        """Return the right and left sides of the beams (line, station, side, 2) [m] along their
+        drawn `line`; the ends of blades are cut along the `wall`.
         """
         half = self._thickness[..., None] / 2 * _normals(line)
         sides = np.stack([line - half, line + half], axis=2)
@@ -161,7 +167,7 @@ class EnlargedStage:
 
     @cached_property
     def _ends(self) -> tuple[IntArray, IntArray]:
-        """Beams that end blades at their tips, and the station of that end (beam,)."""
+        """Return the beams at the blade tips, and the station of each that is the tip (beam,)."""
         lines, tips = self._dataset["rotor_line"].values, self._dataset["tip_node"].values
         ending = np.isin(lines, tips) & (line_blades(self._dataset) >= 0)[:, None]
         beams, end = np.nonzero(ending)
@@ -169,10 +175,10 @@ class EnlargedStage:
 
 
 def magnify(points: Array, displacement: Array, shift: Array, factor: float) -> Array:
-    """Drawn positions (point, 2) of points moved by `factor` times their displacement.
-
-    `shift` (2,) is the part that all share, drawn straight; the rest is drawn in polar
-    coordinates (module docstring). A point at the centre, which has no radius, gets the shift.
+    """Return drawn positions (point, 2) of points moved by `factor` times their displacement.
+    `shift` (2,) is the displacement common to all points, drawn along a straight line; the rest is
+    drawn in polar coordinates (module docstring). A point at the centre, which has no radius, only
+    gets the shift.
     """
     radius = np.linalg.norm(points, axis=-1)
     away = radius > 0
@@ -186,8 +192,9 @@ def magnify(points: Array, displacement: Array, shift: Array, factor: float) -> 
 
 
 def round_factor(tip_radius: float, clearance: float, largest_displacement: float) -> float:
-    """An exaggeration of 1, 2 or 5 times a power of ten that keeps the picture readable: the
-    clearance at most a tenth of the tip radius, the largest displacement at most a quarter.
+    """Return an exaggeration of 1, 2 or 5 times a power of ten that keeps the picture readable: the
+    drawn clearance is at most a tenth of the tip radius, the largest drawn displacement at most a
+    quarter.
     """
     limits = [
         share * tip_radius / length

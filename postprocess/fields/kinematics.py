@@ -1,9 +1,9 @@
-"""Physical fields of a result: what moves where, in which axes, at which records.
+"""Physical fields of a result: displacements and velocities of points, at chosen records and axes.
 
-A result keeps modal coordinates. Here they become displacements and velocities of points, for
-many records at once. Rotor axes turn counter-clockwise by `speed` times time; casing and observer
-are stationary. Velocities are rates of displacement (R(Omega t) u_dot), without the transport
-velocity Omega x r of the turning disk.
+A result contains modal coordinates. The functions of this module turn them into displacements and
+velocities of points, for many records at once. Rotor axes turn counter-clockwise by `speed` times
+time; casing and observer are stationary. Velocities are rates of displacement (R(Omega t) u_dot),
+without the transport velocity Omega x r of the turning disk.
 """
 
 import numpy as np
@@ -16,9 +16,9 @@ from bladewhirl.models.inputs.errors import UserError
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-FRAMES_PER_REVOLUTION = 24  #: fewer pictures a revolution make a turning wheel hard to follow
+FRAMES_PER_REVOLUTION = 24  #: with fewer pictures a revolution, a turning wheel is hard to follow
 
-ROUNDING = 1e-12  #: relative differences of radii below this are none
+ROUNDING = 1e-12  #: relative differences of radii below this are taken as rounding
 
 
 class ViewError(UserError, ValueError):
@@ -26,7 +26,8 @@ class ViewError(UserError, ValueError):
 
 
 def rotate(vectors: Array, angle: Array | float) -> Array:
-    """Plane vectors (..., 2) turned counter-clockwise by `angle` [rad], broadcast over (...)."""
+    """Return plane vectors (..., 2) turned counter-clockwise by `angle` [rad], broadcast over
+    (...)."""
     cos, sin = np.cos(angle), np.sin(angle)
     x, y = vectors[..., 0], vectors[..., 1]
     first = cos * x - sin * y
@@ -45,9 +46,9 @@ def frame_records(
 ) -> IntArray:
     """Indices of up to `frames` records, evenly spread over [start, end] [s].
 
-    Instants are snapped to the nearest record and doubles are dropped, so a window with fewer
-    records than frames gives each record once. `end` may lie beyond the run, which may have
-    ended early. ViewError where nothing is left to choose from.
+    Instants are rounded to the nearest record and duplicates are dropped, so a window with fewer
+    records than frames gives each record once. `end` may lie after the end of the run, which may
+    have ended early. Raises ViewError if the window contains no record.
     """
     time = dataset["time"].values
     first = time[0] if start is None else start
@@ -69,7 +70,8 @@ def nearest_records(dataset: xr.Dataset, instants: Array) -> IntArray:
 
 
 def sampling_hint(dataset: xr.Dataset, records: IntArray) -> str | None:
-    """A line for the user if the records show less than 24 frames a revolution, else None."""
+    """Return a hint for the user if the records give fewer than 24 frames a revolution, else
+    None."""
     speed = abs(dataset.attrs["speed"])
     time = dataset["time"].values
     if len(records) < 2 or speed == 0:
@@ -86,20 +88,21 @@ def sampling_hint(dataset: xr.Dataset, records: IntArray) -> str | None:
 
 
 def history(dataset: xr.Dataset, name: str, records: IntArray) -> Array:
-    """A variable over time at the records (record, ...), without reading the rest of it."""
+    """Return a variable over time at the records (record, ...), without reading its other
+    records."""
     return np.asarray(dataset[name].isel(time=records).values)
 
 
 def combine(coordinates: Array, shape: Array) -> Array:
-    """Field (record, point, 2) from coordinates (record, mode) and shapes (point, 2, mode), by
-    one matrix product over all records.
+    """Return a field (record, point, 2) from coordinates (record, mode) and shapes (point, 2,
+    mode), by one matrix product over all records.
     """
     flat: Array = coordinates @ shape.reshape(-1, shape.shape[-1]).T
     return flat.reshape(len(coordinates), -1, 2)
 
 
 def line_rows(dataset: xr.Dataset, per_line: int) -> tuple[Array, Array]:
-    """Undeformed stations (rotor_line, per_line + 1, 2) [m] along every beam, and their
+    """Return undeformed stations (rotor_line, per_line + 1, 2) [m] along every beam, and their
     displacement for unit modal coordinates (rotor_line, per_line + 1, 2, rotor_mode), both in
     rotating axes: linear along the beam, cubic Hermite across it, as in the finite elements.
     """
@@ -116,8 +119,9 @@ def line_rows(dataset: xr.Dataset, per_line: int) -> tuple[Array, Array]:
 
 
 def line_slope_rows(dataset: xr.Dataset, per_line: int) -> Array:
-    """Rotation of a beam's cross-section (rotor_line, per_line + 1, rotor_mode) at the stations
-    of `line_rows`, for unit modal coordinates: the slope of the cubic across it.
+    """Return the rotation of the cross-sections of beams (rotor_line, per_line + 1, rotor_mode) at
+    the stations of `line_rows`, for unit modal coordinates: the slope of the cubic transverse
+    displacement.
     """
     _, span, _, local, turn_rows = line_shapes(dataset)
     slopes = slope_weights(np.linspace(0.0, 1.0, per_line + 1))
@@ -145,12 +149,14 @@ def line_shapes(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array, Array]
 
 
 def ring_angles(dataset: xr.Dataset, per_element: int) -> Array:
-    """Angles (casing_node * per_element,) [rad]: each casing element cut into equal arcs."""
+    """Return the angles (casing_node * per_element,) [rad] at which each casing element is cut into
+    equal arcs."""
     return station_angles(dataset, per_element)[:, :-1].ravel()
 
 
 def station_angles(dataset: xr.Dataset, per_element: int) -> Array:
-    """Angles (casing_node, per_element + 1) [rad]: those cuts, with both ends of elements."""
+    """Return the angles (casing_node, per_element + 1) [rad] of the same cuts, with both ends of
+    each element."""
     cuts = np.linspace(0.0, 1.0, per_element + 1)
     return np.asarray(dataset["casing_angle"].values[:, None] + _arcs(dataset)[:, None] * cuts)
 
@@ -162,9 +168,10 @@ def _arcs(dataset: xr.Dataset) -> Array:
 
 
 def wall_rows(dataset: xr.Dataset, weights: Array) -> Array:
-    """Radial and tangential displacement of every casing element for unit modal coordinates
-    (casing_node, station, 2, casing_mode), where `weights` (4, station) are `cubic_weights`; with
-    `slope_weights` or `curvature_weights` derivatives by the share of the element's length.
+    """Return radial and tangential displacement of every casing element for unit modal coordinates
+    (casing_node, station, 2, casing_mode) if `weights` (4, station) are `cubic_weights`. With
+    `slope_weights` or `curvature_weights` return first or second derivatives with respect to the
+    position in the element, from 0 to 1.
     """
     shape = dataset["casing_shape"].values
     nodal = shape.reshape(len(shape), 2, 2, -1)  # node, (w, u), (value, slope), mode
@@ -181,8 +188,8 @@ def element_lengths(dataset: xr.Dataset) -> Array:
 
 
 def casing_rows(dataset: xr.Dataset, angle: Array) -> Array:
-    """Radial (outward) and tangential (+theta) displacement at the angles (point,) for unit
-    modal coordinates: (point, 2, casing_mode), by the casing's own cubic interpolation.
+    """Return radial (outward) and tangential (+theta) displacement at the angles (point,) for unit
+    modal coordinates: (point, 2, casing_mode), by the cubic interpolation of the casing elements.
     """
     node = dataset["casing_angle"].values
     inside = np.mod(angle - node[0], 2 * np.pi)
@@ -197,35 +204,41 @@ def casing_rows(dataset: xr.Dataset, angle: Array) -> Array:
 
 
 def recess_at_rest(dataset: xr.Dataset) -> Array:
-    """Shortfall of each tip at rest from the tip radius, negative beyond it, (blade,) [m]."""
+    """Return the distance of each tip at rest from the tip radius, (blade,) [m]; negative outside
+    it."""
     radius = float(dataset.attrs["tip_radius"])
     tips = np.linalg.norm(dataset["rotor_point"].values[dataset["tip_node"].values], axis=1)
     return np.asarray(np.where(np.abs(radius - tips) > ROUNDING * radius, radius - tips, 0.0))
 
 
 def smallest_clearance(dataset: xr.Dataset) -> float:
-    """Smallest clearance that a tip has while nothing moves, at speed where it is cold [m]."""
+    """Return the smallest clearance of a tip without vibration [m], at speed if the case gives the
+    cold clearance."""
     return float(dataset["clearance"].values.min() + dataset["tip_recess"].values.min())
 
 
 def clearance_at(dataset: xr.Dataset, angle: Array) -> Array:
-    """Clearance (point,) [m] at static angles [rad], linear between the casing's nodes."""
+    """Return the clearance (point,) [m] at static angles [rad], linear between the casing's
+    nodes."""
     node, clearance = dataset["casing_angle"].values, dataset["clearance"].values
     return np.asarray(np.interp(angle, node, clearance, period=2 * np.pi))
 
 
 def record_lengths(dataset: xr.Dataset) -> Array:
-    """Time since the record before (time,) [s]: the record step, less where a run ended between."""
+    """Return the time since the previous record (time,) [s]: the record step, or less for the last
+    record if a run ended between."""
     time = dataset["time"].values
     return np.diff(time, prepend=time[0] - dataset.attrs["record_step"])
 
 
 def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = False) -> Array:
-    """Force of the casing on each tip (record, blade, 2) [N], normal and friction together.
+    """Return the force of the casing on each tip (record, blade, 2) [N], normal and friction
+    together.
 
-    It is the impulse since the record before over the time between the two: a mean, which exists in
-    the limit of small steps where the peak force does not. The normal part pushes inward, positive
-    friction drags the blade towards -theta. Zero where no contact is recorded, as for modes.
+    The force is the impulse since the previous record divided by the time between the two records:
+    a mean value, which converges as the time step decreases, while the peak force does not. The
+    normal part pushes inward, positive friction drags the blade towards -theta. Zero for a Dataset
+    without contact, such as a mode.
     """
     if "contact_impulse" not in dataset:
         return np.zeros((len(records), dataset.sizes["blade"], 2))
@@ -242,8 +255,8 @@ def contact_forces(dataset: xr.Dataset, records: IntArray, *, rotating: bool = F
 
 
 def radial_part(vectors: Array, points: Array) -> Array:
-    """Component (...) of vectors (..., 2) along the outward radius at points (..., 2); zero at
-    the centre, which has no outward direction.
+    """Return the component (...) of vectors (..., 2) along the outward radius at points (..., 2);
+    zero at the centre, which has no outward direction.
     """
     radius = np.linalg.norm(points, axis=-1)
     dot = np.sum(vectors * points, axis=-1)

@@ -1,4 +1,4 @@
-"""Datasets that analyses return: named dimensions, units, and the run that they are of."""
+"""Datasets returned by analyses: named dimensions, units, and the title and speeds of the run."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import xarray as xr
 
 ABOUT = ("speed", "reference_frequency")
-"""Attributes of a result that everything derived from it keeps, both [rad/s]."""
+"""Attributes of a result that are copied to every Dataset derived from the result, both [rad/s]."""
 
 COORDINATE_UNITS = {"time": "s", "edge": "s", "frequency": "rad/s", "angle": "rad"}
 
@@ -24,10 +24,10 @@ def labelled(
 
     Args:
         source: a result, or a Dataset derived from one.
-        title: of the Dataset.
-        variables: dimensions, values and unit of each.
-        coordinates: values of each.
-        attributes: beside the title and those of `ABOUT`.
+        title: title of the Dataset.
+        variables: dimensions, values and unit of each variable.
+        coordinates: values of each coordinate.
+        attributes: further attributes, in addition to the title and `ABOUT`.
     """
     units = {name: {"units": unit} for name, unit in COORDINATE_UNITS.items()}
     return xr.Dataset(

@@ -1,4 +1,4 @@
-"""Read netCDF-4 files through xarray, validated, also incomplete ones that a killed run left."""
+"""Read and validate netCDF-4 files through xarray, also incomplete files left by a killed run."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ from bladewhirl.models.inputs.errors import UserError
 from bladewhirl.solvers.march.schema import STATIC, TIME, Variable
 from bladewhirl.solvers.march.storage import CutFile
 
-MOST = 1e30  #: bound of plausible magnitudes in SI units; its inverse is that of positive ones
+#: upper bound of plausible magnitudes in SI units; its inverse is the lower bound of positive
+#: values
+MOST = 1e30
 POSITIVE = "reference_frequency casing_radius tip_radius time_step record_step yield_strength"
 NUMBERS = (
     "format speed friction clamped steps complementarity_residual unsolved_steps "
@@ -28,11 +30,12 @@ TEXTS = "title version symmetry case end_reason end_message over criterion windo
 
 
 ROOM, DENSEST = 1e9, 100
-"""Bytes that a file may declare in any case, and per byte of its own: compressed by that much."""
+"""Size [byte] that the arrays of any file may declare, and largest compression ratio beyond that
+size."""
 
 
 class ResultError(UserError):
-    """A path holds no result, or sweep, of bladewhirl."""
+    """A path contains no result, or sweep, of bladewhirl."""
 
 
 def plausible(values: Any, *, gaps: bool = False) -> bool:
@@ -41,12 +44,12 @@ def plausible(values: Any, *, gaps: bool = False) -> bool:
 
 
 class CheckedArray(BackendArray):
-    """Variable of a file that is read when used and checked as it is read.
+    """Variable of a file, read and validated when used.
 
     Args:
-        variable: to read.
+        variable: variable to read.
         label: file and variable, for messages.
-        gaps: NaN stands for missing values, as in a sweep.
+        gaps: whether NaN is allowed, for missing values as in a sweep.
     """
 
     def __init__(self, variable: xr.Variable, label: str, *, gaps: bool) -> None:
@@ -79,24 +82,24 @@ def open_file(
     """Open a netCDF-4 file, or the file of that name in a folder; arrays are read when used.
 
     Args:
-        path: of the file or the folder.
-        name: of the file in a folder.
-        kind: of file, for messages: "a result".
-        gaps: NaN stands for missing values.
-        cache: keep arrays that were read.
+        path: path of the file or the folder.
+        name: name of the file in a folder.
+        kind: kind of file, for messages: "a result".
+        gaps: whether NaN is allowed, for missing values.
+        cache: whether to keep arrays in memory after reading.
 
     Returns:
-        the Dataset, its contents unchecked, and the path of the file.
+        the Dataset, whose contents are not yet checked, and the path of the file.
 
     Raises:
-        ResultError: no such file, or not netCDF-4.
+        ResultError: the file does not exist or is not netCDF-4.
     """
     file = Path(path) / name if Path(path).is_dir() else Path(path)
     if not file.is_file():
         raise ResultError(f"{file}: expected {kind} (or its folder), found no such file")
     raw = CutFile(file)
     try:
-        with warnings.catch_warnings(action="error"):  # of xarray, at damaged dimensions
+        with warnings.catch_warnings(action="error"):  # xarray warns of damaged dimensions
             stored = xr.open_dataset(
                 raw,
                 engine="h5netcdf",
@@ -104,7 +107,8 @@ def open_file(
                 decode_times=False,
                 mask_and_scale=False,
                 phony_dims="access",
-                create_default_indexes=False,  # an index is read at once, behind the last record
+                # an index would be read at once, beyond the last complete record
+                create_default_indexes=False,
             )
         declared, size = sum(variable.nbytes for variable in stored.values()), file.stat().st_size
         if declared > max(ROOM, DENSEST * size):
@@ -143,9 +147,9 @@ def _checked(variable: xr.Variable, label: str, *, gaps: bool, cache: bool) -> x
 
 
 def complete_records(attributes: Mapping[str, Any]) -> int | None:
-    """Number of records that the recorder marked as complete; None if it marked none.
+    """Return the number of records that the recorder marked as complete; None if it marked none.
 
-    A kill during a flush leaves longer histories with missing pieces, which must not be read.
+    A run killed during a flush leaves longer histories with missing pieces, which must not be read.
     """
     steps, spacing = attributes.get("steps", 0), attributes.get("record_step")
     if attribute_fault(attributes) or steps == 0 or spacing is None:

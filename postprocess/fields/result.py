@@ -1,8 +1,8 @@
-"""Results as they lie on disk: opened lazily, checked, read portion by portion.
+"""Results on disk: opened lazily, validated, read portion by portion.
 
-A result of a long run holds modal histories of hundreds of megabytes. Nothing here loads one
-whole: `portions` cuts the records, and `reduce_modes` turns modes into the few numbers a record
-that an analysis needs.
+The modal histories of a long run take hundreds of megabytes. No function of this module loads a
+complete history: `portions` divides the records, and `reduce_modes` turns the modal coordinates of
+each record into the few numbers that an analysis needs.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -39,15 +39,16 @@ ATTRIBUTES = (
 
 
 def open_result(path: str | PathLike[str]) -> xr.Dataset:
-    """Open `result.nc`, or the folder of the run that holds it; histories are read when used.
+    """Open `result.nc`, or the folder of a run that contains it; histories are read when used.
 
-    A killed run opens too, up to what it had flushed. Close it (or use `with`) before writing
-    the file anew. Blades, casing nodes, axes and components are coordinates, and so are family,
-    nodal diameter and frequency of the modes and the angles of tips and casing nodes:
-    ``open_result("run")["gap"].sel(blade=3)``.
+    The result of a killed run can be opened, too, up to the last flushed record. Close the result
+    (or use `with`) before writing the file again. Blades, casing nodes, axes and components are
+    coordinates, and so are family, nodal diameter and frequency of the modes and the angles of tips
+    and casing nodes: ``open_result("run")["gap"].sel(blade=3)``.
 
     Raises:
-        ResultError: nothing there, not netCDF-4, not a result, or no record in it yet.
+        ResultError: the file does not exist, is not netCDF-4, is not a result, or has no record
+            yet.
     """
     dataset, file = open_file(path, RESULT_NAME, "a result")
     try:
@@ -63,9 +64,9 @@ def open_result(path: str | PathLike[str]) -> xr.Dataset:
 def with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
     """Return a result of any format with all coordinates of the schema.
 
-    Variables that older formats lack are added: constant sections (format 1), recess of the tips at
-    rest and no growth (before 4), waves with the frequencies of the modes (before 5), an unknown
-    work of closing (nan, before 6).
+    Variables missing in older formats are added: constant sections (format 1), the recess of the
+    tips at rest and zero static growth (before 4), wave frequencies equal to those of the modes
+    (before 5), an unknown work of closing (nan, before 6).
     """
     indices = {
         name: (name, index_values(name, dataset.sizes[name]), variable.attributes)
@@ -97,8 +98,8 @@ def result_of(
 
     Args:
         stage: arrays that describe the stage.
-        histories: by name in the schema.
-        attributes: of the result.
+        histories: histories by their name in the schema.
+        attributes: attributes of the result.
     """
     described = {field.name: np.asarray(getattr(stage, field.name)) for field in fields(stage)}
     dataset = xr.Dataset(
@@ -113,12 +114,12 @@ def result_of(
 
 
 def stage_dataset(arrays: StageArrays, motion: Mapping[str, Array] | None = None) -> xr.Dataset:
-    """Geometry and modes of a stage, and its motion, with the names and units of a result.
+    """Return geometry and modes of a stage, and its motion, with the names and units of a result.
 
-    There is no contact, load or march: pictures of modes and of a stage at rest need none.
+    Contact, load and march are missing: pictures of modes and of a stage at rest do not need them.
 
     Args:
-        arrays: the stage.
+        arrays: arrays that describe the stage.
         motion: `time`, `rotor_displacement`, `casing_displacement` and other histories.
     """
     values = {name: getattr(arrays, name) for name in STATIC} | dict(motion or {})
@@ -126,13 +127,13 @@ def stage_dataset(arrays: StageArrays, motion: Mapping[str, Array] | None = None
 
 
 def _entry(name: str, values: Any) -> tuple[tuple[str, ...], Array, dict[str, str]]:
-    """A variable of the schema as xarray takes it."""
+    """Return a variable of the schema in the form that xarray accepts."""
     return RESULT[name].dimensions, np.asarray(values), RESULT[name].attributes
 
 
 @contextmanager
 def opened(result: xr.Dataset | str | PathLike[str]) -> Iterator[xr.Dataset]:
-    """Yield an open result as it is; open and close a file."""
+    """Yield an open result unchanged; a file is opened, and closed afterwards."""
     if isinstance(result, xr.Dataset):
         yield result
         return
@@ -144,7 +145,7 @@ def check_result(dataset: xr.Dataset, name: str) -> None:
     """Check that a Dataset is a result with at least one record; `name` is for messages.
 
     Raises:
-        ResultError: it is not.
+        ResultError: the Dataset is not a result, or has no record.
     """
     if fault := attribute_fault(dataset.attrs):
         raise ResultError(f"{name}: expected {fault}")
@@ -191,7 +192,7 @@ def reduce_modes(
     rows: Array,
     transform: Callable[[Array], Array] | None = None,
 ) -> Array:
-    """Sum modes into rows at every record, a portion at a time: (time, row).
+    """Return weighted sums of the modal coordinates at every record, (time, row), read in portions.
 
     Args:
         dataset: a result.

@@ -1,14 +1,14 @@
 """Axial and bending strain of beams and of the casing's wall, from the recovered field.
 
-A beam's strain at a distance y from its line is eps - y kappa: the axial strain eps and the
-change of curvature kappa of the finite elements themselves, so that stresses belong to the same
-energy as the motion (`models.elements`). y is positive a quarter turn counter-clockwise from the
-beam's direction, on the casing outward. What is called bending strain here is kappa t / 2, its
-value at the right (on the casing: the inner) surface; at the left (outer) it is the opposite.
+A beam's strain at a distance y from its line is eps - y kappa: the axial strain eps and the change
+of curvature kappa of the finite elements themselves, so that stresses belong to the same energy as
+the motion (`models.elements`). The positive direction of y is a quarter turn counter-clockwise from
+the beam's direction, on the casing outward. The bending strain is kappa t / 2, its value at the
+right (on the casing: the inner) surface; at the left (outer) surface it has the opposite sign.
 
-Rods make eps constant in an element and cubics make kappa linear, so the ends of an element hold
-the extremes of a straight prismatic beam; the thickness of a tapered one is that at the place. Both
-jump from one element to the next: stations are an element's own.
+In an element of a straight prismatic beam eps is constant (rod) and kappa is linear (cubic), so the
+extremes are at the ends of the element; for a tapered beam the local thickness is used. Both
+strains jump from one element to the next, so each element has its own stations.
 """
 
 from typing import Literal, NamedTuple
@@ -35,7 +35,7 @@ class Strains(NamedTuple):
 
     @classmethod
     def of(cls, coordinates: Array, rows: StrainRows) -> "Strains":
-        """Strains for modal coordinates (record, mode)."""
+        """Return the strains for modal coordinates (record, mode)."""
         return cls(
             *(
                 (coordinates @ row.reshape(-1, row.shape[-1]).T).reshape(-1, *row.shape[:2])
@@ -47,16 +47,16 @@ class Strains(NamedTuple):
 def rotor_sections(
     dataset: xr.Dataset, name: Literal["thickness", "width", "young_modulus"], pieces: int
 ) -> Array:
-    """Thickness or width [m] or Young's modulus [Pa] at the ends of equal pieces of every beam,
-    (rotor_line, pieces + 1).
+    """Return thickness or width [m] or Young's modulus [Pa] at the ends of equal pieces of every
+    beam, (rotor_line, pieces + 1).
     """
     middle, change = dataset[f"rotor_{name}"].values, dataset[f"rotor_{name}_change"].values
     return np.asarray(middle[:, None] + change[:, None] * np.linspace(-0.5, 0.5, pieces + 1))
 
 
 def rotor_strain_rows(dataset: xr.Dataset, per_line: int = 1) -> StrainRows:
-    """Strains at the ends of that many equal pieces of every beam: (rotor_line, per_line + 1,
-    rotor_mode), with eps = u' and kappa = w''.
+    """Return strains for unit modal coordinates at the ends of `per_line` equal pieces of every
+    beam: (rotor_line, per_line + 1, rotor_mode), with eps = u' and kappa = w''.
     """
     _, span, _, local, rotation = line_shapes(dataset)
     length = np.linalg.norm(span, axis=1)[:, None, None]
@@ -69,9 +69,10 @@ def rotor_strain_rows(dataset: xr.Dataset, per_line: int = 1) -> StrainRows:
 
 
 def casing_strain_rows(dataset: xr.Dataset, per_element: int) -> StrainRows:
-    """Strains at the ends of that many equal pieces of every casing element: (casing_node,
-    per_element + 1, casing_mode), with eps = u' + w / R, and kappa = w'' - u' / R or, where the
-    case takes the shallow arch, w''. As in the elements, the wall is thin: y / R is neglected.
+    """Return strains for unit modal coordinates at the ends of `per_element` equal pieces of every
+    casing element: (casing_node, per_element + 1, casing_mode), with eps = u' + w / R, and kappa =
+    w'' - u' / R or, if the case specifies the shallow arch, w''. As in the elements, the wall is
+    thin: y / R is neglected.
     """
     radius = float(dataset.attrs["casing_radius"])
     length = element_lengths(dataset)[:, None, None]

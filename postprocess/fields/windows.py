@@ -1,4 +1,4 @@
-"""Windows of time: a part of a run, its late part, and spans in which records are summed up."""
+"""Windows of time: a part of a run, its late part, and spans over which records are averaged."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from bladewhirl.models.inputs.units import handy_unit
 from bladewhirl.postprocess.fields.kinematics import Array, IntArray, ViewError
 
 LATE_SHARE = 1.0 / 3.0
-"""Share of the time, at its end, that is taken for the motion after its onset."""
+"""Share of the run, at its end, that is regarded as the motion after its onset."""
 
 EVEN = 1e-6
 """Relative difference from the record step at which records still count as equally spaced."""
@@ -18,10 +18,10 @@ EVEN = 1e-6
 def select_window(
     dataset: xr.Dataset, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Return the records within [start, end] [s], by default all; read when used.
+    """Return the records within [start, end] [s], by default all; values are read when used.
 
     Raises:
-        ViewError: the window is not in order, or holds fewer than two records.
+        ViewError: the window ends before it starts, or contains fewer than two records.
     """
     time = dataset["time"].values
     first = time[0] if start is None else start
@@ -47,7 +47,7 @@ def in_window(result: xr.Dataset, start: float | None, end: float | None) -> xr.
 
 
 def late_part(dataset: xr.Dataset) -> xr.Dataset:
-    """Return the last third of the time, read when used."""
+    """Return the records in the last third of the time; values are read when used."""
     time = dataset["time"].values
     begin = time[-1] - LATE_SHARE * (time[-1] - time[0])
     return dataset.isel(time=slice(int(np.searchsorted(time, begin)), None))
@@ -56,10 +56,10 @@ def late_part(dataset: xr.Dataset) -> xr.Dataset:
 def evenly_spaced(dataset: xr.Dataset, fewest: int) -> tuple[xr.Dataset, float]:
     """Return the equally spaced records and their step [s].
 
-    The last record of a march that diverged, or was interrupted, may come early: it is dropped.
+    The last record of a march that diverged, or was interrupted, may be early and is then dropped.
 
     Raises:
-        ViewError: the others are not equally spaced, or fewer than `fewest`.
+        ViewError: the records are not equally spaced, or fewer than `fewest`.
     """
     time = dataset["time"].values
     steps = np.diff(time)
@@ -79,7 +79,8 @@ def evenly_spaced(dataset: xr.Dataset, fewest: int) -> tuple[xr.Dataset, float]:
 
 
 def span_starts(time: Array, spans: int) -> IntArray:
-    """First record of each of up to that many equal spans of time; empty spans are left out."""
+    """Return the first record of each of `spans` equal spans of time; spans without records are
+    left out."""
     if len(time) <= spans:
         return np.arange(len(time))
     number = np.minimum((time - time[0]) * spans // np.ptp(time), spans - 1)
@@ -87,14 +88,15 @@ def span_starts(time: Array, spans: int) -> IntArray:
 
 
 def span_means(values: Array, starts: IntArray) -> Array:
-    """Mean over time, the first axis, from each start to the next."""
+    """Return means over time, the first axis, from each start to the next."""
     count = np.diff(starts, append=len(values))
     sums = np.add.reduceat(values, starts, axis=0)
     return np.asarray(sums / count.reshape(-1, *[1] * (values.ndim - 1)))
 
 
 def span_edges(time: Array, starts: IntArray, begin: float) -> Array:
-    """Borders of the spans [s], (span + 1,): from `begin`, each to its last record."""
+    """Return the limits of the spans [s], (span + 1,): `begin`, and the last record of each
+    span."""
     ends = time[np.append(starts[1:], len(time)) - 1]
     return np.concatenate([[begin], ends])
 
