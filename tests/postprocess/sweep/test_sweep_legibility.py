@@ -147,4 +147,4 @@ def test_a_frequency_map_names_only_modes_that_are_seen(four: Path) -> None:
     assert names == ["suspension", "1F k = 1", "casing k = 1", "engine orders"]
     maps["mode_line"].loc[{"mode": "casing k=1"}] = 1e4
     names = [text.get_text() for text in plot_frequency_map(maps).legends[0].get_texts()]
-    assert names == ["suspension", "1F k=1", "engine orders"]
+    assert names == ["suspension", "1F k = 1", "engine orders"]
