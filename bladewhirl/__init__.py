@@ -34,7 +34,6 @@ Look
     `amplitude_growth`).
     `plot` has a function for each figure, `save_figure` writes one; `render` makes stills, films
     and pages, `export_vtk` a series for ParaView, `report` one HTML page of a run or a sweep.
-    run or a sweep.
 Trust
     `verify` recomputes problems with known answers and compares.
 Errors

@@ -20,7 +20,7 @@ from bladewhirl.postprocess.plotting.titles import set_title
 Frame = Literal["rotating", "static"]
 
 DRAWN_FAMILIES = ("1F", "suspension")
-"""Families of the bladed disk that are drawn even where nothing coincides."""
+"""Families of the bladed disk that are drawn even if they have no coincidence."""
 
 RING: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4.0, "mfc": "white"}
 """Mark of a coincidence."""
@@ -28,26 +28,27 @@ RING: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4.0, "
 CROSS: dict[str, Any] = {"linestyle": "none", "marker": "X", "markersize": 6.0, "mec": "white"}
 """Mark of a critical speed."""
 
-FINE = 2001  #: speeds of a line that is curved on its axes
-ENDS = 0.9  #: share of the axes from which engine orders are named, where they have room
-HEADROOM = 1.18  #: highest frequency shown over the highest coincidence or mode of interest
+FINE = 2001  #: number of speeds of a line that is curved on its axes
+ENDS = 0.9  #: share of the axes from which engine orders are labelled, because there is space
+HEADROOM = 1.18  #: ratio of the highest frequency shown to the highest coincidence or mode drawn
 
 
 @dataclass(frozen=True, kw_only=True)
 class Wave:
-    """Wave over the speed; frequencies are normalised, positive backward."""
+    """Frequencies of a wave over the speed, normalised; positive for backward waves."""
 
     body: str  #: "bladed-disk" or "casing"
     family: str
     nodal_diameter: int
-    direction: str  #: at rest
+    direction: str  #: direction of travel at rest
     speed: FloatArray
     rotating: FloatArray  #: frequency in the rotating frame
-    grows: BoolArray | Literal[False] = False  #: where it has met another wave
+    #: speeds at which the wave grows, having met another wave
+    grows: BoolArray | Literal[False] = False
 
     @property
     def static(self) -> FloatArray:
-        """Frequency in the static frame."""
+        """Normalised frequency in the static frame."""
         return self.rotating - self.nodal_diameter * self.speed
 
 
@@ -98,9 +99,11 @@ def waves(data: xr.Dataset, points: int) -> Iterator[Wave]:
 
 
 def drawn_part(data: xr.Dataset) -> xr.Dataset:
-    """Modes and coincidences of a diagram: families of the bladed disk that coincide with the
-    casing in the operating range, `DRAWN_FAMILIES` whether they do or not, and the casing's lowest
-    mode of each nodal diameter from 1 to the highest of those families.
+    """Select the modes and coincidences of a diagram.
+
+    Families of the bladed disk are drawn if they coincide with the casing in the operating range;
+    `DRAWN_FAMILIES` are always drawn. Of the casing, the lowest mode of each nodal diameter is
+    drawn, from 1 to the highest nodal diameter of these families.
 
     Args:
         data: from `campbell`.
@@ -128,7 +131,7 @@ def drawn_part(data: xr.Dataset) -> xr.Dataset:
 
 
 def in_diagram(data: xr.Dataset) -> BoolArray:
-    """Return which coincidences lie inside the speeds of the diagrams."""
+    """Return a mask of the coincidences inside the speed range of the diagrams."""
     first, last = data.attrs["speeds"]
     speed = data["normalised_speed"].values
     return np.asarray((first <= speed) & (speed <= last), dtype=np.bool_)
@@ -136,20 +139,22 @@ def in_diagram(data: xr.Dataset) -> BoolArray:
 
 @styled
 def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
-    """Draw a Campbell diagram: the modes of one body as levels, the other's waves as rays.
+    """Draw a Campbell diagram: modes of one body as horizontal lines, waves of the other as rays.
 
-    In the rotating frame the bladed disk's frequencies are constant and a wave that travels
-    forward on the casing has k Omega - omega, backward where that is positive, as drawn. In the
-    static frame it is the other way round: rays are waves that travel backward on the rotor, on a
-    logarithmic axis. Where a ray would fall below zero, its wave travels the other way: that part
-    is left out. Circles with their k mark coincidences; the caption counts them.
+    In the rotating frame the frequencies of the bladed disk are constant. A wave that travels
+    forward on the casing has the frequency k Omega - omega there, which is backward if positive, as
+    drawn. In the static frame the casing has the constant frequencies, and the rays are waves that
+    travel backward on the rotor, on a logarithmic axis. Where a ray would be negative, its wave
+    travels in the other direction: that part is left out. Circles labelled with k mark
+    coincidences; the caption gives their number.
 
-    A bladed disk with rotation effects has branches instead, named by their direction at rest:
-    backward waves full, forward ones dashed, in the static frame those with one nodal diameter
-    only. Dotted lines are multiples of the speed, crosses critical speeds.
+    A bladed disk with rotation effects has branches instead of constant frequencies, named by their
+    direction at rest: backward waves as full lines, forward waves as dashed lines; the static frame
+    only shows waves with one nodal diameter. Dotted lines are multiples of the speed, crosses mark
+    critical speeds.
 
     Args:
-        data: from `campbell`, of which `drawn_part` is drawn.
+        data: from `campbell`; only its `drawn_part` is drawn.
         frame: of the observer.
     """
     count, data = np.count_nonzero(in_diagram(data)), drawn_part(data)
@@ -188,13 +193,13 @@ def plot_campbell(data: xr.Dataset, frame: Frame) -> Figure:
 
 
 def met_frequencies(data: xr.Dataset, frame: Frame) -> FloatArray:
-    """Normalised frequency in a frame at which each coincidence happens."""
+    """Return the normalised frequency of each coincidence in a frame."""
     met = data["rotor_frequency" if frame == "rotating" else "casing_frequency"].values
     return np.asarray(met / data.attrs["reference_frequency_hz"], dtype=np.float64)
 
 
 def frequency_limits(data: xr.Dataset, frame: Frame) -> tuple[float, float]:
-    """Lowest and highest frequency shown of a `drawn_part`, normalised."""
+    """Return the lowest and highest normalised frequency of the diagram of a `drawn_part`."""
     level = "bladed-disk" if frame == "rotating" else "casing"
     modes, met = data["normalised_mode_frequency"].values, met_frequencies(data, frame)
     frequencies = modes[(data["mode_body"].values == level) & (modes > 0.0)]
@@ -205,7 +210,7 @@ def frequency_limits(data: xr.Dataset, frame: Frame) -> tuple[float, float]:
 
 
 NamedLine = tuple[FloatArray, FloatArray, str, str]
-"""Points of a line, x and y, with its name and the colour of that."""
+"""Points of a line, x and y, with its name and the colour of the name."""
 
 
 def _draw_waves(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLine]:
@@ -251,7 +256,7 @@ def _draw_waves(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLin
 
 
 def _draw_engine_orders(axes: Axes, data: xr.Dataset, frame: Frame) -> Iterator[NamedLine]:
-    """Draw multiples of the speed, in the static frame the speed itself."""
+    """Draw multiples of the speed; in the static frame only the speed itself."""
     k, (first, last) = data["mode_nodal_diameter"].values, data.attrs["speeds"]
     speed = np.linspace(first, last, 201)
     for order in np.unique(k[k > 0]).tolist() if frame == "rotating" else [1]:

@@ -29,7 +29,7 @@ from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 MILLI, MICRO = 1e3, 1e6
 
 ARROWS = 8
-"""Arrows along an orbit."""
+"""Number of arrows along an orbit."""
 
 ARROW: Mapping[str, Any] = {
     "arrowstyle": "-|>,head_width=0.11,head_length=0.22",
@@ -43,7 +43,7 @@ ARROW: Mapping[str, Any] = {
 def plot_orbits(orbit: xr.Dataset) -> Figure:
     """Draw the shaft's growing orbit in rotating and static axes, Fig. 14(a) and (b).
 
-    Arrows show the way it goes; each title names the whirl as measured.
+    Arrows show the direction of motion; each title gives the measured whirl.
 
     Args:
         orbit: from `orbits.shaft_orbit`.
@@ -67,7 +67,8 @@ def plot_orbits(orbit: xr.Dataset) -> Figure:
 def plot_phases(data: xr.Dataset) -> Figure:
     """Draw the static phase of shaft and smallest clearance, Fig. 14(c), and their difference.
 
-    Where the shaft rests, in waves of other nodal diameters than one, the clearance stands alone.
+    In waves with a nodal diameter other than one the shaft is at rest, and only the clearance is
+    drawn.
 
     Args:
         data: from `motion_dataset`.
@@ -81,7 +82,7 @@ def plot_phases(data: xr.Dataset) -> Figure:
     for name, key, style in curves if moves else curves[1:]:
         phase = data[f"{name.replace(' ', '_')}_phase"].values
         wrapped = np.angle(np.exp(1j * phase))
-        # A jump from pi to -pi is no motion: break the line there.
+        # A jump from pi to -pi is not a motion: break the line there.
         jumps = np.abs(np.diff(wrapped, prepend=wrapped[0])) > np.pi
         degrees = np.degrees(np.where(jumps, np.nan, wrapped))
         panels[0].plot(time, degrees, style, color=COLOURS[key], label=name, linewidth=1.2)
@@ -101,13 +102,13 @@ def plot_phases(data: xr.Dataset) -> Figure:
 def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
     """Draw the deformed stage at some records side by side in static axes, Fig. 13.
 
-    Displacements and the clearance are exaggerated alike (see `drawing`), so bodies touch in the
-    picture where they touch in truth. A dot marks the shaft, an open dot the smallest clearance,
-    a cross the axis of rotation.
+    Displacements and clearance are exaggerated by the same factor (see `drawing`), so bodies touch
+    in the picture where they really touch. A dot marks the shaft, an open dot the smallest
+    clearance, a cross the axis of rotation.
 
     Args:
-        dataset: a result, or a coupled mode laid out like one.
-        records: which records, up to four look well.
+        dataset: a result, or a coupled mode as a Dataset with the variables of a result.
+        records: numbers of the records; up to four are legible.
     """
     figure = new_figure(width=FULL_WIDTH, height=0.068)
     panels = np.atleast_1d(figure.subplots(1, len(records)))
@@ -134,13 +135,13 @@ def plot_shapes(dataset: xr.Dataset, records: IntArray) -> Figure:
 
 
 def _title(figure: Figure, shown: str, data: xr.Dataset) -> None:
-    """Title a figure with the case, what is shown, the speed and the coupling stiffness."""
+    """Set the title of a figure: the case, the quantity, the speed and the coupling stiffness."""
     kappa = f", κ = {handy(data.attrs['kappa'], 'N/m', 4)}" if "kappa" in data.attrs else ""
     set_title(figure, data.attrs.get("case", ""), f"{shown}\n{speed_label(data)}{kappa}")
 
 
 def _draw_ribbon(axes: Axes, ribbon: Ribbon, norm: Normalize) -> PolyCollection:
-    """Quads between the stations of a ribbon, coloured by displacement in mm."""
+    """Draw quads between the stations of a ribbon, coloured by displacement in mm."""
     sides = ribbon.sides
     corners: Array = np.stack(
         [sides[:, :-1, 0], sides[:, 1:, 0], sides[:, 1:, 1], sides[:, :-1, 1]], axis=-2

@@ -1,4 +1,5 @@
-"""Pictures of mode shapes (Fig. 6), undeformed and deformed with the centre marked, also as GIF."""
+"""Pictures of mode shapes (Fig. 6), undeformed and deformed, with the centre marked; also as
+GIF."""
 
 from __future__ import annotations
 
@@ -34,37 +35,39 @@ DRAWN = 0.2
 """Largest displacement in a picture, as a share of the radius."""
 
 BEAM_PIECES = 8
-"""A beam is drawn as this many straight pieces, along its Hermite curve, ..."""
+"""Largest number of straight pieces by which the Hermite curve of a beam is drawn."""
 
 MOST_PIECES = 16_000
-"""... or fewer, where the bladed disk would be drawn as more than so many."""
+"""Largest number of pieces of the bladed disk; its beams have fewer pieces where this would be
+exceeded."""
 
 RING_POINTS = 360
-"""And the casing as at least this many."""
+"""Least number of points of the casing."""
 
 COLUMNS = 6
-"""Panels side by side, at most."""
+"""Largest number of panels side by side."""
 
 INSTANTS = 4
-"""Pictures of a travelling wave over a quarter of its period, both ends among them."""
+"""Number of pictures of a travelling wave over a quarter of its period, including both ends."""
 
 PURE = 0.9995
-"""Purity from which a mode is told by its nodal diameter alone."""
+"""Purity above which a mode is named without its purity, by its nodal diameter only."""
 
 TURNS = "rotation is counter-clockwise"
-"""Said with every picture in which something travels, or may."""
+"""Note in every picture of a wave that travels or may travel."""
 
 MIXED = 0.5
-"""Purity below which no nodal diameter names a mode."""
+"""Purity below which a mode is called mixed instead of being named by a nodal diameter."""
 
 OUTSIDE = 1.1
-"""Radius at which crests are marked, over the largest of what is drawn."""
+"""Radius at which crests are marked, relative to the largest drawn radius."""
 
 MARGIN = 1.02
-"""Half the width of a picture over the largest distance of anything from its middle."""
+"""Half the width of a picture, relative to the largest distance of a drawn point from the
+middle."""
 
 CENTRE_RESTS = 1e-6
-"""Share of the largest displacement below which the centre is said to rest."""
+"""Share of the largest displacement below which the centre is regarded as at rest."""
 
 GIF_SIZE = 0.085
 """Width of a GIF [m], at `GIF_DPI` dots an inch."""
@@ -74,10 +77,10 @@ GIF_COLOURS = 128
 
 
 class Outline:
-    """Return the lines of one body, undeformed and displaced, for modal coordinates.
+    """Lines of one body, undeformed and displaced by modal coordinates.
 
-    Displacements are drawn as in `drawing`: what the body shares is a shift, the rest goes along
-    arcs about the shifted centre, so that a blade that bends does not grow longer.
+    Displacements are drawn as in `drawing`: the mean displacement of the body is a shift, the rest
+    is drawn along arcs about the shifted centre, so that a blade that bends does not grow longer.
     """
 
     def __init__(self, data: xr.Dataset, body: Body) -> None:
@@ -98,33 +101,35 @@ class Outline:
             self._shift = self._rows[:-1].mean(axis=0)
 
     def largest(self, coordinates: FloatArray) -> float:
-        """Largest displacement for any of the coordinates (..., modes)."""
+        """Return the largest displacement for modal coordinates (..., modes), over all of them."""
         return float(np.linalg.norm(self._rows @ np.atleast_2d(coordinates).T, axis=1).max())
 
     def moved(self, coordinates: FloatArray, factor: float) -> FloatArray:
-        """Drawn points (lines, stations, 2) [m], displacements multiplied."""
+        """Return the drawn points (lines, stations, 2) [m], with displacements multiplied by
+        `factor`."""
         drawn = magnify(
             self.rest.reshape(-1, 2), self._rows @ coordinates, self._shift @ coordinates, factor
         )
         return drawn.reshape(self.rest.shape)
 
     def size(self, coordinates: FloatArray) -> FloatArray:
-        """Magnitude of the displacement in the middle of each piece, (lines, stations - 1)."""
+        """Return the magnitude of the displacement in the middle of each piece, (lines, stations -
+        1)."""
         magnitude = np.linalg.norm(self._rows @ coordinates, axis=-1).reshape(self.rest.shape[:2])
         return np.asarray(0.5 * (magnitude[:, 1:] + magnitude[:, :-1]))
 
     def centre(self, coordinates: FloatArray, factor: float) -> FloatArray:
-        """Drawn centre, (2,) [m]."""
+        """Return the drawn centre, (2,) [m]."""
         return np.asarray(factor * self._shift @ coordinates)
 
 
 class DrawnShape:
-    """Draw a body: grey undeformed, deformed in the colours of its displacement."""
+    """Drawing of a body: undeformed in grey, deformed in the colours of its displacement."""
 
     def __init__(
         self, axes: Axes, outline: Outline, motion: FloatArray, *, linewidth: float
     ) -> None:
-        """Prepare axes for all of a motion (..., modes), in a frame of fixed size."""
+        """Prepare axes that fit the complete motion (..., modes)."""
         self._outline, self.largest = outline, outline.largest(motion)
         self._factor = DRAWN * outline.radius / self.largest
         rest = LineCollection([*outline.rest], color=COLOURS["rest"], linewidth=0.5 * linewidth)
@@ -159,7 +164,7 @@ class DrawnShape:
         axes.set_axis_off()
 
     def show(self, coordinates: FloatArray) -> None:
-        """Draw the displacement of some modal coordinates, (modes,)."""
+        """Draw the displacement for modal coordinates (modes,)."""
         points = self._outline.moved(coordinates, self._factor)
         pieces = np.stack([points[:, :-1], points[:, 1:]], axis=-2)
         self.lines.set_segments([*pieces.reshape(-1, 2, 2)])
@@ -171,13 +176,13 @@ class DrawnShape:
 def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
     """Draw the mode shapes of a body side by side, Fig. 6.
 
-    A cross marks where the centre rests, a dot where it is displaced to, and how far that is in
-    percent of the largest displacement of the mode; a casing's centre is its mean motion. Below
-    stand the frequency, how pure a mode is and, of whirling ones, the ways that they travel.
+    A cross marks a centre at rest, a dot a displaced centre, with its displacement in percent of
+    the largest displacement of the mode; the centre of a casing is its mean motion. Below are the
+    frequency, the purity and, for whirling modes, the directions of travel.
 
     Args:
-        data: from `motion.shapes_dataset`; one panel a mode.
-        body: whose modes.
+        data: from `motion.shapes_dataset`; each mode has a panel.
+        body: body whose modes are drawn.
     """
     prefix = "rotor" if body == "bladed-disk" else "casing"
     modes = data.sizes[f"{prefix}_mode"]
@@ -229,7 +234,7 @@ def plot_mode_shapes(data: xr.Dataset, body: Body) -> Figure:
 
 @styled
 def plot_travelling_wave(data: xr.Dataset, body: Body) -> Figure:
-    """Draw a mode that travels at instants of a quarter of its period, its crests marked.
+    """Draw a travelling wave at some instants in a quarter of its period, with its crests marked.
 
     Args:
         data: a mode in time, from `motion.mode_motion`.
@@ -274,7 +279,7 @@ def _mark_crests(axes: Axes, angle: float, k: int, label: str) -> None:
 
 
 def _crest(data: xr.Dataset, prefix: str, coordinates: FloatArray, k: int) -> float:
-    """Angle of a crest of the wave along the tips or the wall [rad]."""
+    """Return the angle of a crest of the wave along the tips or the wall [rad]."""
     if prefix == "rotor":
         angle = data["tip_angle"].values
         moved = data["rotor_shape"].values[data["tip_node"].values, :2] @ coordinates
@@ -286,12 +291,12 @@ def _crest(data: xr.Dataset, prefix: str, coordinates: FloatArray, k: int) -> fl
 
 
 def animate_mode(data: xr.Dataset, body: Body, path: Path) -> Path:
-    """Write one period of a mode as a GIF that loops; returns its path.
+    """Write one period of a mode as a GIF that loops; return its path.
 
     Args:
         data: a mode in time, from `mode_motion`.
         body: that moves.
-        path: of the file, which is replaced when complete.
+        path: path of the file; an older file is replaced when the new one is complete.
     """
     pictures = _pictures(data, body)
     named = [to_rgb(COLOURS[name]) for name in ("total", "rest", "k = 1")]
@@ -319,14 +324,15 @@ def _pictures(data: xr.Dataset, body: Body) -> list[Pixels]:
     pictures = []
     for instant in coordinates:
         shape.show(instant)
-        canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib's own
+        canvas.draw()  # type: ignore[no-untyped-call]  # untyped in matplotlib
         pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
         pictures.append(pixels[..., :3].copy())
     return pictures
 
 
 def mode_title(family: str, nodal_diameter: int, purity: float = 1.0) -> str:
-    """Return the name of a mode: "1F, k = 2", "suspension", "1F, mixed k"; "1F" without sectors."""
+    """Return the name of a mode: "1F, k = 2", "suspension", "1F, mixed k"; "1F" if there are no
+    sectors."""
     if family == "suspension" or nodal_diameter < 0:
         return family
     if purity < MIXED:

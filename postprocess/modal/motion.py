@@ -1,8 +1,9 @@
-"""Natural and coupled modes in time, as small Datasets that pictures and series are drawn from.
+"""Natural and coupled modes in time, as small Datasets for pictures and time series.
 
-A single mode stands. A degenerate pair stands, or travels either way: with the convention of
-`bladewhirl.models.elements.cyclic` the cosine times cos(omega t) plus the sine times sin(omega t)
-travels forward, minus it backward.
+A single mode is a standing wave. A pair of degenerate modes gives a standing wave, or one that
+travels in either direction: with the convention of `bladewhirl.models.elements.cyclic` the cosine
+mode times cos(omega t) plus the sine mode times sin(omega t) travels forward; with minus it travels
+backward.
 """
 
 from __future__ import annotations
@@ -25,13 +26,13 @@ from bladewhirl.solvers.stability.coupled_modes import CoupledMotion, RadialShap
 Wave = Literal["standing", "forward", "backward"]
 
 PICTURES = 48
-"""Records of one period, which then repeats."""
+"""Number of records of one period; the period is repeated."""
 
 SHARE_OF_RADIUS = 1e-3
-"""Size of a motion, as a share of the tip radius, where there is no clearance to compare with."""
+"""Size of a motion, as a share of the tip radius, if the clearance is zero."""
 
 BEAM_STATIONS = 8
-"""Parts of a beam on which its largest displacement is looked for."""
+"""Number of pieces of a beam, at whose ends the largest displacement is searched."""
 
 
 def mode_motion(
@@ -39,25 +40,26 @@ def mode_motion(
 ) -> xr.Dataset:
     """Return one period of a mode of the bladed disk or the casing in the frame of the body.
 
-    With Coriolis forces a mode of the bladed disk is one whirling mode, and moves as it does.
+    With Coriolis forces a mode of the bladed disk is a single whirling mode, whose own motion is
+    returned.
 
-    The largest displacement is the clearance, so that nothing touches, or a thousandth of the tip
-    radius where there is none. The other body is at rest, and so is the shaft.
+    The largest displacement equals the clearance, so that nothing touches, or a thousandth of the
+    tip radius if the clearance is zero. The other body is at rest, and so is the shaft.
 
     Args:
         stage: finite element models with their modes.
-        body: that moves.
-        numbers: of the mode among those of the body, or of the cosine and the sine of a pair; of a
-            whirling mode its own.
-        wave: standing (the cosine of a pair), or travelling, which takes a pair; of a whirling mode
-            what it is.
-        title: of the motion.
+        body: body that moves.
+        numbers: number of the mode among the modes of the body, or numbers of the cosine and the
+            sine mode of a pair; for a whirling mode its single number.
+        wave: standing (the cosine mode of a pair), or a direction of travel, which needs a pair;
+            for a whirling mode only a label.
+        title: title of the motion.
 
     Returns:
         Geometry, modes, time, modal displacements and velocities, and the gap at each tip.
 
     Raises:
-        ValueError: a travelling wave of a single mode.
+        ValueError: a travelling wave is requested of a single mode.
     """
     on_disk = body == "bladed-disk"
     arrays = _arrays_of(stage, body, numbers)
@@ -65,7 +67,7 @@ def mode_motion(
     frequency = float((arrays.rotor_frequency if on_disk else arrays.casing_frequency)[0])
     time = 2.0 * np.pi / frequency * np.arange(PICTURES) / PICTURES
     whirls = on_disk and stage.disk_whirl is not None
-    # Of a whirling mode both fields belong to its one motion, whichever way it travels.
+    # The two fields of a whirling mode belong to one motion, whichever way it travels.
     fields, played = (2, "forward") if whirls else (len(numbers), wave)
     shift, rate = _coordinates(frequency * time, fields, played)
     scale = shown_clearance(stage) / _largest(fixed, body, shift)
@@ -86,13 +88,14 @@ def mode_motion(
 
 
 def shapes_dataset(stage: ModalStage, body: Body, numbers: IntArray) -> xr.Dataset:
-    """Some modes of a body with their purities and, of whirling ones, the ways that they travel.
+    """Return some modes of a body with their purities and, for whirling modes, the directions of
+    travel.
 
     Args:
         stage: finite element models with their modes.
-        body: whose modes; of the bladed disk with Coriolis forces whirling ones, at the instant of
-            their real parts.
-        numbers: of the modes, of each pair one.
+        body: body whose modes are returned; for the bladed disk with Coriolis forces these are
+            whirling modes, at the instant of their real parts.
+        numbers: numbers of the modes, one of each pair.
     """
     data = stage_dataset(_arrays_of(stage, body, numbers)).assign_attrs(_attributes(stage))
     if body == "casing":
@@ -108,7 +111,7 @@ def shapes_dataset(stage: ModalStage, body: Body, numbers: IntArray) -> xr.Datas
 
 
 def _arrays_of(stage: ModalStage, body: Body, numbers: IntArray) -> StageArrays:
-    """Return the stage in modes of one body, the other one at rest."""
+    """Return the stage described by modes of one body; the other body is at rest."""
     resting = np.zeros(1, dtype=np.int64)
     if body == "casing":
         return stage.arrays(resting, numbers)
@@ -120,11 +123,11 @@ def _arrays_of(stage: ModalStage, body: Body, numbers: IntArray) -> StageArrays:
 def coupled_mode_motion(
     stage: StageModes, motion: CoupledMotion, kappa: float, *, with_pi: bool = True
 ) -> xr.Dataset:
-    """A coupled mode in time, until the clearance closes.
+    """Return a coupled mode in time, until the clearance closes.
 
     Args:
         stage: the coupled modes.
-        motion: of one coupled mode, equally spaced in time.
+        motion: motion of one coupled mode, equally spaced in time.
         kappa: stiffness of the springs that couple these modes [N/m] per radian.
         with_pi: keep the factor pi of Eq. (8).
 
@@ -160,11 +163,11 @@ def coupled_mode_motion(
 
 
 def radial_shapes(stage: StageModes) -> RadialShapes:
-    """Shapes of shaft, tips and casing for unit coordinates, step 4 of Section 3.3.2.
+    """Return the shapes of shaft, tips and casing for unit coordinates, step 4 of Section 3.3.2.
 
     Args:
-        stage: the coupled modes; shapes are those of the finite element modes, whatever
-            amplitudes the coupling takes.
+        stage: the coupled modes; the shapes are those of the finite element modes, even if the
+            coupling uses other amplitudes.
     """
     disk, casing, size = stage.modal.disk, stage.modal.casing, stage.modes.size
     rotor, rotor_modes = stage.coordinates(on_casing=False)
@@ -203,7 +206,8 @@ def _attributes(stage: ModalStage) -> dict[str, Any]:
 
 
 def _coordinates(phase: FloatArray, modes: int, wave: str) -> tuple[FloatArray, FloatArray]:
-    """Modal coordinates of unit size over a phase, and their rates by phase, (pictures, modes)."""
+    """Return modal coordinates of unit size over the phase, and their derivatives with respect to
+    the phase, (pictures, modes)."""
     cos, sin = np.cos(phase), np.sin(phase)
     if wave == "standing":
         still = np.zeros((len(phase), modes - 1))
@@ -215,7 +219,8 @@ def _coordinates(phase: FloatArray, modes: int, wave: str) -> tuple[FloatArray, 
 
 
 def _largest(geometry: xr.Dataset, body: Body, coordinates: FloatArray) -> float:
-    """Largest displacement of a body anywhere at any time, for coordinates (pictures, modes)."""
+    """Return the largest displacement of a body over all points and times, for coordinates
+    (pictures, modes)."""
     if body == "bladed-disk":
         rows = line_rows(geometry, BEAM_STATIONS)[1]
     else:
@@ -224,7 +229,7 @@ def _largest(geometry: xr.Dataset, body: Body, coordinates: FloatArray) -> float
 
 
 def _gaps(geometry: xr.Dataset, rotor: FloatArray, casing: FloatArray) -> FloatArray:
-    """Gap at each tip of full length, (pictures, blades)."""
+    """Return the gap at each tip, (pictures, blades), without the recess of short blades."""
     angle = geometry["tip_angle"].values
     outward = np.column_stack([np.cos(angle), np.sin(angle)])
     shapes = geometry["rotor_shape"].values[geometry["tip_node"].values, :2]
@@ -237,7 +242,7 @@ def _gaps(geometry: xr.Dataset, rotor: FloatArray, casing: FloatArray) -> FloatA
 
 
 def _coupled_gaps(stage: StageModes, motion: CoupledMotion) -> FloatArray:
-    """Gap at each tip at each record, (records, blades)."""
+    """Return the gap at each tip at each record, (records, blades)."""
     angle = stage.modal.disk.tip_angles + motion.speed * motion.time[:, None]
     wall = (motion.casing_wave[:, None] * np.exp(-1j * motion.nodal_diameter * angle)).real
     tips = motion.displacement @ radial_shapes(stage).tips.T

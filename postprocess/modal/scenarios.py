@@ -1,4 +1,5 @@
-"""Contact scenarios of k = 1 modes (Figs 9 and 10): where contact is, and phases that show it."""
+"""Contact scenarios of k = 1 modes (Figs 9 and 10): the position of contact, and the phases of
+shaft and smallest clearance."""
 
 from __future__ import annotations
 
@@ -17,24 +18,24 @@ from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figur
 from bladewhirl.postprocess.plotting.titles import set_title
 
 DRAWN_CLEARANCE = 0.16
-"""The clearance in a picture, as a share of the tip radius."""
+"""Drawn clearance, as a share of the tip radius."""
 
 SCHEMATIC = "Schematic: clearance and displacements exaggerated alike. Right: the mode's own wave."
 
 ZONE = np.radians(40.0)
-"""Half the angle over which blades are drawn in contact."""
+"""Half of the angle over which blades are drawn in contact [rad]."""
 
 
 @styled
 def plot_scenario(data: xr.Dataset) -> Figure:
-    """Draw where contact is, and the phases of shaft and smallest clearance, Fig. 9 or 10.
+    """Draw the position of contact, and the phases of shaft and smallest clearance, Fig. 9 or 10.
 
-    Left, rotor and casing as the rings of Fig. 4, clearance and displacements enlarged alike: the
-    shaft's displacement, blades in contact, friction on them, and the whirl it drives. Right, the
-    phases over one turn, rotating frame.
+    Left: rotor and casing as the rings of Fig. 4, with clearance and displacements enlarged by one
+    factor: the displacement of the shaft, the blades in contact, the friction on them, and the
+    whirl driven by friction. Right: the phases over one turn in the rotating frame.
 
     Args:
-        data: one turn in two modes that move in step.
+        data: one turn of two modes that move with the same frequency.
     """
     figure = new_figure(width=FULL_WIDTH, height=0.078)
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.1))
@@ -46,7 +47,7 @@ def plot_scenario(data: xr.Dataset) -> Figure:
     ):
         colour = COLOURS["k = 0" if name == "shaft" else "contact"]
         phase = _broken(np.degrees(data[key].values))
-        known = "_" if name == "shaft" else name  # the arrow on the left has its name
+        known = "_" if name == "shaft" else name  # the arrow on the left is labelled
         right.plot(turns, phase, style, color=colour, linewidth=width, label=known)
     right.set(
         xlim=(0.0, 1.0),
@@ -68,7 +69,7 @@ def plot_scenario(data: xr.Dataset) -> Figure:
 
 
 def _draw_rings(axes: Axes, data: xr.Dataset) -> None:
-    """The rings and what acts on the shaft; the shaft is displaced towards +x."""
+    """Draw the rings and the forces on the shaft; the shaft is displaced towards +x."""
     clearance = float(data.attrs["clearance"])
     drawn = DRAWN_CLEARANCE / clearance
     sense = np.sign(data.attrs["shaft_amplitude"])
@@ -114,7 +115,7 @@ def _draw_rings(axes: Axes, data: xr.Dataset) -> None:
 
 
 def _arc(middle: float, radius: float, half_angle: float) -> FloatArray:
-    """Points (2, angles) of an arc about +x; about -x where the radius is negative."""
+    """Return points (2, angles) of an arc about +x; about -x if the radius is negative."""
     angle = np.linspace(-half_angle, half_angle, 240)
     return np.stack([middle + radius * np.cos(angle), radius * np.sin(angle)])
 
@@ -142,6 +143,6 @@ def _arrow(
 
 
 def _broken(degrees: FloatArray) -> FloatArray:
-    """A jump from 180 to -180 is no motion: break the line there."""
+    """Break the line at jumps from 180 to -180 degrees, which are not a motion."""
     jump = np.abs(np.diff(degrees, prepend=degrees[0])) > 180.0
     return np.where(jump, np.nan, degrees)

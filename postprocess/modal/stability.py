@@ -1,7 +1,9 @@
-"""Figures of the linear stability of the coupled stage: Figs 11 and 12, and what truncation hides.
+"""Figures of the linear stability of the coupled stage: Figs 11 and 12, and the effect of
+truncation.
 
-Each figure is drawn from a Dataset of `studies.modal.stability_chart` that holds all its numbers,
-so the file saved beside it draws it again. Speeds are in multiples of the reference frequency.
+Each figure is drawn from a Dataset of `studies.modal.stability_chart` that contains all its
+numbers, so the figure can be drawn again from the file that is saved with it. Speeds are in
+multiples of the reference frequency.
 """
 
 from __future__ import annotations
@@ -35,7 +37,7 @@ from bladewhirl.solvers.stability.growth import UNSTABLE_GROWTH, is_unstable
 KAPPA_AXIS = "coupling stiffness κ [N/m]"
 
 GROWTH_COLOURS = "cividis_r"
-"""Colour map of growth rates: the lighter the slower, beside white where nothing grows."""
+"""Colour map of growth rates: the lighter the slower; white where nothing grows."""
 
 MARK: Mapping[str, Any] = {
     "linestyle": "none",
@@ -44,16 +46,17 @@ MARK: Mapping[str, Any] = {
     "clip_on": False,
     "zorder": 5,
 }
-"""Coincidence speeds, on the axis of speeds."""
+"""Marks of coincidence speeds on the axis of speeds."""
 
 MANY = 24
-"""Branches of a spectrum beyond which lines are thin, and named where they grow only."""
+"""Number of branches of a spectrum above which lines are thin, and only growing branches are
+named."""
 
 NAMED = 0.3
-"""Room left of a spectrum for the names of its branches, as a share of its width."""
+"""Space left of a spectrum for the names of its branches, as a share of its width."""
 
 FEW = 4
-"""Zones up to which their names tell both waves that meet."""
+"""Largest number of zones whose names contain both of the waves that meet."""
 
 TYPES = {
     "oscillatory": COLOURS["total"],
@@ -68,7 +71,7 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
     """Draw the stability chart, Fig. 11: zones with their names, growth rates, coincidence speeds.
 
     Args:
-        data: a chart, with zones where there are any.
+        data: a chart, with its zones if there are any.
         point: normalised speed and stiffness [N/m] to mark.
     """
     figure, axes = _new_chart(data)
@@ -95,10 +98,10 @@ def plot_chart(data: xr.Dataset, point: tuple[float, float] | None = None) -> Fi
 def plot_spectrum(data: xr.Dataset) -> Figure:
     """Draw real and imaginary parts along a line of constant stiffness, Fig. 12.
 
-    Divergent, damped and oscillatory modes have their own colours; with damping all modes that do
-    not grow are damped. Branches are named by the waves that they begin from, growing ones by the
-    two that meet. Of many branches only the frequencies near those of growing modes are shown. The
-    spectrum is its own mirror image: of the frequencies the upper half is drawn.
+    Divergent, damped and oscillatory modes have different colours; with damping all modes that do
+    not grow are damped. A branch is named by the wave from which it begins, a growing branch by the
+    two waves that meet. If there are many branches, only frequencies near those of growing modes
+    are shown. The spectrum is symmetric about zero frequency, so only its upper half is drawn.
     """
     figure = new_figure(width=FULL_WIDTH, height=0.12)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.0, 1.5))
@@ -150,12 +153,13 @@ def plot_spectrum(data: xr.Dataset) -> Figure:
 
 @styled
 def plot_truncation(data: xr.Dataset) -> Figure:
-    """Draw the zones of all modes beside those of a truncated set, to show what truncation hides.
+    """Draw the zones of all modes and those of a truncated set, to show the zones lost by
+    truncation.
 
     A zone narrower than a line is drawn as a line.
 
     Args:
-        data: zones of the whole set and of the truncated one, told apart by `zone_of`.
+        data: zones of the full set and of the truncated set, distinguished by `zone_of`.
     """
     figure, axes = _new_chart(data)
     whole = data["zone_of"].values == "all"
@@ -185,7 +189,7 @@ def _words(shown: str, data: xr.Dataset) -> str:
 
 
 def _new_chart(data: xr.Dataset) -> tuple[Figure, Axes]:
-    """A figure with axes of speed and stiffness."""
+    """Return a figure with axes of speed and stiffness."""
     figure = new_figure(width=FULL_WIDTH, height=0.085)
     axes = figure.subplots()
     axes.set(
@@ -214,12 +218,12 @@ def _meeting(casing: str, rotor: str, zones: int) -> str:
 
 
 def _name_meetings(axes: Axes, data: xr.Dataset, heights: FloatArray) -> None:
-    """Name the growing stretches of a spectrum by the waves that meet in them, the fastest first.
+    """Name the growing parts of a spectrum by the two waves that meet, the fastest growth first.
 
     Args:
         axes: the panel.
         data: a spectrum.
-        heights: of the names, nan for none, (zone,).
+        heights: heights of the names, nan for no name, (zone,).
     """
     labels = Labels(axes)
     middle = 0.5 * (data["zone_lower"].values + data["zone_upper"].values)
@@ -230,7 +234,7 @@ def _name_meetings(axes: Axes, data: xr.Dataset, heights: FloatArray) -> None:
 
 
 def _name_branches(axes: Axes, data: xr.Dataset, frequency: FloatArray) -> None:
-    """Name branches by the waves that they begin from, left of their beginning."""
+    """Name each branch by the wave from which it begins, left of its beginning."""
     first, last = data["speed"].values[[0, -1]]
     axes.set_xlim(first - NAMED * (last - first), last)
     labels = Labels(axes)
@@ -241,7 +245,8 @@ def _name_branches(axes: Axes, data: xr.Dataset, frequency: FloatArray) -> None:
 
 
 def _growing_frequencies(data: xr.Dataset, frequency: FloatArray, growing: BoolArray) -> FloatArray:
-    """Return a frequency that grows in the middle of each zone, nan if none, (zone,)."""
+    """Return the frequency of a growing mode in the middle of each zone, nan if there is none,
+    (zone,)."""
     middle = 0.5 * (data["zone_lower"].values + data["zone_upper"].values)
     rows = np.abs(data["speed"].values - middle[:, None]).argmin(axis=1)
     positive = np.where(growing & (frequency > 0.0), frequency, np.nan)[rows]
@@ -263,7 +268,7 @@ class _Zone:
     casing: str
     rotor: str
     kappa: FloatArray  #: [N/m]
-    lower: FloatArray  #: normalised, as `upper`
+    lower: FloatArray  #: normalised speed, as `upper`
     upper: FloatArray
 
 
@@ -273,7 +278,8 @@ def _zones(data: xr.Dataset) -> list[_Zone]:
     for pair in np.unique(pairs, axis=0):
         rows = np.flatnonzero(np.all(pairs == pair, axis=-1))
         zone = {name: data[f"zone_{name}"].values[rows] for name in ("kappa", "lower", "upper")}
-        if data.attrs["kappa_range"][0] == 0.0:  # there it has no width, and no row
+        # at zero stiffness the zone has no width, and no row
+        if data.attrs["kappa_range"][0] == 0.0:
             apex = float(data["zone_start"].values[rows[0]])
             for name, value in (("kappa", 0.0), ("lower", apex), ("upper", apex)):
                 zone[name] = np.insert(zone[name], 0, value)
@@ -294,7 +300,8 @@ def _draw_coincidences(axes: Axes, data: xr.Dataset) -> None:
 
 
 def _widened(here: BoolArray) -> BoolArray:
-    """Stretches of True lengthened by one sample, so that lines of different colour meet."""
+    """Return the mask with runs of True lengthened by one sample, so that lines of different colour
+    meet."""
     wide = here.copy()
     wide[1:] |= here[:-1]
     wide[:-1] |= here[1:]

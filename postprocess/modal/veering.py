@@ -35,31 +35,33 @@ from bladewhirl.postprocess.plotting.titles import set_title, speed_label
 DIAMETER_AXIS = "nodal diameter k [–]"
 
 FEW = 3
-"""Up to so many families each have a stretch of a broken axis."""
+"""Largest number of families for which the axis is broken, with a part for each family."""
 
 ROOM = 0.12
-"""Share of a stretch of a broken axis above and below what it shows."""
+"""Margin above and below the frequencies in a part of a broken axis, as a share of that part."""
 
 LOWEST = 0.05
-"""Normalised frequency from which on branches are drawn: at a critical speed one goes to zero."""
+"""Lowest normalised frequency drawn: at a critical speed a frequency goes to zero."""
 
 NAMED = 0.3
-"""Room left of branches for their names, as a share of their width."""
+"""Space left of the branches for their names, as a share of their width."""
 
 ALIKE = 1.05
-"""Ratio of frequencies up to which branches of one family have one name."""
+"""Ratio of frequencies up to which branches of one family are labelled together."""
 
 FREE, CLAMPED = (
     {way: large if way == "both" else small for way in ("both", "standing", "backward", "forward")}
     for large, small in ((3.0, 2.2), (5.5, 2.8))
 )
-"""Sizes of marks with a free and with a clamped centre [points]: of waves there are more."""
+"""Sizes of marks with a free and with a clamped centre [points]; smaller for waves of one
+direction, which are more numerous."""
 
 ASIDE, CLAMPED_ASIDE = {"backward": -0.14, "forward": 0.14}, {"backward": -0.36, "forward": 0.36}
-"""How far marks of waves stand aside of their nodal diameter, with a free and a clamped centre."""
+"""Horizontal offset of the marks of waves from their nodal diameter, with a free and a clamped
+centre."""
 
 WAYS = {"both": "o", "standing": "o", "backward": "<", "forward": ">"}
-"""Marks of waves, by the way that they travel in the rotating frame."""
+"""Marks of waves, by their direction in the rotating frame."""
 
 
 @styled
@@ -70,7 +72,7 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
 
     Args:
         data: from `veering`.
-        families: how many of those it has. All when None.
+        families: number of families. All when None.
     """
     families = families or int(data.attrs["families"])
     names = ["suspension", *(f"{rank}F" for rank in range(1, families + 1))]
@@ -88,7 +90,8 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
         if broken:
             axes.margins(y=ROOM)
             low, high = axes.get_ylim()
-            least = 0.02 * float(np.mean([low, high]))  # so that rounding is not drawn large
+            # so that rounding errors do not fill the panel
+            least = 0.02 * float(np.mean([low, high]))
             axes.set_ylim(low - least, high + least)
         else:
             axes.set_yscale("log")
@@ -116,15 +119,15 @@ def plot_families(data: xr.Dataset, families: int | None = None) -> Figure:
 def plot_shaft_veering(data: xr.Dataset) -> Figure:
     """Draw the modes with one nodal diameter over the stiffness of the shaft.
 
-    Colours show how much of a mode's energy the springs hold: the suspension mode hands its
-    character from branch to branch where they veer. Dashes are the frequencies of a clamped
-    centre, which each branch approaches. With Coriolis forces forward waves are thin.
+    Colours show the share of the springs in the energy of a mode: the character of the suspension
+    mode passes from branch to branch where they veer. Dashed lines are the frequencies with a
+    clamped centre, which each branch approaches. With Coriolis forces forward waves are thin.
 
     Args:
         data: from `veering`.
     """
     ways = data["branch_direction"].values
-    turns = "forward" in ways  # waves of both ways have lines of their own
+    turns = "forward" in ways  # each direction has its own lines
     figure = new_figure(width=FULL_WIDTH if turns else COLUMN_WIDTH, height=0.095)
     axes = figure.subplots()
     stiffness = data["stiffness"].values
@@ -169,7 +172,7 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
         else:
             labels.add(stiffness, frequency[:, branch], texts[branch], COLOURS["total"])
     for branch, level in enumerate(data["normalised_clamped_frequency"].values):
-        if ways[branch] == "forward":  # beside the backward one
+        if ways[branch] == "forward":  # close to the backward wave
             continue
         rank = int(np.count_nonzero(ways[:branch] == ways[branch])) + 1
         labels.add(stiffness[::-1], np.full_like(stiffness, level), f"{rank}F", "#555555")
@@ -177,12 +180,14 @@ def plot_shaft_veering(data: xr.Dataset) -> Figure:
 
 
 def _characters(share: FloatArray, frequency: FloatArray, pairs: int) -> list[str]:
-    """Families of the branches on the softest springs, of whose energy the suspension has the most.
+    """Return the families of the branches at the softest springs; the suspension has the largest
+    share of spring energy.
 
     Args:
-        share: of the springs in the energy there, (branches,).
-        frequency: there, (branches,).
-        pairs: branches of a family: 2 where waves of both ways have one of their own.
+        share: share of the springs in the energy at the softest springs, (branches,).
+        frequency: frequency at the softest springs, (branches,).
+        pairs: number of branches of a family: 2 if backward and forward waves have different
+            branches.
     """
     names = ["suspension"] * len(share)
     others = np.argsort(share, kind="stable")[:-pairs]
@@ -201,12 +206,12 @@ def _is(data: xr.Dataset, family: str) -> BoolArray:
 
 
 def _draw_family(axes: Axes, data: xr.Dataset, family: str) -> None:
-    """Draw frequencies of a family over nodal diameter, with both centres."""
+    """Draw frequencies of a family over nodal diameter, with a free and a clamped centre."""
     suspension = family == "suspension"
     for way in _ways(data):
         of_way, thin = ("", 1.0) if way == "both" else (f", {way}", 0.6)
         k, frequency = _chosen(data, "free", family, way)
-        if way != "standing":  # k = 0 and half the blades, with all others between them
+        if way != "standing":  # k = 0 and half the blades are standing; all others are between them
             x = k + ASIDE.get(way, 0.0)
             axes.plot(x, frequency, "-", color=COLOURS["rest"], linewidth=0.6, zorder=1)
         axes.plot(
@@ -265,7 +270,8 @@ def _coloured_line(axes: Axes, x: FloatArray, y: FloatArray, value: FloatArray) 
 
 
 def _chosen(data: xr.Dataset, centre: str, family: str, way: str) -> tuple[FloatArray, FloatArray]:
-    """Nodal diameters and normalised frequencies of a family, in ascending nodal diameter."""
+    """Return nodal diameters and normalised frequencies of a family, in ascending nodal
+    diameter."""
     here = (data["centre"].values == centre) & _is(data, family)
     if way != "both":
         here &= data["direction"].values == way

@@ -1,1 +1,1 @@
-"""Results as time series for ParaView."""
+"""Export of results as time series for ParaView."""

@@ -1,4 +1,4 @@
-"""Stage at an instant as pyvista objects, for plots of the user."""
+"""Stage at one instant as pyvista objects, for users who draw their own plots."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def stage_blocks(
             undeformed, with `displacement` and, for a suitable factor, `warp` as vectors.
 
     Raises:
-        ResultError: an old result without sections.
+        ResultError: the result is of an old format without cross-sections.
     """
     import pyvista
 

@@ -34,12 +34,12 @@ from bladewhirl.postprocess.fields.strains import (
     rotor_strain_rows,
 )
 
-BEAM_PIECES = 2  #: pieces of a beam: a cubic looks smooth, and its strains are linear
+BEAM_PIECES = 2  #: pieces of a beam: enough for a smooth cubic with linear strain
 ARC_POINTS = 180  #: smallest number of pieces of the casing
 SIDES = np.array([0, 1, 1, 0])  #: right, left, left, right: the corners of a cross-section
 ENDS = np.array([-0.5, -0.5, 0.5, 0.5])  #: their heights over the plane, relative to the width
 
-# The same for lines.
+# The same quantities for bodies drawn as lines.
 LINE_ARC_POINTS = 360
 LINE = np.zeros(1)
 
@@ -50,8 +50,10 @@ class Boxes:
 
     body: str  #: "rotor" or "casing"
     line: Array  #: stations (element, station, 2) [m]
-    normal: Array  #: across the line, to its left or, on the casing, outward (as `line`)
-    offset: Array  #: of the right (inner) and left (outer) side along it (as `line`) [m]
+    #: unit vectors across the line, to its left or, on the casing, outward (shape as `line`)
+    normal: Array
+    #: offset of right (inner) and left (outer) side along `normal` (shape as `line`) [m]
+    offset: Array
     width: Array  #: (element, station or 1) [m]
     modulus: Array  #: (element, station or 1) [Pa]
     rows: Array  #: displacement for unit coordinates (element, station, 2, mode)
@@ -61,7 +63,7 @@ class Boxes:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Numbers of elements, and of stations of an element."""
+        """Number of elements, and number of stations of an element."""
         return self.line.shape[0], self.line.shape[1]
 
     def points(self) -> Array:
@@ -78,7 +80,7 @@ class Boxes:
         return np.stack([first, first + 1], axis=-1).reshape(-1, 2)
 
     def on_cells(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Return values (element,) for every cell of `lines` or `quads`."""
+        """Return values (element,) repeated for every cell of `lines` or `quads`."""
         stations = self.shape[1]
         if not self.solid:
             return np.repeat(values, stations - 1)
@@ -116,7 +118,7 @@ class Boxes:
         return Strains.of(coordinates, self.strain_rows)
 
     def _beside(self) -> Array:
-        """Vectors from the line to the corners (element, station, 4 or 1, 2) [m]."""
+        """Return vectors from the line to the corners (element, station, 4 or 1, 2) [m]."""
         if not self.solid:
             return np.zeros((*self.shape, 1, 2))
         return np.asarray(self.offset[:, :, SIDES, None] * self.normal[:, :, None])

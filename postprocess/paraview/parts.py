@@ -1,9 +1,9 @@
 """Parts of a stage as grids at records: bladed disk, casing, tips and supports.
 
-Lines and boxes have the same arrays on points and cells. Points are those at rest, turned with the
-body; `displacement` has its true size. `warp` leads to the points of a picture (`EnlargedStage`):
-clearance and displacement are multiplied by one factor, so that bodies touch in ParaView exactly
-when they do in the run.
+Lines and boxes have the same arrays on points and cells. Points are at their positions at rest,
+turned with the body; `displacement` has its true size. Points moved by `warp` are those of a
+picture (`EnlargedStage`): clearance and displacement are multiplied by one factor, so that bodies
+touch in ParaView exactly when they touch in the run.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ from bladewhirl.postprocess.paraview.grids import Grid
 from bladewhirl.postprocess.pictures.symbols import StageSymbols
 
 HOLDERS = ("springs", "dampers", "struts")
-"""Symbols that are written, without the ground; struts include rigid links."""
+"""Symbols that are written, without hatched ground; struts include rigid links."""
 
 PORTION = 300  #: largest number of records computed together
-PORTION_POINTS = 1_000_000  #: largest number of their points
+PORTION_POINTS = 1_000_000  #: largest number of points computed together
 
 
 class StageParts:
@@ -54,11 +54,11 @@ class StageParts:
         records: numbers of records.
         surface: boxes of true thickness and width instead of lines.
         rotating: rotating instead of static axes.
-        exaggeration: factor of `warp`; None for that of a picture of these records.
+        exaggeration: factor of `warp`; None takes the factor of a picture of these records.
 
     Raises:
-        ViewError: an exaggeration that is not positive.
-        ResultError: an old result without sections.
+        ViewError: the exaggeration is not positive.
+        ResultError: the result is of an old format without cross-sections.
     """
 
     def __init__(
@@ -103,7 +103,7 @@ class StageParts:
         self._faces = [body.quads() if surface else body.lines() for body in self._bodies]
         still = [self._enlarged(records[:1], factor) for factor in (1.0, self.exaggeration)]
         self._symbols = StageSymbols(dataset, still[0].angle)
-        #: symbols at rest, of the true clearance and of the enlarged one
+        #: symbols at rest, with the true and with the enlarged clearance
         self._still = [
             self._symbols.drawn(outer, outer, np.zeros(2), stage.nodes)
             for stage in still
@@ -111,12 +111,12 @@ class StageParts:
         ]
 
     def _part_names(self) -> list[str]:
-        """Names of the values of `part`: parts of the bladed disk, casing, supports."""
+        """Return the names of the values of `part`: parts of the bladed disk, casing, supports."""
         rotor = dict.fromkeys(map(str, self._dataset["rotor_part"].values))
         return [*(name or "other beams" for name in rotor), "casing", *HOLDERS]
 
     def grids(self) -> Iterator[dict[str, Grid]]:
-        """Yield the parts by name, record by record."""
+        """Yield for each record the grids of the parts by name."""
         for records in self._portions:
             stage = self._enlarged(records, self.exaggeration)
             ahead = stage.turns
@@ -152,7 +152,7 @@ class StageParts:
         )
 
     def _drawn(self, stage: EnlargedStage, index: int, line: Array, wall: Array) -> list[Array]:
-        """Drawn corners of both bodies (corner, 2) in the axes of the body [m]."""
+        """Return the drawn corners of both bodies (corner, 2) in the axes of the body [m]."""
         pieces = np.arange(self._per_element + 1)
         stations = self._per_element * np.arange(self._dataset.sizes["casing_node"])[:, None]
         around = (stations + pieces) % len(wall)
@@ -164,10 +164,10 @@ class StageParts:
     def _body_fields(
         self, boxes: Boxes, rest: Array, records: IntArray, angle: Array
     ) -> dict[str, Array]:
-        """Arrays on points (record, corner, ...): `displacement` [m], `velocity` [m/s], its rate,
-        `radial_displacement` [m], `axial_strain`, `bending_strain` [1], `axial_stress`,
-        `bending_stress` and `surface_stress` [Pa]; `gap` [m] of the bladed disk is that at the tip
-        of the blade, and the clearance elsewhere.
+        """Return arrays on points (record, corner, ...): `displacement` [m], its rate `velocity`
+        [m/s], `radial_displacement` [m], `axial_strain`, `bending_strain` [1], `axial_stress`,
+        `bending_stress` and `surface_stress` [Pa]; `gap` [m] is the gap at the tip of a blade on
+        all points of the blade, and the clearance on the other points.
         """
         dataset, count = self._dataset, len(records)
         moved = boxes.vectors(dataset, "displacement", records)
@@ -177,7 +177,7 @@ class StageParts:
         strains, modulus = boxes.strains(dataset, records), boxes.modulus
         bend = strains.bending[..., None] * np.where(
             SIDES == 0, 1.0, -1.0
-        )  # that of the right side
+        )  # strain on the right side
         if not boxes.solid:  # the surface with the larger stress
             bend = np.copysign(strains.bending, strains.axial)[..., None]
         surface = strains.axial[..., None] + bend
@@ -201,7 +201,8 @@ class StageParts:
     def _body(
         self, number: int, drawn: Array, angle: float, fields: dict[str, Array], index: int
     ) -> Grid:
-        """Bladed disk or casing; `drawn` are the corners in its axes (corner, 2) [m]."""
+        """Return the grid of bladed disk or casing; `drawn` are the corners in its axes (corner, 2)
+        [m]."""
         rest = self._rest[number]
         return Grid(
             points=_turned(rest, angle),
@@ -215,7 +216,8 @@ class StageParts:
         )
 
     def _cell_data(self, boxes: Boxes) -> dict[str, NDArray[Any]]:
-        """`part` and `blade` (integers, -1 for none) and `thickness` [m] of every element."""
+        """Return `part` and `blade` (integers, -1 for none) and `thickness` [m] of every
+        element."""
         dataset = self._dataset
         if boxes.body == "casing":
             elements = dataset.sizes["casing_node"]
@@ -247,7 +249,8 @@ class StageParts:
         }
 
     def _contact(self, nodes: Array, angle: float, fields: dict[str, Array], index: int) -> Grid:
-        """Tips with contact forces, at the front of the blades, where arrows are visible."""
+        """Return the grid of the tips with contact forces, in front of the blades, where arrows are
+        visible."""
         rest, blade = self._tips_at_rest, np.arange(len(self._tips))
         return Grid(
             points=_turned(rest, angle),
@@ -268,9 +271,9 @@ class StageParts:
         nodes: Array,
         turns: tuple[Array, Array],
     ) -> Grid | None:
-        """Springs, dampers, struts and links as lines, if there are any.
+        """Return springs, dampers, struts and links as lines; None if there are none.
 
-        Ends on a body have its `displacement`, to first order, and its `warp`.
+        Ends on a body have the `displacement` of the body, to first order, and its `warp`.
         """
         angles = float(turns[1][index]), float(turns[0][index])
         moved = self._symbols.drawn(
@@ -302,10 +305,10 @@ class StageParts:
 
 
 def _turned(points: Array, angle: float) -> Array:
-    """Points (point, 3), turned in the plane."""
+    """Return points (point, 3) turned in the plane."""
     return np.column_stack([rotate(points[:, :2], angle), points[:, 2]])
 
 
 def _in_space(vectors: Array) -> Array:
-    """Plane vectors (..., 2) with a zero third component, as required by VTK."""
+    """Return plane vectors (..., 2) with a zero third component, as required by VTK."""
     return np.concatenate([vectors, np.zeros_like(vectors[..., :1])], axis=-1)

@@ -1,4 +1,4 @@
-"""Run as a ParaView time series: grids of the parts at instants, and their index.
+"""ParaView time series of a run: grids of the parts at some instants, and the index of the files.
 
 The folder contains `series.pvd` (to open), `view.py` (to run in ParaView), `mesh.vtu` (undeformed
 mesh with named sets) and `frames/` (a .vtu file per part and instant). The index is complete after
@@ -31,7 +31,7 @@ logger = logging.getLogger(__name__)
 FILL = "SERIES: dict[str, Any] = {}"
 """Line of view.py that is replaced by the description of the series."""
 
-EARLY = 100  #: number of records searched for the first motion
+EARLY = 100  #: number of records in which the first motion is searched
 BODIES = ("rotor", "casing")
 
 Progress = Callable[[int, int], None]
@@ -53,33 +53,36 @@ def export_vtk(
     """Write a time series of the run between `start` and `end` [s]; return the path of series.pvd.
 
     Parts are `rotor`, `casing`, the tips as `contact`, and `supports`: springs, dampers, struts and
-    links as lines. Points are undeformed, the rotor's turned by Omega t. Fields are true in size:
+    links as lines. Points are undeformed, the rotor's turned by Omega t. All fields have their true
+    size:
 
     * `displacement` [m], `velocity` [m/s]: vectors in static axes. The velocity is the rate of
-      displacement in them, without the transport velocity of the turning disk.
+    displacement in static axes, without the transport velocity of the turning disk.
     * `radial_displacement` [m]: along the outward radius; zero at the centre.
     * `axial_strain`, `bending_strain` [1], `axial_stress`, `bending_stress` [Pa] (`strains`), and
-      `surface_stress` [Pa], their sum at the surface; for lines, at the side with the larger sum.
+      `surface_stress` [Pa], the sum of axial and bending stress at the surface; for lines, at the
+      side with the larger sum.
     * `gap` [m]: on a blade, the smallest gap of its tip since the previous record; on other parts,
       the clearance, so that a threshold filter selects the blades in contact.
-    * `contact_force` [N], contact only: the impulse since the record before divided by the time
-      between, as a vector (normal inward, positive friction towards -theta).
-    * on cells `part` and `blade`, whole numbers, -1 for none, and `thickness` [m].
+    * `contact_force` [N], only on `contact`: the impulse since the previous record divided by the
+    time between the records, as a vector (normal inward, positive friction towards -theta).
+    * on cells: `part` and `blade`, integers, -1 for none, and `thickness` [m].
 
-    `warp` [m] leads from the points to where `bladewhirl render` draws them: Warp By Vector with it
-    and factor 1 shows displacement and clearance multiplied by `exaggeration`, chosen when None,
-    and bodies touch there exactly when they do in the run.
+    `warp` [m] is the vector from each point to its position in `bladewhirl render`. The filter Warp
+    By Vector with `warp` and factor 1 shows displacement and clearance multiplied by `exaggeration`
+    (chosen when None), and bodies touch there exactly when they touch in the run.
 
-    With `surface`, beams and wall are boxes of their true thickness and width, made of quads.
-    With `rotating`, the points of the rotor are fixed, those of the casing turn back, and all
+    With `surface`, beams and wall are boxes of their true thickness and width, made of quads. With
+    `rotating`, the points of the rotor are fixed, the points of the casing turn backward, and all
     vectors are in rotating axes. If `start` is None, records before the first motion are omitted,
-    because ParaView would scale the colours to them. Frames listed in the manifest of the folder
-    are removed; other files are replaced only with `overwrite`. `progress` is called with the
-    numbers of frames done and in total.
+    because ParaView would adapt the colour scale to them. Frames listed in the manifest of the
+    folder are removed; other files are replaced only with `overwrite`. `progress` is called with
+    the numbers of frames done and in total.
 
     Raises:
-        ViewError: an empty window or number of frames, or an exaggeration that is not positive.
-        ResultError: an old result without sections.
+        ViewError: the time window is empty, or the number of frames or the exaggeration is not
+            positive.
+        ResultError: the result is of an old format without cross-sections.
         FileExistsError: a file exists that the manifest does not list.
     """
     records = series_records(dataset, frames, start, end)
@@ -175,7 +178,7 @@ def frame_name(part: str, number: int) -> str:
 
 
 def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts) -> dict[str, Any]:
-    """Description of the series for view.py: instant to show, ranges, names."""
+    """Return the description of the series for view.py: instant to show, ranges, names."""
     force = np.linalg.norm(contact_forces(dataset, records), axis=-1).max(axis=1)
     moved = np.linalg.norm(history(dataset, "rotor_displacement", records), axis=1)
     shown = int(np.argmax(force if force.any() else moved))
@@ -191,11 +194,13 @@ def _about(dataset: xr.Dataset, records: IntArray, parts: StageParts) -> dict[st
 
 
 def undeformed_mesh(dataset: xr.Dataset) -> Grid:
-    """Return both bodies as one line mesh at t = 0; named sets are 0/1 arrays on cells and points.
+    """Return both bodies as one line mesh at t = 0, with named sets as 0/1 arrays on cells and
+    points.
 
-    Cells carry `rotor`, `casing`, each part of the rotor (`blades`, `spokes`, ...) and
-    `thickness` [m] in the plane; points carry `rotor`, `casing`, `tips`, `centre` and `blade`,
-    the number of a tip's blade (-1 elsewhere). The casing's nodes are joined by chords.
+    Arrays on cells are `rotor`, `casing`, each part of the rotor (`blades`, `spokes`, ...) and
+    `thickness` [m] in the plane. Arrays on points are `rotor`, `casing`, `tips`, `centre` and
+    `blade`, the number of the blade on its tip (-1 elsewhere). The nodes of the casing are joined
+    by straight lines.
     """
     rotor = dataset["rotor_point"].values
     angle, radius = dataset["casing_angle"].values, dataset.attrs["casing_radius"]
@@ -238,5 +243,5 @@ def _closed_lines(points: int) -> IntArray:
 
 
 def _members(size: int, chosen: IntArray) -> IntArray:
-    """0/1 array (size,) of a named set."""
+    """Return a named set as a 0/1 array (size,)."""
     return np.isin(np.arange(size), chosen).astype(np.int64)

@@ -27,8 +27,8 @@ FORCE_COLOUR = "#d55e00"  #: vermilion, distinct from the map in every kind of c
 OUTLINE = 0.0035
 HUB = 0.022
 MARK = 0.014
-RIM = 0.006  #: light, around hub and mark
-EDGE = 0.002  #: light, on both sides of strokes
+RIM = 0.006  #: light rim around hub and mark
+EDGE = 0.002  #: light edge on both sides of strokes
 CONTACT_DISC = 0.014
 ARROW_WIDTH = 0.011
 LONGEST_ARROW = 0.17
@@ -38,10 +38,10 @@ MARGIN = 1.04
 FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
 """Font of the figures."""
 
-FINER = 2  #: rendered points of a pixel, in each direction
+FINER = 2  #: rendered points per pixel, in each direction
 
 SQUARE = 0.75
-"""Width of the stage relative to the picture; the panel has the rest."""
+"""Width of the stage relative to the picture; the panel takes the remaining width."""
 
 
 def strokes_of(symbols: Symbols) -> list[tuple[str, float, str, Array]]:
@@ -55,13 +55,15 @@ def strokes_of(symbols: Symbols) -> list[tuple[str, float, str, Array]]:
 
 
 def scene_colours(colouring: Colouring, levels: int) -> Array:
-    """Return the colours of a picture (colour, 3) between 0 and 1, with the map in steps."""
+    """Return the colours of a picture (colour, 3) between 0 and 1, with the colour map in `levels`
+    steps."""
     fixed = [BACKGROUND, INK, FAINT, FORCE_COLOUR, NO_VALUE, MASS_COLOUR]
     return np.array([to_rgb(colour) for colour in [*fixed, *colouring.colours(levels)]])
 
 
 def contact_text(forces: Array) -> str:
-    """Return the number of blades in contact and the largest force, from forces (blade, 2) [N]."""
+    """Return a text with the number of blades in contact and the largest force, from forces (blade,
+    2) [N]."""
     size = np.linalg.norm(forces, axis=1)
     touching = int(np.count_nonzero(size))
     if not touching:
@@ -71,7 +73,7 @@ def contact_text(forces: Array) -> str:
 
 
 def speed_text(dataset: xr.Dataset) -> str:
-    """Return the speed in three units, a line each."""
+    """Return the speed in three units, one per line."""
     speed = float(dataset.attrs["speed"])
     relative = speed / float(dataset.attrs["reference_frequency"])
     return f"{speed:.5g} rad/s\n{speed * 30 / np.pi:.5g} rpm\nΩ/ω₁ = {relative:.4g}"
@@ -92,7 +94,7 @@ class ShaftTrail(NamedTuple):
     """Path of the centre over time."""
 
     places: Array  #: relative to the radius of the circle (record, 2)
-    title: str  #: with the radius of the circle
+    title: str  #: title with the radius of the circle
 
 
 def shaft_trail(dataset: xr.Dataset, records: IntArray, frame: Frame) -> ShaftTrail:

@@ -1,7 +1,7 @@
 """Colouring of the stage in a picture, by a field of a result or by parts.
 
-Values are true at any exaggeration. They are given on both sides of beams and wall, where bending
-strains differ.
+The values do not depend on the exaggeration. Each side of beams and wall has its own values,
+because bending strains differ.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ DIVERGING = "RdBu_r"
 PART_COLOURS = tuple(
     COLOURS[name] for name in ("k = 0", "other k", "suspension", "k = 1", "contact", "rest")
 )
-"""Colours of the parts of the rotor, in turn; the casing has its own."""
+"""Colours of the parts of the rotor, used cyclically; the casing has its own colour."""
 
 
 class Stations(NamedTuple):
@@ -69,11 +69,12 @@ class Colouring:
 
     name: str  #: label of the scale, without unit
     unit: str  #: unit of the scale; "" for parts
-    scale: float  #: number of these units in one SI unit
+    scale: float  #: factor from the SI unit to `unit`
     rotor: Array  #: (record, line, station, side)
-    casing: Array  #: (record, station, side), not closed
+    casing: Array  #: (record, station, side); the first station is not repeated
     signed: bool = False
-    parts: Mapping[str, str] | None = None  #: colours of parts by name; values number them
+    #: colours of parts by name; the values are then numbers of parts
+    parts: Mapping[str, str] | None = None
 
     @property
     def colour_map(self) -> str | list[str]:
@@ -83,7 +84,8 @@ class Colouring:
         return DIVERGING if self.signed else SEQUENTIAL
 
     def colours(self, levels: int) -> list[str]:
-        """Return the colours of the map in steps, or those of the parts, as #rrggbb."""
+        """Return the colours of the map in `levels` steps, or the colours of the parts, as
+        #rrggbb."""
         if isinstance(self.colour_map, str):
             shades = matplotlib.colormaps[self.colour_map](np.linspace(0.0, 1.0, levels))
             return [to_hex(shade) for shade in shades]
@@ -110,8 +112,9 @@ def colouring(
     """Return the values of a field at records, in rotating or static axes.
 
     Raises:
-        ViewError: no such field.
-        ResultError: strain or stress of an old result without sections.
+        ViewError: the field does not exist.
+        ResultError: strain or stress is requested of a result of an old format without
+            cross-sections.
     """
     if field not in get_args(Field):
         raise ViewError(f"colour must be one of {', '.join(get_args(Field))}, got {field!r}")
@@ -140,8 +143,8 @@ def colouring(
 def _magnitude(
     dataset: xr.Dataset, field: str, records: IntArray, stations: Stations, rotating: bool
 ) -> tuple[Array, Array]:
-    """Magnitude of displacement, of deformation without the mean motion of the body, or of velocity
-    in the axes of the picture, of rotor and casing.
+    """Return for rotor and casing the magnitude of displacement, of deformation (displacement
+    without the mean motion of the body), or of velocity in the axes of the picture.
     """
     _, rows = line_rows(dataset, stations.per_line)
     beams = rows.reshape(-1, 2, rows.shape[-1])
@@ -168,7 +171,7 @@ def _magnitude(
 def _strained(
     dataset: xr.Dataset, field: str, records: IntArray, stations: Stations
 ) -> tuple[Array, Array]:
-    """Axial or bending strain, or surface stress, of rotor and casing."""
+    """Return axial or bending strain, or surface stress, of rotor and casing."""
     rotor = Strains.of(
         history(dataset, "rotor_displacement", records),
         rotor_strain_rows(dataset, stations.per_line),
@@ -196,7 +199,7 @@ def _at_surfaces(strains: Strains, field: str, modulus: Array) -> Array:
 
 
 def _gap(dataset: xr.Dataset, records: IntArray, stations: Stations) -> tuple[Array, Array]:
-    """Gap at the tip of every blade; none on the casing."""
+    """Return the gap at the tip of every blade, on all its stations; NaN on the casing."""
     gap, blade = history(dataset, "gap", records), line_blades(dataset)
     values = np.where(blade >= 0, gap[:, blade], np.nan)
     rotor = np.repeat(values[:, :, None], stations.per_line + 1, axis=2)
@@ -205,7 +208,8 @@ def _gap(dataset: xr.Dataset, records: IntArray, stations: Stations) -> tuple[Ar
 
 
 def _parts(dataset: xr.Dataset, records: IntArray, stations: Stations) -> Colouring:
-    """Numbers of parts: parts of the rotor in the order of the mesh, then the casing."""
+    """Return the numbers of the parts: parts of the rotor in the order of the mesh, then the
+    casing."""
     part = dataset["rotor_part"].values.astype(str)
     names = list(dict.fromkeys(part))
     number = np.array([names.index(name) for name in part], dtype=np.float64)
@@ -233,5 +237,6 @@ def scale_end(largest: float) -> float:
         return 1.0
     decade = 10.0 ** np.floor(np.log10(largest))
     steps = (1, 1.2, 1.6, 2, 2.4, 3.2, 4, 5, 6, 8, 10)
-    # The tolerance keeps a value of 1.2 that rounding made 1.2000000000000002.
+    # With the tolerance, a value of 1.2 that became 1.2000000000000002 by rounding still ends at
+    # 1.2.
     return float(decade * min(step for step in steps if step * decade >= largest * (1 - 1e-9)))

@@ -37,7 +37,7 @@ class Ribbon:
 
 @dataclass(frozen=True, kw_only=True)
 class Picture:
-    """Stage at one record. Lengths are as drawn, values are true."""
+    """Stage at one record. Lengths are exaggerated as drawn; values have their true size."""
 
     time: float  #: [s]
     rotor: Ribbon
@@ -149,7 +149,8 @@ class Drawing:
         )
 
     def _casing_ribbon(self, index: int, sides: Array) -> Ribbon:
-        """Wall from the inner surface outward; the first station is repeated at the end."""
+        """Return the wall from the inner surface outward; the first station is repeated at the
+        end."""
         closed = np.append(np.arange(len(sides)), 0)
         return Ribbon(
             sides=rotate(sides[closed], self._casing_turn[index])[None],
@@ -161,7 +162,7 @@ def arrows(tips: Array, forces: Array, length_per_newton: float, width: float) -
     """Return outlines (blade, 7, 2) of arrows that end on the tips and point along the forces.
 
     Corners 0, 1, 5, 6 are the shaft and 2, 3, 4 the head, up to five widths long. A blade without
-    contact has an arrow of no size.
+    contact has an arrow of zero size.
     """
     size = np.linalg.norm(forces, axis=1)
     ahead = np.divide(forces, size[:, None], out=np.zeros_like(forces), where=size[:, None] > 0)

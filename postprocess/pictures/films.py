@@ -13,7 +13,7 @@ from PIL import Image
 from bladewhirl.postprocess.fields.kinematics import Array
 from bladewhirl.postprocess.pictures.offscreen import Pixels
 
-FRAME_RATE = 25  #: pictures a second; 40 ms are a whole number of a GIF's ticks
+FRAME_RATE = 25  #: pictures a second; 40 ms is a whole number of the time unit of a GIF, 10 ms
 
 Progress = Callable[[int, int], None]
 """Called with the numbers of pictures done and in total."""

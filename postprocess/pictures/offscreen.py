@@ -1,4 +1,5 @@
-"""Stage as pixels, drawn without a display, if the system can do so: otherwise VTK would crash."""
+"""Stage as pixels, drawn without a display, after a check that the system can do so: otherwise VTK
+would crash."""
 
 from __future__ import annotations
 
@@ -39,9 +40,10 @@ class OffScreenError(UserError):
 def require_off_screen() -> None:
     """Make VTK draw off-screen through EGL, or raise OffScreenError.
 
-    On Linux VTK loads OpenGL when the first window opens and dies by a segmentation fault where
-    libEGL or a driver is missing, so the same steps are tried here. Other systems bring
-    theirs, and whoever set VTK_DEFAULT_OPENGL_WINDOW to another window is taken at their word.
+    On Linux VTK loads OpenGL when the first window opens and ends with a segmentation fault if
+    libEGL or a driver is missing, so the same steps are tried here first. Other systems contain
+    OpenGL, and if the user has set VTK_DEFAULT_OPENGL_WINDOW to another window, that window is used
+    without a check.
     """
     if not sys.platform.startswith("linux") or os.environ.get(_CHOICE, _EGL) != _EGL:
         return
@@ -51,8 +53,8 @@ def require_off_screen() -> None:
         raise _missing("libEGL.so.1") from error
     if not _has_driver(egl):
         raise _missing("an OpenGL driver for libEGL.so.1")
-    # Without this VTK first tries an X display: a warning where there is none, a crash where
-    # libX11 is missing too.
+    # Without this VTK first tries an X display: a warning if there is no display, a crash if libX11
+    # is missing, too.
     os.environ[_CHOICE] = _EGL
 
 
@@ -64,7 +66,7 @@ def off_screen_plotter(size: tuple[int, int]) -> Iterator[pyvista.Plotter]:
     edges in two thirds of the time of multi-sampling. pyvista is imported here, after the check.
 
     Raises:
-        OffScreenError: the system can't draw.
+        OffScreenError: the system cannot draw without a display.
     """
     require_off_screen()
     import pyvista
@@ -96,7 +98,8 @@ def stage_view(
 ) -> Iterator[Callable[[int | None], Pixels]]:
     """Yield a function that returns the pixels of the index-th record.
 
-    For None it returns the record before, with the panel of all records. See `Panel` for `sheet`.
+    For None it returns the record drawn before, with a panel for all records. See `Panel` for
+    `sheet`.
     """
     with off_screen_plotter(size) as plotter:
         from bladewhirl.postprocess.pictures.panel import Panel
@@ -126,7 +129,7 @@ def _missing(library: str) -> OffScreenError:
 
 
 def _has_driver(egl: ctypes.CDLL) -> bool:
-    """Return whether EGL starts on a device, a graphics card or a software driver.
+    """Return whether EGL can be initialised on a graphics card or a software driver.
 
     Displays are left open: closing them would close those of VTK in this process.
     """

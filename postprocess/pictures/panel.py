@@ -1,4 +1,4 @@
-"""Panel beside the stage in a picture: title, time, contact, colour scale, orbit of the shaft."""
+"""Panel next to the stage in a picture: title, time, contact, colour scale, orbit of the shaft."""
 
 from __future__ import annotations
 
@@ -36,11 +36,13 @@ from bladewhirl.postprocess.pictures.symbols import KINDS, Symbols, sample
 TOPS = {"title": 0.97, "time": 0.885, "speed": 0.82, "frame": 0.7, "contact": 0.565, "orbit": 0.475}
 """Upper edges of the texts, relative to the height of the window."""
 
-SCALE_TOP, SCALE_FOOT = 0.455, 0.05  #: edges of colour scale or key, relative to the window
+#: upper and lower edge of colour scale or key, relative to the window
+SCALE_TOP, SCALE_FOOT = 0.455, 0.05
 ORBIT_SIZE = 0.17  #: size of the inset; the scale begins below it
 BAR_SHARE = 0.11  #: longest scale bar, relative to the width of the window
-NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045  #: position of a number, relative to the tip radius
-LETTERS = 3.6  #: size of numbers on a picture of a sheet, relative to a single picture
+#: radius and sideways offset of a blade number, relative to the tip radius
+NUMBER_PLACE, NUMBER_ASIDE = 0.9, 0.045
+LETTERS = 3.6  #: size of blade numbers in a picture of a sheet, relative to a single picture
 KEY_STEP = 0.034
 KEY_LETTERS, TITLE_LETTERS = 27, 22
 
@@ -51,9 +53,10 @@ class Panel:
     Args:
         scene: the stage.
         dataset: a result.
-        note: further line.
-        trail: consecutive records whose orbit of the shaft an inset shows.
-        sheet: larger numbers, and the length of the scale bar in the panel.
+        note: further line of text.
+        trail: consecutive records; an inset shows the orbit of the shaft in them.
+        sheet: whether the picture belongs to a sheet, with larger blade numbers and the length of
+            the scale bar in the panel.
     """
 
     def __init__(
@@ -112,7 +115,7 @@ class Panel:
 
 
 class Orbit:
-    """Inset with the orbit of the shaft through records, up to the time of the picture."""
+    """Inset with the orbit of the shaft over some records, up to the time of the picture."""
 
     def __init__(self, scene: StageScene, dataset: xr.Dataset, records: IntArray) -> None:
         drawing = scene.drawing
@@ -156,7 +159,7 @@ class Orbit:
 
 
 class BladeNumbers:
-    """Numbers beside the blades, as many as are legible."""
+    """Numbers next to the blades; some are left out if there are too many to be legible."""
 
     def __init__(self, scene: StageScene, blades: int, letters: float = 1.0) -> None:
         steps = (1, 2, 5, 10, 20, 50, 100, 200, 500)
@@ -184,7 +187,7 @@ class BladeNumbers:
 
 
 def draw_scale_bar(scene: StageScene, enlarged: str) -> str:
-    """Draw a scale bar in the lower left corner; return the text for it."""
+    """Draw a scale bar in the lower left corner; return the text that explains it."""
     (left, foot), (right, _) = scene.place(0.02, 0.03), scene.place(0.02 + BAR_SHARE, 0.03)
     decade = 10.0 ** np.floor(np.log10(right - left))
     length = decade * max(step for step in (1, 2, 5) if step * decade <= right - left)
@@ -292,5 +295,5 @@ def write(
 
 
 def _short(name: str) -> str:
-    """Name shortened to a line of the key."""
+    """Return the name shortened to the length of a line of the key."""
     return name if len(name) <= KEY_LETTERS else name[: KEY_LETTERS - 1] + "\N{HORIZONTAL ELLIPSIS}"

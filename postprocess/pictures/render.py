@@ -1,7 +1,7 @@
 """Stills, sheets of stills and animations of a run, drawn off-screen.
 
 pyvista and the scene are imported where they are used (`offscreen`): importing VTK takes long, and
-must wait until it is checked that VTK can draw.
+must not happen before the check that VTK can draw.
 """
 
 from collections.abc import Iterator, Mapping
@@ -39,7 +39,7 @@ CELL = 480  #: width and height of a picture of a sheet [pixels]
 PANEL_HEIGHT = 960  #: smallest height of a sheet, for a legible panel [pixels]
 FRAMES = 120
 MOST_FRAMES = 600
-FRAMES_PER_BLADE = 3  #: fewer pictures per passing blade make the wheel seem to turn backward
+FRAMES_PER_BLADE = 3  #: with fewer pictures per blade passage the wheel seems to turn backward
 
 
 def animation_records(
@@ -52,10 +52,11 @@ def animation_records(
     """Return the records of an animation in which the rotation is smooth.
 
     Pictures are a whole number of records apart, with at least 24 in a revolution and three in a
-    blade passage. Without a window there are `frames` (120) of them about the strongest contact,
-    or at the end of a run without contact; with one end of the window they start or end there.
-    With both, they fill the window: at most 600, or `frames`, which may be too few for a smooth
-    rotation (see `sampling_hint`). Raises ViewError as `frame_records`.
+    blade passage. Without a time window there are `frames` (120) pictures about the strongest
+    contact, or at the end of a run without contact; if only one end of the window is given, they
+    start or end there. If both ends are given, the pictures fill the window: at most 600, or
+    `frames`, which may be too few for a smooth rotation (see `sampling_hint`). Raises ViewError as
+    `frame_records`.
     """
     window = frame_records(dataset, dataset.sizes["time"], start, end)
     if start is not None and end is not None:
@@ -79,8 +80,9 @@ def sheet_records(
 ) -> IntArray:
     """Return equidistant records for a sheet.
 
-    Without a window they cover the revolution of the strongest contact, the last revolution
-    without contact, or the run at zero speed. Raises ViewError as `frame_records`.
+    Without a time window they cover the revolution of the strongest contact, in a run without
+    contact the last revolution, and at zero speed the complete run. Raises ViewError as
+    `frame_records`.
     """
     speed, step = abs(float(dataset.attrs["speed"])), float(dataset.attrs["record_step"])
     span = 1 + round(2 * np.pi / speed / step) if speed else dataset.sizes["time"]
@@ -90,7 +92,8 @@ def sheet_records(
 
 
 def strongest_contact(dataset: xr.Dataset) -> int:
-    """Return the record of the largest contact impulse on a blade; the last without contact."""
+    """Return the record of the largest contact impulse on a blade; the last record of a run without
+    contact."""
     largest = _contact_impulse(dataset).max(axis=1)
     return int(np.argmax(largest)) if largest.any() else len(largest) - 1
 
@@ -109,10 +112,10 @@ def render_still(
     """Draw the stage at the record nearest to `time` [s] as PNG; return the path.
 
     Without a time, the record of the strongest contact is drawn. See `Drawing` for exaggeration,
-    frame and colour; with `orbit` an inset shows the orbit of the shaft in the revolution before.
+    frame and colour; with `orbit` an inset shows the orbit of the shaft in the previous revolution.
 
     Raises:
-        ViewError: a time outside the run, or another suffix.
+        ViewError: the time is outside the run, or the path has another suffix.
         OffScreenError: the system can't draw.
     """
     target = checked_target(path, ".png")
@@ -142,9 +145,10 @@ def render_animation(
 ) -> Path:
     """Draw records (see `animation_records`) as GIF or MP4, 25 a second; return the path.
 
-    See `Drawing` for exaggeration, frame and colour; colours and arrows have one scale. With
-    `orbit` an inset shows the orbit of the shaft. The size is 960 x 720 pixels for a GIF and 1280 x
-    960 for an MP4 by default. `progress` is called with the numbers of pictures done and in total.
+    See `Drawing` for exaggeration, frame and colour; all pictures have the same scales of colours
+    and arrows. With `orbit` an inset shows the orbit of the shaft. The size is 960 x 720 pixels for
+    a GIF and 1280 x 960 for an MP4 by default. `progress` is called with the numbers of pictures
+    done and in total.
 
     Raises:
         ViewError: another suffix.
@@ -188,9 +192,10 @@ def render_sheet(
     columns: int | None = None,
     cell: int = CELL,
 ) -> Path:
-    """Draw the stage at each record, row by row, beside one panel as PNG; return the path.
+    """Draw the stage at each record, row by row, with one panel at the side, as PNG; return the
+    path.
 
-    All pictures have one scale of colours, forces and displacements. `columns` is chosen by
+    All pictures have the same scales of colours, forces and displacements. `columns` is chosen by
     default, `cell` is the width of a picture in pixels. Raises errors as `render_still`.
     """
     target = checked_target(path, ".png")
@@ -217,7 +222,7 @@ def render_sheet(
 
 
 def _labelled(pixels: Pixels, time: float) -> Pixels:
-    """Picture with its time [s] in the upper left corner."""
+    """Return a picture with its time [s] in the upper left corner."""
     image = Image.fromarray(pixels)
     font = ImageFont.truetype(FONT, round(0.045 * image.height))
     inset = round(0.015 * image.height)
@@ -226,14 +231,15 @@ def _labelled(pixels: Pixels, time: float) -> Pixels:
 
 
 def _palette(drawing: Drawing, samples: list[Pixels]) -> Image.Image:
-    """Palette of a GIF: colours of the scene, and those between them in samples."""
+    """Return the palette of a GIF: colours of the scene, and intermediate colours of the
+    samples."""
     seen = np.vstack(samples).reshape(1, -1, 3)
-    drawn = seen[:, np.any(seen[0] < 240, axis=1)]  # a near-white would be taken for white
+    drawn = seen[:, np.any(seen[0] < 240, axis=1)]  # a near-white colour would replace white
     return shared_palette(scene_colours(drawing.colouring, 90), drawn)
 
 
 def _revolution_before(dataset: xr.Dataset, record: int) -> IntArray:
-    """Records of the revolution before a record; all earlier records at zero speed."""
+    """Return the records of the revolution before a record; at zero speed all earlier records."""
     speed = abs(float(dataset.attrs["speed"]))
     time = dataset["time"].values
     begin = time[record] - 2 * np.pi / speed if speed else time[0]
@@ -243,13 +249,13 @@ def _revolution_before(dataset: xr.Dataset, record: int) -> IntArray:
 def check_inside(dataset: xr.Dataset, time: float) -> None:
     """Check that a time [s] lies in the run; raise ViewError otherwise."""
     first, last = dataset["time"].values[[0, -1]]
-    step = float(dataset.attrs["record_step"])  # the last record may fall short of the end
+    step = float(dataset.attrs["record_step"])  # the last record may be before the end
     if not first - step <= time <= last + step:
         raise ViewError(f"time {time:g} s lies outside the run, [{first:g}, {last:g}] s")
 
 
 def _stride(dataset: xr.Dataset) -> int:
-    """Number of records from one picture to the next."""
+    """Return the number of records from one picture to the next."""
     speed = abs(float(dataset.attrs["speed"]))
     if speed == 0:
         return 1
@@ -259,14 +265,15 @@ def _stride(dataset: xr.Dataset) -> int:
 
 
 def _busiest(dataset: xr.Dataset, span: int) -> int:
-    """First of `span` records with the largest total contact impulse; the last without contact."""
+    """Return the first of the `span` successive records with the largest total contact impulse;
+    those at the end of a run without contact."""
     total = np.concatenate([[0.0], np.cumsum(_contact_impulse(dataset).sum(axis=1))])
     within = total[span:] - total[:-span]
     return int(np.argmax(within)) if total[-1] > 0 else len(within) - 1
 
 
 def _contact_impulse(dataset: xr.Dataset) -> Array:
-    """Contact impulse since the record before (time, blade) [N s]; zero for a mode."""
+    """Return the contact impulse since the previous record (time, blade) [N s]; zero for a mode."""
     if "contact_impulse" in dataset:
         return np.asarray(dataset["contact_impulse"].values)
     return np.zeros((dataset.sizes["time"], dataset.sizes["blade"]))

@@ -33,10 +33,10 @@ CIRCLE = np.column_stack(
 
 
 class StageScene:
-    """Drawing of the stage in a `pyvista.Plotter`, on a screen or off it.
+    """Drawing of the stage in a `pyvista.Plotter`, on the screen or off-screen.
 
-    Colours are true values of the field of the drawing. Without `marks`, shaft and first blade have
-    no dots. Layers have small distances in z, so the view must be along z, see `aim`.
+    Colours show the true values of the field. Without `marks`, shaft and first blade have no dots.
+    Layers have small distances in z, so the view must be along z, see `aim`.
     """
 
     def __init__(self, plotter: pyvista.Plotter, drawing: Drawing, *, marks: bool = True) -> None:
@@ -144,7 +144,7 @@ class StageScene:
         self.plotter.reset_camera_clipping_range()
 
     def place(self, across: float, up: float) -> Array:
-        """Return the point of the plane [m] at a relative position in the window."""
+        """Return the point of the drawing plane [m] at a relative position in the window."""
         width, height = self.plotter.window_size
         half = self._half_height * width / height
         middle = (1 - SQUARE) * half
@@ -152,7 +152,7 @@ class StageScene:
 
     @property
     def _half_height(self) -> float:
-        """Half of the height of the window in the plane [m]."""
+        """Half of the height of the window, measured in the drawing plane [m]."""
         width, height = self.plotter.window_size
         return float(MARGIN * self._size * max(1.0, height / (SQUARE * width)))
 
@@ -164,7 +164,7 @@ class StageScene:
         color: str | None = None,
         shown: bool = True,
     ) -> pyvista.PolyData:
-        """Mesh of polygons without lighting, coloured by the field if no colour is given."""
+        """Add a mesh of polygons without lighting, coloured by the field if no colour is given."""
         space = np.zeros((points, 3))
         space[:, 2] = 1e-3 * layer * self._size
         cells = np.concatenate([np.insert(f, 0, f.shape[1], axis=1).ravel() for f in faces])
@@ -194,7 +194,7 @@ class StageScene:
 def stroke_corners(strokes: Array, width: float) -> Array:
     """Return corners (stroke, 4, 2) of strokes (stroke, 2, 2) of a width [m].
 
-    Strokes are longer by the width, so that those of a zigzag meet.
+    Each stroke is drawn longer by its width, so that the strokes of a zigzag meet.
     """
     span = strokes[:, 1] - strokes[:, 0]
     length = np.linalg.norm(span, axis=-1, keepdims=True)
@@ -209,7 +209,8 @@ def _stroke_quads(strokes: int) -> IntArray:
 
 
 def _strip_quads(lines: int, stations: int, strips: int) -> IntArray:
-    """Quads (quad, 4) of ribbons of strips; points are ordered (line, station, strip, side)."""
+    """Return the quads (quad, 4) of ribbons of strips; points are ordered (line, station, strip,
+    side)."""
     across = 2 * strips
     start = across * (np.arange(lines)[:, None] * stations + np.arange(stations - 1))
     corners = np.array([0, 1, across + 1, across])
@@ -218,16 +219,17 @@ def _strip_quads(lines: int, stations: int, strips: int) -> IntArray:
 
 
 def _halves(sides: Array) -> Array:
-    """Sides of two strips (line, station, 4, 2) of a ribbon (line, station, 2, 2).
+    """Return the sides of two strips (line, station, 4, 2) of a ribbon (line, station, 2, 2).
 
-    Each half has the colour of its surface, which would not be visible if it faded to the middle.
+    Each half has the uniform colour of its surface; with a gradient across the thickness the colour
+    of the surface would hardly be visible.
     """
     middle = sides.mean(axis=2)
     return np.stack([sides[:, :, 0], middle, middle, sides[:, :, 1]], axis=2)
 
 
 def disc_triangles(discs: int) -> IntArray:
-    """Return triangles (triangle, 3) of discs; VTK fails to triangulate a polygon of no size."""
+    """Return triangles (triangle, 3) of discs; VTK fails to triangulate a polygon of zero size."""
     corner = np.arange(1, DISC_CORNERS - 1)
     fan = np.column_stack([np.zeros_like(corner), corner, corner + 1])
     triangles: IntArray = (DISC_CORNERS * np.arange(discs)[:, None, None] + fan).reshape(-1, 3)

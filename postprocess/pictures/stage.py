@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from bladewhirl.postprocess.pictures.scene import StageScene
 
 SET_COLOURS = ("#ffffff", "#20262e", "#f0e442", "#cc79a7", "#56b4e9", "#009e73")
-"""Colours of the dots at the nodes of sets, in turn."""
+"""Colours of the dots at the nodes of the sets, used cyclically."""
 
 DOT = 0.011  #: radius of the dots of the first set, relative to the picture; others are smaller
 
@@ -33,7 +33,7 @@ DOT = 0.011  #: radius of the dots of the first set, relative to the picture; ot
 def stage_at_rest(
     arrays: StageArrays, *, title: str, tip_radius: float, casing_radius: float, clamped: bool
 ) -> xr.Dataset:
-    """Return a stage at rest, at one instant."""
+    """Return a Dataset of a stage at rest, with a single instant."""
     motion = {
         "time": np.zeros(1),
         "rotor_displacement": np.zeros((1, len(arrays.rotor_frequency))),
@@ -66,8 +66,8 @@ def draw_stage(
         size: width and height [pixels].
 
     Raises:
-        ViewError: the name does not end in .png, or the factor is invalid.
-        OffScreenError: the system can't draw.
+        ViewError: the path does not end in .png, or the factor is invalid.
+        OffScreenError: the system cannot draw without a display.
     """
     target = checked_target(path, ".png")
     drawing = Drawing(dataset, np.array([0]), exaggeration=exaggeration, colour="part")
@@ -85,7 +85,7 @@ def draw_stage(
 
 
 def _mark_sets(scene: StageScene, node_sets: Mapping[str, IntArray]) -> None:
-    """Dots at the nodes of every set, concentric where sets share a node."""
+    """Draw dots at the nodes of every set, concentric if sets share a node."""
     for number, (nodes, colour) in enumerate(zip(node_sets.values(), SET_COLOURS, strict=False)):
         size = DOT * (1.0 - number / (len(SET_COLOURS) + 1))
         scene.dots(scene.drawing.nodes[nodes], size, colour, layer=8 + 2 * number)
@@ -122,7 +122,7 @@ def _describe(scene: StageScene, dataset: xr.Dataset, node_sets: Mapping[str, In
 
 
 def _sizes(dataset: xr.Dataset) -> str:
-    """Return number of blades, tip radius and clearance, a line each."""
+    """Return number of blades, tip radius and clearance, one per line."""
     clearance = dataset["clearance"].values[:, None] + dataset["tip_recess"].values
     (low, high), (unit, scale) = (
         np.sort(clearance.ravel())[[0, -1]],

@@ -17,16 +17,16 @@ from numpy.typing import NDArray
 from bladewhirl.postprocess.fields.kinematics import Array, rotate
 
 SPRING = 0.075  #: length of a spring at rest
-ZIGZAG = 0.016  #: half of its width
+ZIGZAG = 0.016  #: half of the width of a spring
 TEETH = 7
 DASHPOT = 0.013  #: half of the width of a damper
-CUP = 3.0  #: length of its cup, over that half width
+CUP = 3.0  #: length of the cup of a damper, relative to half of its width
 GROUND = 0.022  #: half of the width of a piece of ground
 HATCHES = 4
-BESIDE = 0.048  #: angle from a spring or strut to the damper beside it [rad]
+BESIDE = 0.048  #: angle between a spring or strut and the damper next to it [rad]
 BRACKET = 0.03  #: height of a spring along the wall above the wall
 FOUNDATION = 36  #: number of springs that represent a uniform support of the casing
-SMALL = 0.6  #: relative size of these springs, and of those of the shaft
+SMALL = 0.6  #: relative size of the springs of a uniform support, and of those of the shaft
 SHAFT_SPRING = 2.4  #: length of the springs of the shaft, relative to other small springs
 MASS = 0.02  #: radius of a point mass
 
@@ -53,8 +53,8 @@ class Holder(NamedTuple):
 
     kind: Kind
     angles: Array  #: angles of the feet on the wall (foot,) [rad]
-    ways: Array  #: vectors from foot to ground (foot, 2) [m]
-    lift: float = 0.0  #: height of the brackets that carry them [m]
+    ways: Array  #: vectors from each foot to the ground (foot, 2) [m]
+    lift: float = 0.0  #: height of the brackets that carry the feet [m]
     scale: float = 1.0  #: relative size
 
 
@@ -74,7 +74,8 @@ class StageSymbols:
     Args:
         dataset: a result.
         angles: angles of the casing's stations (station,) [rad].
-        clearance: length by which springs of the casing are longer [m], for its drawn motion.
+        clearance: additional length of the springs of the casing [m], as space for its drawn
+            motion.
     """
 
     def __init__(self, dataset: xr.Dataset, angles: Array, clearance: float = 0.0) -> None:
@@ -97,11 +98,12 @@ class StageSymbols:
     def drawn(
         self, wall: Array, rest: Array, centre: Array, nodes: Array, ahead: float = 0.0
     ) -> tuple[Symbols, ...]:
-        """Return symbols of casing, springs and dampers of the shaft, and rotor, in own axes.
+        """Return symbols of the casing, of springs and dampers of the shaft, and of the rotor, each
+        in the axes of their body.
 
         Args:
             wall: drawn outer surface (station, 2) [m].
-            rest: the same at rest.
+            rest: outer surface at rest (station, 2) [m].
             centre: drawn centre, in rotating axes (2,) [m].
             nodes: drawn nodes, in rotating axes (rotor_node, 2) [m].
             ahead: angle from the static to the rotating axes [rad].
@@ -121,7 +123,8 @@ class StageSymbols:
     def together(
         self, symbols: tuple[Symbols, ...], casing_turn: float, rotor_turn: float
     ) -> Symbols:
-        """Return the symbols of `drawn`, turned from the axes of casing and rotor [rad]."""
+        """Return all symbols of `drawn` as one, turned by the angles of the casing's and the
+        rotor's axes [rad]."""
         spring_turn = casing_turn if self._static_springs else rotor_turn
         turns = (casing_turn, spring_turn, rotor_turn, rotor_turn)
         turned = [
@@ -140,7 +143,7 @@ class StageSymbols:
                 yield Symbol("struts", wall[feet], start, size)
 
     def _on_rotor(self, nodes: Array) -> Iterator[Symbol]:
-        """Springs to the ground and between nodes, and rigid links."""
+        """Yield springs to the ground and between nodes, and rigid links."""
         size = SMALL * self._radius
         first, second = self._springs.T
         to_ground = first[second < 0]
@@ -151,7 +154,8 @@ class StageSymbols:
 
 
 def _holders(dataset: xr.Dataset, radius: float, clearance: float) -> list[Holder]:
-    """Springs, dampers and struts between casing and ground: those of an angle side by side."""
+    """Return springs, dampers and struts between casing and ground; those at one angle are side by
+    side."""
     founded = float(dataset.get("casing_foundation", 0.0)) > 0
     around = 2 * np.pi * (np.arange(FOUNDATION if founded else 0) + 0.5) / FOUNDATION
     length = radius * SPRING
@@ -170,7 +174,7 @@ def _holders(dataset: xr.Dataset, radius: float, clearance: float) -> list[Holde
     )
     outward = (length + clearance) * _outward(angle)
     along = length * rotate(_outward(angle), np.pi / 2)
-    aside = angle + BESIDE * (~strut & (sprung_out | damped_out))  # clear of the radial symbols
+    aside = angle + BESIDE * (~strut & (sprung_out | damped_out))  # next to the radial symbols
     low, high = radius * BRACKET, radius * (BRACKET + BESIDE)
     table: list[tuple[Kind, NDArray[np.bool_], Array, Array, float]] = [
         ("springs", ~strut & sprung_out, angle, outward, 0.0),
@@ -193,7 +197,7 @@ def sample(kind: str, start: Array, end: Array) -> Symbols:
 
 
 def _strokes(parts: Iterable[Symbol], masses: Array = NO_MASSES) -> Symbols:
-    """Strokes of symbols, and discs."""
+    """Combine strokes of symbols and the discs of masses."""
     strokes: dict[str, list[Array]] = {kind: [NO_STROKES] for kind in (*DRAW, "ground")}
     for kind, start, end, size, grounded in parts:
         strokes[kind].append(DRAW[kind](start, end, WIDTHS[kind] * size))
@@ -211,13 +215,14 @@ def _optional(dataset: xr.Dataset, name: str, shape: tuple[int, ...]) -> NDArray
 
 
 def _positive(dataset: xr.Dataset, name: str, count: int) -> NDArray[np.bool_]:
-    """Mask of the first values of a variable that are positive; none if it is missing."""
+    """Return a mask of the positive ones of the first `count` values; all False without the
+    variable."""
     values = dataset[name].values[:count] > 0 if name in dataset else np.zeros(count)
     return np.asarray(values, dtype=np.bool_)
 
 
 def _zigzags(start: Array, end: Array, half_width: float) -> Array:
-    """Strokes of springs from start to end (spring, 2): straight, teeth, straight."""
+    """Return strokes of springs from start to end (spring, 2): straight, teeth, straight."""
     knots = np.concatenate([[0.0], np.linspace(0.2, 0.8, TEETH), [1.0]])
     side = np.zeros(len(knots))
     side[2:-2] = np.where(np.arange(len(knots) - 4) % 2, -1.0, 1.0)
@@ -228,11 +233,12 @@ def _zigzags(start: Array, end: Array, half_width: float) -> Array:
 
 
 def _dashpots(start: Array, end: Array, half_width: float) -> Array:
-    """Strokes of dampers from start to end (damper, 2): rod and piston, cup and rod."""
+    """Return strokes of dampers from start to end (damper, 2): rod and piston, cup and rod."""
     span = end - start
     length = np.linalg.norm(span, axis=1)
     cup = np.minimum(0.5 * CUP * half_width, 0.35 * length)
-    # Along from the middle and aside, in halves of the cup and of its width.
+    # Coordinates along and across the damper from its middle, in units of half the cup and half the
+    # width.
     corners = np.array(
         [[0, 0], [0, -0.6], [0, 0.6], [1, -1], [1, 1], [-1, -1], [-1, 1], [1, 0]], dtype=np.float64
     )
@@ -254,7 +260,8 @@ def _dashpots(start: Array, end: Array, half_width: float) -> Array:
 
 
 def _grounds(at: Array, away: Array, half_width: float) -> Array:
-    """Strokes of hatched ground at points; `away` (point, 2) points into the ground."""
+    """Return strokes of hatched ground at points; `away` (point, 2) is the direction into the
+    ground."""
     aside = rotate(away, np.pi / 2) * half_width
     line = np.stack([at - aside, at + aside], axis=1)[:, None]
     place = np.linspace(-0.7, 1.0, HATCHES)[:, None]
@@ -270,12 +277,12 @@ def _unit(vectors: Array) -> Array:
 
 
 def _bars(start: Array, end: Array, half_width: float) -> Array:
-    """Strokes of struts."""
+    """Return strokes of struts."""
     return np.stack([start, end], axis=1)
 
 
 KINDS = {"springs": "spring", "dampers": "damper", "struts": "strut or rigid link"}
-"""Names of the symbols from end to end."""
+"""Names of the symbols that connect two points."""
 
 DRAW = {"springs": _zigzags, "dampers": _dashpots, "struts": _bars}
 """Functions that make strokes from start (symbol, 2), end (symbol, 2) and half the width [m]."""

@@ -1,6 +1,7 @@
-"""Run as one HTML file that a browser plays offline, with zoom, time and values at the pointer.
+"""Animation of a run as one HTML file that a browser plays offline, with zoom, time and values at
+the pointer.
 
-The page contains points in 16 bits, colours in 8 bits, and the program that draws them
+The page contains points as 16-bit and colours as 8-bit integers, and the program that draws them
 (`web_page.html`).
 """
 
@@ -45,7 +46,7 @@ from bladewhirl.postprocess.plotting.files import checked_target, filled_templat
 
 FULL = 32767  #: largest signed number of 16 bits
 SHADES = 128
-NONE = 255  #: shade without a value
+NONE = 255  #: shade of stations without a value
 
 
 def render_page(
@@ -64,7 +65,7 @@ def render_page(
     pictures done and in total.
 
     Raises:
-        ViewError: another suffix.
+        ViewError: the path has another suffix.
     """
     target = checked_target(path, ".html")
     drawing = Drawing(dataset, records, exaggeration=exaggeration, frame=frame, colour=colour)
@@ -106,7 +107,8 @@ def render_page(
 def _pack(
     drawing: Drawing, size: float, progress: Progress | None
 ) -> tuple[Array, Array, dict[str, list[int]]]:
-    """Points and shades (record, number), and by name the offset and shape in a record."""
+    """Return points and shades (record, number), and the offset and shape of each named array in a
+    record."""
     places, shades, layout = [], [], dict[str, list[int]]()
     for index in range(len(drawing)):
         shapes = _shapes(drawing, drawing.picture(index), size)
@@ -126,7 +128,8 @@ def _pack(
 
 
 def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Array]:
-    """Points of all drawn shapes by name [m]; lines have shape (line, station, ...)."""
+    """Return the points of all drawn shapes by name [m]; arrays of lines have shape (line, station,
+    ...)."""
     force = drawing.largest_force
     length = LONGEST_ARROW * size / MARGIN / force if force else 0.0
     return {
@@ -142,7 +145,7 @@ def _shapes(drawing: Drawing, picture: Picture, size: float) -> Mapping[str, Arr
 
 
 def _shades(colouring: Colouring, values: Array) -> Array:
-    """Numbers of the colours of values."""
+    """Return the numbers of the colours of values."""
     low, high = colouring.limits
     if colouring.parts is not None:
         low, high = 0.0, len(colouring.parts) - 1.0
@@ -154,7 +157,7 @@ def _shades(colouring: Colouring, values: Array) -> Array:
 
 
 def _instants(drawing: Drawing) -> dict[str, Any]:
-    """Time and contacts of each picture."""
+    """Return time and contacts of each picture."""
     forces = [drawing.picture(index).forces for index in range(len(drawing))]
     return {
         "times": [f"t = {1e3 * time:.1f} ms" for time in drawing.times],
@@ -164,7 +167,7 @@ def _instants(drawing: Drawing) -> dict[str, Any]:
 
 
 def _looks(colouring: Colouring) -> dict[str, Any]:
-    """Colours, and sizes in units of the points."""
+    """Return colours, and sizes in the units of the points."""
     unit = FULL / MARGIN
     return {
         "ink": INK,
@@ -185,7 +188,8 @@ def _looks(colouring: Colouring) -> dict[str, Any]:
 
 
 def _orbit(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
-    """Orbit of the shaft from the first to the last record, relative to a circle."""
+    """Return the orbit of the shaft from the first to the last record, relative to the radius of a
+    circle."""
     records = np.arange(drawing.records.min(), drawing.records.max() + 1)
     trail = shaft_trail(dataset, records, drawing.frame)
     return {
@@ -196,6 +200,6 @@ def _orbit(dataset: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
 
 
 def _members(dataset: xr.Dataset) -> list[str]:
-    """Blade or part of each beam."""
+    """Return the name of the blade or part of each beam."""
     names, member = member_names(dataset)
     return [names[number] for number in member]
