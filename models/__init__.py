@@ -1,1 +1,1 @@
-"""Cases, finite element models, reduction and the stage that the march starts from."""
+"""Cases, finite element models, reduction, and the reduced stage for time integration."""

@@ -1,4 +1,4 @@
-"""Tables of the analysis: reduction, damping, contact, start, coupling, march."""
+"""Tables of a case for the analysis: reduction, damping, contact, start, coupling and march."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ from bladewhirl.models.inputs.timing import Timing
 from bladewhirl.models.inputs.units import Speed
 
 MOST_STEPS = 1e12
-"""Longest march; it takes days, and step numbers stay far from overflow."""
+"""Largest number of time steps; that many take days, and step numbers are far from overflow."""
 
 WHOLE = 1e-6
-"""Largest relative distance of record_step / time_step from a whole number."""
+"""Relative tolerance with which record_step / time_step must be an integer."""
 
 
 class Reduction(Table):
@@ -79,7 +79,7 @@ class Contact(Table):
     a tip creeps that should stick."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Restitution that gains energy."""
+        """Yield an error for a restitution above one, which would generate energy."""
         if self.restitution > 1.0:
             yield Inconsistency("restitution", "a number from 0 to 1")
 
@@ -156,13 +156,13 @@ class March(Table):
 
     @property
     def timing(self) -> Timing:
-        """Speed, duration and time steps of the march, and its scheme."""
+        """Duration, time step and record step of the march."""
         return Timing(
             time_step=self.time_step, duration=self.duration, record_step=self.record_step
         )
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Records that do not fall on steps, steps without number."""
+        """Yield errors for records that are not at time steps, and for too many steps."""
         ratio = self.record_step / self.time_step
         if ratio < 1.0 - WHOLE:
             expected = f"at least march.time_step = {self.time_step!r}"

@@ -28,7 +28,8 @@ from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.rectangular import BeamSection
 
 MOST_SPREAD = 0.2
-"""Largest standard deviation of a random factor; more would soon make one that is not positive."""
+"""Largest standard deviation of random factors; with a larger one, factors below zero are likely.
+"""
 
 Blades = tuple[Annotated[int, count(0)], ...]
 Factors = tuple[Annotated[float, number("positive")], ...]
@@ -108,7 +109,8 @@ class Mistuning(Table):
     """Seed of the random factors; each quantity has a random stream of its own."""
 
     def factors(self, name: str, blades: int) -> FloatArray:
-        """Factors on stiffness, mass or length, (blades,): as listed, drawn, or all one."""
+        """Return the factors on stiffness, mass or length: the listed ones, random ones or ones,
+        (blades,)."""
         listed = getattr(self, name)
         if listed:
             return np.array(listed)
@@ -117,7 +119,8 @@ class Mistuning(Table):
         return np.asarray(1.0 + getattr(self, f"{name}_spread") * drawn)
 
     def faults(self, blades: int) -> Iterator[Inconsistency]:
-        """Yield lists of the wrong length and spreads that are too large or given beside lists."""
+        """Yield lists of wrong length, and spreads that are too large or given in addition to a
+        list."""
         for name in ("stiffness", "mass", "length"):
             listed, spread = getattr(self, name), getattr(self, f"{name}_spread")
             key = f"mistuning.{name}"
@@ -216,12 +219,12 @@ class BladedDisk(Table):
     def _without_keys_of_no_meaning(
         self, serialize: SerializerFunctionWrapHandler
     ) -> dict[str, Any]:
-        """Leave the other keys unwritten where a mesh replaces them."""
+        """Leave out the other keys if a mesh replaces them."""
         tables: dict[str, Any] = serialize(self)
         return tables if self.mesh is None else {"mesh": tables["mesh"]}
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield blades without length, parts outside the geometry and too many nodes."""
+        """Yield errors for blades without length, parts at wrong radii and too many elements."""
         if self.mesh is not None:
             for name, field in type(self).model_fields.items():
                 if name != "mesh" and getattr(self, name) != field.default:

@@ -1,8 +1,9 @@
-"""The case: the contents of a case file, in SI units, frozen.
+"""The case: the immutable contents of a case file, in SI units.
 
-Make one by keyword, ``Case(march=March(speed=1.2))``, or read one, `read_case`. Defaults are the
-source paper's values or, where it gives none, a choice; each description says which. Numbers are
-SI; text carries its own unit, "1 mm". Other geometries join as further optional tables.
+Make a case by keyword, ``Case(march=March(speed=1.2))``, or read one with `read_case`. Defaults are
+values of the paper, or a choice where the paper gives none; the description of each key says
+which. Numbers are in SI units; text includes a unit, "1 mm". New kinds of geometry are added as
+optional tables.
 """
 
 from __future__ import annotations
@@ -39,8 +40,8 @@ class Case(Table):
     """A bladed disk on its shaft, a casing, a load and a speed; the default is the fan stage.
 
     Raises:
-        CaseError: with all faults, as for a case file. Other tables made by keyword raise
-            pydantic's ``ValidationError``.
+        CaseError: the case is invalid; the error lists all faults, as for a case file. Other tables
+            made by keyword raise pydantic's ``ValidationError``.
     """
 
     title: StrictStr = "Fan stage"
@@ -73,7 +74,7 @@ class Case(Table):
                 raise CaseError(faults_of(error, tables)) from None
 
     def __repr__(self) -> str:
-        """Return the title and, a line a table, the keys that differ from their defaults."""
+        """Return the title, and a line for each table with the keys that are not at defaults."""
         changed = self.model_dump(exclude_defaults=True, exclude_none=True)
         changed["excitation"] = {"type": self.excitation.type, **changed.get("excitation", {})}
         rows = [f"{name:<13}{shown(table)}" for name, table in changed.items() if name != "title"]
@@ -87,14 +88,14 @@ class Case(Table):
     def _without_blades_beside_a_sketch(
         self, serialize: SerializerFunctionWrapHandler
     ) -> dict[str, Any]:
-        """Leave the keys of [bladed_disk] unwritten where a sketch replaces them."""
+        """Leave out the keys of [bladed_disk] if a sketch replaces them."""
         tables: dict[str, Any] = serialize(self)
         if self.sketch is not None:
             tables.pop("bladed_disk", None)
         return tables
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Values that do not fit together from table to table."""
+        """Yield contradictions between values of different tables."""
         load, elements = self.excitation, self.casing.elements
         if isinstance(load, CasingDistortion) and 2 * load.nodal_diameter > elements:
             expected = f"at most half of casing.elements = {elements}"
@@ -153,7 +154,7 @@ class Case(Table):
 
     @property
     def tip_radius(self) -> float:
-        """Radius of the tips that the clearance counts from [m]."""
+        """Tip radius from which the clearance is measured [m]."""
         if self.sketch is not None:
             return self.sketch.radius
         mesh = self.bladed_disk.mesh

@@ -22,11 +22,11 @@ from bladewhirl.models.sections.rectangular import BeamSection
 from bladewhirl.models.sections.wall import TURN, Arc, Lobe, RingProfile
 
 SAME_ANGLE = 1e-9
-"""Angles nearer than this are the same [rad]."""
+"""Difference below which two angles count as equal [rad]."""
 
 ELEMENTS_PER_LOBE = 4
-"""Fewer elements on a wave can't follow it: the clearance, a cubic between nodes, is then off by
-more than 2 % of the amplitude."""
+"""Smallest number of elements per wave. With fewer, the error of the clearance, which is a cubic
+polynomial between nodes, exceeds 2 % of the amplitude."""
 
 
 class Station(Table):
@@ -53,7 +53,7 @@ class SpringSupport(Table):
     """Damping [N s/m]."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Supports that are none."""
+        """Yield an error for a support without stiffness and damping."""
         if not (self.radial or self.tangential or self.radial_damping or self.tangential_damping):
             others = ("tangential", "radial_damping", "tangential_damping")
             yield Inconsistency("radial", f"more than 0 here or in {', '.join(others)}", others)
@@ -75,7 +75,7 @@ class Strut(BeamSection):
     """Damping along the strut [N s/m]."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """A strut that runs inward."""
+        """Yield an error for a strut that points inward."""
         if not abs(self.inclination) < TURN / 4.0:
             expected = "less than a quarter turn either way: struts run outward"
             yield Inconsistency("inclination", expected, ())
@@ -147,7 +147,7 @@ class Casing(Table):
 
     @property
     def thickness_profile(self) -> RingProfile:
-        """Thickness of the wall [m] around the ring, but for the arcs."""
+        """Thickness of the wall around the ring, without the stiffened arcs [m]."""
         return RingProfile(
             mean=self.wall.thickness,
             lobes=self.thickness_lobes,
@@ -155,7 +155,8 @@ class Casing(Table):
         )
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Clearance or wall of no size, waves that elements can't follow, arcs that overlap."""
+        """Yield errors for a negative clearance or thickness, for too many lobes for the elements,
+        and for stations or arcs that overlap."""
         most = self.elements // ELEMENTS_PER_LOBE
         for key in ("clearance_lobes", "thickness_lobes"):
             if any(row.lobes > most for row in getattr(self, key)):

@@ -1,4 +1,4 @@
-"""Validation of nested tables, as TOML gives them: a Case, or a `CaseError` with its faults."""
+"""Validation of nested tables from TOML: make a Case, or raise a `CaseError` with all faults."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ def case_from(tables: Mapping[str, Any]) -> Case:
     """Make a case from nested tables, as a case file contains them.
 
     Raises:
-        CaseError: with all faults; contradictions between values are reported once each value is
-            valid by itself.
+        CaseError: the case is invalid; the error lists all faults. Contradictions between values
+            are reported only if each value is valid by itself.
     """
     return Case(**tables)
 
@@ -42,9 +42,9 @@ def faults_of(error: ValidationError, tables: Mapping[str, Any], parent: str = "
     """Return the faults in pydantic's error on a case or a part of it.
 
     Args:
-        error: of the validation.
-        tables: that were validated.
-        parent: dotted key of the part; empty for a case.
+        error: error of the validation.
+        tables: tables that were validated.
+        parent: dotted key of the part of a case; empty for a case.
     """
     return [_fault(details, tables, parent) for details in error.errors(include_url=False)]
 
@@ -79,7 +79,7 @@ def _expected(details: ErrorDetails, path: Path) -> str:
 
 
 def _path(details: ErrorDetails) -> Path:
-    """Return the path to a fault; pydantic inserts the type of the excitation where it is known."""
+    """Return the path to a fault, without the type of excitation that pydantic inserts."""
     location = details["loc"]
     if details["type"] in TAG_ERRORS:
         return (*location, "type")
@@ -105,7 +105,7 @@ def _dotted(path: Path) -> str:
 
 
 def _known_key(location: Path, path: Path) -> str:
-    """Return the expectation for an unknown key: similar keys of its table, then of all tables."""
+    """Return the text that suggests similar keys, of the same table or of all tables."""
     name, table = str(path[-1]), path[:-1]
     kinds = [f'"{kind}"' for kind, load in EXCITATIONS.items() if name in load.model_fields]
     if path[0] == "excitation" and kinds:
@@ -138,7 +138,7 @@ def _keys_of(table: type[Table]) -> Iterator[tuple[str, ...]]:
 
 
 def _tables_in(annotation: Any) -> Iterator[type[Table]]:
-    """Yield the tables that a type contains: itself, or inside "or None" and arrays."""
+    """Yield the tables in a type: the type itself, and those in its unions and arrays."""
     if isinstance(annotation, type) and issubclass(annotation, Table):
         yield annotation
     for inner in get_args(annotation):

@@ -72,7 +72,7 @@ class Imbalance(Table):
         return values
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Two unbalances, or none."""
+        """Yield an error if not exactly one of unbalance and clearance_speed is given."""
         if (self.clearance_speed is None) == (self.unbalance is None):
             expected = "either unbalance or clearance_speed"
             yield Inconsistency("unbalance", expected, ("clearance_speed",))
@@ -102,7 +102,7 @@ EXCITATIONS: dict[str, type[Table]] = {
     "harmonic": Harmonic,
     "none": NoExcitation,
 }
-"""Model of each `excitation.type`."""
+"""Table class of each `excitation.type`."""
 
 Excitation = Annotated[
     CasingDistortion | Imbalance | Harmonic | NoExcitation, Field(discriminator="type")

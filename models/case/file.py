@@ -1,4 +1,4 @@
-"""Case files: read, checked and written; keys set from the command line."""
+"""Reading of case files, and values that replace some of their keys."""
 
 from __future__ import annotations
 
@@ -18,29 +18,31 @@ from bladewhirl.models.case.excitation import EXCITATIONS
 from bladewhirl.models.inputs.errors import CaseError, Fault, faults_in
 
 MOST_LETTERS = 2**24
-"""Longest case file; what is longer is something else."""
+"""Length of the longest case file [characters]; a longer file cannot be a case."""
 
 _DEEP_KEY = re.compile(r"(?<![\w\"'-])(?:[\w\"'-]++[ \t]*+\.[ \t]*+){50}")
-"""A dotted key of more than 50 parts: the memory of tomllib grows with their square."""
+"""Pattern of a dotted key of more than 50 parts; the memory that tomllib needs grows with the
+square of their number."""
 
 SET = "--set"
-"""Named instead of the file in faults of overridden keys."""
+"""Name used in place of the file in faults of overridden keys."""
 
 LOAD_TYPE = "excitation.type"
 
 SPRINGS = ("shaft.stiffness", "shaft.suspension_frequency")
-"""Either of these replaces the other in the case that it changes."""
+"""Two keys of which each removes the other when it is set."""
 
 
 def read_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
     """Read a case file.
 
     Args:
-        path: of the file, TOML in UTF-8.
-        overrides: "march.speed=1.2" and the like, see `loads`.
+        path: path of the case file, which is TOML in UTF-8.
+        overrides: values that replace keys, such as "march.speed=1.2", see `loads`.
 
     Raises:
-        CaseError: the file is missing or unreadable, not TOML, or holds faults: all of them.
+        CaseError: the file is missing, unreadable or not TOML, or the case is invalid; the error
+            lists all faults of the case.
     """
     file = fspath(path)
     try:
@@ -57,18 +59,20 @@ def read_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
 
 
 def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Case:
-    """Make a case of TOML text.
+    """Make a case from TOML text.
 
     Args:
-        text: TOML.
-        file: what faults call it; a mesh file that it names is looked for beside it.
-        overrides: "KEY=VALUE" with a dotted key, which reaches inline tables too, and a TOML
-            value; what is not TOML and opens no quote, array or table is a string. A table
-            replaces the whole table: ``excitation={type="none"}``. Another excitation.type drops
-            the keys of the load before that it does not have.
+        text: TOML text.
+        file: name of the file for error messages. The path of a mesh file is relative to the folder
+            of this file.
+        overrides: texts "KEY=VALUE" with a dotted key, which may lead into inline tables, and a
+            TOML value. A value that is not TOML and does not start with a quote or a bracket is
+            taken as a string. A value that is a table replaces the entire table:
+            ``excitation={type="none"}``. A new excitation.type removes the keys that it does not
+            have.
 
     Raises:
-        CaseError: not TOML, or faults: all of them.
+        CaseError: the text is not TOML, or the case is invalid; the error lists all faults.
     """
     if len(text) > MOST_LETTERS or _DEEP_KEY.search(text):
         expected = f"valid TOML of at most {MOST_LETTERS} letters, keys of at most 50 parts"
@@ -86,15 +90,15 @@ def loads(text: str, *, file: str = "case", overrides: Iterable[str] = ()) -> Ca
 
 
 def with_values(case: Case, values: Mapping[str, Any]) -> Case:
-    """A copy of a case with other values, by dotted key: ``{"march.speed": 1.2}``.
+    """Return a copy of a case with other values, by dotted key: ``{"march.speed": 1.2}``.
 
-    None puts a key back to its default: ``{"damping.ratio": None}``. A key of several rows takes a
-    list of them, whole, in place of those that it had:
-    ``{"bladed_disk.point_masses": [{"radius": "10 cm", "mass": "2 kg"}]}``. shaft.stiffness and
-    shaft.suspension_frequency replace each other, as do the loads of excitation.type.
+    None resets a key to its default: ``{"damping.ratio": None}``. For a key that has rows, a list
+    replaces all rows: ``{"bladed_disk.point_masses": [{"radius": "10 cm", "mass": "2 kg"}]}``.
+    Setting one of shaft.stiffness and shaft.suspension_frequency removes the other. A new
+    excitation.type removes the keys that it does not have.
 
     Raises:
-        CaseError: all faults of the new case.
+        CaseError: the new case is invalid; the error lists all faults.
     """
     tables = case.model_dump(exclude_none=True)
     _replace(tables, values)
@@ -102,10 +106,10 @@ def with_values(case: Case, values: Mapping[str, Any]) -> Case:
 
 
 def override_values(overrides: Iterable[str]) -> dict[str, Any]:
-    """Return the values of "KEY=VALUE" texts by dotted key, for `with_values`.
+    """Parse texts "KEY=VALUE" and return the values by dotted key, for `with_values`.
 
     Raises:
-        CaseError: a text that is none.
+        CaseError: a text that is not of the form KEY=VALUE.
     """
     values: dict[str, Any] = {}
     for override in overrides:
@@ -125,11 +129,11 @@ def override_values(overrides: Iterable[str]) -> dict[str, Any]:
 
 @contextmanager
 def faults_from(file: str | PathLike[str], overrides: Iterable[str]) -> Iterator[None]:
-    """Say in faults raised inside where their key was set: by an override, or in the file.
+    """Add to the faults raised inside where their key was set: by an override or in the file.
 
     Args:
-        file: that the case was read from.
-        overrides: as given to `read_case`.
+        file: file from which the case was read.
+        overrides: overrides as in `read_case`.
     """
     keys = [override.partition("=")[0].strip() for override in overrides]
     try:
@@ -139,9 +143,9 @@ def faults_from(file: str | PathLike[str], overrides: Iterable[str]) -> Iterator
 
 
 def case_fault(case: Case, key: str, expected: str) -> Fault:
-    """Return a fault at a dotted key of a valid case, found at a later stage.
+    """Return a fault at a dotted key of a case that is valid by itself.
 
-    `faults_in` or `faults_from` names the file further up.
+    The caller adds the name of the file, with `faults_in` or `faults_from`.
     """
     value: Any = case.model_dump()
     for part in key.split("."):
@@ -150,7 +154,8 @@ def case_fault(case: Case, key: str, expected: str) -> Fault:
 
 
 def _find_beside(tables: dict[str, Any], folder: str) -> None:
-    """Make the path of a mesh file, relative to the case file, one that leads there from here."""
+    """Convert the path of a mesh file, relative to the case file, to one that is relative to the
+    working directory."""
     table: Any = tables
     for key in ("bladed_disk", "mesh"):
         table = table.get(key) if isinstance(table, dict) else None
@@ -167,7 +172,7 @@ def _placed(fault: Fault, file: str, overridden: list[str]) -> Fault:
 
 
 def _replace(tables: dict[str, Any], values: Mapping[str, Any]) -> None:
-    """Set values in tables by dotted key; excitation.type first, for it drops other keys."""
+    """Set values in tables by dotted key; excitation.type first, because it removes other keys."""
     for key in sorted(values, key=LOAD_TYPE.__ne__):
         _set(tables, key, values[key])
     for key, other in (SPRINGS, SPRINGS[::-1]):

@@ -1,4 +1,4 @@
-"""The `[bladed_disk.mesh]` of a case: a mesh file, read, and the meaning of its groups."""
+"""The `[bladed_disk.mesh]` table of a case: a mesh file and the meaning of its groups."""
 
 from __future__ import annotations
 
@@ -29,24 +29,24 @@ from bladewhirl.models.sections.rectangular import BeamSection
 KEY = "bladed_disk.mesh"
 
 SAME_PLACE = 1e-6
-"""Nodes nearer to each other than this, over the size of the mesh, are one node twice."""
+"""Distance over the size of the mesh below which two nodes count as duplicates."""
 
 
 def _path(value: object) -> str:
-    """Return an absolute path, so that the case names the same file wherever it is read again."""
+    """Return an absolute path, so that it is valid from every working directory."""
     if not isinstance(value, str | os.PathLike) or "\0" in os.fspath(value):
         raise expectation('the path of a mesh file such as "stage.msh"')
     return os.path.abspath(value)
 
 
 def _metres(unit: str | float) -> float:
-    """A unit of length [m]: "mm" is "1 mm"."""
+    """Return a unit of length in metres; "mm" means "1 mm"."""
     named = isinstance(unit, str) and re.match(r"\s*[A-Za-zµ]", unit)
     return positive("unit", f"1 {unit}" if named else unit, "m")
 
 
 def _unit(value: Any) -> str | float:
-    """Unit of length in the spelling of the user, which messages and files repeat."""
+    """Validate a unit of length and return it as the user wrote it, for messages and files."""
     try:
         _metres(value)
     except CaseError as error:
@@ -86,7 +86,7 @@ class MeshTable(Table):
     """Radius from which the clearance is measured [m]; the largest tip radius by default."""
 
     def __hash__(self) -> int:
-        """Hash of the contents: a table with a mapping has none by itself."""
+        """Return a hash of the contents; pydantic provides none for a table with a mapping."""
         return hash(self.model_dump_json())
 
     _tip_points: tuple[tuple[float, float], ...] = PrivateAttr(default=())
@@ -103,7 +103,7 @@ class MeshTable(Table):
 
     @property
     def largest_radius(self) -> float:
-        """Radius that the clearance counts from [m]."""
+        """Radius from which the clearance is measured [m]."""
         return self.tip_radius or max(hypot(*tip) for tip in self.tip_points)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
@@ -119,10 +119,11 @@ class MeshTable(Table):
             self._tip_points = tuple((x, y) for x, y in (lines.points[tips] * self.metres).tolist())
 
     def lines(self) -> GroupedLines:
-        """The lines of the file, with the groups that sections and tips ask for.
+        """Return the lines of the file with its groups, and check the groups named in this table.
 
         Raises:
-            CaseError: the file can't be read, has no lines for a section, or none at a tip.
+            CaseError: the file can't be read, a section names no group of lines in it, or a tip
+                belongs to no line.
         """
         mesh = self._read()
         faults = [
@@ -139,23 +140,23 @@ class MeshTable(Table):
         return _lines_only(mesh)
 
     def tip_nodes(self, mesh: GroupedLines) -> IntArray:
-        """Nodes of the tips, counter-clockwise from the one nearest to +x, (blades,).
+        """Return the tip nodes, counter-clockwise from the tip nearest to +x, (blades,).
 
         Raises:
-            CaseError: there are none.
+            CaseError: there are no tip nodes.
         """
         nodes = self.group_nodes(mesh, "tips")
         angles = np.arctan2(*(mesh.points[nodes] * self.metres).T[::-1])
         order = np.argsort(angles)
-        # Of two equally near tips the one ahead, by a small rotation.
+        # If two tips are equally near, the small shift selects the one at the positive angle.
         first = int(np.argmin(np.abs(angles[order] - SAME_PLACE)))
         return np.asarray(nodes[np.roll(order, -first)])
 
     def group_nodes(self, mesh: GroupedLines, key: str) -> IntArray:
-        """Nodes of the group that a key names, ascending.
+        """Return the nodes of the group named by a key of this table, ascending.
 
         Raises:
-            CaseError: there are none.
+            CaseError: there are no such nodes.
         """
         name = getattr(self, key)
         if name not in mesh.node_groups:
@@ -166,7 +167,7 @@ class MeshTable(Table):
         return np.unique(mesh.node_groups[name])
 
     def fault(self, key: str, expected: str) -> Fault:
-        """A fault at a key of the table."""
+        """Return a fault at a key of the table."""
         values = {"file": _short(self.file), "sections": None}
         value = values.get(key, getattr(self, key))
         return Fault(key=f"{KEY}.{key}", value=value, expected=expected)
@@ -187,7 +188,8 @@ class MeshTable(Table):
         raise CaseError([self.fault("file", expected)]) from None
 
     def _bare_tips(self, mesh: GroupedLines) -> Iterator[Fault]:
-        """Tips that no line leads to, where it leads to others: their blades are missing."""
+        """Yield a fault if some of the tips, but not all, belong to no line: their blades are
+        missing."""
         tips = np.unique(mesh.node_groups.get(self.tips, np.zeros(0, np.int64)))
         bare = np.setdiff1d(tips, mesh.lines)
         if 0 < len(bare) < len(tips):
@@ -205,7 +207,7 @@ class MeshTable(Table):
 
 @lru_cache(maxsize=8)
 def _cached(file: str, stamp: tuple[int, int]) -> GroupedLines:
-    """Read a mesh once for all stages of a sweep; the stamp identifies a changed file."""
+    """Read a mesh once for all stages of a sweep; a changed file has another stamp."""
     from bladewhirl.meshes.files.registry import read_line_mesh  # here: slow to load
 
     return read_line_mesh(file)
@@ -227,6 +229,7 @@ def _lines_only(mesh: GroupedLines) -> GroupedLines:
 
 
 def _short(path: str) -> str:
-    """A path from here if that is shorter; what a message has no room for is left out in front."""
+    """Return a path, relative to the working directory if that is shorter, without its start if
+    it is too long for a message."""
     path = min(path, os.path.relpath(path), key=len)
     return path if len(path) <= LONGEST_VALUE - 2 else f"...{path[5 - LONGEST_VALUE :]}"

@@ -9,8 +9,8 @@ SCHEMES = {
     "moreau-jean": "bladewhirl.solvers.march.dense:MoreauJean",
     "penalty": "bladewhirl.solvers.march.dense:Penalty",
 }
-"""Module and class of each scheme by its name in cases; the class is made of a problem, the time
-step [s] and the steps between records, see `solvers.march.march.Scheme`."""
+"""Module and class of each scheme, by its name in cases. The arguments of the class are a problem,
+the time step [s] and the number of steps between records, see `solvers.march.march.Scheme`."""
 
 if TYPE_CHECKING:
     SchemeName = str

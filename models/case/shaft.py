@@ -11,7 +11,8 @@ from bladewhirl.models.inputs.fields import DampingOrZero, Stiffness, quantity
 from bladewhirl.models.inputs.table import Inconsistency, Table
 
 Effects = Literal["none", "centrifugal", "full"]
-"""Rotation effects: none; tension, its stiffness and spin softening; those and Coriolis forces."""
+"""Rotation effects: none; centrifugal tension with its geometric stiffness, and spin softening;
+or these and Coriolis forces."""
 
 
 class Rotation(Table):
@@ -27,7 +28,7 @@ class Rotation(Table):
     "none"."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """A cold clearance of tips that do not grow."""
+        """Yield an error for a cold clearance without rotation effects, where tips do not grow."""
         if self.effects == "none" and self.clearance == "cold":
             expected = '"hot", or rotation.effects = "centrifugal" or "full", with which tips grow'
             yield Inconsistency("clearance", expected, ("effects",))
@@ -70,14 +71,14 @@ class Shaft(Table):
 
     @model_serializer(mode="wrap")
     def _springs_in_one_way(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Return the keys to write: no stiffness where a suspension frequency replaces it."""
+        """Return the keys to write, without the stiffness if a suspension frequency replaces it."""
         written: dict[str, Any] = handler(self)
         if self.suspension_frequency is not None:
             written.pop("stiffness", None)
         return written
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield unequal dampers in the static frame and springs specified twice."""
+        """Yield errors for unequal dampers in the static frame, and for springs specified twice."""
         if self.suspension_frequency is not None:
             given = [name for name in ("stiffness_y", "clamped") if getattr(self, name)]
             if "stiffness" in self.model_fields_set:
@@ -91,7 +92,7 @@ class Shaft(Table):
 
     @property
     def stiffnesses(self) -> tuple[float, float]:
-        """Constant stiffness along x and y of the rotating axes [N/m]."""
+        """Constant part of the stiffness along x and y of the rotating axes [N/m]."""
         along_x, along_y = self.springs
         if self.frame == "rotating":
             return along_x, along_y
@@ -100,13 +101,14 @@ class Shaft(Table):
 
     @property
     def anisotropy(self) -> float:
-        """Half the difference of the stiffnesses along the static x and y axes [N/m]."""
+        """Half the difference of the stiffnesses along static x and y [N/m]; 0 for springs in the
+        rotating frame."""
         along_x, along_y = self.springs
         return 0.0 if self.frame == "rotating" else 0.5 * (along_x - along_y)
 
     @property
     def springs(self) -> tuple[float, float]:
-        """Stiffness along x and y of the frame of the springs [N/m]."""
+        """Stiffness along x and y of the frame in which the springs are fixed [N/m]."""
         return self.stiffness, self.stiffness if self.stiffness_y is None else self.stiffness_y
 
     @property

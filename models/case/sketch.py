@@ -1,4 +1,4 @@
-"""A bladed disk drawn node by node, as a case contains it, with the checks across its parts."""
+"""Table of a case for a bladed disk drawn node by node, with checks between its parts."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from bladewhirl.models.inputs.table import Inconsistency, Table
 NEEDED_SETS = ("centre", "tips")
 
 Part = SketchMember | SketchMass | SketchSpring | SketchLink
-"""A part between nodes that a choice of sectors may have."""
+"""A part that refers to nodes and may exist in some of the sectors only."""
 
 
 class SketchTable(Table):
@@ -57,7 +57,7 @@ class SketchTable(Table):
 
     @property
     def radius(self) -> float:
-        """Radius that the clearance counts from [m]."""
+        """Radius from which the clearance is measured [m]."""
         if self.tip_radius is not None:
             return self.tip_radius
         tips = {split_reference(tip)[0] for tip in self.node_sets.get("tips", ())}
@@ -70,11 +70,11 @@ class SketchTable(Table):
         return frozenset(node.name for node in self.nodes if node.shared)
 
     def is_shared(self, *references: str) -> bool:
-        """True if the sectors share all these nodes."""
+        """Return whether all these nodes are shared by the sectors."""
         return all(split_reference(reference)[0] in self._shared for reference in references)
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Names, sectors, sections, edits and lengths that do not fit together, part by part."""
+        """Yield names, references, sectors and edits that do not fit together."""
         for place, expected in chain(
             _name_faults(self),
             _reference_faults(self),
@@ -85,11 +85,11 @@ class SketchTable(Table):
 
 
 Faults = Iterator[tuple[str, str]]
-"""Parts of a sketch, and what was expected of them."""
+"""Pairs of a part of a sketch and the text of what was expected of it."""
 
 
 def _parts(sketch: SketchTable) -> Iterator[tuple[str, Part]]:
-    """Parts between nodes, each with its name."""
+    """Yield all parts that refer to nodes, each with its name for messages."""
     for member in sketch.members:
         yield f"member {member.name!r}", member
     for mass in sketch.masses:
@@ -136,7 +136,7 @@ def _reference_faults(sketch: SketchTable) -> Faults:
 
 
 def _sector_faults(sketch: SketchTable) -> Faults:
-    """Yield sectors that do not exist, or that are given for a part between shared nodes."""
+    """Yield sectors that do not exist, and sectors chosen for a part between shared nodes."""
     for place, part in _parts(sketch):
         chosen = part.sectors
         if chosen is None:
@@ -151,7 +151,8 @@ def _sector_faults(sketch: SketchTable) -> Faults:
 
 
 def _edit_faults(sketch: SketchTable) -> Faults:
-    """Yield edits of unknown parts, without effect, or that undo one another."""
+    """Yield edits of unknown parts, edits of a part that is not in the sector, and second edits of
+    the same part."""
     nodes = {node.name for node in sketch.nodes}
     members = {member.name: member for member in sketch.members}
     seen: Counter[tuple[int, str]] = Counter()
@@ -180,7 +181,7 @@ def _edit_faults(sketch: SketchTable) -> Faults:
 
 
 def turned(point: tuple[float, float], angle: float) -> FloatArray:
-    """A point turned about the origin, (2,)."""
+    """Return a point rotated about the origin by an angle [rad], (2,)."""
     cos, sin = np.cos(angle), np.sin(angle)
     x, y = point
     return np.array([cos * x - sin * y, sin * x + cos * y])

@@ -1,7 +1,8 @@
-"""Parts of a sketch: collected by Python's `Sketch`, written to case files.
+"""Parts of a sketch, as `Sketch` collects them and case files contain them.
 
-Nodes are named within a sector: "root" is the node of the sector that a part belongs to, "root+1"
-and "root-1" those of its neighbours. Shared nodes, such as the centre, are one for all sectors.
+Nodes are named within a sector: "root" is the node in the sector of the part that refers to it,
+"root+1" and "root-1" are the nodes in the next and the previous sector. A shared node, such as the
+centre, is a single node for all sectors.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ def _reference(value: object) -> str:
 
 
 def split_reference(reference: str) -> tuple[str, int]:
-    """Name of the node and how many sectors on it is."""
+    """Split a reference into the name of the node and the number of sectors to it."""
     match = _REFERENCE.fullmatch(reference)
     assert match is not None  # checked when made
     return match["name"], int(match["shift"] or 0)
@@ -68,11 +69,11 @@ class SketchMember(Table):
     name: Name
     first: Reference
     second: Reference
-    section: Section | None = None  #: along the whole member
-    stations: tuple[Section, ...] = ()  #: instead: sections at equal distances, linear between
+    section: Section | None = None  #: section along the entire member
+    stations: tuple[Section, ...] = ()  #: sections at equal distances, in place of `section`
     elements: Annotated[int, count(1)] = 1
     path: tuple[Position, ...] = ()  #: points in between, in sector 0 [m]
-    part: Name | None = None  #: line set it belongs to; that of its name when None
+    part: Name | None = None  #: name of its line set; the name of the member if None
     sectors: Chosen = None
 
     @property
@@ -96,7 +97,7 @@ class SketchMass(Table):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """The node that it hangs on."""
+        """Node of the mass."""
         return (self.node,)
 
 
@@ -104,20 +105,20 @@ class SketchSpring(Table):
     """A spring between two nodes, or between a node and the rotating frame."""
 
     node: Reference
-    other: Reference | None = None  #: None: the rotating frame
-    radial: StiffnessOrZero = 0.0  #: along the first node's radius, x at the origin [N/m]
-    tangential: StiffnessOrZero = 0.0  #: across it, y at the origin [N/m]
-    rotation: Annotated[float, quantity("N m", "not negative")] = 0.0  #: [N m/rad]
+    other: Reference | None = None  #: second node; None is the rotating frame
+    radial: StiffnessOrZero = 0.0  #: along the radius of the first node, x at the origin [N/m]
+    tangential: StiffnessOrZero = 0.0  #: across that radius, y at the origin [N/m]
+    rotation: Annotated[float, quantity("N m", "not negative")] = 0.0  #: against rotation [N m/rad]
     sectors: Chosen = None
 
     @property
     def references(self) -> tuple[str, ...]:
-        """Nodes at its ends, one where it leads to the rotating frame."""
+        """Nodes at its ends; only one if the other end is the rotating frame."""
         return (self.node,) if self.other is None else (self.node, self.other)
 
 
 class SketchLink(Table):
-    """A rigid link: one node leads another as if on a rigid arm."""
+    """A rigid link: the led node moves as if on a rigid arm of the leader."""
 
     leader: Reference
     led: Reference
@@ -130,21 +131,21 @@ class SketchLink(Table):
 
 
 class SketchEdit(Table):
-    """Difference of one sector: the position of a node, or the properties of a member."""
+    """Change in one sector only: the position of a node, or the properties of a member."""
 
     sector: Annotated[int, count(0)]
-    node: Name | None = None  #: to move
-    at: Position | None = None  #: where to, as in sector 0 [m]
-    member: Name | None = None  #: to change
-    stiffness: Factor = 1.0  #: on its Young's modulus
-    mass: Factor = 1.0  #: on its density
+    node: Name | None = None  #: node to move
+    at: Position | None = None  #: new position, in the coordinates of sector 0 [m]
+    member: Name | None = None  #: member to change
+    stiffness: Factor = 1.0  #: factor on Young's modulus of the member
+    mass: Factor = 1.0  #: factor on the density of the member
     section: Section | None = None
     stations: tuple[Section, ...] = ()
     path: tuple[Position, ...] | None = None
 
 
 class SketchSet(Table):
-    """Named nodes, of every sector."""
+    """A named set of nodes, which contains these nodes of every sector."""
 
     name: StrictStr
     nodes: tuple[Reference, ...]

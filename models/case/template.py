@@ -1,4 +1,4 @@
-"""A case as TOML: resolved and rerunnable, or as a commented template."""
+"""Writing of a case as TOML: with all its keys, or as a template with comments."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ Numbers are SI; text carries its own unit: clearance = "1 mm", young_modulus = "
 
 
 def dumps_case(case: Case) -> str:
-    """The case in TOML, every key, numbers at full precision: `loads` gives an equal case."""
+    """Return a case as TOML with every key and numbers at full precision; `loads` reads it back
+    without change."""
     return _document(case, commented=False)
 
 
@@ -61,7 +62,7 @@ def _keys(table: Table, *, commented: bool) -> Iterator[str]:
 
 
 def _alternative(table: Table) -> str:
-    """Keys of another type of excitation, commented out; their comments start with "##"."""
+    """Return the keys of another type of excitation, commented out; comments start with "##"."""
     if isinstance(table, NoExcitation):
         return ""
     lines = [_comment(_summary(table)), *_keys(table, commented=True)]

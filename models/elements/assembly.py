@@ -1,8 +1,9 @@
 """Assembly of beam elements over a mesh of lines with scikit-fem.
 
-scikit-fem has no mesh of lines in the plane. Elements are therefore laid out on one flat line
-mesh of disjoint intervals [0, L_e], and the connectivity enters through the degrees of freedom.
-A Hermite element caches what it computes on the first mesh it meets, so each call makes its own.
+scikit-fem has no mesh of lines in the plane. Each element is therefore an interval [0, L_e] of a
+one-dimensional mesh without connections; the elements are connected by common degrees of freedom.
+A Hermite element of scikit-fem caches values of the first mesh it is used with, so each call makes
+a new one.
 """
 
 from __future__ import annotations
@@ -20,14 +21,14 @@ from bladewhirl.meshes.line_mesh import FloatArray, IntArray
 
 @dataclass(frozen=True, kw_only=True)
 class LineAssembler:
-    """Assembles weak forms over lines; make it with `straight_beams` or `curved_beams`."""
+    """Assembler of weak forms over lines, made by `straight_beams` or `curved_beams`."""
 
     basis: Any  #: scikit-fem basis over the flat mesh
     node_dofs: IntArray  #: degrees of freedom of each node, (nodes, DoF a node)
 
     @property
     def points(self) -> FloatArray:
-        """Places of the quadrature points in an element, 0 to 1, (points,)."""
+        """Positions of the quadrature points in an element, from 0 to 1, (points,)."""
         return np.asarray(self.basis.X[0])
 
     @property
@@ -43,12 +44,15 @@ class LineAssembler:
         skew: bool = False,
         **coefficients: FloatArray,
     ) -> sp.csr_array:
-        """Assemble ``form``; coefficients have one value per element or quadrature point.
+        """Assemble a weak form over all elements.
 
-        The former are (elements,), the latter (elements, points), see `points`.
-
-        ``transform`` (elements, DoF an element, DoF an element) takes nodal axes to element axes.
-        A ``skew`` form gives a skew-symmetric matrix, any other a symmetric one.
+        Args:
+            form: weak form, see `forms`.
+            transform: matrix of each element from nodal axes to element axes, (elements, DoF an
+                element, DoF an element).
+            skew: whether the form is skew-symmetric; if not, it is symmetric.
+            coefficients: coefficients of the form, either one value for each element, (elements,),
+                or one for each quadrature point, (elements, points), see `points`.
         """
         fields = {
             name: np.broadcast_to(values.reshape(len(values), -1), self.basis.dx.shape).copy()
@@ -65,12 +69,13 @@ class LineAssembler:
 
 
 def straight_beams(lengths: FloatArray, lines: IntArray, nodes: int) -> LineAssembler:
-    """Bernoulli beams with rods: (u, w, w') at each node; ``lengths`` [m] (lines,)."""
+    """Bernoulli beams with axial stiffness, DoF (u, w, w') at each node; ``lengths`` [m]."""
     return _assembler(ElementLineP1() * ElementLineHermite(), lengths, lines, nodes)
 
 
 def curved_beams(lengths: FloatArray, lines: IntArray, nodes: int) -> LineAssembler:
-    """Curved beams, Hermite in both fields: (u, u', w, w') at each node; arc ``lengths`` [m]."""
+    """Curved beams with Hermite functions for u and w, DoF (u, u', w, w') at each node; ``lengths``
+    along the arc [m]."""
     return _assembler(ElementLineHermite() * ElementLineHermite(), lengths, lines, nodes)
 
 

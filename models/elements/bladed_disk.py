@@ -1,4 +1,4 @@
-"""Finite element model of a bladed disk on its shaft springs, with what hangs on its nodes."""
+"""Finite element model of a bladed disk: beams, shaft springs, point masses and rigid links."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from bladewhirl.models.geometry.beam_model import GROUND, BeamModel
 from bladewhirl.models.sections.rectangular import LineProperties
 
 COMPONENTS = 3
-"""Displacement along a node's first and second axis, and its rotation."""
+"""Degrees of freedom of a node: displacements along its first and second axis, and rotation."""
 
 
 def point_masses(model: BeamModel, node_dofs: IntArray) -> sp.csr_array:
-    """Mass matrix of the point masses over all DoF of all nodes."""
+    """Return the mass matrix of the point masses, with a row for every DoF of every node."""
     masses = model.masses
     diagonal = np.zeros(node_dofs.size)
     each = np.column_stack([masses.mass, masses.mass, masses.inertia])
@@ -29,7 +29,7 @@ def point_masses(model: BeamModel, node_dofs: IntArray) -> sp.csr_array:
 
 
 def node_springs(model: BeamModel, node_dofs: IntArray) -> sp.csr_array:
-    """Stiffness matrix of the springs over all DoF of all nodes."""
+    """Return the stiffness matrix of the springs, with a row for every DoF of every node."""
     springs, axes = model.springs, model.mesh.node_axes
     stretch = sp.lil_array((springs.stiffness.size, node_dofs.size))
     for i, (node, other) in enumerate(zip(springs.node, springs.other, strict=True)):
@@ -42,12 +42,12 @@ def node_springs(model: BeamModel, node_dofs: IntArray) -> sp.csr_array:
 
 
 def node_expansion(model: BeamModel, node_dofs: IntArray) -> sp.csr_array:
-    """Components of every node from the free DoF, (3 nodes, free DoF).
+    """Return the matrix from the free DoF to the motion of every node, (3 nodes, free DoF).
 
-    A led node moves as its leader's arm does: displacement u + theta x (p - p_leader).
+    A led node moves with its leader as on a rigid arm: displacement u + theta x (p - p_leader).
 
     Args:
-        model: with its rigid links.
+        model: beam model with the rigid links.
         node_dofs: free DoF of each node, -1 if fixed or tied, (nodes, 3).
     """
     mesh, links = model.mesh, model.links
@@ -65,7 +65,7 @@ def node_expansion(model: BeamModel, node_dofs: IntArray) -> sp.csr_array:
 
 
 def _arm(mesh: LineMesh, led: int, leader: int) -> FloatArray:
-    """Components of a led node from those of its leader, (3, 3)."""
+    """Return the matrix from the motion of a leader to the motion of its led node, (3, 3)."""
     moved = _turned(mesh.node_axes[led] - mesh.node_axes[leader])
     x, y = mesh.points[led] - mesh.points[leader]
     cos, sin = np.cos(mesh.node_axes[led]), np.sin(mesh.node_axes[led])
@@ -75,7 +75,7 @@ def _arm(mesh: LineMesh, led: int, leader: int) -> FloatArray:
 
 
 def _turned(angle: float) -> FloatArray:
-    """Components in axes turned by an angle from those in the axes themselves, (3, 3)."""
+    """Return the matrix that gives the components in axes turned by an angle, (3, 3)."""
     cos, sin = np.cos(angle), np.sin(angle)
     return np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
 
@@ -86,9 +86,10 @@ FIRST, SECOND, ROTATION = range(COMPONENTS)
 
 @dataclass(frozen=True, kw_only=True)
 class BladedDiskModel:
-    """A bladed disk in its rotating frame: straight Bernoulli beams with rods, 3 DoF a node.
+    """A bladed disk in its rotating frame: straight Bernoulli beams with axial stiffness, 3 DoF a
+    node.
 
-    Springs in x and y carry the centre node, which does not rotate; clamped, it does not move.
+    The centre node does not rotate. Springs in x and y support it; if clamped, it is fixed.
     """
 
     model: BeamModel
@@ -97,7 +98,7 @@ class BladedDiskModel:
 
     @property
     def mesh(self) -> LineMesh:
-        """Its mesh."""
+        """Mesh of the bladed disk."""
         return self.model.mesh
 
     @property
@@ -128,16 +129,16 @@ class BladedDiskModel:
         return np.asarray(np.mod(np.arctan2(points[:, 1], points[:, 0]), 2.0 * np.pi))
 
     def blade_columns(self, column: IntArray) -> IntArray:
-        """Return the DFT columns over the blades for given columns over the sectors, (modes,).
+        """Convert DFT columns over the sectors to DFT columns over the blades, (modes,).
 
-        They are the same where each sector has one blade, else there are none.
+        Both are the same if each sector has one blade; otherwise every column is `NO_COLUMN`.
         """
         layout = self.structure.layout
         one_each = layout is not None and layout.sectors == len(self.model.tips)
         return column if one_each else np.full_like(column, NO_COLUMN)
 
     def cartesian(self, shapes: FloatArray) -> FloatArray:
-        """Displacement of every node along x and y, and its rotation, (nodes, 3, fields).
+        """Displacements along x and y and rotation of every node, (nodes, 3, fields).
 
         Args:
             shapes: fields on the free DoF, (size, fields).
@@ -155,13 +156,14 @@ def assemble_bladed_disk(
 ) -> BladedDiskModel:
     """Assemble a bladed disk.
 
-    Stiffness and mass are integrated with the section at the quadrature points, so tapered beams
-    converge as prismatic ones do, with the fourth order in the frequencies of bending.
+    Stiffness and mass are integrated with the section at the quadrature points. The bending
+    frequencies of tapered beams therefore converge with fourth order, as for prismatic beams.
 
     Args:
         model: beams, masses, springs and links.
-        shaft_stiffness: of each of the two springs at the centre, or of those in x and y [N/m].
-        clamped: hold the centre instead.
+        shaft_stiffness: stiffness of both springs at the centre, or one value each for x and y
+            [N/m].
+        clamped: whether the centre is fixed instead.
     """
     mesh = model.mesh
     assembler = straight_beams(mesh.lengths, mesh.lines, len(mesh.points))
@@ -197,7 +199,7 @@ def assemble_bladed_disk(
 def elastic_stiffness(
     model: BeamModel, assembler: LineAssembler, transform: FloatArray
 ) -> sp.csr_array:
-    """Stiffness of beams and springs over all DoF of all nodes."""
+    """Return the stiffness matrix of beams and springs, with a row for every DoF of every node."""
     sections = model.properties.at(assembler.points)
     beams = assembler.matrix(
         straight_stiffness,
@@ -209,7 +211,7 @@ def elastic_stiffness(
 
 
 def nodal_to_line_axes(mesh: LineMesh) -> FloatArray:
-    """Matrix of each line from nodal axes to its own axes, (lines, 6, 6)."""
+    """Return for each line the matrix from nodal axes to the axes of the line, (lines, 6, 6)."""
     transform = np.zeros((len(mesh.lines), 6, 6))
     for end in range(2):
         turn = mesh.line_axes - mesh.node_axes[mesh.lines[:, end]]
@@ -222,7 +224,7 @@ def nodal_to_line_axes(mesh: LineMesh) -> FloatArray:
 
 
 def _sector_layout(mesh: LineMesh, node_dofs: IntArray) -> SectorLayout | None:
-    """Sectors of the free DoF; None where nodes are tied or fixed in some sectors only."""
+    """Sectors of the free DoF; None if nodes are tied or fixed in some of the sectors only."""
     if mesh.sectors is None:
         return None
     dofs = node_dofs[mesh.sectors].reshape(len(mesh.sectors), -1)
@@ -237,12 +239,13 @@ def _sector_layout(mesh: LineMesh, node_dofs: IntArray) -> SectorLayout | None:
 
 
 def _rounding(mesh: LineMesh) -> float:
-    """Bound on the effect of rounded coordinates on matrix entries, relative to neighbouring ones.
+    """Bound on the relative error of matrix entries that is due to rounded coordinates.
 
-    An angle of a point, 2 pi n / N, is right to 2 pi eps, so a point at radius R to 2 pi eps R,
-    and the length L of a line and its direction to d = 4 pi eps R / L. A line's matrix has powers
-    of L up to L^-3, and changes by 3 d with it; with the direction by d at each index. Two
-    sectors may err in opposite senses: 10 d in all.
+    The error of the angle of a point, 2 pi n / N, is 2 pi eps, so a point at radius R is accurate
+    to 2 pi eps R. The relative error of the length L of a line, and the error of its direction,
+    are then d = 4 pi eps R / L. The matrix of a line has powers of L up to L^-3. Its error due to
+    the length is therefore 3 d, and its error due to the direction is d for each index. The errors
+    of two sectors may have opposite signs: 10 d in all.
     """
     radius = np.hypot(*mesh.points.T)[mesh.lines].max(axis=1)
     return float(40.0 * np.pi * np.finfo(np.float64).eps * (radius / mesh.lengths).max())

@@ -26,8 +26,8 @@ from bladewhirl.models.sections.rectangular import BeamSection, Section
 from bladewhirl.models.sections.wall import Wall
 
 LOST = 100.0
-"""An eigenvalue of less than this many times the rounding error of the largest has no two digits
-that can be trusted."""
+"""Smallest accepted ratio of an eigenvalue to the rounding error of the largest eigenvalue; below
+it the eigenvalue has fewer than two correct digits."""
 
 
 def case_bladed_disk(case: Case, *, clamped: bool) -> BladedDiskModel:
@@ -38,7 +38,7 @@ def case_bladed_disk(case: Case, *, clamped: bool) -> BladedDiskModel:
 
 
 def case_beam_model(case: Case) -> BeamModel:
-    """Beams, masses, springs and links of a case's bladed disk.
+    """Return the beams, masses, springs and links of the bladed disk of a case.
 
     Raises:
         CaseError: parts that do not fit together, tips that reach into the casing.
@@ -98,16 +98,18 @@ def case_casing(case: Case) -> CasingModel:
 
 
 def case_clearance(case: Case) -> FloatArray:
-    """Clearance and its slope along s at each node of a case's casing [m, 1], (elements, 2)."""
+    """Clearance and its derivative by the arc length s at each node of the casing [m, 1],
+    (elements, 2)."""
     profile, casing = case.casing.clearance_profile, _ring(case)
     slope = profile.lobe_slope(casing.angles) / casing.radius
     return np.column_stack([profile.value(casing.angles), slope])
 
 
 def tip_in_sector(disk: BladedDiskModel) -> tuple[int, int]:
-    """Positions of the tip's radial and tangential DoF among those of a sector.
+    """Positions of the radial and tangential DoF of the blade tip among the DoF of a sector.
 
-    Without sectors there are no pairs whose phase they would fix, and these are any positions.
+    They fix the phase of cosine and sine modes. Without sectors there are no such pairs; then the
+    positions are arbitrary.
     """
     layout = disk.structure.layout
     if layout is None:
@@ -117,13 +119,13 @@ def tip_in_sector(disk: BladedDiskModel) -> tuple[int, int]:
 
 
 def lowest_frequency(disk: BladedDiskModel, frequencies: Iterable[float]) -> float:
-    """Lowest of a bladed disk's frequencies [rad/s].
+    """Return the lowest natural frequency of a bladed disk [rad/s], checked against rounding.
 
-    An eigenvalue has the rounding error of the largest one. That one is at least the largest
-    ratio of stiffness to mass at a single degree of freedom.
+    The rounding error of each eigenvalue is proportional to the largest eigenvalue, which is at
+    least the largest ratio of stiffness to mass at a single degree of freedom.
 
     Raises:
-        FloatingPointError: it is lost in rounding.
+        FloatingPointError: the lowest frequency is lost in rounding.
     """
     structure, lowest = disk.structure, float(min(frequencies))
     largest_square = np.max(structure.stiffness.diagonal() / structure.mass.diagonal())
@@ -147,11 +149,11 @@ def _section(case: Case, section: BeamSection) -> Section:
 
 @contextmanager
 def numbers_within_reach(case: Case) -> Iterator[None]:
-    """Turn the floating point's limits into a fault of the case.
+    """Turn floating-point errors raised inside into an error of the case.
 
     Raises:
-        CaseError: sizes or material so extreme that matrices overflow, are singular to rounding
-            or lose definiteness; it names those that no machine has, if there are any.
+        CaseError: sizes or material so extreme that matrices overflow, are numerically singular or
+            lose definiteness. The error names the implausible values of the case, if any.
     """
     try:
         with np.errstate(over="raise", invalid="raise", divide="raise"), warnings.catch_warnings():

@@ -1,14 +1,15 @@
 """Finite element model of a flexible casing: a closed ring of curved beams, springs and struts.
 
-A support acts on what the wall does at its foot, on the ring's line: the radial and tangential
-displacement w and u, and the rotation of the section phi = u/R - w', counter-clockwise. The foot
-may lie anywhere in an element; Hermite's functions give w, u and phi there, so that the matrices
-are those of the continuous field and nothing jumps as a foot passes a node. Feet at nodes keep
-the fourth order of the frequencies; inside an element a force there has the second to third and a
-moment, of a strut that is built in, the first (a per cent with 40 elements).
+The foot of a support is on the centre line of the ring. A support acts on the motion of the wall at
+its foot: the radial and tangential displacements w and u, and the counter-clockwise rotation of
+the section phi = u/R - w'. The foot may be anywhere in an element: w, u and phi are interpolated
+with the Hermite functions, so that results do not jump when a foot passes a node. The frequencies
+converge with fourth order if all feet are at nodes. With a foot inside an element, they converge
+with second to third order if the support transmits a force only, and with first order if it
+transmits a moment, as a built-in strut does (an error of one per cent with 40 elements).
 
-A strut is one straight beam element from the wall to the ground, massive and without modes of its
-own: pinned at both ends it is a bar, built in at both it also bends.
+A strut is one straight beam element with mass from the wall to the ground, without internal modes:
+pinned at both ends it is a bar, built in at both ends it also bends.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from bladewhirl.models.sections.rectangular import Section
 from bladewhirl.models.sections.wall import Wall, WallProperties
 
 OUTWARD, ALONG, ROTATION = range(3)
-"""Components on which a support acts at its foot: radial, tangential, rotation."""
+"""Motions of the foot on which a support acts: radial, tangential, rotation."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,13 +43,13 @@ class Support:
     """Spring or strut that supports the wall at an angle."""
 
     kind: Literal["spring", "strut"]
-    angle: float  #: of the foot from +x [rad]
-    reach: tuple[float, float]  #: from foot to ground, x and y [m]; none of a spring
-    stiffness: FloatArray  #: on w, u, phi [N/m, N, N m], (3, 3)
-    mass: FloatArray  #: on w, u, phi [kg, kg m, kg m2], (3, 3)
-    weight: float  #: whole mass of it [kg]
+    angle: float  #: angle of the foot from +x [rad]
+    reach: tuple[float, float]  #: vector from foot to ground, x and y [m]; zero for a spring
+    stiffness: FloatArray  #: stiffness matrix for w, u, phi [N/m, N, N m], (3, 3)
+    mass: FloatArray  #: mass matrix for w, u, phi [kg, kg m, kg m2], (3, 3)
+    weight: float  #: total mass of the support [kg]
     dampers: FloatArray
-    """On w, u, phi: rows d of the damping d^T d [(N s/m)^1/2, (N s m)^1/2], (dampers, 3)."""
+    """Rows d of the damping matrix d^T d for w, u, phi [(N s/m)^1/2, (N s m)^1/2], (dampers, 3)."""
 
 
 def spring(
@@ -62,11 +63,11 @@ def spring(
     """Return a support of two springs to the ground, each with a parallel damper.
 
     Args:
-        angle: of the foot [rad].
-        radial: stiffness [N/m].
-        tangential: stiffness [N/m].
-        radial_damping: [N s/m].
-        tangential_damping: [N s/m].
+        angle: angle of the foot from +x [rad].
+        radial: radial stiffness [N/m].
+        tangential: tangential stiffness [N/m].
+        radial_damping: radial damping [N s/m].
+        tangential_damping: tangential damping [N s/m].
     """
     damping = np.diag([radial_damping, tangential_damping, 0.0])
     return Support(
@@ -89,15 +90,15 @@ def strut(
     ends: Literal["pinned", "built-in"],
     damping: float = 0.0,
 ) -> Support:
-    """A straight strut to the ground.
+    """Return a support by a straight strut to the ground.
 
     Args:
-        angle: of the foot [rad].
-        section: its section and material.
-        length: [m].
-        inclination: of the strut to the outward normal, counter-clockwise [rad].
-        ends: both pinned, or both built in.
-        damping: of a damper along the strut [N s/m].
+        angle: angle of the foot from +x [rad].
+        section: section and material of the strut.
+        length: length of the strut [m].
+        inclination: angle from the outward normal to the strut, counter-clockwise [rad].
+        ends: whether both ends are pinned or both are built in.
+        damping: damping along the strut [N s/m].
     """
     cos, sin = np.cos(inclination), np.sin(inclination)
     axes = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])  # along, across, turn
@@ -123,12 +124,12 @@ def strut(
 
 
 def foot_rows(mesh: RingMesh, node_dofs: IntArray, angles: Iterable[float]) -> sp.csr_array:
-    """Rows that give w, u and phi at angles from a field, (3 angles, size).
+    """Return the matrix from a field to w, u and phi at given angles, (3 angles, size).
 
     Args:
         mesh: the ring.
-        node_dofs: u, u', w, w' of each node, (nodes, 4).
-        angles: [rad].
+        node_dofs: degrees of freedom u, u', w, w' of each node, (nodes, 4).
+        angles: angles of the feet from +x [rad].
     """
     theta = np.array(list(angles), dtype=np.float64)
     count, length = mesh.elements, mesh.element_length
@@ -148,18 +149,18 @@ def foot_rows(mesh: RingMesh, node_dofs: IntArray, angles: Iterable[float]) -> s
 
 
 def at_feet(matrices: Iterable[FloatArray]) -> sp.csr_array:
-    """Matrices of supports one after the other on the diagonal, (rows, 3 supports)."""
+    """Return the block-diagonal matrix of the matrices of all supports, (rows, 3 supports)."""
     blocks = [sp.csr_array(matrix) for matrix in matrices]
     return sp.csr_array(sp.block_diag(blocks)) if blocks else sp.csr_array((0, 0))
 
 
 TANGENTIAL, TANGENTIAL_SLOPE, RADIAL, RADIAL_SLOPE = range(4)
-"""Components of a node: u, du/ds, w, dw/ds with s the arc length."""
+"""Degrees of freedom of a node: u, du/ds, w, dw/ds, where s is the arc length."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class CasingModel:
-    """A casing in the static frame: Hermite in both fields, 4 DoF a node."""
+    """A casing in the static frame, with Hermite functions for u and w: 4 DoF a node."""
 
     mesh: RingMesh
     properties: WallProperties  #: mean properties of each element, (elements,)
@@ -167,7 +168,7 @@ class CasingModel:
     foundation: float  #: uniform elastic support [N/m per metre of circumference]
     supports: tuple[Support, ...]  #: springs and struts at angles
     structure: Structure
-    dampers: sp.csr_array  #: of the supports: rows d of the damping d^T d, (dampers, size)
+    dampers: sp.csr_array  #: rows d of the damping d^T d of the supports, (dampers, size)
 
     @property
     def mass(self) -> float:
@@ -176,7 +177,7 @@ class CasingModel:
         return float(wall + sum(support.weight for support in self.supports))
 
     def nodal(self, shapes: FloatArray) -> FloatArray:
-        """Nodal values (w, dw/ds, u, du/ds) of fields, (nodes, 4, fields).
+        """Return the nodal values (w, dw/ds, u, du/ds) of fields, (nodes, 4, fields).
 
         Args:
             shapes: fields on the free DoF, (size, fields).
@@ -198,10 +199,10 @@ def assemble_casing(
 
     Args:
         mesh: the ring.
-        wall: its section.
+        wall: section of the wall.
         curvature: exact strains, or the shallow-arch bending strain w'' (see `elements`).
         support: uniform elastic support, radial and tangential [N/m per metre of circumference].
-        rotation: whether the ring may turn as a whole.
+        rotation: whether a rigid rotation of the ring is free or fixed.
         supports: springs and struts at angles.
     """
     count = mesh.elements

@@ -1,4 +1,4 @@
-"""Estimated memory and time of a stage, known before anything is assembled."""
+"""Estimate of the memory and time of a stage before anything is assembled."""
 
 from __future__ import annotations
 
@@ -16,37 +16,38 @@ logger = logging.getLogger(__name__)
 DOFS_PER_NODE = 3  #: two displacements and a rotation
 
 FIELDS = 3
-"""Copies of all shapes of a reduced stage that are there at once, at the most."""
+"""Largest number of copies of all shapes of a reduced stage that are in memory at a time."""
 
 BYTES_PER_ENTRY = 64
-"""Mass, stiffness and shapes of a sector, complex, for each entry of one of its matrices."""
+"""Memory of the complex mass, stiffness and shapes of a sector, for each entry of one matrix."""
 
 SECONDS_PER_ENTRY, SECONDS_PER_CUBE = 2.5e-7, 3e-9
-"""Time for each entry of the shapes, and for the cube of a sector's size, by nodal diameter; on a
-processor of 2023, right to a factor of three."""
+"""Time for each entry of the shapes, and time for each unit of (size of a sector)^3 and nodal
+diameter [s]; measured on a processor of 2023, accurate to a factor of three."""
 
 MODAL_BYTES, MODAL_SECONDS, DIAMETER_SECONDS = 50, 4e-9, 4e-3
-"""Modes of bladed disks with a free and a clamped centre: for each entry of a sector's matrices,
-for the cube of its size, and besides, by nodal diameter."""
+"""Cost of the modes of bladed disks with a free and a clamped centre, for each nodal diameter:
+bytes for each entry of a sector matrix, seconds for each unit of (size of a sector)^3, and
+a constant number of seconds."""
 
 DENSE_BYTES, DENSE_SECONDS = 70, 1e-9
-"""The same without symmetry, for the size of the whole."""
+"""Bytes and seconds as above for a structure without symmetry, by its full size."""
 
 LARGE_BYTES, LARGE_SECONDS = 2e9, 30.0
-"""Size from which a stage is reported as large."""
+"""Memory [bytes] and time [s] above which a stage is reported as large."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cost:
     """Lower bound of the cost of a stage; rotation effects and mistuned blades increase it."""
 
-    dofs: int  #: of the full bladed disk
-    modes: int  #: modes computed of it
-    memory: float  #: [bytes]
-    time: float  #: of the processor [s]
+    dofs: int  #: degrees of freedom of the full bladed disk
+    modes: int  #: number of its modes to compute
+    memory: float  #: memory [bytes]
+    time: float  #: processor time [s]
 
     def __str__(self) -> str:
-        """For people."""
+        """Return the cost as text."""
         time = f"{self.time / 60:.2g} min" if self.time < 3600 else f"{self.time / 3600:.2g} h"
         return (
             f"{self.dofs} degrees of freedom and {self.modes} modes take at least"
@@ -72,7 +73,7 @@ def stage_cost(case: Case) -> Cost:
 
 
 def modal_cost(structure: Structure) -> Cost:
-    """Cost of all modes of a full bladed disk, with a free and with a clamped centre."""
+    """Return the cost of all modes of a full bladed disk, with a free and with a clamped centre."""
     size, blocks, memory, time = structure.size, 1, DENSE_BYTES, DENSE_SECONDS
     if structure.layout is not None and structure.is_cyclic:
         blocks, memory, time = structure.layout.sectors // 2 + 1, MODAL_BYTES, MODAL_SECONDS
@@ -89,7 +90,7 @@ def tell_cost(cost: Cost) -> None:
     """Log the cost of a large stage before it is built.
 
     Raises:
-        CaseError: this machine has not the memory for it.
+        CaseError: the stage needs more memory than this machine has.
     """
     if cost.memory > (most := memory()):
         expected = f"a smaller stage: {cost}, and this machine has {most / 1e9:.3g} GB"

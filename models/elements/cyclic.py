@@ -1,10 +1,11 @@
-"""Cyclic symmetry: the real DFT over sectors, and structures cut into one sector a nodal diameter.
+"""Cyclic symmetry: the real DFT over sectors, and the reduction of a structure to a single sector
+for each nodal diameter.
 
-Conventions, stated here once for the whole package. Sector n = 0..N-1 follows its neighbour
-counter-clockwise by alpha = 2 pi / N, the sense of rotation. A field with nodal diameter k has
-sector values Re(p exp(i k n alpha)). *Forward* means in the sense of rotation, so a motion
-exp(i (k theta - omega t)) travels forward and exp(i (k theta + omega t)) travels backward, omega
-and k positive.
+These conventions hold for the whole package. The sectors n = 0..N-1 are numbered counter-clockwise,
+in the sense of rotation, at a distance of alpha = 2 pi / N. A field with nodal diameter k has
+sector values Re(p exp(i k n alpha)). *Forward* means in the sense of rotation: for positive omega
+and k, a motion exp(i (k theta - omega t)) travels forward, and exp(i (k theta + omega t)) travels
+backward.
 
 The columns of the real DFT are numbered 0 for k = 0, 2k - 1 for the cosine and 2k for the sine of
 k = 1..floor((N-1)/2), and N - 1 for k = N/2 when N is even. (The paper's floor(N/2 - 1) holds for
@@ -22,8 +23,9 @@ import scipy.sparse as sp
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 
 SYMMETRY_TOLERANCE = 1e-12
-"""Largest change of a matrix under a rotation by one sector that counts as symmetric, relative to
-the largest entry of its row and column, so that a soft spring beside stiff beams is detected."""
+"""Largest change of an entry, under a rotation by one sector, with which a matrix counts as
+symmetric. The change is relative to the largest entry of its row and column, so that a soft spring
+next to stiff beams is detected."""
 
 NO_COLUMN = -1
 """DFT column of a mode computed without cyclic symmetry."""
@@ -32,9 +34,9 @@ NO_COLUMN = -1
 def real_dft(sectors: int) -> FloatArray:
     """Orthonormal real DFT over sectors, (sectors, sectors): x = F u, u = F^T x (Eqs 11-13).
 
-    A centre moved by a, seen by sector n as a (cos n alpha, -sin n alpha), gives cosine and sine
-    components a sqrt(N/2) in k = 1 and zero in every other k; the printed Eq. (13) has another
-    constant, the same conclusion.
+    A displacement a of the centre has the components a (cos n alpha, -sin n alpha) in the axes of
+    sector n. Its cosine and sine components are a sqrt(N/2) in k = 1 and zero in every other k.
+    Eq. (13) as printed has another constant but leads to the same conclusion.
     """
     angles = 2.0 * np.pi * np.arange(sectors) / sectors
     basis = np.empty((sectors, sectors))
@@ -50,26 +52,32 @@ def nodal_diameter_of(column: int) -> int:
 
 
 def nodal_diameters(sectors: int) -> range:
-    """All nodal diameters of a structure of that many sectors: 0..floor(N/2)."""
+    """All nodal diameters of a structure with N sectors: 0..floor(N/2)."""
     return range(sectors // 2 + 1)
 
 
 def is_pair(k: int, sectors: int) -> bool:
-    """Return whether nodal diameter k has a cosine and a sine (False for k = 0 and k = N/2)."""
+    """Return whether modes of nodal diameter k are pairs of a cosine and a sine mode.
+
+    They are single modes for k = 0 and k = N/2.
+    """
     return 0 < 2 * k < sectors
 
 
 def wave_parts(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatArray:
-    """Cosine and sine parts of fields at equally spaced angles all round, (harmonics, 2, fields).
+    """Cosine and sine parts of fields, sampled at angles equally spaced over the full circle.
 
-    A field sum_k a_k cos k theta + b_k sin k theta, k at most half the number of angles, has the
-    parts a_k and b_k. With k = N/2, of which N angles see one wave only, they are those of least
-    a_k^2 + b_k^2.
+    A field sum_k a_k cos k theta + b_k sin k theta has the parts a_k and b_k; k is at most half
+    the number of angles N. For k = N/2 the samples do not determine both parts; those with the
+    least a_k^2 + b_k^2 are returned.
 
     Args:
         field: (angles, fields).
         angle: theta [rad], (angles,).
         k: nodal diameters, (harmonics,).
+
+    Returns:
+        a_k and b_k, (harmonics, 2, fields).
     """
     count = len(angle)
     share = np.where((k == 0) | (2 * k == count), 1.0, 2.0) / count
@@ -79,7 +87,7 @@ def wave_parts(field: FloatArray, angle: FloatArray, k: IntArray) -> FloatArray:
 
 
 def evenly_spaced(angles: FloatArray) -> bool:
-    """Return whether angles increase by 2 pi over their number, starting anywhere."""
+    """Return whether angles increase in equal steps of 2 pi over their number, from any start."""
     steps = np.mod(
         angles - angles[0] - 2.0 * np.pi * np.arange(len(angles)) / len(angles), 2 * np.pi
     )
@@ -88,11 +96,14 @@ def evenly_spaced(angles: FloatArray) -> bool:
 
 @dataclass(frozen=True, kw_only=True)
 class SectorLayout:
-    """Places of the degrees of freedom of each sector and of the centre in a structure."""
+    """Numbers of the degrees of freedom of each sector and of the centre in a structure."""
 
-    sector_dofs: IntArray  #: (sectors, DoF a sector), the same order in every sector, polar axes
+    sector_dofs: IntArray
+    """Degrees of freedom of each sector in polar axes, in the same order in every sector,
+    (sectors, DoF a sector)."""
     centre_dofs: IntArray  #: x, y, rotation of the centre node, (3,); -1 if there is none
-    rounding: float = 0.0  #: largest change under a rotation due to rounded coordinates
+    rounding: float = 0.0
+    """Bound on the relative change of matrix entries between sectors by rounded coordinates."""
 
     @property
     def sectors(self) -> int:
@@ -107,8 +118,8 @@ class SectorLayout:
     def basis(self, k: int) -> sp.csc_array:
         """Orthonormal complex basis of nodal diameter k, (size, DoF of the block).
 
-        The centre's translation belongs to k = 1, along (1, i)/sqrt(2): a turn of the structure
-        by one sector multiplies it by exp(-i alpha), as it does the sectors' exp(i n alpha).
+        The centre's translation along (1, i)/sqrt(2) belongs to k = 1: a turn of the structure by
+        one sector multiplies it by exp(-i alpha), and also the sector values exp(i n alpha).
         """
         count, per_sector = self.sector_dofs.shape
         wave = np.exp(2j * np.pi * k * np.arange(count) / count) / np.sqrt(count)
@@ -129,7 +140,7 @@ class SectorLayout:
         return sp.csc_array(entries, shape=(self.size, int(column.max()) + 1))
 
     def turn(self) -> sp.csr_array:
-        """Matrix that turns a field by one sector, (size, size)."""
+        """Return the matrix that rotates a field by one sector, (size, size)."""
         count = self.sectors
         alpha = 2.0 * np.pi / count
         rows, columns = [np.roll(self.sector_dofs, -1, axis=0).ravel()], [self.sector_dofs.ravel()]
@@ -159,9 +170,9 @@ class SectorLayout:
         return True
 
     def blocks(self, *matrices: sp.csr_array) -> Iterator[tuple[int, tuple[ComplexArray, ...]]]:
-        """The matrices' dense Hermitian blocks, nodal diameter by nodal diameter.
+        """Yield each nodal diameter with the dense Hermitian blocks of the matrices.
 
-        Sectors that differ count by their mean over all turns.
+        Where sectors differ, the blocks are those of the mean of all sectors.
         """
         means = [self._mean_sector(matrix) for matrix in matrices]
         for k in nodal_diameters(self.sectors):
@@ -202,12 +213,14 @@ class SectorLayout:
         return np.asarray(sp.coo_array((turned, (row, column)), (per_sector, per_sector)).toarray())
 
     def real_shapes(self, k: int, vectors: ComplexArray) -> tuple[FloatArray, IntArray]:
-        """Real fields of block vectors: the cosine and sine of a pair side by side.
+        """Return the real fields of complex amplitudes; of each pair the cosine field is first,
+        the sine field second.
 
         Args:
             k: nodal diameter.
-            vectors: (DoF of the block, m), complex amplitudes p. If they are orthonormal with
-                respect to the block's mass, so are the fields with the structure's mass.
+            vectors: complex amplitudes p, (DoF of the block, m). If they are orthonormal with
+                respect to the mass of the block, the fields are orthonormal with respect to the
+                mass of the structure.
 
         Returns:
             fields (size, m or 2 m) and the DFT column of each.
@@ -223,11 +236,13 @@ class SectorLayout:
 
 
 def wave_shares(shapes: FloatArray, weights: FloatArray, layout: SectorLayout) -> FloatArray:
-    """Share of each nodal diameter in each field, (floor(N/2) + 1, m), columns summing to one.
+    """Return the share of each nodal diameter in each field, (floor(N/2) + 1, m).
+
+    The shares of each field sum to one.
 
     Args:
         shapes: fields, (size, m).
-        weights: weight of each degree of freedom, (size,): the diagonal of the mass matrix.
+        weights: weight of each degree of freedom, the diagonal of the mass matrix, (size,).
         layout: sectors of the structure.
     """
     spectrum = np.fft.fft(shapes[layout.sector_dofs], axis=0, norm="ortho")

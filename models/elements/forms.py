@@ -1,12 +1,13 @@
 """Weak forms of the straight and the curved beam.
 
 Straight beam (Bernoulli): axial displacement u(s), transverse displacement w(s).
-Curved beam: tangential displacement u(s), radial displacement w(s), outward positive; with
-strain eps = u' + w/R and change of curvature kappa = w'' - u'/R ("exact": a free ring then has
-its three rigid motions) or kappa = w'' ("shallow"). s is the arc length.
+Curved beam: tangential displacement u(s), radial displacement w(s), outward positive; s is the arc
+length. The strain is eps = u' + w/R. The change of curvature is kappa = w'' - u'/R ("exact": a
+free ring then has its three rigid motions) or kappa = w'' ("shallow").
 
-Coefficients come in by keyword, one value an element: EA [N], EI [N m2], rho_A [kg/m], tension
-[N], and for curved beams the curvature 1/R and, in kappa, bend [1/m].
+Coefficients are passed by keyword, with a value for each element or quadrature point: EA [N],
+EI [N m2], rho_A [kg/m], tension [N], and for curved beams curvature = 1/R and bend [1/m], the
+factor of u' in kappa.
 """
 
 from __future__ import annotations
@@ -34,13 +35,13 @@ def mass(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
 
 @BilinearForm  # type: ignore[untyped-decorator]
 def tension_stiffness(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
-    """Energy of an axial force N in the slope: N w'^2."""
+    """Energy of an axial force N due to the slope w': N w'^2."""
     return p.tension * d(w)[0] * d(dw)[0]
 
 
 @BilinearForm  # type: ignore[untyped-decorator]
 def coriolis(u: Any, w: Any, du: Any, dw: Any, p: Any) -> Any:
-    """Skew power of velocities in a frame that turns: rho A (u dw - w du)."""
+    """Skew form of the Coriolis forces in a rotating frame: rho A (u dw - w du)."""
     return p.rho_A * (u * dw - w * du)
 
 

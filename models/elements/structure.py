@@ -1,4 +1,4 @@
-"""Matrices, table of degrees of freedom and sectors of a finite element structure."""
+"""Finite element structure: its matrices, its table of degrees of freedom and its sectors."""
 
 from __future__ import annotations
 
@@ -20,11 +20,15 @@ class Structure:
     stiffness: sp.csr_array  #: springs included [N/m, N, N m], (size, size)
     springs: sp.csr_array  #: the springs' part of the stiffness, (size, size)
     node_dofs: IntArray  #: DoF of each node, (nodes, components); -1 if fixed
-    layout: SectorLayout | None  #: its sectors; None where it has none
-    constraints: FloatArray  #: constrained fields v, v^T M x = 0, (size, constraints), often none
-    at_rest: Structure | None = None  #: where it turns: itself without rotation effects
+    layout: SectorLayout | None  #: sectors; None if the structure has none
+    constraints: FloatArray
+    """Fields v that no motion x contains: v^T M x = 0, (size, constraints); often there are none.
+    """
+    at_rest: Structure | None = None
+    """The same structure without rotation effects; None if this one has none itself."""
     gyroscopic: sp.csr_array | None = None
-    """Coriolis forces 2 Omega G by velocity, skew [N s/m, N s, N m s], (size, size)."""
+    """Skew matrix 2 Omega G of the Coriolis forces, which multiplies velocities
+    [N s/m, N s, N m s], (size, size)."""
 
     @property
     def elastic(self) -> sp.csr_array:
@@ -38,14 +42,14 @@ class Structure:
 
     @cached_property
     def is_cyclic(self) -> bool:
-        """Whether mass and stiffness are identical in all sectors; measured, not assumed."""
+        """Whether mass and stiffness are identical in all sectors, as found from the matrices."""
         return self.layout is not None and self.layout.is_symmetry_of(
             self.mass, self.stiffness, self.springs
         )
 
     @property
     def symmetry(self) -> str:
-        """Symmetry of the matrices and the resulting method for modes and reduction."""
+        """Symmetry of the matrices, and the method used for modes and reduction, in words."""
         if self.layout is None:
             return "no sectors: dense path"
         if not self.is_cyclic:
@@ -56,14 +60,14 @@ class Structure:
 
 
 def keep_free(node_dofs: IntArray, fixed: IntArray) -> tuple[IntArray, IntArray]:
-    """Number the free degrees of freedom anew.
+    """Renumber the free degrees of freedom from zero.
 
     Args:
         node_dofs: DoF of each node in the unconstrained structure, (nodes, components).
         fixed: numbers of the DoF fixed at zero.
 
     Returns:
-        the old numbers of the free DoF, and the table with new numbers, -1 if fixed.
+        the old numbers of the free DoF, and `node_dofs` with the new numbers, -1 if fixed.
     """
     total = node_dofs.size
     free = np.setdiff1d(np.arange(total), fixed)

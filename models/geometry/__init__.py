@@ -1,1 +1,1 @@
-"""Bladed disks as one beam model: the standard disk, a sketch, a mesh."""
+"""Beam models of bladed disks, from the standard disk, a sketch or a mesh file."""

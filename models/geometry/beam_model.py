@@ -1,7 +1,7 @@
-"""A bladed disk as it is described, before any matrix: beams, masses, springs, rigid links.
+"""Beam model of a bladed disk, before matrices are assembled: beams, masses, springs, rigid links.
 
-A `Sketch` builds one; so may anything else that has a mesh, its sections and its named sets. Its
-faults are those of any origin: unconnected parts, unusable sets.
+A beam model is made from the standard disk, a `Sketch` or a mesh file. The checks apply to all of
+them: unconnected parts, unusable sets.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.sections.rectangular import LineProperties
 
 GROUND = -1
-"""Other end of a spring that leads to the rotating frame itself."""
+"""Number that stands for the rotating frame as the second end of a spring."""
 
 ROUNDING = 1e-13
-"""Relative differences of lengths below this are rounding errors."""
+"""Relative difference below which two lengths count as equal."""
 
 AT_ORIGIN = 1e-9
-"""Largest distance of the centre from the origin, in tip radii."""
+"""Largest allowed distance of the centre from the origin, in tip radii."""
 
 OUTSIDE = 1e-9
-"""Largest distance of a node beyond a radius, as a share of it."""
+"""Largest allowed distance of a node outside a radius, as a share of the radius."""
 
 
 def _ints(values: Any = ()) -> IntArray:
@@ -43,36 +43,38 @@ def _floats(*shape: int) -> FloatArray:
 class PointMasses:
     """Masses at nodes."""
 
-    node: IntArray = field(default_factory=_ints)  #: (masses,)
-    mass: FloatArray = field(default_factory=lambda: _floats(0))  #: [kg], (masses,)
-    inertia: FloatArray = field(default_factory=lambda: _floats(0))  #: rotary [kg m2], (masses,)
+    node: IntArray = field(default_factory=_ints)  #: node of each mass, (masses,)
+    mass: FloatArray = field(default_factory=lambda: _floats(0))  #: mass [kg], (masses,)
+    inertia: FloatArray = field(default_factory=lambda: _floats(0))
+    """Rotary inertia [kg m2], (masses,)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class NodeSprings:
     """Springs between nodes, or between a node and the rotating frame.
 
-    They act on the difference of the displacements of both ends along the displacement axes of
-    the first (radial and tangential there, x and y at the origin), and on that of the rotations.
+    They act on the relative displacement of both ends, along the axes of the first end (radial and
+    tangential, or x and y at the origin), and on the relative rotation.
     """
 
     node: IntArray = field(default_factory=_ints)  #: first end, (springs,)
     other: IntArray = field(default_factory=_ints)  #: second end or `GROUND`, (springs,)
     stiffness: FloatArray = field(default_factory=lambda: _floats(0, 3))
-    """Along both axes [N/m] and against rotation [N m], (springs, 3)."""
+    """Stiffness along both axes [N/m] and against rotation [N m], (springs, 3)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RigidLinks:
-    """Nodes that another node leads as if on a rigid arm; a leader is not tied itself."""
+    """Rigid links: each led node moves as if on a rigid arm of its leader, which is not led
+    itself."""
 
-    led: IntArray = field(default_factory=_ints)  #: (links,)
-    leader: IntArray = field(default_factory=_ints)  #: (links,)
+    led: IntArray = field(default_factory=_ints)  #: led nodes, (links,)
+    leader: IntArray = field(default_factory=_ints)  #: leader of each led node, (links,)
 
 
 @dataclass(frozen=True, kw_only=True)
 class BeamModel:
-    """A bladed disk: a mesh of straight Bernoulli beams and what hangs on its nodes.
+    """A bladed disk: a mesh of straight Bernoulli beams, with masses, springs and links at nodes.
 
     The mesh has the node sets ``tips`` (in blade order) and ``centre`` (one node, at the origin).
     """
@@ -82,10 +84,11 @@ class BeamModel:
     masses: PointMasses = field(default_factory=PointMasses)
     springs: NodeSprings = field(default_factory=NodeSprings)
     links: RigidLinks = field(default_factory=RigidLinks)
-    tip_radius: float  #: that the clearance counts from; a tip may be shorter or longer [m]
+    tip_radius: float
+    """Radius from which the clearance is measured [m]; single tips may be at another radius."""
 
     def __repr__(self) -> str:
-        """Its size and mass, in one line."""
+        """Return the size and the mass in one line."""
         mesh = self.mesh
         return (
             f"<BeamModel: {len(mesh.points)} nodes, {len(mesh.lines)} lines, {len(self.tips)} tips,"
@@ -99,14 +102,14 @@ class BeamModel:
 
     @property
     def joints(self) -> IntArray:
-        """Pairs of nodes that lines, springs or rigid links join, (joints, 2)."""
+        """Pairs of nodes connected by lines, springs or rigid links, (joints, 2)."""
         springs = np.column_stack([self.springs.node, self.springs.other])
         links = np.column_stack([self.links.led, self.links.leader])
         return np.vstack([self.mesh.lines, springs[self.springs.other != GROUND], links])
 
     @property
     def centre(self) -> int:
-        """The node that the shaft carries."""
+        """Centre node, which is on the shaft."""
         return int(self.mesh.node_sets["centre"][0])
 
     @property
@@ -118,7 +121,8 @@ class BeamModel:
 
     @property
     def blade_length(self) -> float:
-        """Mean length of a blade's beams [m]; the tip radius where no lines are called blades."""
+        """Mean total length of the beams of a blade [m]; the tip radius if there is no line set
+        ``blades``."""
         blade_lines = self.mesh.line_sets.get("blades", _ints())
         length = float(self.mesh.lengths[blade_lines].sum()) / len(self.tips)
         return length or self.tip_radius
@@ -130,7 +134,7 @@ class BeamModel:
 
     @property
     def part_masses(self) -> dict[str, float]:
-        """Mass of the beams of each part and of the point masses, if any [kg]."""
+        """Mass of the beams of each part [kg], and of all point masses if there are any."""
         line_mass = self.properties.mean_line_mass * self.mesh.lengths
         parts = np.array(self.mesh.line_parts)
         masses = {str(name): float(line_mass[parts == name].sum()) for name in dict.fromkeys(parts)}
@@ -139,14 +143,14 @@ class BeamModel:
 
 
 def check_model(model: BeamModel, key: str) -> None:
-    """See that a beam model can be a bladed disk.
+    """Check that a beam model is a valid bladed disk.
 
     Args:
-        model: to check.
-        key: of the case that it comes from, for the messages.
+        model: beam model to check.
+        key: key of the case from which the model was made, for messages.
 
     Raises:
-        CaseError: with all faults, each naming the part.
+        CaseError: the model is invalid; the error lists all faults with the names of the parts.
     """
     faults = [
         *_sets(model, key),
@@ -191,7 +195,7 @@ def _links(model: BeamModel, key: str) -> Iterator[Fault]:
 
 
 def _massless(model: BeamModel, key: str) -> Iterator[Fault]:
-    """Yield nodes connected by springs only that lack inertia."""
+    """Yield nodes that are connected by springs only and have no mass or no inertia."""
     count = len(model.mesh.points)
     bare = np.ones(count, dtype=np.bool_)
     bare[model.mesh.lines] = bare[model.links.led] = False
@@ -220,7 +224,7 @@ def _doubled(model: BeamModel, key: str) -> Iterator[Fault]:
 
 
 def _loose_parts(model: BeamModel, key: str) -> Iterator[Fault]:
-    """Yield the first part that neither beams, springs nor links join to the centre."""
+    """Yield the first part that is not connected to the centre by beams, springs or links."""
     joints, count = model.joints, len(model.mesh.points)
     graph = sp.csr_array((np.ones(len(joints)), (joints[:, 0], joints[:, 1])), shape=(count, count))
     _, group = connected_components(graph, directed=False)
@@ -231,7 +235,7 @@ def _loose_parts(model: BeamModel, key: str) -> Iterator[Fault]:
 
 
 def part_outside(model: BeamModel, radius: float) -> str | None:
-    """Return the part that exceeds a radius most [m] and its position; None if none does."""
+    """Return in words the part that is farthest outside a radius [m]; None if there is none."""
     away = np.linalg.norm(model.mesh.points, axis=1)
     node = int(away.argmax())
     if away[node] <= radius * (1.0 + OUTSIDE):
@@ -240,7 +244,8 @@ def part_outside(model: BeamModel, radius: float) -> str | None:
 
 
 def _part(model: BeamModel, node: int) -> str:
-    """Return the part that a node belongs to, with its position; the node where it has no name."""
+    """Return in words the part that a node belongs to and its position; if the part has no name,
+    the node."""
     lines = np.flatnonzero((model.mesh.lines == node).any(axis=1))
     names = [model.mesh.line_parts[line] for line in lines if model.mesh.line_parts[line]]
     return f"part {names[0]!r} at {_at(model, node)}" if names else _node(model, node)

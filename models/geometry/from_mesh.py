@@ -1,11 +1,16 @@
-"""A beam model from a mesh file by the mapping of a case, and the content of a mesh file from one.
+"""Conversion between mesh files and beam models.
 
-Lines are beams, with the data ``width``, ``thickness``, ``young_modulus`` and ``density`` at their
-middle and, where sections change along lines, ``width_change`` and so on from the first node of a
-line to its second; or springs, with ``spring_radial``, ``spring_tangential`` and
-``spring_rotation``; or rigid links from leader to led node, with ``rigid`` = 1. Nodes have ``mass``
-and ``inertia`` and, where a spring leads to the rotating frame, ``ground_radial``,
-``ground_tangential``, ``ground_rotation``. All are SI; what a line or node has not is not a number.
+A line of a mesh file is one of three kinds:
+
+* a beam, with the data ``width``, ``thickness``, ``young_modulus`` and ``density`` at its middle.
+  If its section varies, ``width_change`` and so on are the changes from its first to its second
+  node;
+* a spring, with ``spring_radial``, ``spring_tangential`` and ``spring_rotation``;
+* a rigid link from the leader to the led node, with ``rigid`` = 1.
+
+A node may have ``mass`` and ``inertia``. A spring between a node and the rotating frame is given by
+``ground_radial``, ``ground_tangential`` and ``ground_rotation`` of the node. All data are in SI
+units. Data that do not apply to a line or node are NaN.
 """
 
 from __future__ import annotations
@@ -44,7 +49,7 @@ GROUNDED = tuple(name.replace("spring", "ground") for name in SPRING)
 
 
 def grouped_lines(model: BeamModel) -> GroupedLines:
-    """Convert a beam model to the content of a mesh file: sets as groups, the rest as data."""
+    """Convert a beam model to the contents of a mesh file: sets become groups, properties data."""
     mesh, springs, links = model.mesh, model.springs, model.links
     acts = springs.stiffness.any(axis=1)
     between, grounded = acts & (springs.other != GROUND), acts & (springs.other == GROUND)
@@ -84,7 +89,7 @@ def grouped_lines(model: BeamModel) -> GroupedLines:
 
 
 def point_masses(mesh: GroupedLines) -> PointMasses:
-    """Point masses among the data of a mesh.
+    """Return the point masses in the data of a mesh.
 
     Raises:
         ValueError: a mass is negative.
@@ -94,7 +99,7 @@ def point_masses(mesh: GroupedLines) -> PointMasses:
 
 
 def springs(mesh: GroupedLines) -> NodeSprings:
-    """Springs among the lines and the data of a mesh.
+    """Return the springs in the lines and the data of a mesh.
 
     Raises:
         ValueError: a stiffness is negative.
@@ -109,13 +114,13 @@ def springs(mesh: GroupedLines) -> NodeSprings:
 
 
 def rigid_links(mesh: GroupedLines) -> RigidLinks:
-    """Rigid links among the lines of a mesh."""
+    """Return the rigid links in the lines of a mesh."""
     leader, led = mesh.lines[mesh.is_rigid].T
     return RigidLinks(led=led, leader=leader)
 
 
 def _summed(size: int, places: IntArray, values: FloatArray) -> FloatArray:
-    """Return one number per node, summed over coincident ones; NaN where there is none."""
+    """Return an array with the sum of all values at each place, NaN at places without a value."""
     data = np.full(size, np.nan)
     data[places] = 0.0
     np.add.at(data, places, values)
@@ -125,7 +130,8 @@ def _summed(size: int, places: IntArray, values: FloatArray) -> FloatArray:
 def _table(
     data: Mapping[str, FloatArray], names: Sequence[str], size: int
 ) -> tuple[IntArray, FloatArray]:
-    """Return the positions with non-zero data and all data there, (names, positions)."""
+    """Return the positions at which any of the data is not zero, and all data there,
+    (names, positions)."""
     rows = [np.nan_to_num(data.get(name, np.zeros(size))) for name in names]
     table = np.stack(rows)
     if table.size and table.min() < 0.0:
@@ -136,22 +142,23 @@ def _table(
 
 
 TIP_RADII = (1e-3, 10.0)
-"""Smallest and largest tip radius [m]; beyond them a unit of length was mistaken."""
+"""Smallest and largest accepted tip radius [m]; other values are due to a wrong unit of length."""
 
 
 def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
     """Read the mesh file of a case and make a beam model of it.
 
-    Nodes and lines keep the order of the file. A mesh that is rotationally symmetric to a
-    millionth is made so to rounding, and has sectors.
+    Nodes and lines keep the order of the file. A mesh that is rotationally symmetric with a
+    relative tolerance of 1e-6 gets sectors, and its points are made exactly symmetric.
 
     Args:
-        table: the file and what its groups mean.
-        material: of the case, with those that sections name; that of lines whose file says none.
+        table: mesh file and the meaning of its groups.
+        material: material of the case, with the named materials. Lines without a material in the
+            file have this material.
 
     Raises:
-        CaseError: the file can't be read, the mapping does not fit it, or what it gives can be no
-            bladed disk.
+        CaseError: the file cannot be read, the table does not match it, or the resulting model is
+            not a valid bladed disk.
     """
     mesh = table.lines()
     points = mesh.points * table.metres
@@ -197,7 +204,7 @@ def mesh_beam_model(table: MeshTable, material: Material) -> BeamModel:
 
 
 def _double_parts(mesh: GroupedLines) -> Iterator[str]:
-    """Nodes and lines that are in a mesh twice; completes "expected ..."."""
+    """Yield texts about duplicate nodes and lines, which complete "expected ..."."""
     size = float(np.ptp(mesh.points, axis=0).max())
     from scipy.spatial import KDTree  # not loaded where no mesh is read
 
@@ -223,7 +230,7 @@ def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> Lin
     count = len(mesh.lines)
     values = np.full((len(QUANTITIES), count), np.nan)
     changes = np.zeros_like(values)
-    if table.metres == 1.0:  # what else would the file's numbers mean, and its moduli?
+    if table.metres == 1.0:  # with another unit of length, the unit of moduli would be unclear
         for row, name in zip(changes, CHANGES, strict=True):
             row[:] = np.nan_to_num(mesh.line_data.get(name, row))
         for row, name in zip(values, QUANTITIES, strict=True):
@@ -270,7 +277,7 @@ def _properties(table: MeshTable, mesh: GroupedLines, material: Material) -> Lin
 
 
 def _hung(table: MeshTable, mesh: GroupedLines) -> dict[str, Any]:
-    """Masses, springs and links of a mesh, as a beam model has them."""
+    """Return the masses, springs and links of a mesh, as keyword arguments of `BeamModel`."""
     try:
         masses, joints = point_masses(mesh), springs(mesh)
     except ValueError as error:

@@ -10,9 +10,9 @@
     sketch.set("centre", "centre")
     sketch.set("tips", "tip")
 
-What is drawn is one sector, its radial line on +x; it is repeated counter-clockwise. `Sketch.case`
-puts it into a case, which everything else works on; `Sketch.build` makes the beam model alone. The
-first tip belongs on +x: an imbalance pulls that way.
+A sketch describes one sector, whose radial line is on +x; the sector is repeated counter-clockwise.
+`Sketch.case` makes a case, the input of the rest of the package; `Sketch.build` makes the beam
+model only. Put the first tip on +x, because the force of an imbalance acts in that direction.
 """
 
 from __future__ import annotations
@@ -44,18 +44,20 @@ Point = tuple[float, float]
 
 
 class Sketch:
-    """Gathers the parts of one sector and the differences of some sectors.
+    """A bladed disk drawn as the parts of one sector, with changes in single sectors.
 
-    Lengths are numbers in metres or text with a unit, and so with all that has one. Sectors are
-    numbered from 0 counter-clockwise; ``sectors`` of a part are those that have it, None for all.
+    Values are numbers in SI units, or text with a unit. Sectors are numbered from 0
+    counter-clockwise. The argument ``sectors`` of a part lists the sectors that have this part;
+    None means all.
 
     Args:
-        sectors: of the bladed disk.
-        tip_radius: from which the clearance counts; the largest of the tips' own when None.
+        sectors: number of sectors of the bladed disk.
+        tip_radius: radius from which the clearance is measured [m]; if None, the radius of the
+            outermost tip.
 
     Raises:
-        CaseError: a value that is none, as each part is drawn; parts that do not fit together show
-            when the sketch is put into a case or built.
+        CaseError: an invalid value, raised as each part is drawn. Parts that do not fit together
+            are reported by `case`, `build` and `table`.
     """
 
     def __init__(self, sectors: int = 1, *, tip_radius: float | str | None = None) -> None:
@@ -69,7 +71,7 @@ class Sketch:
         """The sketch in the form that a case contains.
 
         Raises:
-            CaseError: parts that do not fit together, each named.
+            CaseError: parts that do not fit together; the error names each part.
         """
         parts = {name: tuple(items) for name, items in self._parts.items()} | self._head
         try:
@@ -81,25 +83,35 @@ class Sketch:
         """Return a case with this bladed disk, the input of the rest of the package.
 
         Args:
-            tables: the other tables of a case, ``march={"speed": 1.2, "duration": "0.5 s"}``, and
-                its title, "Sketch of 17 sectors" and the like when there is none.
+            tables: other tables of the case, such as ``march={"speed": 1.2, "duration": "0.5 s"}``,
+                and its title; the default title is "Sketch of 17 sectors" for 17 sectors.
 
         Raises:
-            CaseError: all faults of the tables.
+            CaseError: the case is invalid; the error lists all faults.
         """
         table = self.table
         return case_from({"title": f"Sketch of {table.sectors} sectors", **tables, "sketch": table})
 
     def build(self) -> BeamModel:
-        """The beam model of all sectors.
+        """Return the beam model of all sectors.
 
         Raises:
-            CaseError: parts that do not fit together, each named.
+            CaseError: parts that do not fit together; the error names each part.
         """
         return build_sketch(self.table)
 
     def node(self, name: str, x: float | str, y: float | str = 0.0, *, shared: bool = False) -> str:
-        """Put a node into each sector, or one for all; returns its name."""
+        """Add a node to each sector, or a single node that all sectors share.
+
+        Args:
+            name: name of the node.
+            x: coordinate in sector 0 [m].
+            y: coordinate in sector 0 [m].
+            shared: whether all sectors share the node.
+
+        Returns:
+            the name.
+        """
         self._add("nodes", SketchNode, name, name=name, at=(x, y), shared=shared)
         return name
 
@@ -115,17 +127,20 @@ class Sketch:
         part: str | None = None,
         sectors: Iterable[int] | None = None,
     ) -> None:
-        """Lay beams between two nodes.
+        """Add a member: beams along a straight or curved centre line between two nodes.
 
         Args:
-            name: of the member.
-            first: node that it starts at.
-            second: node that it ends at; "root+1" is the one of the next sector.
-            section: of its beams; a sequence is spread evenly from end to end, linear in between.
-            elements: number of beams, equally long.
-            path: points of a smooth centre line between the nodes [m], as in sector 0.
-            part: name of the line set, for members that make up one; that of the member if None.
-            sectors: that have it.
+            name: name of the member.
+            first: node at the start.
+            second: node at the end; "root+1" is the node "root" of the next sector.
+            section: section of the beams. A sequence of sections is placed at equal distances from
+                end to end, with linear interpolation between.
+            elements: number of beams, which have equal lengths.
+            path: points of a smooth centre line between the nodes, in the coordinates of sector 0
+                [m].
+            part: name of the line set of the beams, which several members may share; if None, the
+                name of the member.
+            sectors: sectors that have the member.
         """
         self._add(
             "members",
@@ -149,7 +164,7 @@ class Sketch:
         inertia: float | str = 0.0,
         sectors: Iterable[int] | None = None,
     ) -> None:
-        """Hang a point mass [kg], with a rotary inertia [kg m2], on a node."""
+        """Add a point mass [kg] with a rotary inertia [kg m2] at a node."""
         chosen = _chosen(sectors)
         self._add("masses", SketchMass, node, node=node, mass=mass, inertia=inertia, sectors=chosen)
 
@@ -163,9 +178,15 @@ class Sketch:
         rotation: float | str = 0.0,
         sectors: Iterable[int] | None = None,
     ) -> None:
-        """Join two nodes, or a node and the rotating frame, by a spring [N/m, N m/rad].
+        """Add a spring between two nodes, or between a node and the rotating frame.
 
-        Its directions are the radius of ``node`` and across it, x and y at the origin.
+        Args:
+            node: first node.
+            other: second node; None for the rotating frame.
+            radial: stiffness along the radius of ``node``, or along x at the origin [N/m].
+            tangential: stiffness across that radius, or along y at the origin [N/m].
+            rotation: stiffness against rotation [N m/rad].
+            sectors: sectors that have the spring.
         """
         self._add(
             "springs",
@@ -180,15 +201,15 @@ class Sketch:
         )
 
     def link(self, leader: str, led: str, *, sectors: Iterable[int] | None = None) -> None:
-        """Let a node lead another as if on a rigid arm."""
+        """Add a rigid link: the node ``led`` moves as if on a rigid arm of the node ``leader``."""
         self._add("links", SketchLink, led, leader=leader, led=led, sectors=_chosen(sectors))
 
     def set(self, name: str, *nodes: str) -> None:
-        """Name nodes; ``tips`` (blade by blade) and ``centre`` are needed."""
+        """Define a set of nodes; ``tips`` (in blade order) and ``centre`` are needed."""
         self._add("sets", SketchSet, name, name=name, nodes=nodes)
 
     def move(self, sector: int, node: str, x: float | str, y: float | str = 0.0) -> None:
-        """Put a node of one sector elsewhere; coordinates as in sector 0 [m]."""
+        """Move a node of one sector; its new coordinates are those of sector 0 [m]."""
         self._add("edits", SketchEdit, node, sector=sector, node=node, at=(x, y))
 
     def change(
@@ -201,18 +222,18 @@ class Sketch:
         section: Section | Sequence[Section] | None = None,
         path: Iterable[Sequence[float | str]] | None = None,
     ) -> None:
-        """Make a member of one sector otherwise.
+        """Change a member in one sector.
 
         Args:
-            sector: which one.
-            member: its name.
+            sector: number of the sector.
+            member: name of the member.
             stiffness: factor on Young's modulus.
             mass: factor on the density.
-            section: instead of the member's own.
-            path: instead of the member's own.
+            section: new section or sections; None keeps those of the member.
+            path: new points of the centre line [m]; None keeps those of the member.
 
         Raises:
-            CaseError: a value that is none.
+            CaseError: an invalid value.
         """
         self._add(
             "edits",

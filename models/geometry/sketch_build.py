@@ -1,4 +1,4 @@
-"""Beam model of a sketch: sectors repeated, members divided into elements, parts checked."""
+"""Make a beam model of a sketch: repeat its sector, divide members into elements, check parts."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ from bladewhirl.models.sections.rectangular import (
 )
 
 Key = tuple[str, int]
-"""Node of a sketch: its name, or that of a member with the position along it; see `_Numbering`."""
+"""Identifier of a node in a sector: its name and 0, or the name of a member and the number of the
+node along the member."""
 
 CENTRE = "centre"
 
@@ -40,11 +41,12 @@ SHORTEST = 1e-12
 def build_sketch(sketch: SketchTable) -> BeamModel:
     """Repeat a sketch sector by sector and make a beam model of it.
 
-    Nodes are numbered sector by sector in the order in which members meet them, shared ones last.
-    Where sectors are drawn out, or hold several blades, those of one blade each are looked for.
+    Nodes are numbered sector by sector, in the order in which members use them; shared nodes come
+    last. If the sketch has no equal sectors with one blade each, such sectors are searched for in
+    the complete mesh.
 
     Raises:
-        CaseError: parts that do not fit together, each named.
+        CaseError: parts that do not fit together; the error names each part.
     """
     drawing = _Drawing(sketch)
     mesh, properties = drawing.mesh(), drawing.properties()
@@ -66,7 +68,7 @@ def build_sketch(sketch: SketchTable) -> BeamModel:
 
 
 class _Drawing:
-    """Node numbering over all sectors, with positions."""
+    """Nodes and lines of all sectors of a sketch, numbered and with positions."""
 
     def __init__(self, sketch: SketchTable) -> None:
         self._sketch = sketch
@@ -92,7 +94,7 @@ class _Drawing:
                 self._lay(member, sector)
 
     def mesh(self) -> LineMesh:
-        """Return all nodes and lines with their sets and, if all sectors are equal, sectors."""
+        """Return the mesh of all nodes and lines, with sets, and with sectors if all are equal."""
         sets = {
             name: [self._at_node(node, s) for s in range(self._sketch.sectors) for node in nodes]
             for name, nodes in self._sets.items()
@@ -155,7 +157,7 @@ class _Drawing:
         return RigidLinks(led=led, leader=leader)
 
     def _number_sector(self, sector: int) -> None:
-        """Number the nodes that belong to a sector, in the order in which members meet them."""
+        """Number the nodes that belong to a sector, in the order in which members use them."""
         for member in self._sketch.members:
             if sector not in self._sectors_of(member):
                 continue
@@ -206,7 +208,7 @@ class _Drawing:
         self._sections.setdefault(member.name, []).append(table)
 
     def _line_of(self, member: SketchMember, sector: int) -> FloatArray:
-        """Ends of a member's elements, (elements + 1, 2)."""
+        """Return the points at the ends of the elements of a member [m], (elements + 1, 2)."""
         edit = self._changed.get((sector, member.name))
         path = member.path if edit is None or edit.path is None else edit.path
         given = [
@@ -223,7 +225,7 @@ class _Drawing:
         return points_along(points, member.elements)
 
     def _at(self, sector: int, key: Key) -> FloatArray:
-        """Point of a named node [m]."""
+        """Return the position of a named node in a sector [m], (2,)."""
         edit = self._moved.get((sector, key[0]))
         at = self._nodes[key[0]].at if edit is None or edit.at is None else edit.at
         return turned(at, sector * self._alpha)
@@ -237,13 +239,17 @@ class _Drawing:
         return self._number[self._place(reference, sector)]
 
     def _sectors_of(self, part: Part) -> Iterable[int]:
-        """Sectors that have a part; one between shared nodes is there once."""
+        """Return the sectors that have a part; a part between shared nodes exists only once."""
         if self._sketch.is_shared(*part.references):
             return range(1)
         return range(self._sketch.sectors) if part.sectors is None else part.sectors
 
     def _alike(self) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]] | None:
-        """Nodes of each sector in one order; None where sectors have different nodes."""
+        """Return the nodes of each sector, in the same order, (sectors, nodes a sector).
+
+        None if sectors have different nodes, if there are fewer than three sectors, or if nodes
+        other than the centre are shared.
+        """
         order = self._own[0]
         shared = [key[0] for _, key in self._shared]
         only_centre = shared == [*self._sets[CENTRE]]
@@ -261,5 +267,5 @@ def _sections(part: SketchMember | SketchEdit) -> tuple:  # type: ignore[type-ar
 
 
 def _table(part: SketchMember | SketchEdit, elements: int) -> FloatArray:
-    """Sections of equal elements, quantities above their changes, (8, elements)."""
+    """Return the sections of equal elements: rows of quantities, then of changes, (8, elements)."""
     return np.vstack(along_elements(_sections(part), elements))

@@ -1,4 +1,4 @@
-"""The sketch of the bladed disk that the `[bladed_disk]` table describes."""
+"""Sketch of the standard bladed disk, which is described by the `[bladed_disk]` table."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from bladewhirl.models.inputs.errors import CaseError, Fault
 from bladewhirl.models.sections.rectangular import QUANTITIES, BeamSection, Section, along
 
 FINE = 400
-"""Points along a curved centre line between which its angle is interpolated."""
+"""Number of points along a curved centre line between which its angle is interpolated."""
 
 FINE_STATIONS = 32
-"""Stations per element of a part of a tapered blade, in addition to those of the taper."""
+"""Number of stations per element at which the taper of a part of a blade is sampled."""
 
 BETWEEN = np.arange(1, 8) / 8.0
-"""Shares of a curved part, or of an arc, at which its path is sampled."""
+"""Positions between the ends, from 0 to 1, at which a curved part or an arc is sampled."""
 
 MakeSection = Callable[[BeamSection], Section]
 
@@ -28,16 +28,17 @@ MakeSection = Callable[[BeamSection], Section]
 def bladed_disk_sketch(given: BladedDisk, section: MakeSection) -> Sketch:
     """Draw a bladed disk; by default that of the paper's Fig. 3(a).
 
-    Each sector holds one blade of nearly equal elements, its tip on the sector's radial line, and
-    the disk below it. Node sets: ``tips``, ``roots``, ``centre``. Line sets: ``blades``, and as
-    far as there are any ``spokes``, ``rim``, ``rings``, ``shrouds``.
+    Each sector has one blade with elements of nearly equal length, whose tip is on the radial line
+    of the sector, and the part of the disk below the blade. Node sets: ``tips``, ``roots``,
+    ``centre``. Line sets: ``blades``, and ``spokes``, ``rim``, ``rings``, ``shrouds`` if there are
+    any.
 
     Args:
-        given: sizes and parts.
-        section: makes a section of one in the case.
+        given: table with sizes and parts.
+        section: function that converts a section of the case to a section with its material.
 
     Raises:
-        CaseError: a centre line that turns back.
+        CaseError: a centre line that does not lead outward everywhere.
     """
     sketch = Sketch(given.blades, tip_radius=given.tip_radius)
     blade = _Blade(given)
@@ -73,7 +74,7 @@ def bladed_disk_sketch(given: BladedDisk, section: MakeSection) -> Sketch:
 
 
 class _Blade:
-    """The centre line of a blade, and the nodes that it needs."""
+    """The centre line of a blade, and the nodes along it."""
 
     def __init__(self, given: BladedDisk) -> None:
         self._root, self._span = given.disk_radius, given.tip_radius - given.disk_radius
@@ -104,39 +105,45 @@ class _Blade:
             self._angle = lambda span: float(smooth(span))
 
     def node_at(self, radius: float) -> str:
-        """Name of the node at a radius of the case."""
+        """Return the name of the node at a radius that the case mentions."""
         return next(name for name, node_radius in self._radius.items() if node_radius == radius)
 
     def polar(self, radius: float, stretch: float = 1.0) -> tuple[float, float]:
-        """Radius and angle of the point at a radius, on a blade of another length."""
+        """Return radius and angle of the point of the centre line at a radius [m, rad].
+
+        Args:
+            radius: radius of the point [m].
+            stretch: factor on the length of the blade.
+        """
         return radius, self._angle(min(max((radius - self._root) / (stretch * self._span), 0), 1))
 
     def point(self, radius: float, stretch: float = 1.0) -> tuple[float, float]:
-        """Return the centre line in Cartesian coordinates x and y [m]."""
+        """Return x and y of the point of the centre line at a radius, see `polar` [m]."""
         r, angle = self.polar(radius, stretch)
         return r * float(np.cos(angle)), r * float(np.sin(angle))
 
     def path(self, ends: tuple[float, float], stretch: float = 1.0) -> list[tuple[float, float]]:
-        """Points of a curved piece between two radii; none of a straight one."""
+        """Return points of the centre line between two radii [m]; none if it is straight."""
         if not self.is_curved:
             return []
         return [self.point(ends[0] + s * (ends[1] - ends[0]), stretch) for s in BETWEEN]
 
     def shares(self, ends: tuple[float, float]) -> tuple[float, float]:
-        """Shares of the way from root to tip of two radii."""
+        """Convert two radii to positions from 0 at the root to 1 at the tip."""
         return (ends[0] - self._root) / self._span, (ends[1] - self._root) / self._span
 
     def pieces(self, elements: int) -> list[tuple[str, str, int]]:
-        """Nodes at the ends of each piece of the blade, and its number of elements."""
+        """Return the two end nodes and the number of elements of each piece of the blade."""
         names = ["root", *self.inner, "tip"]
         lengths = np.diff([self._radius[name] for name in names])
         counts = np.ones(len(lengths), dtype=int)
         for _ in range(elements - len(lengths)):
-            counts[np.argmax(lengths / counts)] += 1  # to where elements are longest
+            counts[np.argmax(lengths / counts)] += 1  # in the piece with the longest elements
         return [(a, b, int(n)) for (a, b), n in zip(pairwise(names), counts, strict=True)]
 
     def radius(self, name: str, stretch: float = 1.0) -> float:
-        """Return the radius of a node on a blade of different length, which moves the tip only."""
+        """Return the radius of a node [m]; ``stretch``, a factor on the length, moves only the
+        tip."""
         return self._root + stretch * self._span if name == "tip" else self._radius[name]
 
 
@@ -178,8 +185,8 @@ def _draw_blades(sketch: Sketch, given: BladedDisk, blade: _Blade, section: Make
 
 
 def _piece_of(taper: list[Section], ends: tuple[float, float], elements: int) -> list[Section]:
-    """Return the stations of a part of a blade: those of the whole blade, or enough to include
-    each."""
+    """Return the stations of a piece of a blade: those of the taper if the piece is the complete
+    blade, otherwise closely spaced ones."""
     if not taper or ends == (0.0, 1.0):
         return taper
     shares = np.linspace(*ends, FINE_STATIONS * elements + 1)

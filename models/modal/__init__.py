@@ -1,1 +1,1 @@
-"""Modes by nodal diameter and family, and the reduction onto them."""
+"""Modes of a structure by nodal diameter and family, and Craig-Bampton reduction."""

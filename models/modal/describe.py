@@ -1,6 +1,7 @@
-"""Arrays that describe a stage in a result, from the finite element models and their modes.
+"""Make the arrays of a stage in a result from the finite element models and their modes.
 
-Apart from `stage_arrays`, which solvers import too: they see no finite elements.
+This module is separate from `stage_arrays` because solvers import the latter without finite
+elements.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ DRAWN = (
     *("thickness", "width", "young_modulus"),
     *("thickness_change", "width_change", "young_modulus_change"),
 )
-"""Properties of lines that results contain; a casing has no changes."""
+"""Properties of lines that results contain; for a casing only the first three."""
 
 
 def stage_arrays(
@@ -32,16 +33,17 @@ def stage_arrays(
     casing_family: tuple[str, ...],
     turning: TurningDisk | None,
 ) -> StageArrays:
-    """Describe two bodies by some of their modes.
+    """Return the arrays of a stage with some modes of its bodies.
 
     Args:
-        case: of both.
+        case: case of the stage.
         disk: the bladed disk.
-        disk_modes: of it, full or reduced, with fields on its free degrees of freedom.
-        disk_family: of each of them, (rotor modes,).
+        disk_modes: modes of the full or the reduced bladed disk, with fields on its free degrees of
+            freedom.
+        disk_family: family of each mode of the bladed disk, (rotor modes,).
         casing: the casing.
-        casing_modes: of it.
-        casing_family: of each of them, (casing modes,).
+        casing_modes: modes of the casing.
+        casing_family: family of each mode of the casing, (casing modes,).
         turning: the bladed disk at speed; None without rotation effects.
     """
     model, mesh, supports, shaft = disk.model, disk.mesh, casing.supports, case.shaft

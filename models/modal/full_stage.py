@@ -1,4 +1,4 @@
-"""Full finite element models of a case and their modes, for modal analysis."""
+"""Full finite element models of a case with their modes, for modal analysis."""
 
 from __future__ import annotations
 
@@ -37,15 +37,17 @@ from bladewhirl.models.rotation.at_speed import TurningDisk, turning_disk
 from bladewhirl.models.rotation.whirl_modes import DENSE_SIZE, WhirlModes, whirl_modes
 
 Frequencies = Mapping[int, FloatArray]
-"""Ascending frequencies [rad/s] by nodal diameter, pairs once; all under -1 without symmetry."""
+"""Frequencies by nodal diameter in ascending order [rad/s]; a pair has one entry. Without symmetry,
+all frequencies are under the key -1."""
 
 
 def lowest_frequencies(structure: Structure, count: int) -> Frequencies:
     """Return the lowest frequencies of a supported structure.
 
     Args:
-        structure: in full, without constraint fields; sector by sector where it is cyclic.
-        count: how many of each nodal diameter; without symmetry times the number of sectors.
+        structure: full structure without constraints.
+        count: number of frequencies of each nodal diameter. Without symmetry, this number times
+            the number of sectors is returned.
     """
     layout = structure.layout
     if layout is not None and structure.is_cyclic:
@@ -71,8 +73,8 @@ def family_errors(modes: Modes, family: list[str], full: Frequencies) -> dict[st
     """Return the largest relative frequency error of each family within the range of ``full``.
 
     Args:
-        modes: of a reduced model.
-        family: of each of them, (modes,).
+        modes: modes of a reduced model.
+        family: family of each mode, (modes,).
         full: frequencies of the full model.
     """
     errors: dict[str, float] = {}
@@ -89,7 +91,7 @@ def family_errors(modes: Modes, family: list[str], full: Frequencies) -> dict[st
 
 
 WHIRL_FAMILIES = 6
-"""Families of whirling modes computed for a large bladed disk without symmetry."""
+"""Number of families of whirling modes computed for a large bladed disk without symmetry."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,7 +99,7 @@ class Whirl:
     """Modes of a bladed disk with Coriolis forces."""
 
     modes: WhirlModes
-    family: tuple[str, ...]  #: of each, (modes,)
+    family: tuple[str, ...]  #: family of each mode, (modes,)
 
     @property
     def nodal_diameter(self) -> IntArray:
@@ -105,14 +107,14 @@ class Whirl:
         return self.modes.nodal_diameter
 
     def find(self, family: str, nodal_diameter: int) -> IntArray:
-        """Numbers of the modes of one family and nodal diameter, ascending in frequency."""
+        """Return the numbers of the modes of one family and nodal diameter, ascending."""
         named = np.array(self.family) == family
         return np.flatnonzero(named & (self.nodal_diameter == nodal_diameter))
 
     def real_parts(self, chosen: IntArray) -> Modes:
-        """Two fields for each of some modes, Re p and -Im p, that it has in turn.
+        """Return two real fields for each of some modes: Re p and -Im p.
 
-        Its motion is the first times cos(w t) plus the second times sin(w t).
+        The motion of the mode is Re p cos(w t) - Im p sin(w t).
         """
         fields, twice = self.modes.fields(chosen), np.repeat(chosen, 2)
         return Modes(
@@ -128,17 +130,18 @@ class Whirl:
 
 @dataclass(frozen=True, kw_only=True)
 class ModalStage:
-    """Bladed disk, with free and with clamped centre, and casing, without reduction.
+    """Bladed disk, with a free and with a clamped centre, and casing, without reduction.
 
-    Where rotation effects are centrifugal, the modes are those at the case's speed; where they are
-    full, they are those at rest, beside the whirling modes at that speed.
+    With rotation.effects = "centrifugal", the modes are computed at the speed of the case. With
+    "full", the modes are computed at rest, and the whirling modes at the speed of the case.
     """
 
     case: Case
     free_disk: BladedDiskModel
     clamped_disk: BladedDiskModel
     casing: CasingModel
-    reference_frequency: float  #: lowest of the bladed disk with a free centre, at rest [rad/s]
+    reference_frequency: float
+    """Lowest natural frequency of the bladed disk at rest, with a free centre [rad/s]."""
     free_modes: LabelledModes
     clamped_modes: LabelledModes
     casing_modes: LabelledModes
@@ -147,7 +150,7 @@ class ModalStage:
 
     @property
     def turning(self) -> TurningDisk | None:
-        """The bladed disk at speed as the case has it; None without rotation effects."""
+        """Bladed disk at speed, with the centre as in the case; None without rotation effects."""
         return None if self.at_speed is None else self.at_speed[int(self.case.shaft.clamped)]
 
     @cached_property
@@ -157,16 +160,17 @@ class ModalStage:
 
     @cached_property
     def clamped_whirl(self) -> Whirl | None:
-        """Modes of the bladed disk with clamped centre."""
+        """Whirling modes of the bladed disk with a clamped centre; None without Coriolis forces."""
         return self._whirl(1)
 
     @property
     def disk_whirl(self) -> Whirl | None:
-        """Modes of the bladed disk with the centre as in the case."""
+        """Whirling modes with the centre as in the case; None without Coriolis forces."""
         return self.clamped_whirl if self.case.shaft.clamped else self.free_whirl
 
     def _whirl(self, centre: int) -> Whirl | None:
-        """Whirling modes: all of them for equal sectors, otherwise those of the lowest families."""
+        """Compute whirling modes: all of them, or for a large bladed disk with unequal sectors
+        those of the lowest families."""
         if self.at_speed is None or self.case.rotation.effects != "full":
             return None
         structure = self.at_speed[centre].disk.structure
@@ -184,33 +188,33 @@ class ModalStage:
 
     @property
     def disk(self) -> BladedDiskModel:
-        """The bladed disk as the case has it."""
+        """Bladed disk with the centre as in the case."""
         return self.clamped_disk if self.case.shaft.clamped else self.free_disk
 
     @property
     def disk_modes(self) -> LabelledModes:
-        """Modes of the bladed disk as the case has it."""
+        """Modes of the bladed disk with the centre as in the case."""
         return self.clamped_modes if self.case.shaft.clamped else self.free_modes
 
     def arrays(self, disk_modes: IntArray, casing_modes: IntArray) -> StageArrays:
-        """Describe the stage by some of its modes.
+        """Return the arrays of the stage with some of its modes.
 
         Args:
-            disk_modes: numbers among `disk_modes`.
-            casing_modes: numbers among `casing_modes`.
+            disk_modes: numbers of modes in the attribute `disk_modes`.
+            casing_modes: numbers of modes in the attribute `casing_modes`.
         """
         modes = self.disk_modes
         return self._arrays(modes.expand(disk_modes), modes.family, disk_modes, casing_modes)
 
     def whirl_arrays(self, whirling: IntArray, casing_modes: IntArray) -> StageArrays:
-        """Describe the stage by some of its whirling modes, in two fields each: `real_parts`.
+        """Return the arrays of the stage with some whirling modes, as two real fields each.
 
         Args:
-            whirling: numbers among `disk_whirl`.
-            casing_modes: numbers among `casing_modes`.
+            whirling: numbers of modes in the attribute `disk_whirl`.
+            casing_modes: numbers of modes in the attribute `casing_modes`.
 
         Raises:
-            ValueError: it has none, without Coriolis forces.
+            ValueError: the stage has no Coriolis forces, and therefore no whirling modes.
         """
         whirl = self.disk_whirl
         if whirl is None:
@@ -234,15 +238,15 @@ class ModalStage:
 
 
 def modal_stage(case: Case, count: int | None = None) -> ModalStage:
-    """Find the modes of a case's full bladed disk and casing.
+    """Compute the modes of the full bladed disk and casing of a case.
 
     Args:
         case: the case.
-        count: how many of the lowest of each; all when None.
+        count: number of the lowest modes of each body; all if None.
 
     Raises:
-        CaseError: a stage too large, a suspension that no springs bring about, or numbers that
-            finite elements can't be made of.
+        CaseError: the stage is too large for the memory, no springs give the suspension frequency,
+            or values are too extreme for finite elements in double precision.
     """
     case = with_sized_shaft(case)
     with numbers_within_reach(case):
@@ -274,7 +278,7 @@ def modal_stage(case: Case, count: int | None = None) -> ModalStage:
 
 
 def _at_speed(case: Case, at_rest: BladedDiskModel, reference: float) -> TurningDisk:
-    """A bladed disk with its rotation effects."""
+    """Return a bladed disk with its rotation effects."""
     turning = turning_disk(case, at_rest, reference)
     assert turning is not None  # the case has effects
     return turning

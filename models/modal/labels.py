@@ -1,11 +1,13 @@
-"""Frequencies and labels of all modes of a structure, fields on demand.
+"""Frequencies and labels of all modes of a structure; fields are computed when needed.
 
-On a cyclic structure every mode is a few complex amplitudes in one sector, so that all modes
-of hundreds of blades fit in memory and the suspension pair is found among all modes, not among
-the few that are shown. Other structures with sectors get their labels from their *tuned twin*: the
-average of the structure over all turns by a sector, whose blocks are the diagonal blocks of its
-own matrices. A mode belongs to the family of the twin's modes that hold most of it, and to the
-nodal diameter that holds most of it, with that share as its purity.
+On a cyclic structure every mode is stored as complex amplitudes in one sector. All modes of
+hundreds of blades then fit in memory, and the suspension pair is chosen from all modes, not only
+from those that are shown.
+
+The labels of a structure with unequal sectors follow from its *tuned twin*, a cyclic structure
+whose sectors are the mean of all sectors. Each mode is expanded in the modes of the twin. It gets
+the family with the largest share in this expansion. Its nodal diameter is the one with the largest
+share, and this share is its purity.
 """
 
 from __future__ import annotations
@@ -35,41 +37,41 @@ Body = Literal["bladed-disk", "casing"]
 
 @dataclass(frozen=True, kw_only=True)
 class LabelledModes(ModeTable):
-    """Modes with their families, a degenerate pair cosine first."""
+    """Modes with their families; of a degenerate pair the cosine mode is first."""
 
     family: tuple[str, ...]  #: "1F", "2F", ..., "suspension", "rigid", (modes,)
     amplitudes: tuple[ComplexArray | FloatArray, ...]
-    """Radial amplitude of each mode [kg^-1/2], in one sector (see `cyclic`); the field if column is
-    -1."""
+    """Complex amplitudes of each mode in one sector (see `cyclic`) [kg^-1/2]; the full field if
+    the column is -1."""
     layout: SectorLayout | None  #: sectors of the structure
-    size: int  #: number of its free degrees of freedom
+    size: int  #: number of free degrees of freedom of the structure
 
     def fields(self, chosen: IntArray) -> FloatArray:
-        """Mass-normalised fields of some modes on the structure's free DoF, (size, chosen)."""
+        """Return the mass-normalised fields of some modes on the free DoF, (size, chosen)."""
         fields = [self._field(int(mode)) for mode in chosen]
         return np.stack(fields, axis=-1) if fields else np.zeros((self.size, 0))
 
     def expand(self, chosen: IntArray) -> Modes:
-        """Some modes with their fields."""
+        """Return some of the modes with their fields."""
         sectors = self.layout.sectors if self.layout else 0
         return Modes(shapes=self.fields(chosen), sectors=sectors, **self.numbers(chosen))
 
     def find(self, family: str, nodal_diameter: int) -> IntArray:
-        """Numbers of the modes of one family and nodal diameter, ascending."""
+        """Return the numbers of the modes of one family and nodal diameter, ascending."""
         named = np.array([name == family for name in self.family], dtype=np.bool_)
         return np.flatnonzero(named & (self.nodal_diameter == nodal_diameter))
 
     @property
     def named(self) -> NamedModes:
-        """Families and nodal diameters, to choose modes by."""
+        """Families and nodal diameters of the modes, for selection by name."""
         return NamedModes(family=self.family, nodal_diameter=self.nodal_diameter)
 
     def one_a_pair(self) -> IntArray:
-        """Numbers of the modes without the sines of degenerate pairs, ascending."""
+        """Return the numbers of the modes without the sine modes of pairs, ascending."""
         return np.flatnonzero((self.column % 2 != 0) | (self.column == 0))
 
     def take(self, chosen: IntArray | slice) -> LabelledModes:
-        """Keep some modes."""
+        """Return some of the modes."""
         kept = np.arange(self.count)[chosen]
         return replace(
             self,
@@ -91,14 +93,14 @@ class LabelledModes(ModeTable):
 def labelled_modes(
     structure: Structure, reference: tuple[int, int], body: Body, count: int | None = None
 ) -> LabelledModes:
-    """Modes of a structure with their labels, by the cyclic path where it is cyclic.
+    """Return the modes of a structure with their labels; by nodal diameter if it is cyclic.
 
     Args:
         structure: matrices and sectors.
-        reference: positions, among a sector's DoF, of the radial and tangential displacement that
-            fix the phase of degenerate pairs.
-        body: decides the names of special families, see `families`.
-        count: how many of the lowest, exactly; all when None.
+        reference: positions, among the DoF of a sector, of the radial and the tangential
+            displacement that fix the phase of degenerate pairs.
+        body: kind of body, which determines the names of special families, see `families`.
+        count: exact number of the lowest modes; all if None.
     """
     if structure.is_cyclic:
         labels = _tuned(structure, reference, body)
@@ -117,12 +119,14 @@ def labelled_modes(
 def mode_families(
     structure: Structure, modes: Modes, reference: tuple[int, int], body: Body
 ) -> tuple[str, ...]:
-    """Return the family of each mode: its rank for equal sectors or none, otherwise that of the
-    twin.
+    """Return the family of each mode.
+
+    It follows from the rank of the mode if sectors are equal or there are none, otherwise from the
+    tuned twin.
 
     Args:
-        structure: that they belong to; they may be those of a reduced model.
-        modes: with fields on the structure's free DoF.
+        structure: structure of the modes.
+        modes: modes of the full or a reduced model, with fields on the free DoF of the structure.
         reference: see `labelled_modes`.
         body: see `labelled_modes`.
     """
@@ -132,10 +136,10 @@ def mode_families(
 
 
 def _names(structure: Structure, modes: Modes, reference: tuple[int, int], body: Body) -> list[str]:
-    """Return the families of modes for equal sectors, or without sectors.
+    """Return the families of modes if sectors are equal or there are none.
 
-    Those of a structure that turns keep their names at rest, by rank: over the speed, modes of one
-    nodal diameter do not cross.
+    Modes of a rotating structure have the names of the modes at rest with the same rank, because
+    the frequencies of one nodal diameter do not cross as the speed changes.
     """
     if structure.at_rest is None:
         return families(modes, body)
@@ -150,7 +154,7 @@ def _names(structure: Structure, modes: Modes, reference: tuple[int, int], body:
 
 
 def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> LabelledModes:
-    """All modes of a cyclic structure, or of another one's tuned twin."""
+    """Return all modes of a structure if it is cyclic, otherwise of its tuned twin."""
     layout = structure.layout
     assert layout is not None  # both callers look
     squares, shares, columns, diameters, amplitudes = [], [], [], [], []
@@ -190,8 +194,8 @@ def _tuned(structure: Structure, reference: tuple[int, int], body: Body) -> Labe
 
 
 def _in_springs(springs: ComplexArray, vectors: ComplexArray) -> FloatArray:
-    """Twice the energy of the springs in each vector, (m,); few rows of their matrix are full."""
-    rows = np.flatnonzero(springs.any(axis=1))
+    """Return twice the energy of the springs in each vector, (m,)."""
+    rows = np.flatnonzero(springs.any(axis=1))  # only a few
     in_springs = vectors[rows]
     return np.asarray(
         np.sum(in_springs.conj() * (springs[np.ix_(rows, rows)] @ in_springs), axis=0).real
@@ -199,7 +203,8 @@ def _in_springs(springs: ComplexArray, vectors: ComplexArray) -> FloatArray:
 
 
 def _families_of_twin(structure: Structure, modes: Modes, twin: LabelledModes) -> list[str]:
-    """Return the family of each mode: that of the twin's modes with the largest share."""
+    """Return the family of each mode: the one with the largest share in the expansion of the mode
+    in the modes of the twin."""
     layout = structure.layout
     assert layout is not None  # it has a twin
     names = list(dict.fromkeys(twin.family))
@@ -218,15 +223,15 @@ def _families_of_twin(structure: Structure, modes: Modes, twin: LabelledModes) -
 def whirl_families(
     structure: Structure, modes: WhirlModes, reference: tuple[int, int]
 ) -> tuple[str, ...]:
-    """Family of each whirling mode of a bladed disk.
+    """Return the family of each whirling mode of a bladed disk.
 
-    Over the speed, waves of one nodal diameter do not cross where sectors are alike, so their rank
-    says which family they are of at rest; without symmetry they belong to the family at rest that
-    holds most of them.
+    If sectors are equal, the frequencies of waves of one nodal diameter do not cross as the speed
+    changes. A wave then has the family of the mode at rest with the same rank. Otherwise a mode has
+    the family with the largest share in its expansion in the modes at rest.
 
     Args:
-        structure: that turns.
-        modes: of it.
+        structure: rotating structure.
+        modes: whirling modes of the structure.
         reference: see `labelled_modes`.
     """
     at_rest = labelled_modes(structure.at_rest or structure, reference, "bladed-disk")

@@ -18,20 +18,21 @@ DENSE_LIMIT = 3000
 """Largest structure whose modes are computed by a dense solver."""
 
 RIGID_SHARE = 0.99
-"""A casing mode is rigid when its support holds at least this share of its strain energy, ..."""
+"""A casing mode is rigid if at least this share of its strain energy is in the support, ..."""
 
 RIGID_FREQUENCY = 0.01
-"""... or when its frequency is below this share of the lowest with two nodal diameters or more."""
+"""... or if its frequency is below this share of the lowest one with two or more nodal
+diameters."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ModeTable:
-    """Numbers that every set of modes has, in ascending order of frequency."""
+    """Properties of a set of modes without their fields, in ascending order of frequency."""
 
-    frequency: FloatArray  #: [rad/s], (modes,)
+    frequency: FloatArray  #: natural frequency [rad/s], (modes,)
     column: IntArray  #: column of the real DFT over sectors, (modes,); -1 without symmetry
     nodal_diameter: IntArray  #: dominant nodal diameter of the mode, (modes,); -1 without sectors
-    purity: FloatArray  #: its share in the mode, mass-weighted, (modes,)
+    purity: FloatArray  #: mass-weighted share of that nodal diameter in the mode, (modes,)
     spring_share: FloatArray  #: share of the strain energy in the springs, (modes,)
 
     @property
@@ -40,7 +41,7 @@ class ModeTable:
         return len(self.frequency)
 
     def numbers(self, chosen: IntArray | slice = slice(None)) -> dict[str, Any]:
-        """The numbers of some modes, by name."""
+        """Return the properties of some modes, by name."""
         return {each.name: getattr(self, each.name)[chosen] for each in fields(ModeTable)}
 
 
@@ -48,12 +49,12 @@ class ModeTable:
 class Modes(ModeTable):
     """Mass-normalised modes with their fields.
 
-    On a cyclic structure degenerate modes come as cosine and sine, the cosine with its radial
-    reference displacement largest and positive in sector 0.
+    On a cyclic structure a degenerate pair consists of a cosine and a sine mode. The radial
+    reference displacement of the cosine mode is positive and largest in sector 0.
     """
 
-    shapes: FloatArray  #: fields on the structure's free DoF [kg^-1/2], (size, modes)
-    sectors: int  #: number of sectors of the structure; 0 where it has none
+    shapes: FloatArray  #: fields on the free DoF of the structure [kg^-1/2], (size, modes)
+    sectors: int  #: number of sectors of the structure; 0 if it has none
 
     @property
     def is_cyclic(self) -> bool:
@@ -61,21 +62,21 @@ class Modes(ModeTable):
         return bool(np.all(self.column != NO_COLUMN))
 
     def take(self, chosen: IntArray | slice) -> Modes:
-        """Keep some of the modes."""
+        """Return some of the modes."""
         return replace(self, shapes=self.shapes[:, chosen], **self.numbers(chosen))
 
 
 def structure_modes(
     structure: Structure, reference: tuple[int, int], count: int | None = None
 ) -> Modes:
-    """Lowest modes of a structure; sector by sector where it is cyclic.
+    """Return the lowest modes of a structure; by nodal diameter if it is cyclic.
 
     Args:
         structure: matrices and sectors.
-        reference: positions, among a sector's DoF, of the radial and tangential displacement that
-            fix the phase of degenerate pairs.
-        count: number of modes (all when None); on a cyclic structure a pair is never cut, so one
-            more may come.
+        reference: positions, among the DoF of a sector, of the radial and the tangential
+            displacement that fix the phase of degenerate pairs.
+        count: number of modes, all if None. On a cyclic structure the number is increased by one if
+            it would separate a pair.
     """
     if structure.is_cyclic:
         return _cyclic_modes(structure, reference, count)
@@ -124,14 +125,15 @@ def collect_modes(
     column: IntArray,
     count: int | None = None,
 ) -> Modes:
-    """Sort modes by frequency, select the lowest without splitting a pair, and measure them.
+    """Sort modes by frequency, keep the lowest without separating a pair, and compute their
+    properties.
 
     Args:
-        structure: that they belong to.
+        structure: structure of the modes.
         square: squared frequencies [rad2/s2], (modes,).
         shapes: fields, (size, modes).
         column: DFT columns, (modes,).
-        count: how many to keep; all when None.
+        count: number of modes to keep; all if None.
     """
     order = np.argsort(square, kind="stable")
     if count is not None and count < len(order):
@@ -143,7 +145,7 @@ def collect_modes(
     strain = square
     if structure.at_rest is not None:
         strain = np.einsum("im,im->m", shapes, structure.elastic @ shapes)
-    sprung = np.unique(structure.springs.indices)  # few, on which springs act
+    sprung = np.unique(structure.springs.indices)  # the few DoF on which springs act
     in_springs = np.einsum(
         "im,im->m", shapes[sprung], structure.springs[sprung][:, sprung] @ shapes[sprung]
     )
@@ -168,10 +170,11 @@ def collect_modes(
 
 
 def natural_frequencies(structure: Structure, squares: FloatArray) -> FloatArray:
-    """Return the frequencies of squares [rad/s]; with rotation effects they keep the sign.
+    """Return the frequencies of squared frequencies [rad/s].
 
-    Squares below zero are rounding at rest. Past a critical speed they belong to modes that
-    Coriolis forces alone hold.
+    At rest, negative squares are rounding errors and give zero. With rotation effects they are
+    real: past a critical speed some modes are stable only by Coriolis forces. The frequency then
+    has the sign of the square.
     """
     if structure.at_rest is None:
         return np.sqrt(np.maximum(squares, 0.0))
@@ -179,7 +182,8 @@ def natural_frequencies(structure: Structure, squares: FloatArray) -> FloatArray
 
 
 def is_first_of_pair(columns: IntArray, position: int) -> bool:
-    """Return whether the mode at a position in sorted order is a cosine followed by its sine."""
+    """Return whether the mode at a position is the cosine mode of a pair, with its sine mode
+    next."""
     following = columns[position + 1 : position + 2]
     cosine = columns[position] > 0 and columns[position] % 2 == 1
     return bool(cosine and following.size and following[0] == columns[position] + 1)
@@ -191,17 +195,17 @@ def constrained_eigh(
     constraints: NDArray[np.inexact],
     count: int | None = None,
 ) -> tuple[FloatArray, ComplexArray]:
-    """Solve a generalised Hermitian eigenproblem on fields x with v^H M x = 0 for each constraint
+    """Solve a generalised Hermitian eigenproblem for fields x with v^H M x = 0 for each constraint
     v.
 
     Args:
-        stiffness: (n, n).
-        mass: (n, n).
-        constraints: (n, constraints), columns of order one; those that vanish constrain nothing.
-        count: how many of the lowest; all when None.
+        stiffness: K, (n, n).
+        mass: M, (n, n).
+        constraints: constraints v, (n, constraints), of order one; columns of zeros are ignored.
+        count: number of the lowest eigenvalues; all if None.
 
     Returns:
-        eigenvalues ascending (m,), mass-normalised vectors (n, m).
+        eigenvalues in ascending order (m,), and mass-normalised vectors (n, m).
     """
     constraints = constraints[:, np.linalg.norm(constraints, axis=0) > 1e-9]
     if constraints.size:
@@ -219,15 +223,19 @@ def constrained_eigh(
 def lowest_pairs(
     stiffness: NDArray[np.inexact], mass: NDArray[np.inexact], count: int | None = None
 ) -> tuple[FloatArray, ComplexArray]:
-    """Eigenvalues (m,), ascending, and mass-normalised vectors (n, m) of a Hermitian pencil.
+    """Solve a generalised Hermitian eigenproblem K x = lambda M x.
 
-    All are found, even where few are kept: bisection for some is slower, and loses digits where
-    low frequencies lie far below high ones. Rayleigh quotients give these digits back.
+    All eigenvectors are computed even if few are returned, because bisection for some of them is
+    slower and loses digits of frequencies that are far below the highest ones. The eigenvalues are
+    Rayleigh quotients, which restore these digits.
 
     Args:
-        stiffness: (n, n).
-        mass: (n, n), positive definite.
-        count: how many of the lowest; all when None.
+        stiffness: K, (n, n).
+        mass: M, positive definite, (n, n).
+        count: number of the lowest eigenvalues; all if None.
+
+    Returns:
+        eigenvalues in ascending order (m,), and mass-normalised vectors (n, m).
     """
     vectors = la.eigh(stiffness, mass)[1][:, :count]
     square = rayleigh_quotients(stiffness, mass, vectors)
@@ -238,7 +246,10 @@ def lowest_pairs(
 def rayleigh_quotients(
     stiffness: NDArray[np.inexact], mass: NDArray[np.inexact], vectors: NDArray[np.inexact]
 ) -> FloatArray:
-    """Squared frequencies of vectors (n, m): they err by the square of the vectors' error, (m,)."""
+    """Return the Rayleigh quotients of vectors (n, m), which are squared frequencies, (m,).
+
+    Their error is of the order of the squared error of the vectors.
+    """
     strain, inertia = (
         np.einsum("im,im->m", vectors.conj(), matrix @ vectors).real for matrix in (stiffness, mass)
     )
@@ -246,11 +257,12 @@ def rayleigh_quotients(
 
 
 def align_phase(vectors: ComplexArray, reference: tuple[int, int], *, pair: bool) -> ComplexArray:
-    """Turn block vectors so that the reference radial amplitude is real and positive.
+    """Change the phase of complex vectors so that the radial reference amplitude is positive.
 
-    Where a mode of a pair has none, its tangential amplitude becomes -i times a positive number,
-    as it is for a mode that carries both on a structure with mirror symmetry; vectors of a single
-    harmonic (``pair`` False) are real and only get a sign.
+    If a mode of a pair has no radial amplitude, its tangential amplitude becomes -i times a
+    positive number. This is its phase also in a mode with both amplitudes, on a structure with
+    mirror symmetry. Vectors that are not of a pair (``pair`` False) are real, and only their sign
+    changes.
     """
     radial, tangential = reference
     size = np.abs(vectors).max(axis=0)
@@ -262,10 +274,11 @@ def align_phase(vectors: ComplexArray, reference: tuple[int, int], *, pair: bool
 
 
 def families(modes: Modes, body: Literal["bladed-disk", "casing"]) -> list[str]:
-    """Family of each mode: "1F", "2F", ... by rank within its nodal diameter.
+    """Return the family of each mode: "1F", "2F", ... by rank within its nodal diameter.
 
-    On a bladed disk the pair with the largest share of its energy in the shaft springs is
-    "suspension" and takes no rank; on a casing a mode that leaves the wall undeformed is "rigid".
+    On a bladed disk the pair with the largest share of strain energy in the shaft springs is called
+    "suspension"; on a casing a mode that does not deform the wall is called "rigid". These modes
+    have no rank.
     """
     labels = [""] * modes.count
     if body == "casing":
@@ -292,10 +305,11 @@ def families(modes: Modes, body: Literal["bladed-disk", "casing"]) -> list[str]:
 
 
 def suspension_pair(modes: Modes) -> IntArray:
-    """The two modes of k = 1 with the largest share of their energy in the shaft springs.
+    """Return the two modes of k = 1 with the largest share of strain energy in the shaft springs.
 
     Returns:
-        their numbers (2,), or none when no mode strains the springs (a clamped centre).
+        the numbers of both modes, (2,); none if no mode strains the springs, as with a clamped
+        centre.
     """
     candidates = np.flatnonzero(modes.nodal_diameter == 1)
     shares = modes.spring_share[candidates]

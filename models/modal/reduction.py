@@ -1,7 +1,7 @@
-"""Craig-Bampton reduction, sector by sector where the structure is cyclic (Eq. 3).
+"""Craig-Bampton reduction (Eq. 3), for each nodal diameter if the structure is cyclic.
 
-"Constraint modes" under the paper's Eq. (3) are fixed-interface modes. A degenerate pair of them
-is never cut: a count that would cut one is rounded up.
+The "constraint modes" of the paper after Eq. (3) are fixed-interface modes. Their number is rounded
+up if it would separate a degenerate pair.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ from bladewhirl.models.modal.modes import (
 )
 
 DEGENERATE = 1e-6
-"""Relative distance below which two squared fixed-interface frequencies count as one pair."""
+"""Relative difference below which two squared fixed-interface frequencies count as a pair."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedModes:
-    """Reduced structure in terms of its modes, expanded to the full field.
+    """Modes of the Craig-Bampton model of a structure, as fields on the full structure.
 
-    The expansion is exact: x = modes.shapes q, with q the mass-normalised modal coordinates of
-    the Craig-Bampton model, so a full field is recovered without a further step.
+    The field of the full structure is x = modes.shapes q, where q are the mass-normalised modal
+    coordinates of the reduced model.
     """
 
-    modes: Modes  #: of the reduced model, expanded to the full structure
-    boundary: IntArray  #: DoF kept as such, (boundary,)
-    kept: int  #: fixed-interface modes kept, at least the requested number
+    modes: Modes  #: modes of the reduced model, as fields on the full structure
+    boundary: IntArray  #: boundary DoF, (boundary,)
+    kept: int  #: number of fixed-interface modes, at least the requested number
 
 
 def craig_bampton(
@@ -47,9 +47,10 @@ def craig_bampton(
     """Reduce a structure to boundary DoF and fixed-interface modes.
 
     Args:
-        structure: to reduce; it must stand on springs or supports.
-        boundary: DoF to keep.
-        fixed_interface_modes: number of modes with a fixed boundary; rounded up to whole pairs.
+        structure: structure to reduce, which must be on springs or supports.
+        boundary: numbers of the boundary DoF.
+        fixed_interface_modes: number of modes with a fixed boundary; rounded up if it would
+            separate a pair.
         reference: see `structure_modes`.
 
     Raises:
@@ -70,7 +71,7 @@ def craig_bampton(
 
 @dataclass(frozen=True, kw_only=True)
 class _Block:
-    """Block divided into boundary and interior, with its fixed-interface modes."""
+    """Matrices of one nodal diameter with its boundary, interior and fixed-interface modes."""
 
     mass: ComplexArray
     stiffness: ComplexArray
@@ -95,15 +96,15 @@ class _Block:
 
 
 def craig_bampton_basis(structure: Structure, boundary: IntArray, kept: int) -> FloatArray:
-    """Return real shapes that span a reduced structure, (size, boundary + kept).
+    """Return the real Craig-Bampton basis of a structure, (size, boundary + kept).
 
-    First the static shapes that each boundary DoF gives by one, then the mass-normalised
-    fixed-interface modes, lowest first.
+    First come the static shapes for a unit displacement of each boundary DoF, then the
+    mass-normalised fixed-interface modes in ascending order of frequency.
 
     Args:
-        structure: to reduce; it must stand on springs or supports.
-        boundary: DoF to keep.
-        kept: fixed-interface modes kept, as `ReducedModes` has it: no pair is cut.
+        structure: structure to reduce, which must be on springs or supports.
+        boundary: numbers of the boundary DoF.
+        kept: number of fixed-interface modes as in `ReducedModes`, which separates no pair.
     """
     inside = np.setdiff1d(np.arange(structure.size), boundary)
     if structure.is_cyclic:
@@ -122,7 +123,7 @@ def craig_bampton_basis(structure: Structure, boundary: IntArray, kept: int) -> 
 
 
 def _static_shapes(structure: Structure, boundary: IntArray, inside: IntArray) -> FloatArray:
-    """Fields that each boundary DoF gives when it moves by one, (size, boundary)."""
+    """Return the static fields for a unit displacement of each boundary DoF, (size, boundary)."""
     shapes = np.zeros((structure.size, len(boundary)))
     shapes[boundary, np.arange(len(boundary))] = 1.0
     rows = structure.stiffness[inside]
@@ -156,7 +157,7 @@ def _cyclic(
 def _cyclic_blocks(
     structure: Structure, boundary: IntArray, count: int
 ) -> tuple[SectorLayout, dict[int, _Block], dict[int, int]]:
-    """Return the blocks by nodal diameter and the number of fixed-interface modes of each."""
+    """Return the block and the number of fixed-interface modes of each nodal diameter."""
     layout = structure.layout
     assert layout is not None  # is_cyclic
     blocks = {
@@ -173,7 +174,7 @@ def _cyclic_blocks(
 
 
 def _edge(layout: SectorLayout, boundary: IntArray, k: int) -> IntArray:
-    """Positions in block k of the boundary DoF."""
+    """Return the positions of the boundary DoF in the block of nodal diameter k."""
     members = abs(layout.basis(k)) > 0.0
     kept = np.isin(np.arange(layout.size), boundary).astype(np.int64)
     in_edge, whole = kept @ members, members.sum(axis=0)

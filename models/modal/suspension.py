@@ -18,23 +18,25 @@ from bladewhirl.models.modal.labels import labelled_modes
 
 KEY = "shaft.suspension_frequency"
 
-HALVINGS = 12  # of an interval of stiffnesses
+HALVINGS = 12  # number of times an interval of stiffnesses is halved
 
 AGREE = 0.01
-"""Largest relative deviation of the suspension's mean frequency from the required one: mistuned
-blades split the pair, another family is farther away."""
+"""Largest relative difference between the mean frequency of the suspension pair and the required
+one. Mistuned blades split the pair; a larger difference means that the mode is of another family.
+"""
 
 
 def with_sized_shaft(case: Case) -> Case:
-    """Return the case with the shaft.stiffness for `shaft.suspension_frequency`, if it is set.
+    """Return the case with the shaft.stiffness that gives the `shaft.suspension_frequency`, if set.
 
-    Springs k at the centre of a disk that floats, of dynamic stiffness D = K - w^2 M, make w a
-    frequency where det(I + k C^T D^-1 C) = 0; C picks the centre's two displacements. Where blades
-    differ, the pair is split about w: half of the trace stands for both.
+    Let D = K - w^2 M be the dynamic stiffness of the disk without shaft springs, and C the
+    selection of the two displacements of the centre. With springs k at the centre, w is a natural
+    frequency if det(I + k C^T D^-1 C) = 0. If blades differ, the pair is split about w; then half
+    of the trace of C^T D^-1 C is used for both directions.
 
     Raises:
-        CaseError: no springs do, or the mode that they bring to w belongs to another family; it
-            names the nearest frequencies within reach.
+        CaseError: no springs give the frequency, or the mode at that frequency is of another
+            family; the error names the nearest possible frequencies.
     """
     required = case.shaft.suspension_frequency
     if required is None:
@@ -60,7 +62,7 @@ def _on_springs(case: Case, stiffness: float) -> Case:
 
 
 def _suspension(case: Case) -> float:
-    """Mean frequency of the suspension pair [Hz], of any stiffness of the springs."""
+    """Return the mean frequency of the suspension pair of a case [Hz]."""
     disk = case_bladed_disk(case, clamped=False)
     modes = labelled_modes(disk.structure, tip_in_sector(disk), "bladed-disk")
     return float(modes.frequency[modes.find("suspension", 1)].mean() / (2.0 * np.pi))

@@ -1,1 +1,2 @@
-"""Rotation effects on a bladed disk: tension, spin softening, Coriolis, growth, critical speeds."""
+"""Rotation effects on a bladed disk: tension, spin softening, Coriolis forces, growth of the
+tips."""

@@ -1,4 +1,4 @@
-"""The bladed disk of a case about the state in which it turns steadily."""
+"""The bladed disk of a case, linearised about the state in which it rotates steadily."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from bladewhirl.models.rotation.matrices import RotationMatrices, rotation_matri
 def static_displacement(
     matrices: RotationMatrices, omega: float, *, follows: bool = True
 ) -> FloatArray:
-    """Displacement of the steadily turning state, (size,).
+    """Return the static displacement u due to steady rotation, (size,).
 
     Args:
-        matrices: of the bladed disk.
+        matrices: matrices of the bladed disk.
         omega: speed of rotation [rad/s].
-        follows: whether the load follows the growth, (K - Omega^2 M_t) u = Omega^2 M_t X; it adds
-            some 0.02 % at the reference frequency. Without, u is proportional to Omega^2.
+        follows: whether the load increases with the growth, (K - Omega^2 M_t) u = Omega^2 M_t X;
+            this adds some 0.02 % at the reference frequency. If not, u is proportional to Omega^2.
     """
     if not follows:
         return omega**2 * matrices.growth
@@ -35,21 +35,23 @@ def static_displacement(
 
 
 def tip_growth(disk: BladedDiskModel, matrices: RotationMatrices, omega: float) -> FloatArray:
-    """Radial growth of each tip at a speed of rotation [rad/s], the load following it [m]."""
+    """Return the radial growth of each tip at a speed of rotation [rad/s]; the load increases with
+    the growth. [m], (blades,)."""
     return static_displacement(matrices, omega)[disk.tip_radial]
 
 
 def speed_of_growth(
     disk: BladedDiskModel, matrices: RotationMatrices, gap: float | FloatArray
 ) -> float:
-    """Speed of rotation at which the first tip has grown by the room it has [rad/s].
+    """Return the lowest speed of rotation at which the growth of a tip equals its gap [rad/s].
 
-    Growth is taken proportional to Omega^2, which is right to some 0.1 %; inf if no tip grows.
+    Growth is assumed to be proportional to Omega^2, which is accurate to some 0.1 %. The speed is
+    inf if no tip grows.
 
     Args:
         disk: the bladed disk.
-        matrices: its.
-        gap: of each tip [m], one value or (blades,).
+        matrices: matrices of the bladed disk.
+        gap: gap of each tip [m], one value or (blades,).
     """
     rate = matrices.growth[disk.tip_radial]
     squares = np.divide(gap, rate, out=np.full(len(rate), np.inf), where=rate > 0.0)
@@ -60,9 +62,9 @@ def speed_of_growth(
 class TurningDisk:
     """A bladed disk at the speed of rotation of its case."""
 
-    disk: BladedDiskModel  #: with K_Omega, and Coriolis forces if they count
+    disk: BladedDiskModel  #: with the stiffness K_Omega, and Coriolis forces if the case has them
     matrices: RotationMatrices
-    omega: float  #: [rad/s]
+    omega: float  #: speed of rotation [rad/s]
 
     @property
     def growth(self) -> FloatArray:
@@ -70,14 +72,15 @@ class TurningDisk:
         return self.growth_at(self.omega)
 
     def growth_at(self, omega: float) -> FloatArray:
-        """Radial growth of each tip at another speed [rad/s]: [m], (blades,)."""
+        """Return the radial growth of each tip at a speed omega [rad/s] [m], (blades,)."""
         return tip_growth(self.disk, self.matrices, omega)
 
     def tip_answer(self, axis: int, omega: float) -> FloatArray:
-        """Radial displacement of each tip by a steady force on the centre [m/N], (blades,).
+        """Return the radial displacement of each tip due to a steady unit force at the centre
+        [m/N], (blades,).
 
         Args:
-            axis: of the force in the rotating frame, 0 for x and 1 for y.
+            axis: direction of the force in the rotating frame, 0 for x and 1 for y.
             omega: speed of rotation [rad/s].
         """
         force = np.zeros(self.disk.structure.size)
@@ -89,15 +92,16 @@ class TurningDisk:
 def tip_recess(
     case: Case, disk: BladedDiskModel, turning: TurningDisk | None, omega: float | None = None
 ) -> FloatArray:
-    """Radius that the clearance counts from less that of each tip [m], (blades,).
+    """Return the radius from which the clearance is measured minus the radius of each tip [m],
+    (blades,).
 
-    Tips are those at rest, or at speed where the clearance is cold: what growth leaves of it.
+    The radius of a tip is that at rest; if the clearance is cold, it includes the growth at speed.
 
     Args:
-        case: with the clearance.
-        disk: its bladed disk.
-        turning: the same at speed; None without rotation effects.
-        omega: another speed than the case's [rad/s].
+        case: case with the clearance.
+        disk: bladed disk of the case.
+        turning: the same bladed disk at speed; None without rotation effects.
+        omega: speed of rotation, if it is not that of the case [rad/s].
     """
     if turning is None or case.rotation.clearance == "hot":
         return disk.model.tip_recess
@@ -105,15 +109,15 @@ def tip_recess(
 
 
 def check_effects(case: Case, what: str, *known: Effects) -> None:
-    """Refuse rotation effects that an analysis does not know.
+    """Raise an error if an analysis does not support the rotation effects of a case.
 
     Args:
-        case: with the effects.
-        what: the analysis, in words.
-        known: effects that it knows beside none.
+        case: case with the effects.
+        what: name of the analysis for the message.
+        known: effects that the analysis supports, in addition to "none".
 
     Raises:
-        CaseError: the case has others.
+        CaseError: the case has other effects.
     """
     if case.rotation.effects not in ("none", *known):
         choice = " or ".join(f'"{each}"' for each in ("none", *known))
@@ -121,15 +125,16 @@ def check_effects(case: Case, what: str, *known: Effects) -> None:
 
 
 def turning_disk(case: Case, at_rest: BladedDiskModel, reference: float) -> TurningDisk | None:
-    """The bladed disk at the case's speed; None where the case has no rotation effects.
+    """Return the bladed disk at the speed of a case; None if the case has no rotation effects.
 
     Args:
-        case: with the effects and the speed.
-        at_rest: its bladed disk.
-        reference: frequency that a normalised speed is relative to [rad/s].
+        case: case with the effects and the speed.
+        at_rest: bladed disk of the case at rest.
+        reference: reference frequency, in multiples of which a speed may be given [rad/s].
 
     Raises:
-        CaseError: a speed from the lowest critical one on, without Coriolis forces.
+        CaseError: the speed is not below the lowest critical speed, and there are no Coriolis
+            forces.
     """
     effects = case.rotation.effects
     if effects == "none":
@@ -149,7 +154,7 @@ def turning_disk(case: Case, at_rest: BladedDiskModel, reference: float) -> Turn
 
 
 def lowest_critical_speed(matrices: RotationMatrices) -> float:
-    """Return the lowest speed with singular K_Omega [rad/s]; inf if there is none."""
+    """Return the lowest speed at which K_Omega is singular [rad/s]; inf if there is none."""
     pulled = (matrices.mass - matrices.geometric).tocsc()
     (share,) = spla.eigsh(
         pulled,

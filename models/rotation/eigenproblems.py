@@ -1,4 +1,4 @@
-"""Eigenproblems of matrices that turn: with Coriolis forces, with damping, and over the speed."""
+"""Eigenproblems of rotating structures: with Coriolis forces, with damping, and for the speed."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from numpy.typing import NDArray
 from bladewhirl.meshes.line_mesh import ComplexArray, FloatArray, IntArray
 
 Matrix = NDArray[np.inexact]
-"""Dense, real or complex, (n, n)."""
+"""Dense matrix, real or complex, (n, n)."""
 
 
 def gyroscopic_eigen(
     mass: Matrix, stiffness: Matrix, gyroscopic: Matrix
 ) -> tuple[ComplexArray, ComplexArray]:
-    """All w and p of (-w^2 M + i w G + K) p = 0.
+    """Solve (-w^2 M + i w G + K) p = 0 for all w and p.
 
-    While K is positive definite the problem is Hermitian in (w p, p), so all w are real.
+    If K is positive definite, the problem is Hermitian in (w p, p), so all w are real.
 
     Args:
-        mass: Hermitian, positive definite.
-        stiffness: Hermitian.
-        gyroscopic: skew-Hermitian, Coriolis forces by velocity.
+        mass: M, Hermitian and positive definite.
+        stiffness: K, Hermitian.
+        gyroscopic: G, skew-Hermitian matrix of the Coriolis forces.
 
     Returns:
-        w descending by their real part (2 n,), vectors with p^H M p = 1, (n, 2 n).
+        w in descending order of the real part, (2 n,), and vectors with p^H M p = 1, (n, 2 n).
     """
     matrix, momenta, hermitian = _linearised(mass, stiffness, gyroscopic)
     w, fields = la.eigh(matrix) if hermitian else la.eig(matrix)
@@ -50,9 +50,10 @@ def _linearised(mass: Matrix, stiffness: Matrix, gyroscopic: Matrix) -> tuple[Ma
     """Linearise the quadratic eigenproblem.
 
     Returns:
-        a matrix with the eigenvalues w; the map from the first half of its eigenvectors to fields;
-        and whether the matrix is Hermitian, that is, the stiffness is positive definite. The
-        eigenvector of w consists of p and root(K) p / w, both in the eigenbasis of the stiffness.
+        a matrix with the eigenvalues w; the map from the first half of each eigenvector to a field;
+        and whether the matrix is Hermitian, that is, whether the stiffness is positive definite.
+        The eigenvector of w consists of p and root(K) p / w, both in the eigenbasis of the
+        stiffness.
     """
     size, inverse = len(mass), _inverse_root(mass)
     turned = 1j * inverse @ gyroscopic @ inverse.conj().T
@@ -68,12 +69,13 @@ def _descending(w: ComplexArray) -> IntArray:
 
 
 def modal_damping(mass: Matrix, stiffness: Matrix, ratio: float) -> Matrix:
-    """Damping matrix that gives every mode of a structure the same ratio, (n, n).
+    """Return the damping matrix with the same damping ratio of every mode, (n, n).
 
     Args:
-        mass: Hermitian, positive definite.
-        stiffness: of strain alone, Hermitian; squares below zero are rounding.
-        ratio: of each mode.
+        mass: mass matrix, Hermitian and positive definite.
+        stiffness: elastic stiffness, Hermitian; negative eigenvalues count as zero, because they
+            are rounding errors.
+        ratio: damping ratio of each mode.
     """
     squares, modes = la.eigh(stiffness, mass)
     weighted = mass @ modes
@@ -85,19 +87,21 @@ def modal_damping(mass: Matrix, stiffness: Matrix, ratio: float) -> Matrix:
 def damped_eigenvalues(
     mass: Matrix, damping: Matrix, stiffness: Matrix
 ) -> tuple[ComplexArray, ComplexArray]:
-    """All s and p of (s^2 M + s D + K) p = 0: growth rates and frequencies.
+    """Solve (s^2 M + s D + K) p = 0 for all s and p.
+
+    The real part of s is the growth rate, the imaginary part is the frequency.
 
     Args:
-        mass: Hermitian, positive definite.
-        damping: forces by velocity, Coriolis forces among them.
-        stiffness: any; a damper that does not turn makes it unsymmetric.
+        mass: M, Hermitian and positive definite.
+        damping: D, matrix of all forces due to velocities, including Coriolis forces.
+        stiffness: K, any matrix; a damper fixed in space makes it unsymmetric.
 
     Returns:
-        s (2 n,), vectors (n, 2 n).
+        s (2 n,), and vectors (n, 2 n).
     """
     inverse = _inverse_root(mass)
     damped, elastic = (inverse @ each @ inverse.conj().T for each in (damping, stiffness))
-    scale = np.sqrt(la.norm(elastic, 2))  # s is of order one over it
+    scale = np.sqrt(la.norm(elastic, 2))  # s / scale is of order one
     top = np.hstack([-damped / scale, -elastic / scale**2])
     s, states = la.eig(np.vstack([top, np.eye(len(mass), 2 * len(mass))]))
     return scale * s, inverse.conj().T @ states[len(mass) :]
@@ -106,13 +110,14 @@ def damped_eigenvalues(
 def lowest_gyroscopic_eigen(
     mass: sp.csr_array, stiffness: sp.csr_array, gyroscopic: sp.csr_array, count: int
 ) -> tuple[ComplexArray, ComplexArray]:
-    """The w nearest to zero, as `gyroscopic_eigen` finds all, of large sparse matrices.
+    """Return the w nearest to zero and their vectors for large sparse matrices, as
+    `gyroscopic_eigen` does for all w of small ones.
 
     Args:
-        mass: symmetric, positive definite.
-        stiffness: symmetric, not singular.
-        gyroscopic: skew.
-        count: how many.
+        mass: mass matrix, symmetric and positive definite.
+        stiffness: stiffness matrix, symmetric and not singular.
+        gyroscopic: skew matrix of the Coriolis forces.
+        count: number of w.
     """
     size = mass.shape[0]
     solve = spla.splu(stiffness.tocsc()).solve
@@ -131,14 +136,14 @@ def lowest_gyroscopic_eigen(
 
 
 def positive_speeds(stiffness: Matrix, pulled: Matrix) -> tuple[FloatArray, ComplexArray]:
-    """All Omega > 0 and x of K x = Omega^2 P x.
+    """Solve K x = Omega^2 P x for all Omega > 0 and x.
 
     Args:
-        stiffness: K at rest, Hermitian, positive definite.
+        stiffness: stiffness K at rest, Hermitian and positive definite.
         pulled: P, Hermitian.
 
     Returns:
-        Omega ascending [rad/s] (m,), vectors (n, m).
+        Omega in ascending order [rad/s] (m,), and vectors (n, m).
     """
     share, vectors = la.eigh(_hermitian(pulled), stiffness)
     positions = np.flatnonzero(share > share[-1] * len(share) * np.finfo(np.float64).eps)[::-1]
@@ -146,7 +151,7 @@ def positive_speeds(stiffness: Matrix, pulled: Matrix) -> tuple[FloatArray, Comp
 
 
 def _inverse_root(mass: Matrix) -> Matrix:
-    """Inverse of the lower Cholesky factor of the mass matrix."""
+    """Return the inverse of the lower Cholesky factor of the mass matrix."""
     root = la.cholesky(mass, lower=True)
     return np.asarray(la.solve_triangular(root, np.eye(len(mass)), lower=True))
 

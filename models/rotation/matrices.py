@@ -1,14 +1,14 @@
-"""Matrices of a bladed disk that turns, assembled once for all speeds.
+"""Matrices of a rotating bladed disk, assembled once for all speeds.
 
-In its rotating frame, about the state in which it turns steadily,
+In the rotating frame, small motions about the state of steady rotation follow
 
-    M x'' + (D + 2 Omega G) x' + (K + Omega^2 (K_G1 - M_t)) x = f,
+    M x'' + (D + 2 Omega G) x' + (K + Omega^2 (K_G1 - M_t)) x = f.
 
-with the geometric stiffness Omega^2 K_G1 of the axial forces that the centrifugal load
-Omega^2 M_t X leaves in beams and rigid links, the Coriolis matrix G, and M_t, the mass matrix
-without the rotary inertia of point masses, which no rotation about the axis pulls at. Beams have
-translational inertia only, so elsewhere M_t is M. Springs keep their direction, so a force in them
-adds no stiffness.
+G is the Coriolis matrix. M_t is the mass matrix without the rotary inertia of point masses, on
+which the rotation exerts no force; beams have translational inertia only. Omega^2 M_t X is the
+centrifugal load at the positions X, and Omega^2 K_G1 is the geometric stiffness due to the axial
+forces that this load causes in beams and rigid links. Springs keep their direction, so a force in a
+spring adds no stiffness.
 """
 
 from __future__ import annotations
@@ -40,22 +40,23 @@ from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.geometry.beam_model import BeamModel
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
-"""On -1 to 1: they integrate what a tapered beam has of line load, and its mean, exactly."""
+"""Gauss points and weights on -1 to 1, which integrate the line load of a tapered beam exactly."""
 
 
 def axial_force(
     model: BeamModel, displacement: FloatArray, places: FloatArray, *, omega: float
 ) -> FloatArray:
-    """Axial force N(x), tension positive [N], (lines, places).
+    """Return the axial force N(x) in every line, tension positive [N], (lines, places).
 
-    Its mean is that of the elongation, E A (u_2 - u_1) / L; from there it falls outward by the load
-    rho A Omega^2 (r_0 + x), with r_0 the place of the first end along the line. So forces at the
-    nodes balance exactly, whatever the mesh.
+    The mean force follows from the elongation, E A (u_2 - u_1) / L. The force decreases along the
+    line by the load rho A Omega^2 (r_0 + x), where r_0 is the coordinate of the first end along
+    the line. The forces at the nodes are then in exact balance for every mesh.
 
     Args:
-        model: beams, masses and what hangs on them.
-        displacement: static, of every node in its own axes [m, m, 1], (3 nodes,).
-        places: in every line, 0 at its first end to 1, (places,).
+        model: beam model.
+        displacement: static displacements and rotations of every node in its own axes [m, m, 1],
+            (3 nodes,).
+        places: positions in every line, from 0 at the first end to 1, (places,).
         omega: speed of rotation [rad/s].
     """
     mesh, lengths = model.mesh, model.mesh.lengths
@@ -71,7 +72,8 @@ def axial_force(
 
 
 def _load_from_first_end(model: BeamModel, places: FloatArray, omega: float) -> FloatArray:
-    """Centrifugal load along each line from its first end to places in it [N], (lines, places)."""
+    """Return the centrifugal load of each line between its first end and a position in it [N],
+    (lines, places)."""
     mesh, lengths = model.mesh, model.mesh.lengths
     axes = np.column_stack([np.cos(mesh.line_axes), np.sin(mesh.line_axes)])
     start = np.einsum("li,li->l", mesh.points[mesh.lines[:, 0]], axes)
@@ -85,25 +87,25 @@ def _load_from_first_end(model: BeamModel, places: FloatArray, omega: float) -> 
 
 @dataclass(frozen=True, kw_only=True)
 class RotationMatrices:
-    """Matrices and fields of a turning bladed disk over its free DoF, for Omega = 1 rad/s."""
+    """Matrices and fields of a rotating bladed disk on its free DoF, for Omega = 1 rad/s."""
 
-    structure: Structure  #: at rest
-    mass: sp.csr_array  #: M_t, of translations [kg, kg m, kg m2], (size, size)
-    geometric: sp.csr_array  #: K_G1 [N s2/m, N s2, N m s2], (size, size)
-    coriolis: sp.csr_array  #: G, skew [kg, kg m, kg m2], (size, size)
-    load: FloatArray  #: M_t X [kg m, kg m2], (size,)
-    growth: FloatArray  #: K^-1 M_t X, displacement over Omega^2 [m s2, s2], (size,)
+    structure: Structure  #: the bladed disk at rest
+    mass: sp.csr_array  #: mass matrix M_t of translations [kg, kg m, kg m2], (size, size)
+    geometric: sp.csr_array  #: geometric stiffness K_G1 [N s2/m, N s2, N m s2], (size, size)
+    coriolis: sp.csr_array  #: skew Coriolis matrix G [kg, kg m, kg m2], (size, size)
+    load: FloatArray  #: centrifugal load M_t X over Omega^2 [kg m, kg m2], (size,)
+    growth: FloatArray  #: static displacement K^-1 M_t X over Omega^2 [m s2, s2], (size,)
 
     def stiffness(self, omega: float) -> sp.csr_array:
-        """K_Omega = K + Omega^2 (K_G1 - M_t) at a speed [rad/s]."""
+        """Return K_Omega = K + Omega^2 (K_G1 - M_t) at a speed [rad/s]."""
         return sp.csr_array(self.structure.stiffness + omega**2 * (self.geometric - self.mass))
 
     def at_speed(self, omega: float, effects: Effects) -> Structure:
-        """The structure about the state in which it turns steadily.
+        """Return the structure linearised about the state of steady rotation.
 
         Args:
             omega: speed of rotation [rad/s], counter-clockwise.
-            effects: that count; with none it is the structure at rest.
+            effects: rotation effects to include; for "none", the structure at rest is returned.
         """
         if effects == "none":
             return self.structure
@@ -133,7 +135,7 @@ def rotation_matrices(disk: BladedDiskModel) -> RotationMatrices:
     turning = assembler.matrix(coriolis, transform, skew=True, rho_A=line_mass)
     x, y = mesh.points.T
     cos, sin = np.cos(mesh.node_axes), np.sin(mesh.node_axes)
-    # Positions about the axis in nodal axes, rotation zero.
+    # Position vectors of the nodes in nodal axes; their rotation is zero.
     places = np.column_stack([cos * x + sin * y, cos * y - sin * x, np.zeros(len(x))]).ravel()
     full_load = inertial @ places
     load = np.asarray(unknowns.T @ full_load)
@@ -157,7 +159,7 @@ def rotation_matrices(disk: BladedDiskModel) -> RotationMatrices:
 
 
 def _point_coriolis(weights: FloatArray) -> sp.csr_array:
-    """Coriolis matrix of point masses over all DoF of all nodes."""
+    """Return the Coriolis matrix of the point masses, with a row for every DoF of every node."""
     first = np.arange(FIRST, len(weights), COMPONENTS)
     second, values = first + SECOND, weights[first]
     entries = (
@@ -168,14 +170,14 @@ def _point_coriolis(weights: FloatArray) -> sp.csr_array:
 
 
 def _arm_stiffness(model: BeamModel, carried: FloatArray) -> sp.csr_array:
-    """Geometric stiffness of rigid links on the rotations of their leaders.
+    """Return the geometric stiffness of rigid links against rotation of their leaders.
 
-    A turn by theta shortens an arm a by theta^2 a / 2 along itself, so a force F that it carries
-    outward from its leader resists with the moment (F . a) theta.
+    A rotation theta of the leader moves the end of an arm a by theta^2 |a| / 2 towards the leader.
+    A force F at the end of the arm therefore resists with the moment (F . a) theta.
 
     Args:
-        model: with its links.
-        carried: force and moment of every node on its link, in the node's axes, (3 nodes,).
+        model: beam model with the links.
+        carried: force and moment of every node on its link, in the axes of the node, (3 nodes,).
     """
     mesh, links = model.mesh, model.links
     cos, sin = np.cos(mesh.node_axes[links.led]), np.sin(mesh.node_axes[links.led])

@@ -1,12 +1,15 @@
-"""Waves of one nodal diameter on a turning bladed disk: over the speed, with others, with damping.
+"""Waves of one nodal diameter on a rotating bladed disk, as functions of the speed.
 
-A wave exp(i (k theta + w t)) at Omega has -w^2 M + 2 i w Omega G + K + Omega^2 (K_G1 - M_t)
-singular. Branches w(Omega) of one nodal diameter do not cross, so a branch is known by its rank: of
-those that travel backward at rest 0 for the lowest, and likewise of those that travel forward.
+For a wave exp(i (k theta + w t)) at the speed Omega, the matrix
+-w^2 M + 2 i w Omega G + K + Omega^2 (K_G1 - M_t) is singular. Branches w(Omega) of one nodal
+diameter do not cross, so a branch is identified by its direction at rest and its rank: the rank is
+0 for the lowest of the branches that travel backward at rest, and 0 for the lowest of the branches
+that travel forward at rest.
 
-Damping of the turning structure resists velocities relative to it. Where K_Omega is indefinite, a
-forward wave turns slower than the disk and is drawn along: it grows. A damper of a bearing that
-stands still resists c (v + Omega z x u) at the centre and takes energy from any whirl.
+Damping of the rotating structure acts on velocities relative to the structure. Where K_Omega is
+indefinite, a forward wave rotates more slowly than the disk. The damping then pulls the wave along,
+and the wave grows. A damper of a bearing, fixed in space, acts with the force c (v + Omega z x u)
+at the centre and takes energy from any whirl.
 """
 
 from __future__ import annotations
@@ -30,7 +33,7 @@ from bladewhirl.models.rotation.eigenproblems import (
 from bladewhirl.models.rotation.matrices import RotationMatrices
 
 REAL = 1e-6
-"""Share of a speed up to which an imaginary part is rounding."""
+"""Ratio of the imaginary part to the modulus of a speed up to which the speed counts as real."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,32 +48,39 @@ class Waves:
     springs: ComplexArray  #: the shaft springs' part of K
 
     def frequencies(self, omega: float) -> ComplexArray:
-        """Return w at a speed [rad/s], descending: n backward at rest, then n forward, (2 n,)."""
+        """Return w at a speed omega, in descending order [rad/s], (2 n,).
+
+        The first n are the branches that travel backward at rest, the last n travel forward.
+        """
         stiffness = self.stiffness + omega**2 * self.softening
         return gyroscopic_frequencies(self.mass, stiffness, 2.0 * omega * self.coriolis)
 
     def rank(self, omega: float, frequency: float) -> tuple[int, bool]:
-        """Rank of the branch nearest to a frequency at a speed, and whether it is a backward one.
+        """Return the rank of the branch that is nearest to a frequency at a speed.
 
         Args:
             omega: speed of rotation [rad/s].
-            frequency: w, positive backward [rad/s].
+            frequency: w, positive for a backward wave [rad/s].
+
+        Returns:
+            the rank, and whether the branch travels backward at rest.
         """
         nearest = int(np.abs(self.frequencies(omega) - frequency).argmin())
         size = len(self.mass)
         return (size - 1 - nearest, True) if nearest < size else (nearest - size, False)
 
     def synchronous(self, order: int) -> tuple[FloatArray, FloatArray]:
-        """Return the speeds with w = order Omega and the share of strain energy in the shaft
-        springs.
+        """Return the speeds at which w = m Omega, where m is the order.
 
-        K p = Omega^2 (m^2 M + M_t - 2 i m G - K_G1) p, a Hermitian eigenproblem. Order 0 gives
-        the critical speeds of a load that turns with the disk, as an imbalance does: there the
-        branches that travel forward at rest end, in their order. Order k gives the backward waves
-        that stand still on the casing.
+        They follow from the Hermitian eigenproblem
+        K p = Omega^2 (m^2 M + M_t - 2 i m G - K_G1) p. Order 0 gives the critical speeds of a load
+        that rotates with the disk, such as an imbalance; at these speeds w of the branches that
+        travel forward at rest reaches zero, in the order of their rank. Order k gives the speeds
+        at which a backward wave is stationary relative to the casing.
 
         Returns:
-            speeds ascending [rad/s] (waves,), share of the strain energy in the springs (waves,).
+            speeds in ascending order [rad/s] (waves,), and the share of the strain energy in the
+            shaft springs (waves,).
         """
         pulled = order**2 * self.mass - 2j * order * self.coriolis - self.softening
         speeds, fields = positive_speeds(self.stiffness, pulled)
@@ -81,14 +91,15 @@ class Waves:
         return speeds, spring_energy / strain
 
     def meeting(self, casing_frequency: float, highest: float) -> FloatArray:
-        """Speeds at which a backward wave has w = k Omega - omega_c, ascending [rad/s], (waves,).
+        """Return the speeds at which a backward wave has w = k Omega - omega_c, ascending [rad/s],
+        (waves,).
 
-        There a wave that travels forward on the casing keeps pace with it, Eq. (14) at speed. With
-        w put in, the eigenproblem is quadratic in Omega.
+        At such a speed the backward wave and a forward wave on the casing rotate together, Eq. (14)
+        with the frequency at speed. With this w the eigenproblem is quadratic in Omega.
 
         Args:
-            casing_frequency: omega_c of the wave on the casing [rad/s].
-            highest: speed that is looked at [rad/s].
+            casing_frequency: frequency omega_c of the casing [rad/s].
+            highest: upper bound of the speeds [rad/s].
         """
         k, size = self.nodal_diameter, len(self.mass)
         twice = 2j * self.coriolis
@@ -101,7 +112,7 @@ class Waves:
             inverse @ each @ inverse.conj().T
             for each in (highest**2 * second, highest * first, zeroth)
         )
-        # For highest / Omega, the largest of those examined.
+        # The eigenvalues of this pencil are highest / Omega.
         left = np.vstack([np.hstack([-first, -second]), np.eye(size, 2 * size)])
         over, under = la.eigvals(
             left, la.block_diag(zeroth, np.eye(size)), homogeneous_eigvals=True
@@ -114,10 +125,10 @@ class Waves:
 
 
 def waves(matrices: RotationMatrices, nodal_diameter: int, effects: Effects) -> Waves:
-    """Matrices of one nodal diameter of a bladed disk of equal sectors.
+    """Return the matrices of one nodal diameter of a bladed disk with equal sectors.
 
     Raises:
-        ValueError: its sectors are not equal.
+        ValueError: the sectors are not equal.
     """
     structure = matrices.structure
     if not structure.is_cyclic or structure.layout is None:
@@ -140,21 +151,21 @@ def waves(matrices: RotationMatrices, nodal_diameter: int, effects: Effects) -> 
 
 
 WEAKEST, STRONGEST = 1e-9, 1e3
-"""Bearing damping that is tried, in shares of the centre's mass times speed over a period."""
+"""Smallest and largest bearing damping that is tried, over mass at the centre times speed."""
 
 TRIED = 200
-"""Values of bearing damping that are tried."""
+"""Number of values of bearing damping that are tried."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class InternalGrowth:
-    """Fastest growth of a bladed disk without casing at a speed."""
+    """Fastest growing motion of a bladed disk at a speed, without casing."""
 
-    rate: float  #: [1/s]; negative where everything decays
+    rate: float  #: growth rate [1/s]; negative if all motions decay
     nodal_diameter: int
     holding: float | None
-    """Least damping of each of two fixed bearings, x and y, for stability [N s/m]; zero if stable
-    without, None if bearings cannot stabilise it."""
+    """Least damping of bearings fixed in space, along x and along y, that makes the bladed disk
+    stable [N s/m]; zero if it is stable without, None if bearings cannot stabilise it."""
 
 
 def internal_growth(
@@ -165,14 +176,14 @@ def internal_growth(
     *,
     damping_ratio: float,
 ) -> InternalGrowth:
-    """Return the growth of a bladed disk of equal sectors due to the modal damping at rest.
+    """Return the growth of a bladed disk with equal sectors due to the modal damping at rest.
 
     Args:
         disk: the bladed disk.
-        matrices: its.
+        matrices: matrices of the bladed disk.
         omega: speed of rotation [rad/s].
-        effects: that count.
-        damping_ratio: of every mode at rest.
+        effects: rotation effects to include.
+        damping_ratio: damping ratio of every mode at rest.
     """
     layout = matrices.structure.layout
     assert layout is not None  # its sectors are equal
@@ -197,18 +208,19 @@ def internal_growth(
 
 @dataclass(frozen=True, kw_only=True)
 class DampedWaves:
-    """Waves of one nodal diameter with the modal damping at rest."""
+    """Waves of one nodal diameter with the modal damping of the structure at rest."""
 
-    own: Waves
+    own: Waves  #: the waves without damping
     damping_ratio: float
-    omega: float  #: [rad/s]
+    omega: float  #: speed of rotation [rad/s]
 
     def growth(self, centre: ComplexArray | None, bearing: float) -> float:
-        """Largest growth rate [1/s].
+        """Return the largest growth rate [1/s].
 
         Args:
-            centre: components of unit forces on the centre along x and y, (n, 2); None without.
-            bearing: damping that stands still [N s/m].
+            centre: components of unit forces on the centre along x and y, (n, 2); None without
+                bearing damping.
+            bearing: bearing damping, fixed in space [N s/m].
         """
         own = self.own
         damping = modal_damping(own.mass, own.stiffness, self.damping_ratio)

@@ -1,11 +1,12 @@
-"""Modes of a bladed disk with Coriolis forces: complex fields that travel, one way or the other.
+"""Modes of a bladed disk with Coriolis forces: complex fields that travel forward or backward.
 
 A field p exp(i (k n alpha + w t)) over the sectors n solves
 
-    (-w^2 M + i w 2 Omega G + K_Omega) p = 0,
+    (-w^2 M + i w 2 Omega G + K_Omega) p = 0
 
-block by block of the cyclic symmetry, w real while K_Omega is positive definite. With w > 0 it
-travels backward, with w < 0 forward. Where K_Omega is indefinite Coriolis forces alone hold it.
+for each nodal diameter k. If K_Omega is positive definite, w is real. A field with w > 0 travels
+backward, with w < 0 forward. If K_Omega is indefinite, only Coriolis forces keep the motion
+bounded.
 """
 
 from __future__ import annotations
@@ -23,33 +24,34 @@ from bladewhirl.models.elements.structure import Structure
 from bladewhirl.models.rotation.eigenproblems import gyroscopic_eigen, lowest_gyroscopic_eigen
 
 Direction = Literal["forward", "backward", "standing"]
-"""Way that a wave travels."""
+"""Direction in which a wave travels."""
 
 DENSE_SIZE = 800
-"""Largest structure without symmetry whose whirling modes are all computed at once."""
+"""Largest size of a structure without symmetry whose modes are computed with a dense solver."""
 
 TRAVELS = 0.5
-"""Share of a mode by which one way has to exceed the other for the mode to travel."""
+"""Difference of the shares of both directions above which a mode counts as travelling."""
 
 SLOW = 1e-6
-"""Share of the speed of rotation below which a wave counts as standing."""
+"""Ratio of frequency to speed of rotation below which a wave counts as standing."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class WhirlModes:
-    """Motions Re(p exp(i frequency t)) in the rotating frame, ascending in frequency."""
+    """Motions Re(p exp(i frequency t)) in the rotating frame, in ascending order of frequency."""
 
-    frequency: FloatArray  #: positive, or zero where a mode only grows [rad/s], (modes,)
-    growth: FloatArray  #: rate [1/s]; zero while K_Omega is positive definite, (modes,)
+    frequency: FloatArray  #: frequency, zero if a mode grows without oscillation [rad/s], (modes,)
+    growth: FloatArray  #: growth rate [1/s]; zero if K_Omega is positive definite, (modes,)
     nodal_diameter: IntArray  #: dominant nodal diameter, (modes,); -1 without sectors
-    purity: FloatArray  #: share of the nodal diameter in it, (modes,)
+    purity: FloatArray  #: share of the dominant nodal diameter in the mode, (modes,)
     spring_share: FloatArray  #: share of the strain energy in the springs, (modes,)
-    direction: tuple[Direction, ...]  #: in the rotating frame, (modes,)
+    direction: tuple[Direction, ...]  #: direction of travel in the rotating frame, (modes,)
     rank: IntArray
-    """Number of its branch among those of its nodal diameter that travel the same way at rest, 0
-    the lowest; branches of one nodal diameter do not cross. (modes,); -1 without symmetry."""
+    """Rank of each mode, (modes,): 0 for the lowest of the branches of its nodal diameter that
+    travel in the same direction at rest; these branches do not cross. -1 without symmetry."""
     amplitudes: tuple[ComplexArray, ...]
-    """p of each in one sector, with p^H M p = 1 [kg^-1/2]; on all DoF where rank is -1."""
+    """Complex field p of each mode, with p^H M p = 1 [kg^-1/2]: in one sector, or on all DoF if the
+    rank is -1."""
     layout: SectorLayout | None  #: sectors of the structure
 
     @property
@@ -58,7 +60,7 @@ class WhirlModes:
         return len(self.frequency)
 
     def fields(self, chosen: IntArray) -> ComplexArray:
-        """Fields p of some modes on the structure's free DoF, (size, chosen)."""
+        """Return the fields p of some modes on the free DoF of the structure, (size, chosen)."""
         return np.stack([self._field(int(mode)) for mode in chosen], axis=-1)
 
     def _field(self, mode: int) -> ComplexArray:
@@ -70,7 +72,7 @@ class WhirlModes:
         return np.asarray(wave.conj() if self.direction[mode] == "forward" else wave)
 
     def take(self, chosen: IntArray) -> WhirlModes:
-        """Keep some of the modes."""
+        """Return some of the modes."""
         taken: dict[str, Any] = {}
         for name, values in vars(self).items():
             if isinstance(values, tuple):
@@ -80,7 +82,8 @@ class WhirlModes:
         return replace(self, **taken)
 
     def static_frequency(self, omega: float) -> FloatArray:
-        """Frequency in the static frame, positive backward, of standing ones as is [rad/s].
+        """Return the frequency of each mode in the static frame, positive for backward waves
+        [rad/s], (modes,). The frequency of a standing mode is not changed.
 
         Args:
             omega: speed of rotation [rad/s].
@@ -91,17 +94,17 @@ class WhirlModes:
         return np.where(sign == 0.0, self.frequency, moved)
 
     def static_direction(self, omega: float) -> tuple[Direction, ...]:
-        """The way that each travels in the static frame at a speed of rotation [rad/s]."""
+        """Return the direction of each mode in the static frame at a speed of rotation [rad/s]."""
         standing = np.array([way == "standing" for way in self.direction])
         return directions(np.where(standing, 0.0, self.static_frequency(omega)), omega)
 
 
 def directions(signed: FloatArray, omega: float) -> tuple[Direction, ...]:
-    """Return the directions of waves with positive frequency backward [rad/s]; zero if standing.
+    """Return the directions of waves from the signs of their frequencies.
 
     Args:
-        signed: frequencies, (modes,).
-        omega: speed of rotation, that zero is measured by [rad/s].
+        signed: frequencies, positive for backward waves, zero for standing ones [rad/s], (modes,).
+        omega: speed of rotation, relative to which a frequency counts as zero [rad/s].
     """
     return tuple(
         "standing" if abs(w) <= SLOW * abs(omega) else ("backward" if w > 0.0 else "forward")
@@ -110,12 +113,12 @@ def directions(signed: FloatArray, omega: float) -> tuple[Direction, ...]:
 
 
 def whirl_modes(structure: Structure, count: int | None = None) -> WhirlModes:
-    """Modes of a structure that turns, with its Coriolis forces if it has any.
+    """Return the modes of a rotating structure, with its Coriolis forces if it has any.
 
     Args:
-        structure: about its steadily turning state.
-        count: how many of the lowest; all when None, which takes a minute for a thousand degrees
-            of freedom without symmetry.
+        structure: structure linearised about the state of steady rotation.
+        count: number of modes, the lowest ones; all if None, which takes a minute for a thousand
+            degrees of freedom without symmetry.
     """
     layout, gyroscopic = structure.layout, structure.gyroscopic
     if gyroscopic is None:
@@ -140,7 +143,14 @@ def _block_modes(
     matrices: tuple[ComplexArray, ...],
     energies: tuple[ComplexArray, ...],
 ) -> WhirlModes:
-    """Modes of one nodal diameter, from mass, stiffness, Coriolis forces; springs, elasticity."""
+    """Return the modes of nodal diameter k.
+
+    Args:
+        k: nodal diameter.
+        layout: sectors of the structure.
+        matrices: mass, stiffness and Coriolis matrix of the nodal diameter.
+        energies: stiffness of the springs, and elastic stiffness.
+    """
     w, vectors = gyroscopic_eigen(*matrices)
     size = len(vectors)
     rank = np.concatenate([np.arange(size)[::-1], np.arange(size)])  # w descends
@@ -191,18 +201,19 @@ def travelling(
 ) -> tuple[IntArray, FloatArray, list[Direction]]:
     """Return the dominant nodal diameter of each field, its share, and the direction of travel.
 
-    A mode of unlike sectors is made of waves both ways; it stands where neither prevails.
+    If sectors differ, a mode contains waves in both directions. The mode counts as standing if
+    neither direction prevails.
 
     Args:
         fields: p of Re(p exp(i w t)), w positive, (size, modes).
-        weights: weight of each degree of freedom, (size,): the diagonal of the mass matrix.
+        weights: weight of each degree of freedom, the diagonal of the mass matrix, (size,).
         layout: sectors of the structure.
     """
     count = layout.sectors
     spectrum = np.fft.fft(fields[layout.sector_dofs], axis=0, norm="ortho")
     power = np.einsum("nim,i->nm", np.abs(spectrum) ** 2, weights[layout.sector_dofs[0]])
     x, y, _ = layout.centre_dofs
-    if x >= 0:  # exp(i alpha) turns the sectors as (1, i) moves the centre
+    if x >= 0:  # a motion of the centre along (1, i) or (1, -i) has nodal diameter 1
         for wave, sign in ((1, -1j), (count - 1, 1j)):
             power[wave] += weights[x] * np.abs(fields[x] + sign * fields[y]) ** 2 / 2.0
     half = np.arange(count // 2 + 1)
@@ -224,7 +235,7 @@ def travelling(
 
 
 def _joined(parts: Sequence[WhirlModes]) -> WhirlModes:
-    """Modes of all blocks of a structure, one after the other."""
+    """Return the modes of all parts in one object, one part after the other."""
     joined: dict[str, Any] = {}
     for name, first in vars(parts[0]).items():
         values = [vars(part)[name] for part in parts]
@@ -238,7 +249,7 @@ def _share(
     springs: ComplexArray | sp.csr_array,
     elastic: ComplexArray | sp.csr_array,
 ) -> FloatArray:
-    """Share of the springs in the strain energy of each vector, (modes,)."""
+    """Return the share of the springs in the strain energy of each vector, (modes,)."""
     in_springs, whole = (
         np.einsum("im,im->m", vectors.conj(), matrix @ vectors).real
         for matrix in (springs, elastic)

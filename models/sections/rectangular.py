@@ -1,4 +1,4 @@
-"""Rectangular beam sections, their materials, and the stiffnesses they give along a mesh."""
+"""Rectangular beam sections, their materials, and the stiffness and mass of lines of a mesh."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Material(Table):
     for sections that ask for one: { material = "titanium", ... }."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """Yield names that two materials share."""
+        """Yield an error if two materials have the same name."""
         names = [one.name for one in self.named]
         if len(set(names)) < len(names):
             yield Inconsistency("named", "a name of its own for each material", ())
@@ -70,10 +70,10 @@ class Material(Table):
         return min((value for value in given if value is not None), default=None)
 
     def find(self, name: str | None) -> Material | NamedMaterial:
-        """A material by name, this one for None.
+        """Return the material of a name; this material for None.
 
         Raises:
-            KeyError: there is none of that name.
+            KeyError: no material has that name.
         """
         return self if name is None else {one.name: one for one in self.named}[name]
 
@@ -83,7 +83,7 @@ Size = TypeVar("Size", float, FloatArray)
 
 @dataclass(frozen=True, kw_only=True)
 class Rectangle(Generic[Size]):
-    """Rectangular sections, a number or an array of one shape for each quantity."""
+    """Rectangular sections; all quantities are numbers, or arrays of the same shape."""
 
     width: Size  #: out of the plane [m]
     thickness: Size  #: in the plane [m]
@@ -108,19 +108,22 @@ class Rectangle(Generic[Size]):
 
 @dataclass(frozen=True, kw_only=True, init=False)
 class Section(Rectangle[float]):
-    """A rectangular section of one material, in numbers or text with a unit as in a case.
+    """A rectangular section of one material.
 
         Section(width="120 mm", thickness="8 mm", material=Material())
 
+    Values are numbers in SI units, or text with a unit as in a case.
+
     Args:
-        width: size out of the plane [m].
+        width: size out of the plane of motion [m].
         thickness: size in the plane of motion [m].
-        young_modulus: [Pa].
-        density: [kg/m3].
-        material: gives both of these instead; `Material()` is steel.
+        young_modulus: Young's modulus [Pa].
+        density: density [kg/m3].
+        material: material with Young's modulus and density, in place of these two arguments;
+            `Material()` is steel.
 
     Raises:
-        CaseError: a value that is not positive, not of its dimension, missing or given twice.
+        CaseError: a value that is not positive, has a wrong unit, is missing or is given twice.
     """
 
     __pydantic_config__: ClassVar = ConfigDict(extra="forbid")  # where a case holds one
@@ -158,20 +161,20 @@ class Section(Rectangle[float]):
 
 
 Taper = Sequence[Section]
-"""Sections at equal distances along a member, from end to end, linear in between."""
+"""Sections at equal distances from end to end of a member, with linear interpolation between."""
 
 QUANTITIES = tuple(each.name for each in fields(Section))
 
 CHANGES = tuple(f"{name}_change" for name in QUANTITIES)
-"""Changes of the quantities along a line, as in `LineProperties` and mesh files."""
+"""Names of the changes of the quantities along a line, as in `LineProperties` and mesh files."""
 
 
 def along(sections: Section | Taper, share: FloatArray) -> FloatArray:
     """Width, thickness, Young's modulus and density along a member, (4, shares).
 
     Args:
-        sections: one for the whole member, or a taper.
-        share: where, from 0 at the first end to 1 at the second.
+        sections: one section for the entire member, or a taper.
+        share: positions from 0 at the first end to 1 at the second, (shares,).
     """
     stations = [sections] if isinstance(sections, Section) else list(sections)
     table = np.array([[getattr(station, name) for station in stations] for name in QUANTITIES])
@@ -180,11 +183,14 @@ def along(sections: Section | Taper, share: FloatArray) -> FloatArray:
 
 
 def along_elements(sections: Section | Taper, elements: int) -> tuple[FloatArray, FloatArray]:
-    """Sections of the equal elements of a member, linear in each: values at the middles of the
-    elements and changes from end to end, both (4, elements).
+    """Approximate the sections along a member by a linear function in each of its equal elements.
 
-    Where a station of a taper lies inside an element, its straight line is the one nearest in the
-    mean square, made less steep where it would fall below half of the least that is there.
+    If a station of a taper is inside an element, the linear function is the least-squares fit. The
+    slope of the fit is limited so that no end value is below half of the smallest value of the
+    taper in that element.
+
+    Returns:
+        values at the middles of the elements, and changes from end to end, both (4, elements).
     """
     if isinstance(sections, Section) or len(sections) == 1:
         return along(sections, np.full(elements, 0.5)), np.zeros((len(QUANTITIES), elements))
@@ -210,8 +216,8 @@ def along_elements(sections: Section | Taper, elements: int) -> tuple[FloatArray
 
 @dataclass(frozen=True, kw_only=True)
 class LineProperties(Rectangle[FloatArray]):
-    """Sections of the lines of a mesh: those at the middles of the lines, (lines,), and how
-    much they change from the first to the second end, linear in between: not at all, if left out.
+    """Sections of the lines of a mesh: values at the middles of the lines, (lines,), and linear
+    changes from the first to the second end. Changes that are left out are zero.
     """
 
     width_change: FloatArray = field(default_factory=lambda: np.zeros(0))  #: [m], (lines,)
@@ -225,7 +231,11 @@ class LineProperties(Rectangle[FloatArray]):
                 object.__setattr__(self, name, np.zeros(len(self.width)))
 
     def at(self, places: FloatArray) -> Rectangle[FloatArray]:
-        """Sections at places of every line, 0 at its first end to 1, arrays (lines, places)."""
+        """Return the sections at positions along every line, arrays (lines, places).
+
+        Args:
+            places: positions from 0 at the first end of a line to 1 at the second, (places,).
+        """
         shift = np.asarray(places) - 0.5
         return Rectangle(
             **{
@@ -236,6 +246,6 @@ class LineProperties(Rectangle[FloatArray]):
 
     @property
     def mean_line_mass(self) -> FloatArray:
-        """Mass over length of each line [kg/m], (lines,)."""
+        """Mean mass per unit length of each line [kg/m], (lines,)."""
         ends = self.at(np.array([0.0, 1.0])).line_mass
         return np.asarray((ends.sum(axis=1) + 4.0 * self.line_mass) / 6.0)  # a cubic: exact

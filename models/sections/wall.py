@@ -1,14 +1,15 @@
-"""The wall of a casing: its section as a function of the angle, and what elements make of it.
+"""The wall of a casing: its section as a function of the angle, and the mean over elements.
 
-Stiffness and mass are integrated with the section at the quadrature points, so a smooth wall
-converges as a uniform one does (fourth order in the frequencies). A quadrature point stands for
-the stretch of its element that its weight covers. Where an arc ends inside such a stretch, the
-point takes each side's stiffness and mass in proportion: masses are exact and nothing jumps as
-the end is moved, but the elements can't bend as the true wall does there. Arcs that end at nodes
-keep the fourth order; others have the first (a per cent, where the thickness doubles inside an
-element of 9 degrees).
+Stiffness and mass are integrated with the section at the quadrature points. The frequencies of a
+smooth wall therefore converge with fourth order, as for a uniform wall. A quadrature point
+represents a part of its element, in proportion to its weight. If an arc ends inside this part, the
+stiffness and mass of both sides are averaged by length: masses are exact and results do not jump
+when the end is moved, but the elements cannot bend as the true wall does there. With arcs that end
+at nodes the order remains four; with others it is one (an error of one per cent where the
+thickness doubles inside an element of 9 degrees).
 
-All sections are centred on the same circle: a one-sided rib bends the wall less than in truth.
+All sections are centred on the same circle. The additional bending by the eccentricity of a
+one-sided rib is therefore not included.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from bladewhirl.models.inputs.table import Inconsistency, Table
 from bladewhirl.models.sections.rectangular import Rectangle, Section
 
 FINE = 7200
-"""Angles at which the smallest value is looked for: a twentieth of a degree apart."""
+"""Number of angles at which a profile is evaluated to find its smallest value."""
 
 
 class Lobe(Table):
@@ -43,14 +44,14 @@ class Lobe(Table):
 
 @dataclass(frozen=True, kw_only=True)
 class RingProfile:
-    """A function of the angle: linear between stations, or constant, plus lobes."""
+    """A function of the angle: a constant, or linear interpolation between stations, plus lobes."""
 
-    mean: float  #: where there are no stations
+    mean: float  #: constant value, used if there are no stations
     lobes: tuple[Lobe, ...] = ()
-    stations: tuple[tuple[float, float], ...] = ()  #: angle [rad] and value; replace the mean
+    stations: tuple[tuple[float, float], ...] = ()  #: angles [rad] and values that replace `mean`
 
     def value(self, angle: ArrayLike) -> FloatArray:
-        """Values at angles [rad], of their shape."""
+        """Return the values at angles [rad], in the same shape."""
         theta = np.asarray(angle, dtype=np.float64)
         total = np.full(theta.shape, self.mean)
         if self.stations:
@@ -61,7 +62,7 @@ class RingProfile:
         return np.asarray(total)
 
     def lobe_slope(self, angle: ArrayLike) -> FloatArray:
-        """Derivative of the lobes by the angle, at angles [rad]."""
+        """Return the derivative of the lobes by the angle, at angles [rad]."""
         theta = np.asarray(angle, dtype=np.float64)
         slope = np.zeros(theta.shape)
         for wave in self.lobes:
@@ -70,7 +71,7 @@ class RingProfile:
 
     @property
     def smallest(self) -> float:
-        """Smallest value on the ring, to the second order of a twentieth of a degree."""
+        """Smallest value on the ring, at steps of a twentieth of a degree."""
         return float(self.value(np.linspace(0.0, 2.0 * np.pi, FINE, endpoint=False)).min())
 
 
@@ -79,7 +80,7 @@ TURN = 2.0 * np.pi
 
 @dataclass(frozen=True, kw_only=True)
 class WallProperties:
-    """Stiffness and mass of a wall, arrays of one shape: (elements,) or (elements, points)."""
+    """Stiffness and mass of a wall; all arrays have the shape (elements,) or (elements, points)."""
 
     axial_stiffness: FloatArray  #: E A [N]
     bending_stiffness: FloatArray  #: E I [N m2]
@@ -89,7 +90,7 @@ class WallProperties:
     young_modulus: FloatArray  #: [Pa]
 
     def mean(self, weights: FloatArray) -> WallProperties:
-        """Means over the points of each element, whose weights have sum one."""
+        """Return the weighted means over the points of each element; the weights sum to one."""
         return WallProperties(**{name: values @ weights for name, values in vars(self).items()})
 
 
@@ -110,14 +111,18 @@ class Arc(Table):
     """Density [kg/m3]."""
 
     def inconsistencies(self) -> Iterator[Inconsistency]:
-        """An arc without length or of more than a turn."""
+        """Yield an error if the arc has no length or is longer than a full turn."""
         if not 0.0 < self.end - self.start <= TURN:
             expected = f"more than start = {self.start:.6g} rad and at most a turn further on"
             yield Inconsistency("end", expected, ("start",))
 
     def share(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Return the share of the intervals from ``low`` to ``high`` (within [0, 2 pi]) inside the
-        arc."""
+        """Return the share of each interval that is inside the arc, an array in their shape.
+
+        Args:
+            low: start of each interval, from 0 to 2 pi [rad].
+            high: end of each interval, from 0 to 2 pi [rad].
+        """
         start = np.mod(self.start, TURN)
         inside = np.zeros(np.broadcast_shapes(low.shape, high.shape))
         for turn in (-TURN, 0.0):  # it begins in [0, 2 pi), so it may reach into a second turn
@@ -128,19 +133,19 @@ class Arc(Table):
 
 @dataclass(frozen=True, kw_only=True)
 class Wall:
-    """A wall: one section all around, with a thickness that varies and arcs that differ."""
+    """A wall of one section, with varying thickness and with arcs of another section."""
 
     section: Section
-    thickness: RingProfile | None = None  #: replaces that of the section [m]
-    arcs: tuple[Arc, ...] = ()  #: they do not overlap
+    thickness: RingProfile | None = None  #: replaces the thickness of the section [m]
+    arcs: tuple[Arc, ...] = ()  #: arcs of another section, which do not overlap
 
     def properties(self, mesh: RingMesh, points: FloatArray, weights: FloatArray) -> WallProperties:
-        """Properties at points of each element, (elements, points).
+        """Return the properties at points of each element, arrays (elements, points).
 
         Args:
             mesh: the ring.
-            points: places of the points in an element, 0 to 1, ascending, (points,).
-            weights: of the points, with sum one.
+            points: positions of the points in an element, from 0 to 1, ascending, (points,).
+            weights: weights of the points, with sum one, (points,).
         """
         pitch = TURN / mesh.elements
         edges = np.concatenate([[0.0], np.cumsum(weights)])
@@ -162,7 +167,7 @@ class Wall:
 def _quantities(
     section: Section, thickness: FloatArray, arc: Arc | None = None
 ) -> dict[str, FloatArray]:
-    """Fields of `WallProperties` for a section with that thickness, or for an arc."""
+    """Return the fields of `WallProperties` for a section of a given thickness, or for an arc."""
 
     def given(name: str, otherwise: float | FloatArray) -> FloatArray:
         value = None if arc is None else getattr(arc, name)
