@@ -51,7 +51,7 @@ def strain_energies(
 
     Args:
         result: result of a run; it is read portion by portion.
-        start, end: limits of the window [s]; those of the run when None.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
         energies [J] over time: `suspension`, the modes in which the body moves on the shaft
@@ -162,8 +162,8 @@ def family_energies(
     [J].
 
     Args:
-        result: of a run.
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Example:
         ``family_energies(result)["energy"].sel(family="1F").sum("nodal_diameter").plot()``

@@ -27,7 +27,7 @@ AROUND: Offsets = [(0, 4), (-4, 3), (4, -3), (0, -4), (4, 3), (-4, -3), (5, 0), 
 """Offsets above, below and at the sides of a point [points]."""
 
 RIGHT: Offsets = [(8, step) for step in range(0, 31, 3)]
-"""Offsets at the right of the end of a line and above that, where a leader is drawn [points]."""
+"""Offsets to the right of the end of a line and upwards; large offsets get a leader [points]."""
 
 LEFT: Offsets = [(-x, y) for x, y in RIGHT]
 
@@ -35,7 +35,7 @@ LONGEST_LEADER = 3.0
 """Vertical offset from which a leader connects a label to the end of its line [points]."""
 
 CANDIDATES = 40
-"""Points of a line at which a label is tried, at most."""
+"""Largest number of points of a line at which a label is tried."""
 
 
 def speed_axis(axes: Axes, reference_hz: float) -> None:
@@ -70,12 +70,13 @@ def frequency_axis(axes: Axes, reference_hz: float, label: str = FREQUENCY) -> N
 
 
 def draw_map(axes: Axes, x: ArrayLike, y: ArrayLike, values: ArrayLike, **look: Any) -> QuadMesh:
-    """Draw values (row, column) as coloured cells, a picture inside a PDF, without grid lines.
+    """Draw values (row, column) as coloured cells without grid lines; in a PDF they are a raster
+    image.
 
     Args:
         axes: the panel.
         x, y: borders of the columns and rows, or their centres.
-        values: colours; masked values and nan are left out.
+        values: values shown as colours; masked values and nan are left out.
         look: arguments of `pcolormesh`.
     """
     axes.grid(False)
@@ -83,7 +84,7 @@ def draw_map(axes: Axes, x: ArrayLike, y: ArrayLike, values: ArrayLike, **look: 
 
 
 def decades(top: float, number: float) -> LogNorm:
-    """Return a logarithmic scale of colours over that many decades up to the largest value."""
+    """Return a logarithmic scale of colours over `number` decades below the largest value `top`."""
     return LogNorm(top * 10**-number, top)
 
 
@@ -100,7 +101,7 @@ class Labels:
         self._taken: list[Bbox] = []
 
     def keep_free(self, x: ArrayLike, y: ArrayLike, size: float = 4.0) -> None:
-        """Let no label cover points, whose marks have this size [points]."""
+        """Keep labels away from points whose marks have the diameter `size` [points]."""
         half = 0.5 * size * self._axes.figure.dpi / 72.0
         for place in self._axes.transData.transform(np.column_stack([x, y])):
             self._taken.append(Bbox([place - half, place + half]))
@@ -108,14 +109,15 @@ class Labels:
     def add(
         self, x: ArrayLike, y: ArrayLike, text: str, colour: str, offsets: Offsets = ON
     ) -> bool:
-        """Write a label at the first place where it covers no other; return False if there is none.
+        """Write a label at the first position where it covers no other; return False if there is
+        none.
 
         Args:
-            x: places, or points of a line, in the order of preference.
+            x: positions, or points of a line, in the order of preference.
             y: as `x`.
             text: the label.
             colour: colour of the text.
-            offsets: offsets from a place, in the order of preference.
+            offsets: offsets from a position, in the order of preference.
         """
         places = np.column_stack([np.atleast_1d(x), np.atleast_1d(y)])
         places = places[np.isfinite(places).all(axis=1)]
@@ -137,7 +139,7 @@ class Labels:
                     if leader
                     else None,
                 )
-                label.get_window_extent()  # moves it to its place
+                label.get_window_extent()  # moves the label to its position
                 box = Text.get_window_extent(label)
                 inside = self._axes.bbox.containsx(box.x0) and self._axes.bbox.containsx(box.x1)
                 inside = inside and self._axes.bbox.y0 <= box.y0 and box.y1 <= self._axes.bbox.y1

@@ -14,10 +14,10 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend_handler import HandlerTuple
 
 HEIGHT = 0.45
-"""Height that a figure reserves for its legends [inch]; it grows by what they need beyond."""
+"""Height that a figure reserves for its legends [inch]; the figure grows if they need more."""
 
 MOST_COLUMNS = 6
-TITLE_LETTERS = 98  #: letters of a line of a legend's title
+TITLE_LETTERS = 98  #: largest number of characters in a line of a legend's title
 
 
 class Group(NamedTuple):
@@ -28,7 +28,7 @@ class Group(NamedTuple):
 
 
 def entries_of(*panels: Axes) -> list[tuple[Artist, str]]:
-    """Return the labelled artists of panels, the first one of each label."""
+    """Return the labelled artists of panels; of several artists with one label only the first."""
     pairs = [zip(*axes.get_legend_handles_labels(), strict=True) for axes in panels]
     named: dict[str, Artist] = {}
     for handle, label in (entry for panel in pairs for entry in panel):
@@ -39,7 +39,7 @@ def entries_of(*panels: Axes) -> list[tuple[Artist, str]]:
 def legends_below(figure: Figure, *groups: Group) -> None:
     """Add a legend for each group that has entries, one under the other, below a figure.
 
-    Each has as many columns as fit. The figure grows by what they need beyond `HEIGHT`.
+    Each legend has as many columns as fit. The figure grows if the legends need more than `HEIGHT`.
 
     Args:
         figure: complete figure in constrained layout.

@@ -1,8 +1,8 @@
 """Registry of the figures of a run and of a sweep: names, captions, and functions.
 
-A new figure consists of a function that computes its dataset, one that draws it, and an entry in
-`figures.toml`: the command line, its help, reports and `bladewhirl.plot` follow. The functions are
-named, not imported, so that this module imports the standard library only.
+A new figure needs a function that computes its dataset, a function that draws it, and an entry in
+`figures.toml`; the command line, its help, reports and `bladewhirl.plot` then contain the figure.
+The entry only names the functions, so that this module imports nothing but the standard library.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class FigureKind:
     about: str  #: content of the figure, in one line
     reading: str = ""  #: units, signs, and what to look for
     section: str = ""  #: section of the report that shows it
-    wide: bool = False  #: as wide as the report, not half of it
+    wide: bool = False  #: as wide as the page of the report instead of half as wide
     data: str  #: attribute of `RunFigures`, or "module:function", that computes the dataset
     plot: str  #: "module:function" in postprocess that draws the dataset
     options: Mapping[str, str] = field(default_factory=dict)  #: keyword arguments of `data`
@@ -47,7 +47,8 @@ class FigureKind:
             source: a `RunFigures`, or a sweep and the swept key of the x axis.
 
         Raises:
-            ViewError: there are no such data, as for a Poincaré map of a rotor at rest.
+            ViewError: the data of the figure do not exist, such as a Poincaré map of a rotor at
+                rest.
         """
         if ":" in self.data:
             data = resolve_name(f"{POSTPROCESS}.{self.data}")(*source, **self.options)

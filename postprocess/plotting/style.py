@@ -36,7 +36,8 @@ COLOURS: Mapping[str, str] = {
     "contact": "#CC79A7",
     "rest": "#AAAAAA",
 }
-"""Colours of Okabe and Ito, distinct for colour-blind readers; one meaning in all figures."""
+"""Colours of Okabe and Ito, distinct for colour-blind readers; each has the same meaning in all
+figures."""
 
 SEQUENTIAL = "cividis"
 """Colour map of magnitudes, uniform in lightness, also for colour-blind readers."""
@@ -106,7 +107,7 @@ def time_axis(*panels: Axes) -> None:
 
 @styled
 def save_figure(figure: Figure, path: str | Path, data: xr.Dataset | None = None) -> list[Path]:
-    """Save a figure as PNG and PDF, and its data as netCDF beside them; return the paths.
+    """Save a figure as PNG and PDF, and its data as netCDF in the same folder; return the paths.
 
     Args:
         figure: drawn in the common style.
@@ -119,7 +120,7 @@ def save_figure(figure: Figure, path: str | Path, data: xr.Dataset | None = None
     png, pdf, beside = (path.with_name(f"{name}{suffix}") for suffix in (".png", ".pdf", ".nc"))
     layout = figure.get_layout_engine()
     if layout is not None and figure.axes:
-        layout.execute(figure)  # once, not twice a file
+        layout.execute(figure)  # once, instead of twice for each file
         figure.set_layout_engine(None)
     with replacing(png) as draft:
         figure.savefig(draft, format="png", pil_kwargs={"compress_level": 3})  # twice as fast

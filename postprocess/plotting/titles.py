@@ -10,10 +10,10 @@ from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.textpath import TextPath
 
 MOST_LETTERS = 40
-"""Letters of a title in an inch of the figure's width, at most."""
+"""Largest number of characters of a title per inch of the figure's width."""
 
 WIDEST = 0.97
-"""Largest width of a line of a title, as a share of the figure's; a longer one is cut."""
+"""Largest width of a line of a title, as a share of the figure's width; a longer line is cut."""
 
 
 def speed_label(dataset: xr.Dataset) -> str:
@@ -44,7 +44,7 @@ def set_title(figure: Figure, case: str, shown: str) -> None:
 
 
 def _cut(line: str, figure: Figure) -> str:
-    """Return as much of a line as the figure is wide."""
+    """Return a line, cut to the width of the figure."""
     most = WIDEST * 72.0 * figure.get_figwidth()  # [points]
     size = FontProperties(size=rcParams["figure.titlesize"]).get_size_in_points()
     cut = line

@@ -24,7 +24,7 @@ from bladewhirl.postprocess.plotting.style import COLOURS
 from bladewhirl.postprocess.reports.interactive import plot
 from bladewhirl.postprocess.reports.page import Explorer, Page, Section, Table
 
-POINTS = 121  #: speeds along a line
+POINTS = 121  #: number of speeds along a line
 
 COINCIDENT = ("family", "casing_family")
 

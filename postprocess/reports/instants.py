@@ -1,4 +1,5 @@
-"""Run at one instant: machine, orbit of the shaft, contact and energy with a common cursor."""
+"""Interactive view of a run: machine, orbit of the shaft, contact and energy with a common time
+cursor."""
 
 from __future__ import annotations
 
@@ -35,10 +36,10 @@ from bladewhirl.postprocess.shaft.orbits import MILLI
 from bladewhirl.postprocess.shaft.transforms import Frame
 
 MOST_INSTANTS = 60
-"""Largest number of instants of the machine."""
+"""Largest number of instants at which the machine is drawn."""
 
 MOST_PLACES = 1_000_000
-"""Largest number of coordinates of all instants; a stage of many beams has fewer instants."""
+"""Largest number of coordinates over all instants; a stage with many beams has fewer instants."""
 
 FEWEST_INSTANTS = 10
 
@@ -54,7 +55,7 @@ ENERGY_POINTS = 1000
 FULL = 32767  #: largest signed number of 16 bits
 
 FRAMES: tuple[Frame, Frame] = ("static", "rotating")
-"""Frames of the orbit; the machine is drawn in the first."""
+"""Frames of the orbit; the machine is drawn in the first of them."""
 
 POINTED = (
     "blade %{y}, %{x:.6g} s<br>mean normal force %{customdata[0]:.4g} N<br>"
@@ -77,13 +78,13 @@ CAPTION = (
 def instants(
     dataset: xr.Dataset, maps: xr.Dataset, orbit: xr.Dataset, energy: xr.Dataset
 ) -> Instants:
-    """Return the run at up to `MOST_INSTANTS` equidistant instants, and one of contact.
+    """Return the run at up to `MOST_INSTANTS` equidistant instants, and at an instant of contact.
 
     Args:
         dataset: a result.
         maps: from `blade_contact.contact_maps`.
-        orbit: from `orbits.shaft_orbit`, of the same time.
-        energy: from `strain.strain_energies`, of the same time.
+        orbit: from `orbits.shaft_orbit`, for the same time window.
+        energy: from `strain.strain_energies`, for the same time window.
     """
     marked, where = _marked(dataset, orbit)
     beams = dataset.sizes["rotor_line"]
@@ -108,7 +109,8 @@ def instants(
 
 
 def _marked(dataset: xr.Dataset, orbit: xr.Dataset) -> tuple[int, str]:
-    """Record of the largest contact force, or of the largest displacement; and its description."""
+    """Return the record of the largest contact force, or of the largest displacement without
+    contact, and its description."""
     impulse = dataset["contact_impulse"].values.max(axis=1)
     if impulse.any():
         return int(impulse.argmax()), "largest contact force"
@@ -116,8 +118,8 @@ def _marked(dataset: xr.Dataset, orbit: xr.Dataset) -> tuple[int, str]:
 
 
 def _machine(drawing: Drawing, pictures: list[Picture]) -> list[dict[str, Any]]:
-    """Filled outlines of the machine, the lowest first: colour and points, shape (instant, outline,
-    point, 2), relative to half the picture.
+    """Return filled outlines of the machine, the lowest layer first: colour and points, shape
+    (instant, outline, point, 2), relative to half the width of the picture.
     """
     reach = MARGIN * max(float(np.abs(picture.casing.sides).max()) for picture in pictures)
     longest = LONGEST_ARROW * reach / drawing.largest_force if drawing.largest_force else 0.0
@@ -144,12 +146,13 @@ def _machine(drawing: Drawing, pictures: list[Picture]) -> list[dict[str, Any]]:
 
 
 def _outlines(sides: Array) -> Array:
-    """Outlines of ribbons, shape (line, point, 2): along one side and back along the other."""
+    """Return outlines of ribbons, shape (line, point, 2): along one side and back along the
+    other."""
     return np.concatenate([sides[:, :, 0], sides[:, ::-1, 1]], axis=1)
 
 
 def _histories(maps: xr.Dataset, energy: xr.Dataset) -> go.Figure:
-    """Contact over blade and time, and below it energy, with a line for the cursor."""
+    """Plot contact over blade and time, and energy below it, with a line for the cursor."""
     force, friction = maps["force"].values.T, maps["friction"].values.T
     gap, touched = MILLI * np.maximum(maps["gap"].values.T, 0.0), maps["share"].values.T > 0
     drag = float(np.abs(friction).max()) or 1.0
@@ -213,7 +216,7 @@ def _histories(maps: xr.Dataset, energy: xr.Dataset) -> go.Figure:
 
 
 def _energies(energy: xr.Dataset) -> list[go.Scatter]:
-    """Lines of the strain energy; parts that stay zero are left out."""
+    """Return the lines of the strain energy; parts that are always zero are left out."""
     starts = span_starts(energy["time"].values, ENERGY_POINTS)
     return [
         go.Scatter(
@@ -231,7 +234,8 @@ def _energies(energy: xr.Dataset) -> list[go.Scatter]:
 
 
 def _orbit(orbit: xr.Dataset) -> go.Figure:
-    """Path of the shaft in each of `FRAMES`, with a marker each for the cursor at the end."""
+    """Plot the path of the shaft in each of `FRAMES`; the last traces are the markers of the
+    cursor."""
     thinned = orbit.isel(time=span_starts(orbit["time"].values, ORBIT_POINTS))
     time = thinned["time"].values
     clearance = MILLI * float(orbit.attrs["smallest_clearance"])

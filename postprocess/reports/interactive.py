@@ -30,7 +30,8 @@ def plot(traces: Sequence[Any], **layout: Any) -> go.Figure:
 
 
 def buttons(labels: Sequence[str], owner: Sequence[int | None]) -> list[dict[str, Any]]:
-    """Return a row of buttons above a plot, each of which shows its traces; none for one label.
+    """Return a row of buttons above a plot, each of which shows its traces; no buttons for a single
+    label.
 
     Args:
         labels: labels of the buttons.
@@ -60,5 +61,5 @@ def buttons(labels: Sequence[str], owner: Sequence[int | None]) -> list[dict[str
 
 
 def colour_bar(title: str) -> dict[str, Any]:
-    """Return a colour bar with its title beside it."""
+    """Return a colour bar with its title at its side."""
     return {"title": {"text": title, "side": "right"}, "thickness": 14}

@@ -1,7 +1,7 @@
 """Reports as one HTML file: content, and conversion to a page.
 
-A page needs no other file and no network, and its content security policy forbids to load any:
-pictures are embedded as PNG, and so is the program that draws interactive plots.
+A page needs no other file and no network, and its content security policy forbids loading either:
+pictures are embedded as PNG, and the program that draws interactive plots is embedded, too.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ class Block:
     title: str
     caption: str = ""
     folded: bool = False  #: closed until clicked
-    wide: bool = True  #: as wide as the page, not half of it
+    wide: bool = True  #: as wide as the page instead of half as wide
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReportFigure(Block):
-    """Figure, or the reason why there is none."""
+    """Figure, or the reason why it is missing."""
 
     kind = "drawing"
 
@@ -89,7 +89,7 @@ class Instants(Explorer):
 
     times: Array  #: instants [s]
     first: int  #: number of the instant shown first
-    words: Sequence[str]  #: contacts at each
+    words: Sequence[str]  #: text on the contacts at each instant
     places: Sequence[Array]
     """Positions of the markers of the orbit, its last traces, at every instant (instant, 2)."""
     machine: Sequence[Mapping[str, Any]]  #: outlines with `colour` and `places`
@@ -122,7 +122,7 @@ class Page:
 def report_figures(
     draw: Callable[[str], tuple[Figure, xr.Dataset]], kinds: Iterable[FigureKind]
 ) -> list[ReportFigure]:
-    """Return the figures of a result with captions, or with the reason why there is none.
+    """Return the figures of a result with captions, or with the reason why the figure is missing.
 
     Args:
         draw: function that draws the figure of a name, or raises ViewError.
@@ -166,11 +166,11 @@ def page_html(page: Page) -> str:
 
 
 def write_page(page: Page, path: str | Path) -> Path:
-    """Write a page as a whole; return the path.
+    """Write a page completely or not at all; return the path.
 
     Raises:
-        ViewError: the name does not end in .html.
-        OSError: the file can't be written.
+        ViewError: the path does not end in .html.
+        OSError: the file cannot be written.
     """
     target = checked_target(path, ".html")
     write_atomically(target, page_html(page))

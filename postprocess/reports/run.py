@@ -28,13 +28,13 @@ LATE = "over the last third"
 """Time window of whirl and contact scenario."""
 
 UNKNOWN = ("complementarity residual", "time step / critical", "wall time")
-"""Rows of the summary that only a completed march has."""
+"""Rows of the summary that exist only for a completed march."""
 
 
 def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -> Page:
     """Return the report of a run, for `page.write_page`.
 
-    An interrupted march is reported up to its last record, with a warning.
+    The report of an interrupted march covers the time up to its last record and has a warning.
 
     Args:
         dataset: a result.
@@ -42,7 +42,7 @@ def run_report(dataset: xr.Dataset, provenance: Provenance, *, name: str = "") -
         name: name of the run, such as its folder.
 
     Raises:
-        ViewError: fewer than two records.
+        ViewError: the result has fewer than two records.
     """
     figures = RunFigures(dataset)
     energy = strain_energies(dataset)
@@ -99,7 +99,8 @@ def _drawn(figures: RunFigures, section: str) -> list[ReportFigure]:
 
 
 def _late(dataset: xr.Dataset) -> xr.Dataset:
-    """Last third of the time, or all of it if that has fewer than two records."""
+    """Return the last third of the time, or the complete run if the last third has fewer than two
+    records."""
     late = late_part(dataset)
     return late if late.sizes["time"] > 1 else dataset
 
@@ -134,7 +135,7 @@ def _warnings(dataset: xr.Dataset, reason: str) -> Sequence[str]:
 def _glance(
     dataset: xr.Dataset, orbit: xr.Dataset, classes: xr.Dataset
 ) -> list[tuple[str, str, str]]:
-    """Key figures: name, value, remark."""
+    """Return the key figures: name, value, remark."""
     late = _late(orbit)
     radius = MILLI * float(orbit["radius"].max())
     clearance = MILLI * float(orbit.attrs["smallest_clearance"])
@@ -172,7 +173,7 @@ def _glance(
 
 
 def _split(label: str) -> tuple[str, str]:
-    """Value, and the text in parentheses after it."""
+    """Split a label into the value and the text in parentheses after it."""
     value, _, rest = label.partition(" (")
     return value, rest.rstrip(")")
 

@@ -31,7 +31,8 @@ from bladewhirl.postprocess.sweep.frequency_map import frequency_map
 from bladewhirl.postprocess.sweep.quantities import LINE, along, main_key, other_keys
 
 WINDOWED = ("frequency-map", "energy-families")
-"""Figures over the time window of the attribute `window`; others are over the last third."""
+"""Figures for the time window of the attribute `window`; the others are for the last third of the
+time."""
 
 MOST_POINTS = 2000
 """Largest number of points in the table; more make a page slow."""
@@ -46,7 +47,7 @@ def sweep_report(
 ) -> Page:
     """Return the report of a sweep, for `page.write_page`.
 
-    An unfinished sweep is reported with its available points.
+    The report of an unfinished sweep contains the available points.
 
     Args:
         dataset: from `open_sweep`.
@@ -91,7 +92,7 @@ def sweep_report(
 
 
 def _points(dataset: xr.Dataset) -> xr.Dataset:
-    """Quantities of every point over (line, key), with keys in handy units."""
+    """Return the quantities of every point over (line, key), with keys in convenient units."""
     names = ["regime", "shaft_radius_max", "growth_rate", "growth_error", "end_time"]
     points = in_handy_units(along(dataset, main_key(dataset), [*names, "contact_share"]))
     touched = (points["contact_share"] > 0).sum("blade")
@@ -107,7 +108,7 @@ def _counts(points: xr.Dataset | None) -> dict[str, int]:
 
 
 def _verdict(counts: Mapping[str, int], points: int, done: int, failed: int) -> tuple[str, str]:
-    """Worst regime and its number of points; and its tone."""
+    """Return the worst regime with its number of points, and its tone."""
     if not counts:
         return "No result yet" if points > failed else "No result", "open"
     worst = next(iter(counts))
@@ -132,7 +133,7 @@ def _warnings(points: int, done: int, failed: int) -> list[str]:
 def _glance(
     dataset: xr.Dataset, points: xr.Dataset | None, counts: Mapping[str, int], done: int
 ) -> list[tuple[str, str, str]]:
-    """Key figures: name, value, remark."""
+    """Return the key figures: name, value, remark."""
     rows = [("points done", f"{done} of {dataset['state'].size}", "")]
     attributes = {} if points is None else points.attrs
     keys = in_handy_units(dataset[swept(dataset)].assign_attrs(attributes))
@@ -150,7 +151,7 @@ def _glance(
 
 
 def _drawn(dataset: xr.Dataset, section: str) -> list[ReportFigure]:
-    """Figures of a section; maps need two swept keys."""
+    """Return the figures of a section; maps need two swept keys."""
     kinds = [kind for kind in SWEEP_FIGURES.values() if kind.section == section]
     if len(swept(dataset)) == 1:
         kinds = [kind for kind in kinds if kind.name != "maps"]
@@ -163,7 +164,7 @@ def _drawn(dataset: xr.Dataset, section: str) -> list[ReportFigure]:
 
 
 def _windowed(dataset: xr.Dataset, caption: str) -> str:
-    """Caption with the time window of spectra and mean energies."""
+    """Return the caption with the time window of spectra and mean energies."""
     window = str(dataset.attrs.get("window", ""))
     return f"{caption} {window[:1].upper()}{window[1:]}." if window else caption
 
@@ -210,7 +211,7 @@ def _point_table(points: xr.Dataset) -> Table:
 
 
 def _case_section(dataset: xr.Dataset, provenance: Provenance) -> Section:
-    """Resolved case, with the swept keys in the caption."""
+    """Return the resolved case, with the swept keys in the caption."""
     settings = " ".join(f"--set {dataset[key].attrs['long_name']}=VALUE" for key in swept(dataset))
     return case_section(
         dataset,

@@ -25,7 +25,8 @@ from bladewhirl.postprocess.sweep.frequency_map import DECADES, LINES
 from bladewhirl.postprocess.sweep.quantities import LINE, cell_edges
 
 MOST_ROWS, MOST_COLUMNS = 500, 500
-"""Largest numbers of frequencies and points of a map; a cell is the largest of its neighbours."""
+"""Largest numbers of frequencies and points of a map; with more, a cell has the largest value of
+its neighbours."""
 
 SYMBOLS: Mapping[str, str] = {
     "no-contact": "circle-open",
@@ -57,7 +58,7 @@ POINTS_CAPTION = (
 
 
 def frequency_explorer(maps: xr.Dataset) -> Explorer:
-    """Return spectra over the swept key; if other keys are swept too, a button for each line.
+    """Return spectra over the swept key, with a button for each line if other keys are swept, too.
 
     Args:
         maps: from `frequency_map.frequency_map`.
@@ -88,7 +89,7 @@ def points_explorer(points: xr.Dataset) -> Explorer:
     """Return the largest displacement of the shaft over the swept key, with details of each point.
 
     Args:
-        points: over (line, key): `regime`, `shaft_radius_max` [m], `growth_rate` and
+        points: quantities over (line, key): `regime`, `shaft_radius_max` [m], `growth_rate` and
             `growth_error` [1/s], `end_time` [s], `touched` [1], as in `sweep_report`.
     """
     points = in_handy_units(points)
@@ -127,7 +128,8 @@ def points_explorer(points: xr.Dataset) -> Explorer:
 
 
 def _map_traces(line: xr.Dataset, top: float, *, shown: bool) -> list[go.Heatmap | go.Scatter]:
-    """Heatmap, engine orders and modes of one line of a sweep; `top` is log10 of the maximum."""
+    """Return heatmap, engine orders and modes of one line of a sweep; `top` is log10 of the
+    maximum."""
     key = str(line.attrs["along"])
     rows, columns = (
         _starts(size, most)
@@ -158,7 +160,8 @@ def _map_traces(line: xr.Dataset, top: float, *, shown: bool) -> list[go.Heatmap
     done = line.isel({key: np.flatnonzero(np.isfinite(line["engine_order"][:, 0].values))})
     orders, modes = done["engine_order"], done["mode_line"]
     group = "engine orders"
-    # Name, group, values, look, whether it is in the legend. White lines would not be seen there.
+    # Name, group, values, style, and whether the curve is in the legend, where white lines would be
+    # invisible.
     curves: list[tuple[str, str, Array, tuple[str, str, float], bool]] = [
         *(
             (f"{n:+d} Ω", group, orders.sel(order=n).values, ("#ffffff", "dot", 1), False)
@@ -194,7 +197,7 @@ def _map_traces(line: xr.Dataset, top: float, *, shown: bool) -> list[go.Heatmap
 
 
 def _texts(points: xr.Dataset) -> Any:
-    """Details of every point, shape (line, key)."""
+    """Return a text with details of every point, shape (line, key)."""
     key = points[str(points.attrs["along"])]
     names = [line_label(points.isel({LINE: number})) for number in range(points.sizes[LINE])]
     unit = "" if key.attrs["units"] == "1" else f" {key.attrs['units']}"
@@ -226,5 +229,5 @@ def _key_axis(values: xr.DataArray) -> dict[str, Any]:
 
 
 def _starts(count: int, most: int) -> Any:
-    """First member of each of at most so many groups of neighbours."""
+    """Return the first member of each of at most `most` groups of neighbours."""
     return np.unique(np.arange(min(count, most)) * count // min(count, most))

@@ -12,7 +12,7 @@ from bladewhirl.postprocess.reports.page import Table
 
 
 class Regime(NamedTuple):
-    """Regime in the words of a report."""
+    """Description of a regime in a report."""
 
     name: str
     tone: str  #: tone of the page, see `page.Page`
@@ -29,7 +29,7 @@ REGIMES: Mapping[str, Regime] = {
 
 
 def criterion_table(regime: str = "") -> Table:
-    """Return the criterion of the regimes; the line of the given regime is marked."""
+    """Return a table of the criteria of the regimes; the row of `regime` is highlighted."""
     return Table(
         name="criterion",
         title="Criterion of the regimes",

@@ -1,4 +1,5 @@
-"""Gaps and contact forces over blade and time, and which blades touch how often (Fig. 21)."""
+"""Gaps and contact forces over blade and time, and the share of time each blade touches (Fig.
+21)."""
 
 from __future__ import annotations
 
@@ -25,24 +26,25 @@ from bladewhirl.postprocess.plotting.axes import decades, draw_map
 from bladewhirl.postprocess.plotting.style import COLOURS, new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 
-PERMANENT = 0.99  #: share of the time in contact from which a blade counts as in permanent contact
-COLUMNS = 600  #: spans of time that a map has at most: more would not be seen
+PERMANENT = 0.99  #: least share of the time in contact for the class "permanent"
+COLUMNS = 600  #: largest number of time spans of a map: more would be invisible
 BRIGHTEST = 99.0
-"""Percentile of the forces above zero that gets the brightest colour, where a few peaks would
-leave the rest dark."""
+"""Percentile of the positive forces that gets the brightest colour if otherwise a few peaks would
+leave the remaining map dark."""
 
-FORCE_DECADES = 3.0  #: decades below the largest force that colours tell apart
+FORCE_DECADES = 3.0  #: number of decades below the largest force that colours distinguish
 SHARE_COLOURS = ["#FBEAF4", COLOURS["contact"], "#4A1238"]
-"""Colours of the share of the time in contact, from none to all of it."""
+"""Colours of the share of the time in contact, from 0 to 1."""
 
 GAP_COLOURS = ["#9AA5B8", "#FFFFFF"]
-"""Colours of gaps, from none to the largest: paler than contact."""
+"""Colours of gaps, from zero to the largest: paler than contact."""
 
-PEAK = 1.5  #: ratio of the largest force to that percentile above which colours are clipped
-FEW_PERCENT = 40.0  #: largest share of the time in contact [%] below which its axis ends there
+#: ratio of the largest force to the percentile `BRIGHTEST` above which colours are clipped
+PEAK = 1.5
+FEW_PERCENT = 40.0  #: share of the time in contact [%]: its axis ends here if no share is larger
 BRIEF, BRIEF_MARGIN = 0.5, 0.1
-"""Share of the time below which contact is brief, so that axes of time follow it, and what they
-show beyond it, in shares of its length."""
+"""Share of the time below which contact is brief, so that time axes only show the contact, and the
+margin of these axes on both sides, as a share of the duration of contact."""
 
 CLASS_COLOURS: Mapping[str, str] = {
     "permanent": COLOURS["contact"],
@@ -60,20 +62,21 @@ def contact_maps(
     start: float | None = None,
     end: float | None = None,
 ) -> xr.Dataset:
-    """Gaps and forces of every blade in up to that many equal spans of time.
+    """Compute gaps and forces of every blade in equal spans of time.
 
-    Gaps are the smallest of all steps in a span, forces the impulse in it over its length.
+    The gap is the smallest of all time steps in a span; the force is the impulse in the span
+    divided by the length of the span.
 
     Args:
-        result: of a run.
-        columns: spans at most; the records themselves where they are fewer.
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run.
+        columns: largest number of spans; with fewer records, each record has its own span.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over (time, blade): `gap` [m], smallest; `force` [N], mean normal force, positive where
-        the casing pushes inward; `friction` [N], mean, positive where it drags towards -theta;
-        `share` [1] of the time steps in contact. `time` [s] is the end of each span, `edge`
-        (edge,) are the borders.
+        over (time, blade): `gap` [m], the smallest gap; `force` [N], mean normal force, positive
+        where the casing pushes inward; `friction` [N], mean friction force, positive where it drags
+        towards -theta; `share` [1], share of the time steps in contact. `time` [s] is the end of
+        each span, `edge` (edge,) [s] are the limits of the spans.
 
     Raises:
         ViewError: fewer than two records.
@@ -107,18 +110,18 @@ def contact_maps(
 def contact_classes(
     result: xr.Dataset, *, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Share of the time that each blade is in contact, and the class that follows from it.
+    """Compute the share of the time that each blade is in contact, and its contact class.
 
-    The share is that of the time steps between the first and the last record. *Permanent* is 99 %
-    or more, *free* none, *intermittent* what lies between.
+    The share is the share of time steps with contact between the first and the last record. The
+    class is *permanent* at 99 % or more, *free* without contact, and *intermittent* otherwise.
 
     Args:
-        result: of a run, two records of it or more.
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run with at least two records.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over blade: `share` [1] and `contact_class`. Attribute `first_contact` [s] is that of the
-        run if it lies within the window, else nan.
+        over blade: `share` [1] and `contact_class`. The attribute `first_contact` [s] is the time
+        of the first contact of the run if it lies within the window, otherwise nan.
 
     Raises:
         ViewError: fewer than two records.
@@ -128,7 +131,7 @@ def contact_classes(
     """
     dataset = select_window(result, start, end)
     time = dataset["time"].values
-    # Counts at a record are those since the record before.
+    # The counts at a record are those since the previous record.
     touching = dataset["contact_steps"].isel(time=slice(1, None)).sum("time").values
     share = _share(touching, time[-1] - time[0], dataset)
     names = np.select([share >= PERMANENT, share > 0], ["permanent", "intermittent"], "free")
@@ -192,7 +195,7 @@ def plot_forces(maps: xr.Dataset) -> Figure:
 
 @styled
 def plot_contact_classes(classes: xr.Dataset) -> Figure:
-    """Draw the share of the time each blade is in contact, coloured by class.
+    """Draw the share of the time that each blade is in contact, coloured by class.
 
     Args:
         classes: from `contact_classes`.
@@ -216,15 +219,17 @@ def plot_contact_classes(classes: xr.Dataset) -> Figure:
 
 
 def _share(steps: Array, time: Array | float, dataset: xr.Dataset) -> Array:
-    """Share of the time steps in contact, from their number in that time [s]."""
+    """Return the share of time steps in contact, from the number of such steps in an interval of
+    `time` [s]."""
     return np.asarray(steps / np.maximum(np.round(time / dataset.attrs["time_step"]), 1.0))
 
 
 def contact_span(edge: Array, touching: BoolArray) -> tuple[float, float]:
-    """Return limits of a time axis that fit brief contact [s].
+    """Return the limits of a time axis [s]: around contact if it is brief, otherwise the complete
+    time.
 
     Args:
-        edge: borders of the spans of time [s], (span + 1,).
+        edge: limits of the spans of time [s], (span + 1,).
         touching: True for spans with contact, (span,).
     """
     spans = np.flatnonzero(touching)
@@ -239,14 +244,15 @@ def contact_span(edge: Array, touching: BoolArray) -> tuple[float, float]:
 
 
 def draw_share(axes: Axes, across: xr.DataArray, up: Array, share: xr.DataArray) -> QuadMesh:
-    """Draw shares of the time in contact (time, row) [%], dark where it is all the time."""
+    """Draw shares of the time in contact (time, row) [%]; darkest for permanent contact."""
     percent = np.ma.masked_less_equal(100.0 * np.nan_to_num(share.values.T), 0.0)
     scale = LinearSegmentedColormap.from_list("share", SHARE_COLOURS)
     return draw_map(axes, across, up, percent, cmap=scale, vmin=0.0, vmax=100.0)
 
 
 def force_limit(force: Array) -> float:
-    """Return the force of the brightest colour: the largest, or a percentile if peaks are few."""
+    """Return the force of the brightest colour: the largest force, or a percentile if there are few
+    peaks."""
     pushed = force[force > 0]
     if not len(pushed):
         return 1.0

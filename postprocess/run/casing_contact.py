@@ -15,27 +15,28 @@ from bladewhirl.postprocess.plotting.style import new_figure, styled, time_axis
 from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.run.blade_contact import COLUMNS, contact_span, draw_share
 
-SECTORS = 4  #: sectors of the casing within a blade pitch at most
+SECTORS = 4  #: largest number of sectors of the casing per blade pitch
 LAST_TURNS = 8.0
-"""Revolutions at the end of a run that are drawn apart: contact that goes round with the rotor is
-a level grey over many."""
+"""Number of revolutions at the end of a run that have their own panel: over many revolutions,
+contact that rotates with the rotor is a uniform grey."""
 
 
 def casing_contact(
     result: xr.Dataset, *, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Share of the time steps at which the blade that passes a sector of the casing touches it.
+    """Compute the share of time steps with contact in each sector of the casing.
 
-    A blade passes every sector in each span of time; at standstill there are 600 spans.
+    The share is relative to the time steps at which a blade is in the sector. In each span of time
+    a blade passes every sector; at standstill there are 600 spans.
 
     Args:
-        result: of a run.
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over (time, sector): `share` [1], nan where no blade was. `time` [s] is the end of each
-        span, `time_edge` [s] and `angle_edge` [rad] are the borders; angles are of the static
-        frame.
+        over (time, sector): `share` [1], nan where no blade was in the sector. `time` [s] is the
+        end of each span, `time_edge` [s] and `angle_edge` [rad] are the limits of spans and
+        sectors; angles are in the static frame.
 
     Raises:
         ViewError: fewer than two records.
@@ -45,7 +46,7 @@ def casing_contact(
     speed, blades = abs(float(dataset.attrs["speed"])), dataset.sizes["blade"]
     steps = np.diff(time)
     spans, sectors = COLUMNS, blades
-    if speed:  # not finer than a tip moves between two records
+    if speed:  # a sector is at least as wide as the movement of a tip between two records
         finest = 2 * np.pi / (speed * float(np.median(steps)))
         spans = int(np.clip(np.ptp(time) * blades * speed / (2 * np.pi), 1, COLUMNS))
         sectors = int(np.clip(finest, blades, SECTORS * blades))
@@ -79,12 +80,12 @@ def casing_contact(
 
 
 def with_last_turns(contact: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
-    """Add the contact of the last turns: `last_share` (last_time, last_sector), with its borders
-    `last_time_edge` and `last_angle_edge`, unless the run has few turns.
+    """Add the contact in the last revolutions: `last_share` (last_time, last_sector), with its
+    limits `last_time_edge` and `last_angle_edge`, unless the run has few revolutions.
 
     Args:
         contact: from `casing_contact`.
-        result: of the same run.
+        result: result of the same run.
     """
     end = float(contact["time_edge"][-1])
     speed = abs(float(contact.attrs["speed"]))
@@ -98,10 +99,10 @@ def with_last_turns(contact: xr.Dataset, result: xr.Dataset) -> xr.Dataset:
 
 @styled
 def plot_casing_contact(contact: xr.Dataset) -> Figure:
-    """Draw the share of the time in contact over casing angle and revolutions; below, of a long
-    run, over its last revolutions.
+    """Draw the share of the time in contact over casing angle and revolutions; a long run has a
+    second panel with its last revolutions.
 
-    The upper panel follows contact that is brief.
+    If contact is brief, the upper panel only shows the time of contact.
 
     Args:
         contact: from `casing_contact`, `with_last_turns`.
@@ -122,12 +123,12 @@ def plot_casing_contact(contact: xr.Dataset) -> Figure:
 
 
 def _limits(contact: xr.Dataset) -> tuple[float, float]:
-    """Return the time [s] that the upper panel shows, see `contact_span`."""
+    """Return the limits of the time axis of the upper panel [s], see `contact_span`."""
     return contact_span(contact["time_edge"].values, (contact["share"] > 0).any("sector").values)
 
 
 def _draw(axes: Axes, contact: xr.Dataset, which: str) -> QuadMesh:
-    """One of the panels."""
+    """Draw one of the panels."""
     turns_each = _turns_each(contact)
     across = (turns_each or 1.0) * contact[f"{which}time_edge"]
     angle = np.degrees(contact[f"{which}angle_edge"].values)
@@ -139,5 +140,5 @@ def _draw(axes: Axes, contact: xr.Dataset, which: str) -> QuadMesh:
 
 
 def _turns_each(contact: xr.Dataset) -> float:
-    """Revolutions in a second."""
+    """Return the number of revolutions per second."""
     return abs(float(contact.attrs["speed"])) / (2 * np.pi)

@@ -22,10 +22,12 @@ from bladewhirl.solvers.stability.scenario import (
 )
 
 ALIKE = 1e-6
-"""Share of the widest spread of gaps below which gaps are alike: none of them is the smallest."""
+"""Share of the widest spread of gaps over the records; where the spread is smaller, the gaps are
+regarded as equal, without a smallest one."""
 
-POINTS = 1200  #: points of a line of phases at most
-MOST_TURNS = 12.0  #: turns of the shaft that are drawn at most, the last: more can't be followed
+POINTS = 1200  #: largest number of points of a line of phases
+#: largest number of turns of the shaft drawn, the last ones: more would be illegible
+MOST_TURNS = 12.0
 
 
 def contact_phase(
@@ -36,24 +38,26 @@ def contact_phase(
     end: float | None = None,
     since: float | None = None,
 ) -> xr.Dataset:
-    """Static angles of the shaft and of the smallest clearance at every record, and the scenario.
+    """Compute the static angles of the shaft and of the smallest clearance at every record, and the
+    contact scenario.
 
-    If tips touch on one side, the smallest clearance is the mean direction of their contact
-    impulses. Otherwise it is that of the tip with the smallest gap, in steps of a blade pitch; nan
-    if the gaps are equal.
+    If tips touch on one side, the angle of the smallest clearance is the mean direction of their
+    contact impulses. Otherwise it is the angle of the tip with the smallest gap, in steps of a
+    blade pitch; nan if the gaps are equal.
 
     Args:
-        result: of a run.
-        orbit: from `orbits.shaft_orbit`, of the same time; computed when None.
-        start, end: limits of the window [s]; those of the run when None.
-        since: the scenario is that from this time on [s]; of all records when None.
+        result: result of a run.
+        orbit: from `orbits.shaft_orbit`, for the same time window; computed when None.
+        start, end: limits of the time window [s]; start and end of the run when None.
+        since: start of the time for which the scenario is determined [s]; all records when None.
 
     Returns:
         over time [rad]: `shaft_phase` and `smallest_clearance_phase` in (-pi, pi], static frame;
-        `shaft_lead`, their difference, the same in any frame; nan where one rests; `impulse`
-        of all contacts since the record before [N s]. Attributes `scenario` ("standard",
-        "inverted", "unsteady" or "at rest"), `lead` [rad] and `steadiness`: means over the time
-        `window`, in words, weighted by the impulse if anything touched, see `solvers.scenario`.
+        `shaft_lead`, the difference of the two, which is the same in every frame; nan where a phase
+        is undefined; `impulse`, the impulse of all contacts since the previous record [N s].
+        Attributes: `scenario` ("standard", "inverted", "unsteady" or "at rest"); `lead` [rad] and
+        `steadiness`, means over the time window, weighted by the impulse if a tip touched, see
+        `solvers.scenario`; `window`, the time window in words.
     """
     dataset = in_window(result, start, end)
     orbit = shaft_orbit(dataset if orbit is None else orbit, start=start, end=end)
@@ -92,7 +96,7 @@ def _scenario(shaft: Array, clearance: Array, impulse: Array) -> dict[str, str |
     weight = impulse if impulse.any() else None
     try:
         scenario = motion_scenario(shaft=shaft, clearance_angle=clearance, weight=weight)
-    except ValueError:  # the shaft rests
+    except ValueError:  # the shaft is at rest
         return {"scenario": "at rest", "lead": np.nan, "steadiness": 0.0}
     return {
         "scenario": scenario.kind,
@@ -105,7 +109,8 @@ def _scenario(shaft: Array, clearance: Array, impulse: Array) -> dict[str, str |
 def plot_contact_phase(phases: xr.Dataset) -> Figure:
     """Draw the phase of shaft and smallest clearance, and by how much the shaft leads.
 
-    The phase is drawn in the frame in which the shaft turns less, of many turns the last.
+    The phase is drawn in the frame in which the shaft makes fewer turns; of many turns only the
+    last.
 
     Args:
         phases: from `contact_phase`.
@@ -143,8 +148,8 @@ def plot_contact_phase(phases: xr.Dataset) -> Figure:
 
 
 def _followed(phases: xr.Dataset) -> tuple[Frame, float]:
-    """Return the frame in which the shaft turns less, and the time [s] from which its turns can be
-    followed.
+    """Return the frame in which the shaft makes fewer turns, and the time [s] from which the phase
+    is drawn.
     """
     moving = phases["shaft_phase"].dropna("time")
     time, angle = moving["time"].values, np.unwrap(moving.values)

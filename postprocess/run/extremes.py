@@ -1,4 +1,4 @@
-"""Largest displacement of the casing, contact force and stresses of a run, where and when."""
+"""Largest displacement of the casing, contact force and stresses of a run, with place and time."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from bladewhirl.postprocess.fields.kinematics import Array, casing_rows, ring_an
 from bladewhirl.postprocess.fields.result import portions
 
 FORCE_TIME = 1e-3
-"""Time that contact forces are averaged over [s], or that between two records if it is longer: a
-peak of a march grows as the time step shrinks, an impulse converges."""
+"""Time over which contact forces are averaged [s]; if records are further apart, the time between
+two records. The peak force of a march grows as the time step decreases, while the impulse
+converges."""
 
 
 WAYS = ("radial", "tangential")
@@ -25,30 +26,31 @@ class WallPeak(TypedDict):
     """Largest displacement of the casing."""
 
     displacement: float  #: [m], signed
-    angle: float  #: on the wall [degrees]
+    angle: float  #: position on the wall [degrees]
     time: float  #: [s]
 
 
 class ForcePeak(TypedDict):
     """Largest contact force of a blade."""
 
-    force: float  #: normal, mean over `averaged_over` [N]
+    force: float  #: normal force, mean over `averaged_over` [N]
     blade: int
-    time: float  #: end of that time [s]
-    averaged_over: float  #: [s]
+    time: float  #: end of the averaging time [s]
+    averaged_over: float  #: averaging time [s]
 
 
 class StressPeak(TypedDict):
-    """Largest stress of a body, linear."""
+    """Largest linear elastic stress of a body."""
 
     stress: float  #: [Pa], signed
     member: str  #: "blade 3", another part, "casing"
-    radius: float  #: undeformed, where it is [m]
+    radius: float  #: radius of its position in the undeformed body [m]
     time: float  #: [s]
 
 
 def casing_peaks(dataset: xr.Dataset) -> dict[str, WallPeak]:
-    """Largest radial (outward positive) and tangential displacement of the wall at any record.
+    """Return the largest radial (outward positive) and tangential displacement of the wall over all
+    records.
 
     Args:
         dataset: a result.
@@ -71,7 +73,7 @@ def casing_peaks(dataset: xr.Dataset) -> dict[str, WallPeak]:
 
 
 def largest_force(dataset: xr.Dataset) -> ForcePeak:
-    """Largest normal force of a blade, averaged over `FORCE_TIME`.
+    """Return the largest normal force of a blade, averaged over `FORCE_TIME`.
 
     Args:
         dataset: a result.
@@ -92,10 +94,10 @@ def largest_force(dataset: xr.Dataset) -> ForcePeak:
 
 
 def stress_peaks(peaks: xr.Dataset) -> dict[str, StressPeak]:
-    """Largest stress of the bladed disk and of the casing.
+    """Return the largest stress of the bladed disk and of the casing.
 
     Args:
-        peaks: of every member, from `stresses.peak_stresses` or `stresses.stress_history`.
+        peaks: extremes of every member, from `stresses.peak_stresses` or `stresses.stress_history`.
     """
     of_casing = peaks["member"].values == "casing"
     largest = {}

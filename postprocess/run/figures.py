@@ -28,23 +28,24 @@ from bladewhirl.postprocess.shaft.spectra import (
 from bladewhirl.postprocess.shaft.transforms import Frame
 from bladewhirl.postprocess.shaft.whirl_history import PERIODS, whirl_history
 
-FEWEST_SPANS = 4  #: of the whirl over time
+FEWEST_SPANS = 4  #: smallest number of time spans in the figure of the whirl over time
 AT_REST = {"gaps"}  #: figures that are also available for a stage at rest
-FORCE_COLUMNS = 200  #: time intervals for which forces are drawn: a contact is as wide as a line
+#: number of time intervals of the force map, so that a contact is as wide as a line
+FORCE_COLUMNS = 200
 
 
 class RunFigures:
-    """Figures of a run, or of a time window of it, and their datasets.
+    """Figures of a run, or of a time window of a run, and their datasets.
 
-    Spectrum, contact classes and contact scenario describe the motion after its onset: of a run
-    without a window they are over the last third of the time.
+    Spectrum, contact classes and contact scenario describe the motion after its onset: without a
+    window they are computed for the last third of the time.
 
     Args:
         dataset: a result.
-        start, end: limits of the window [s]; those of the run when None.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Raises:
-        ViewError: the window is not in order, or has fewer than two records.
+        ViewError: the window ends before it starts, or has fewer than two records.
     """
 
     def __init__(
@@ -57,7 +58,8 @@ class RunFigures:
         """Draw one of `RUN_FIGURES`; return it with its dataset.
 
         Raises:
-            ViewError: no such figure, or none of this motion, such as an orbit of a stage at rest.
+            ViewError: the figure does not exist, or not for this motion, such as an orbit of a
+                stage at rest.
         """
         if name not in RUN_FIGURES:
             raise ViewError(f"figure {name!r}: expected one of {', '.join(RUN_FIGURES)}")

@@ -20,11 +20,12 @@ COMPONENTS = ("radial", "tangential")  #: outward, and counter-clockwise
 
 
 def gap(result: xr.Dataset, *, start: float | None = None, end: float | None = None) -> xr.Dataset:
-    """Smallest gap of every blade tip since the record before, and whether it touched.
+    """Return the smallest gap of every blade tip since the previous record, and whether the tip
+    touched.
 
     Args:
-        result: of a run.
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
         over (time, blade): `gap` [m], `contact`.
@@ -46,17 +47,18 @@ def gap(result: xr.Dataset, *, start: float | None = None, end: float | None = N
 def contact_force(
     result: xr.Dataset, *, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Contact force on every blade tip, mean over the time since the record before.
+    """Return the contact force on every blade tip, averaged over the time since the previous
+    record.
 
-    Such a mean has a limit for small time steps, which the peak force has not.
+    The average converges as the time step decreases, while the peak force does not.
 
     Args:
-        result: of a run.
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over (time, blade): `normal` [N], positive where the casing pushes inward; `friction` [N],
-        positive where it drags towards -theta.
+        over (time, blade): `normal` [N], positive if the casing pushes inward; `friction` [N],
+        positive if friction drags towards -theta.
 
     Example:
         ``contact_force(result, start=0.5)["normal"].max("blade").plot()``
@@ -78,11 +80,11 @@ def contact_force(
 def tip_displacement(
     result: xr.Dataset, *, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Displacement of every blade tip along the axes of the undeformed tip, rotating frame.
+    """Return the radial and tangential displacement of every blade tip in the rotating frame.
 
     Args:
-        result: of a run; it is read portion by portion.
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run; it is read portion by portion.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
         `displacement` (time, component, blade) [m]; components "radial" (outward) and "tangential"
@@ -113,20 +115,22 @@ def casing_displacement(
     start: float | None = None,
     end: float | None = None,
 ) -> xr.Dataset:
-    """Displacement of the casing at static angles, by the finite elements' own cubics.
+    """Return the displacement of the casing at static angles, by the cubic shape functions of the
+    finite elements.
 
     Args:
-        result: of a run; it is read portion by portion.
-        angle: from +x, counter-clockwise, one or (points,): numbers in rad, within a turn, or text
-            such as "90 deg".
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run; it is read portion by portion.
+        angle: one angle or several (points,), from +x, counter-clockwise: numbers in rad, within
+            one turn, or text such as "90 deg".
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
         `displacement` (time, angle, component) [m]; components "radial" (outward) and "tangential"
         (counter-clockwise). One angle is a dimension of length 1.
 
     Raises:
-        UserError: text that is no angle, or more than a turn, as degrees without unit would be.
+        UserError: the text is not an angle, or the angle is more than a turn, such as degrees
+            without a unit.
 
     Example:
         ``casing_displacement(result, angle="90 deg")["displacement"].sel(component="radial")``
@@ -144,7 +148,7 @@ def casing_displacement(
 
 
 def _radians(angle: object) -> float:
-    """One angle [rad], of a number or of text."""
+    """Return one angle [rad] from a number or text."""
     try:
         radians = to_si(angle, "rad") if isinstance(angle, str) else float(cast(float, angle))
     except ValueError as error:

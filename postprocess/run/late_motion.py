@@ -20,16 +20,17 @@ def late_motion(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
 
     Args:
         dataset: a result.
-        orbit: from `orbits.shaft_orbit`, of the same time.
+        orbit: from `orbits.shaft_orbit`, for the same time window.
 
     Returns:
-        `late_radius` [m], root mean square; `whirl_rotating` and `whirl_static`, directions;
-        `whirl_frequency` [Hz] in the rotating frame, forward positive, nan at rest (in the static
-        frame it is higher by the speed), and `whirl_scatter` [Hz], its standard deviation over the
-        spans of `whirl_history`, nan where there is but one; `scenario`, `shaft_lead` [rad] and
-        `lead_steadiness` of `contact_phase`; `late_contact_share` (blade,), nan for a single
-        record; `section` (revolution, axis) [m], the Poincaré map, which is the same in both
-        frames; `radius_peak` (peak,) [m], local maxima of the displacement.
+        `late_radius` [m], root mean square of the displacement; `whirl_rotating` and
+        `whirl_static`, directions of whirl; `whirl_frequency` [Hz] in the rotating frame, forward
+        positive, nan at rest (the frequency in the static frame is higher by the speed), and
+        `whirl_scatter` [Hz], the standard deviation of the frequency over the spans of
+        `whirl_history`, nan for a single span; `scenario`, `shaft_lead` [rad] and `lead_steadiness`
+        from `contact_phase`; `late_contact_share` (blade,), nan for a single record; `section`
+        (revolution, axis) [m], the Poincaré map, which is the same in both frames; `radius_peak`
+        (peak,) [m], local maxima of the displacement.
     """
     late, path = late_part(dataset), late_part(orbit)
     phases = contact_phase(late, path)
@@ -59,13 +60,13 @@ def late_motion(dataset: xr.Dataset, orbit: xr.Dataset) -> xr.Dataset:
 
 
 def radius_peaks(orbit: xr.Dataset) -> Array:
-    """Local maxima of the displacement [m], (peaks,), between records too.
+    """Return the local maxima of the displacement [m], (peaks,), also between records.
 
-    The square of the displacement is the cubic through its values and rates at the records; a
-    maximum is where its rate, taken as linear between two records, falls through zero.
+    The square of the displacement is interpolated by the cubic through its values and rates at the
+    records; a maximum is where its rate, taken as linear between two records, falls through zero.
 
     Args:
-        orbit: from `orbits.shaft_orbit`, of that time.
+        orbit: from `orbits.shaft_orbit`, for the time considered.
     """
     time = orbit["time"].values
     place, velocity = orbit["rotating"].values, orbit["rotating_velocity"].values
@@ -79,7 +80,8 @@ def radius_peaks(orbit: xr.Dataset) -> Array:
 
 
 def _sections(orbit: xr.Dataset) -> Array:
-    """Places once a revolution (revolutions, 2) [m]; none where the time holds no revolution."""
+    """Return the positions of the shaft once a revolution (revolutions, 2) [m]; empty if the time
+    is shorter than a revolution."""
     try:
         return np.asarray(poincare_map(orbit)["place"].values)
     except ViewError:

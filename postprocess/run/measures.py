@@ -1,4 +1,4 @@
-"""Measures of a run that claims refer to: regime, whirl, contact side, energies."""
+"""Measures of a run used in the claims of the paper: regime, whirl, contact side, energies."""
 
 from __future__ import annotations
 
@@ -21,18 +21,19 @@ from bladewhirl.postprocess.shaft.whirl import Whirl, ripple, whirl
 from bladewhirl.postprocess.shaft.whirl_history import whirl_history
 
 HOLDERS = ("suspension", "k = 0", "k = 1", "other k", "rest")
-"""Groups that hold strain energy; "k" are nodal diameters of the first blade family."""
+"""Groups of modes with strain energy; "k" is the nodal diameter in the first blade family."""
 
 
 class Motion:
-    """Measures of a result, which must stay open; computed once, when used."""
+    """Measures of a result, which must stay open; each measure is computed once, at its first
+    use."""
 
     def __init__(self, result: xr.Dataset) -> None:
         self.result = result
 
     @cached_property
     def orbit(self) -> xr.Dataset:
-        """From `shaft_orbit`."""
+        """Orbit of the shaft, from `shaft_orbit`."""
         return shaft_orbit(self.result)
 
     @cached_property
@@ -42,7 +43,7 @@ class Motion:
 
     @cached_property
     def regime(self) -> Regime:
-        """From `classify`."""
+        """Regime, from `classify`."""
         return classify(self.result, self.energies["total"].values)
 
     @property
@@ -65,7 +66,7 @@ class Motion:
 
     @property
     def reference(self) -> float:
-        """Frequency that speeds are multiples of [rad/s]."""
+        """Reference frequency [rad/s]; speeds are given as multiples of it."""
         return float(self.result.attrs["reference_frequency"])
 
     @cached_property
@@ -74,27 +75,29 @@ class Motion:
         return np.asarray(self.orbit["radius"].values)
 
     def record_at(self, time: float) -> int:
-        """Number of records up to a time [s], one at least."""
+        """Return the number of records up to a time [s], at least one."""
         return max(1, int(np.searchsorted(self.result["time"].values, time, side="right")))
 
     def radius_between(self, start: float, end: float) -> tuple[float, float]:
-        """Mean of the shaft's displacement in a window, and largest less smallest [m]."""
+        """Return the mean of the shaft's displacement in a window, and the difference of its
+        largest and smallest value [m]."""
         values = select_window(self.orbit, start, end)["radius"].values
         return float(values.mean()), float(np.ptp(values))
 
     def late_whirl(self, frame: Frame) -> Whirl:
-        """Whirl over the last third of the time."""
+        """Return the whirl over the last third of the time."""
         return whirl(late_part(self.orbit), frame)
 
     @cached_property
     def late_whirl_rates(self) -> np.ndarray[Any, np.dtype[np.float64]]:
-        """Whirl in the static frame in equal spans of the last third, forward positive [rad/s]."""
+        """Return the whirl rate in the static frame in equal spans of the last third, forward
+        positive [rad/s]."""
         rates = whirl_history(late_part(self.orbit))["rate"].sel(frame="static")
         return np.asarray(rates.dropna("time").values)
 
     @cached_property
     def late_phase(self) -> xr.Dataset:
-        """From `contact_phase`, over the last third of the time."""
+        """Phases of shaft and contact over the last third of the time, from `contact_phase`."""
         return contact_phase(late_part(self.result), late_part(self.orbit))
 
     @property
@@ -108,12 +111,12 @@ class Motion:
         return float(np.degrees(self.late_phase.attrs["lead"]))
 
     def energy(self, start: float, end: float) -> dict[str, float]:
-        """Mean strain energy of each of `HOLDERS` in a window, and `total` [J]."""
+        """Return the mean strain energy of each of `HOLDERS` in a window, and `total` [J]."""
         window = select_window(self.energies, start, end)
         return {name: float(window[name].mean()) for name in (*HOLDERS, "total")}
 
     def share(self, start: float, end: float) -> dict[str, float]:
-        """Share of the strain energy of each of `HOLDERS` in a window."""
+        """Return the share of each of `HOLDERS` in the strain energy in a window."""
         energy = self.energy(start, end)
         total = energy.pop("total") or 1.0
         return {name: value / total for name, value in energy.items()}
@@ -124,13 +127,15 @@ class Motion:
         return 2.0 / 3.0 * self.end, self.end
 
     def onset(self, times: float, since: float) -> float:
-        """First time at which the strain energy is above that many times its value at a time [s].
+        """Return the first time at which the strain energy exceeds a multiple of its earlier value
+        [s].
 
-        The energy is averaged over periods of the reference frequency. Infinite if it stays below.
+        The energy is averaged over periods of the reference frequency. Infinite if the energy stays
+        below.
 
         Args:
-            times: the energy.
-            since: when [s].
+            times: factor by which the energy must exceed its value at `since`.
+            since: time of the earlier value [s].
         """
         time, total = self.energies["time"].values, self.energies["total"].values
         number = (time * self.reference / (2.0 * np.pi)).astype(int)
@@ -141,7 +146,8 @@ class Motion:
         return float(time[first[at + above[0]]]) if len(above) else float("inf")
 
     def ripple_between(self, start: float, end: float) -> float:
-        """Root mean square of the motion about its mean place in rotating axes in a window [m]."""
+        """Return the root mean square of the motion about its mean position in rotating axes in a
+        window [m]."""
         return ripple(select_window(self.orbit, start, end), "rotating")[0]
 
     @cached_property
@@ -161,7 +167,8 @@ class Motion:
         return self.blades["free"] < self.result.sizes["blade"]
 
     def section_scatter(self) -> float:
-        """Spread of the Poincaré map's places in the last third over their distance from 0."""
+        """Scatter of the points of the Poincaré map in the last third, relative to their distance
+        from 0."""
         place = poincare_map(late_part(self.orbit))["place"].values
         spread = np.hypot(*(place - place.mean(axis=0)).T).max()
         return float(spread / np.hypot(*place.T).mean())
@@ -175,9 +182,11 @@ class Motion:
 
 
 def orbit_distance(one: Motion, other: Motion, *, until: float = np.inf) -> float:
-    """Root mean square distance of two orbits in rotating axes over the radius of the second.
+    """Return the root mean square distance of two orbits in rotating axes, relative to the radius
+    of the second.
 
-    Only records of both up to a time [s] count; NaN if the second is at rest.
+    Only records that both runs have, up to the time `until` [s], are compared; NaN if the second
+    shaft is at rest.
     """
     a, b = one.orbit["rotating"].values, other.orbit["rotating"].values
     records = min(len(a), len(b), other.record_at(until))

@@ -1,7 +1,8 @@
-"""Stresses in blades, disk and casing over time, their extremes, and a figure of them.
+"""Stresses in blades, disk and casing over time, and their extremes.
 
-Stress is E times strain (`strains`), linear as the model is: no yield, no stress concentration
-where beams meet, no centrifugal stress. At a surface it is axial plus or minus bending.
+Stress is E times strain (`strains`). Like the model it is linear: no yield, no stress concentration
+where beams meet, no centrifugal stress. The stress at a surface is the axial stress plus or minus
+the bending stress.
 """
 
 from __future__ import annotations
@@ -31,15 +32,17 @@ from bladewhirl.postprocess.plotting.style import COLOURS, FULL_WIDTH, new_figur
 from bladewhirl.postprocess.plotting.titles import head
 
 CASING_PIECES = 4
-"""Pieces of a casing element at whose ends strains are taken: they are not linear in it."""
+"""Number of pieces of a casing element; strains, which are not linear in the element, are computed
+at the ends of the pieces."""
 
 PORTION_BYTES = 4e6
-"""Size of the strains computed in one matrix product."""
+"""Size of the strains computed in one matrix product [bytes]."""
 
 CACHED_BYTES = 1e6
-"""Size of the strains whose extremes are computed together, within a core's cache."""
+"""Size of the strains whose extremes are computed together [bytes]; they fit into the cache of a
+core."""
 
-COLUMNS = 1000  #: spans of time that a line of the figure has at most; the largest of each is drawn
+COLUMNS = 1000  #: largest number of time spans of a line; the largest value of each span is drawn
 UNITS = {
     "axial_strain": "1",
     "axial_stress": "Pa",
@@ -58,30 +61,31 @@ class _Body(NamedTuple):
     """Body with its beams sorted by members; points are all stations of its elements."""
 
     history: str
-    axial: Array  #: strains for unit modal coordinates (point, mode)
-    bending: Array  #: the same
+    axial: Array  #: axial strains for unit modal coordinates (point, mode)
+    bending: Array  #: bending strains for unit modal coordinates (point, mode)
     modulus: Array  #: (point, 1) [Pa]
-    radius: Array  #: undeformed (point,) [m]
+    radius: Array  #: radius in the undeformed body (point,) [m]
     starts: IntArray  #: first point of each member
-    columns: slice  #: the members, among those of all bodies
+    columns: slice  #: range of the members of this body among those of all bodies
 
 
 def stress_history(
     result: xr.Dataset, *, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Largest stresses and strains in every blade, every other part of the rotor and the casing.
+    """Compute the largest stresses and strains in every blade, every other part of the rotor and
+    the casing.
 
     Args:
-        result: of a run.
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
         over (time, member), where members are "blade 0", ..., the other parts, "casing":
-        `axial_stress` [Pa] and `axial_strain` [1], the one largest in magnitude, signed;
+        `axial_stress` [Pa] and `axial_strain` [1], the value with the largest magnitude, signed;
         `bending_stress` [Pa] and `bending_strain` [1], the largest magnitude at a surface;
-        `largest_stress` and `smallest_stress` [Pa], at any surface. Over member:
-        `peak_stress` [Pa], the one largest in magnitude of all times, signed, with `peak_time`
-        [s] and `peak_radius` [m], when and at which undeformed radius.
+        `largest_stress` and `smallest_stress` [Pa] at the surfaces. Over member: `peak_stress`
+        [Pa], the surface stress with the largest magnitude over all times, signed, with its time
+        `peak_time` [s] and its radius in the undeformed body, `peak_radius` [m].
 
     Example:
         ``stress_history(result)["largest_stress"].sel(member="blade 3").plot()``
@@ -118,7 +122,7 @@ def stress_history(
 
 
 def peak_stresses(dataset: xr.Dataset) -> xr.Dataset:
-    """Compute `peak_stress`, `peak_time` and `peak_radius` of every member as `stress_history`.
+    """Compute only `peak_stress`, `peak_time` and `peak_radius` of `stress_history`.
 
     Args:
         dataset: a result.
@@ -176,7 +180,8 @@ def _body(
 def _strains(
     dataset: xr.Dataset, bodies: list[_Body]
 ) -> Iterator[tuple[_Body, slice, Array, Array]]:
-    """Axial strain and size of the bending strain, (point, record), of a few records at a time."""
+    """Yield axial strain and magnitude of the bending strain, (point, record), for a few records at
+    a time."""
     for body in bodies:
         together, cached = (
             max(1, int(size / (8 * len(body.radius)))) for size in (PORTION_BYTES, CACHED_BYTES)
@@ -191,12 +196,12 @@ def _strains(
 
 
 def _maximum(values: Array, starts: IntArray) -> Array:
-    """Largest value of each member (member, record), of values (point, record)."""
+    """Return the largest value in each member (member, record), from values (point, record)."""
     return np.asarray(np.maximum.reduceat(values, starts, axis=0))
 
 
 def _largest(values: Array, starts: IntArray) -> Array:
-    """Return the value largest in magnitude of each member, signed."""
+    """Return the value with the largest magnitude in each member, signed."""
     high, low = _maximum(values, starts), np.minimum.reduceat(values, starts, axis=0)
     return np.where(high >= -low, high, low)
 
@@ -254,7 +259,8 @@ LINES = (
 
 
 def _draw_time(axes: Axes, history: xr.Dataset, size: Array, blades: int) -> None:
-    """Draw the largest stress in each span of time, of all blades and of each other member."""
+    """Draw the largest stress in each span of time, for all blades together and for each other
+    member."""
     time = history["time"].values
     starts = span_starts(time, COLUMNS)
     shown = np.maximum.reduceat(size, starts, axis=0)
@@ -268,7 +274,8 @@ def _draw_time(axes: Axes, history: xr.Dataset, size: Array, blades: int) -> Non
 
 
 def _draw_blades(axes: Axes, history: xr.Dataset, scale: float) -> None:
-    """Bars from the smallest to the largest surface stress, dashes at those of the axial part."""
+    """Draw bars from the smallest to the largest surface stress, with dashes at the extreme axial
+    stresses."""
     blade = np.arange(history.sizes["member"])
     ends = [
         (scale * history[low].min("time").values, scale * history[high].max("time").values)

@@ -37,11 +37,13 @@ from bladewhirl.postprocess.shaft.whirl import FRAMES, ripple, whirl
 EnergyHolders = TypedDict(
     "EnergyHolders", {"suspension": float, "1F": dict[str, float], "rest": float}
 )
-"""Strain energies [J]; the first family's by nodal diameter, named as in JSON ("0", "1", ...)."""
+"""Strain energies [J]; those of the first family by nodal diameter, which is text as in JSON ("0",
+"1", ...)."""
 
 
 class LineOfWhirl(TypedDict):
-    """Line of the spectrum: frequencies [Hz], forward positive, and share of the mean square."""
+    """Line of a spectrum: frequencies in both frames [Hz], forward positive, and share of the mean
+    square."""
 
     rotating: float
     static: float
@@ -56,7 +58,7 @@ MARCH_REPORT = (
     "wall_time",
     "us_per_step",
 )
-"""Figures that the histories do not hold."""
+"""Key figures that the histories do not contain."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,50 +67,51 @@ class Summary:
 
     regime: RegimeName
     regime_criterion: str  #: criterion of the regimes, and the reason for this one
-    growth_rate: float | None  #: of the amplitude [1/s]; None where it can't be judged
-    growth_rate_error: float | None  #: one standard error of it [1/s]
-    growth_rate_end: float | None  #: of the last windows alone [1/s]
-    growth_residual: float | None  #: misfit of the exponential, root mean square of the logarithm
-    ripple_growth_rate: float | None  #: of the motion about its mean place [1/s]
-    ripple_growth_rate_error: float | None  #: one standard error of it [1/s]
+    growth_rate: float | None  #: growth rate of the amplitude [1/s]; None if it cannot be judged
+    growth_rate_error: float | None  #: standard error of `growth_rate` [1/s]
+    growth_rate_end: float | None  #: growth rate fitted to the very last windows only [1/s]
+    growth_residual: float | None  #: root mean square misfit of the logarithm of the amplitude
+    ripple_growth_rate: float | None  #: growth rate of the motion about its mean position [1/s]
+    ripple_growth_rate_error: float | None  #: standard error of `ripple_growth_rate` [1/s]
     end_reason: str  #: "completed", "divergent" or "interrupted"
-    end_time: float  #: [s]
-    shaft_radius_max: float  #: over the records [m]
-    shaft_radius_final: float  #: [m]
+    end_time: float  #: time of the last record [s]
+    shaft_radius_max: float  #: largest displacement of the shaft over the records [m]
+    shaft_radius_final: float  #: displacement of the shaft at the last record [m]
     whirl_frequency_rotating: float | None
-    """Net turns a second about the bearing's centre over the last third [Hz], forward positive,
-    in rotating axes; None where no single rate exists, see `whirl.whirl`."""
+    """Net turns per second about the bearing's centre in rotating axes over the last third [Hz],
+    forward positive; None if there is no single whirl frequency, see `whirl.whirl`."""
     whirl_frequency_static: float | None  #: the same in static axes [Hz]
-    whirl_frequency_error: float | None  #: standard error of both [Hz]
-    whirl_lines: list[LineOfWhirl]  #: strongest of the two-sided spectrum over the last third
-    ripple_rms: float  #: motion about its mean place in rotating axes, last third [m]
-    ripple_frequency: float | None  #: net turns a second of it about that place [Hz]
-    ripple_lines: list[LineOfWhirl]  #: strongest of its two-sided spectrum
-    tip_displacement_max: float  #: of any blade tip, in any direction, over the records [m]
-    strain_energy_max: float  #: bladed disk with its shaft springs, over the records [J]
-    strain_energy_final: EnergyHolders  #: [J]
-    strain_energy_rest: dict[str, float]  #: of it, `rest` by family [J]
-    strain_energy_casing_final: float  #: of the casing with its support [J]
-    work: Works  #: of load, contact forces, damping and drive [J]
-    drive_power: float | None  #: mean against contact forces over the last third [W]
-    drive_torque: float | None  #: the same over the speed [N m]; None at rest
+    #: standard error of the whirl frequency in either frame [Hz]
+    whirl_frequency_error: float | None
+    whirl_lines: list[LineOfWhirl]  #: strongest lines of the two-sided spectrum over the last third
+    ripple_rms: float  #: motion about its mean position in rotating axes, last third [m]
+    ripple_frequency: float | None  #: net turns per second about the mean position [Hz]
+    ripple_lines: list[LineOfWhirl]  #: strongest lines of the two-sided spectrum of the ripple
+    tip_displacement_max: float  #: largest displacement of a blade tip over the records [m]
+    strain_energy_max: float  #: largest of bladed disk and shaft springs over the records [J]
+    strain_energy_final: EnergyHolders  #: strain energies at the last record [J]
+    strain_energy_rest: dict[str, float]  #: energy `rest` of the last record by family [J]
+    strain_energy_casing_final: float  #: casing with its support at the last record [J]
+    work: Works  #: works of load, contact forces, damping and drive [J]
+    drive_power: float | None  #: mean power against contact forces over the last third [W]
+    drive_torque: float | None  #: `drive_power` divided by the speed [N m]; None at rest
     casing_displacement_max: dict[str, WallPeak]  #: "radial" and "tangential"
     contact_force_max: ForcePeak
-    contact_impulse: float  #: normal, of all blades [N s]
-    stress_max: dict[str, StressPeak]  #: of "bladed_disk" and "casing"
-    yield_strength: float | None  #: lowest of the materials that the case gives [Pa]
+    contact_impulse: float  #: normal impulse on all blades together [N s]
+    stress_max: dict[str, StressPeak]  #: largest stress of "bladed_disk" and "casing"
+    yield_strength: float | None  #: lowest of the yield strengths given in the case [Pa]
     contact_share: list[float]  #: share of all steps with contact, of each blade
     gap_violation_max: float  #: deepest penetration at any step [m]
-    energy_residual: float  #: of the ledger, over its largest term
-    complementarity_residual: float  #: largest over the steps, over the gap's scale
+    energy_residual: float  #: error of the energy balance, relative to its largest term
+    complementarity_residual: float  #: largest over the steps, relative to the scale of the gap
     unsolved_steps: int  #: steps whose complementarity problem no exact method solved
-    dt_over_critical: float  #: time step over the critical one
+    dt_over_critical: float  #: ratio of the time step to the critical time step
     steps: int
     wall_time: float  #: [s]
     us_per_step: float  #: [µs]
 
     def to_json(self) -> str:
-        """One JSON document at full precision."""
+        """Return the summary as a JSON document with full precision."""
         return json.dumps(asdict(self), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
@@ -120,13 +123,13 @@ def summarise(
     orbit: xr.Dataset | None = None,
     energies: xr.Dataset | None = None,
 ) -> Summary:
-    """Sum up a result, read portion by portion.
+    """Compute the summary of a result, which is read portion by portion.
 
     Args:
         dataset: a result.
         march_report: `complementarity_residual`, `unsolved_steps`, `dt_over_critical`, `steps`,
-            `wall_time` [s] and `us_per_step` [µs], which the histories don't hold; other entries
-            are ignored.
+            `wall_time` [s] and `us_per_step` [µs], which the histories do not contain; other
+            entries are ignored.
         stresses: from `stresses.stress_history`; computed when None.
         orbit: from `orbits.shaft_orbit`; computed when None.
         energies: from `strain_energies`; computed when None.
@@ -187,8 +190,8 @@ def summarise(
 def energy_residual(dataset: xr.Dataset) -> float:
     """Return the error of the energy balance relative to its largest term; 0 at rest.
 
-    At every record energy - energy_0 = external + normal + friction + coupling work - damping
-    loss, all since the first record; `damping_work` is what damping has taken, so it is positive.
+    At every record energy - energy_0 = external + normal + friction + coupling work - damping loss,
+    all since the first record; `damping_work` is the energy lost to damping and therefore positive.
     """
     works = {
         name: dataset[f"{name}_work"].values
@@ -239,7 +242,8 @@ def _finite(value: float) -> float | None:
 
 
 def _rest(dataset: xr.Dataset) -> dict[str, float]:
-    """Strain energy of the bladed disk at the end by family, but for suspension and the first."""
+    """Return the strain energy of the bladed disk at the end by family, without suspension and
+    first family."""
     last = family_energies(dataset.isel(time=[-1]))["energy"].isel(time=0).sum("nodal_diameter")
     named = zip(last["family"].values, last.values, strict=True)
     return {str(k): float(e) for k, e in named if k not in (SUSPENSION, FIRST_FAMILY)}
@@ -255,7 +259,7 @@ def _largest_tip_displacement(dataset: xr.Dataset) -> float:
 
 
 def _holders(energies: xr.Dataset) -> EnergyHolders:
-    """Strain energies of the groups at one record."""
+    """Return the strain energies of the groups at one record."""
     family = energies["first_family"]
     return {
         "suspension": float(energies["suspension"]),

@@ -13,7 +13,7 @@ from bladewhirl.postprocess.shaft.transforms import Frame
 
 
 def summary_rows(summary: Summary) -> dict[str, str]:
-    """Return the rows of the summary, rounded, in units that suit their size."""
+    """Return the rows of the summary, with rounded values in convenient units."""
     work, force = summary.work, summary.contact_force_max
     walls = [
         f"{direction} {_text(peak['displacement'], 'm')}"
@@ -66,7 +66,7 @@ def summary_rows(summary: Summary) -> dict[str, str]:
 
 
 def _normal(work: Works) -> str:
-    """Work of the normal forces, in its two parts where they are known."""
+    """Return the work of the normal forces as text, with its two parts if they are known."""
     closing = work["closing"]
     if closing is None:
         return f"normal forces {_text(work['normal'], 'J')}"
@@ -135,11 +135,11 @@ def summary_table(summary: Summary) -> Table:
 
 
 def displacement_hints(summary: Summary, tip_radius: float) -> tuple[str, ...]:
-    """Return a line if blades bend further than a linear model allows.
+    """Return a hint if the displacement of blades exceeds the limit of a linear model.
 
     Args:
-        summary: of a run.
-        tip_radius: [m]
+        summary: summary of a run.
+        tip_radius: tip radius [m].
     """
     limit = LARGE_DISPLACEMENT * tip_radius
     if summary.tip_displacement_max <= limit:

@@ -18,13 +18,14 @@ from bladewhirl.postprocess.plotting.titles import head
 from bladewhirl.postprocess.shaft.whirl import FRAMES, whirl
 
 LONG_LINE = 5000
-"""Points above which a line is a picture inside a PDF: such files would grow unwieldy."""
+"""Number of points above which a line is a raster image in a PDF, because the file would be too
+large."""
 
-SEEN = 0.3  #: share of half the axes that a turn must span for arrows on it to be read
+SEEN = 0.3  #: least size of a turn with arrows, as a share of half the axes
 TINY = 0.05
-"""Radius of an orbit, over the clearance, below which the clearance is not drawn around it."""
+"""Ratio of the radius of an orbit to the clearance below which the clearance is not drawn."""
 
-DRAWN_TURNS = 2.0  #: turns of the late motion that are drawn
+DRAWN_TURNS = 2.0  #: number of turns of the late motion drawn
 PALE = "#B0B0B0"
 CLEARANCE_LINE: dict[str, Any] = {
     "color": COLOURS["casing"],
@@ -44,17 +45,16 @@ MILLI = 1e3
 def shaft_orbit(
     result: xr.Dataset, *, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Displacement and velocity of the shaft's centre in both frames.
+    """Compute displacement and velocity of the shaft's centre in both frames.
 
     Args:
-        result: of a run, or an orbit already, of which the window is taken.
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run, or an orbit, from which the window is taken.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over (time, axis): `rotating` and `static` [m]; `rotating_velocity` and `static_velocity`
-        [m/s], the rates of each as seen in its own axes, so the static one is
-        R (u_dot + Omega x u). Over time: `radius` [m], the same in both. A clamped centre rests
-        at 0.
+        over (time, axis): `rotating` and `static`, displacement [m]; `rotating_velocity` and
+        `static_velocity` [m/s], the rates of these components, so the static velocity is R (u_dot +
+        Omega x u). Over time: `radius` [m], the same in both frames. A clamped centre stays at 0.
 
     Example:
         ``shaft_orbit(result, start=1.0)["radius"].plot()``
@@ -63,7 +63,7 @@ def shaft_orbit(
     if "rotating" in result:
         return result
     centre = result["rotor_shape"].isel(rotor_node=int(result["centre_node"]))
-    rows = centre.values[:2]  # x and y, each over the modes
+    rows = centre.values[:2]  # x and y of each mode
     rotating = reduce_modes(result, "rotor_displacement", rows)
     velocity = reduce_modes(result, "rotor_velocity", rows)
     speed, time = float(result.attrs["speed"]), result["time"].values
@@ -88,15 +88,16 @@ def shaft_orbit(
 def plot_orbit(orbit: xr.Dataset) -> Figure:
     """Draw an orbit from `shaft_orbit` in rotating and static axes, and its late radius over time.
 
-    The motion is pale; the last two turns are black, with arrows. Titles give the whirl over the
-    last third. Axes fit the clearance, or a much smaller orbit; then the title gives the clearance.
+    The complete motion is pale; the last two turns are black, with arrows. Titles give the whirl
+    over the last third. The axes fit the clearance; if the orbit is much smaller, they fit the
+    orbit, and the title gives the clearance.
     """
     late = last_turns(orbit)
     clearance, radius = orbit.attrs["smallest_clearance"], float(orbit["radius"].max())
     tiny = 0.0 < radius < TINY * clearance
     reach = radius if tiny else max(radius, clearance)
     unit, scale = handy_unit(reach, "m")
-    edge = 1.1 * scale * reach or 1.0  # all at rest: 1 mm
+    edge = 1.1 * scale * reach or 1.0  # 1 mm if nothing moves
     figure = new_figure(height=0.1)
     panels = figure.subplot_mosaic([[*FRAMES], ["radius"] * 2], height_ratios=(2.4, 1.0))
     drawn = handy(float(np.ptp(late["time"].values)), "s", 3)
@@ -125,8 +126,8 @@ def plot_orbit(orbit: xr.Dataset) -> Figure:
 
 
 def last_turns(orbit: xr.Dataset) -> xr.Dataset:
-    """Return the last two turns in the frame with the faster whirl, or two periods of the reference
-    frequency without whirl; at most the last third.
+    """Return the last two turns in the frame with the faster whirl or, without whirl, the last two
+    periods of the reference frequency; at most the last third.
     """
     late = late_part(orbit)
     rates = [abs(turn.rate) for frame in FRAMES if (turn := whirl(late, frame)).goes_round]
@@ -154,7 +155,7 @@ def _draw_path(axes: Axes, place: Array) -> None:
 
 
 def _draw_arrow(axes: Axes, path: Array, share: float) -> None:
-    """Draw an arrow head on a path, at that share of its length."""
+    """Draw an arrow head on a path, at the share `share` of its length."""
     travelled = np.append(0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T)))
     ahead = int(np.searchsorted(travelled, share * travelled[-1]))
     axes.annotate("", path[ahead], path[ahead - 1], arrowprops=ARROW)

@@ -24,21 +24,22 @@ def poincare_map(
     start: float | None = None,
     end: float | None = None,
 ) -> xr.Dataset:
-    """Place and velocity of the shaft once a revolution, whenever blade 0 lies on +x.
+    """Compute position and velocity of the shaft once a revolution, whenever blade 0 lies on +x.
 
-    Between records the place is the cubic through places and velocities, the velocity a cubic
-    spline. A motion that repeats with every revolution is one point.
+    Between records the position is interpolated by the cubic through positions and velocities, the
+    velocity by a cubic spline. A motion that repeats with every revolution gives one point.
 
     Args:
-        result: of a run, or its orbit from `orbits.shaft_orbit`.
-        frame: of the observer; the paper's is the static one.
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run, or its orbit from `orbits.shaft_orbit`.
+        frame: frame of the observer; the paper uses the static frame.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        `place` [m] and `velocity` [m/s] over (time, axis): time [s] of each revolution.
+        position `place` [m] and `velocity` [m/s] over (time, axis), with the time [s] of each
+        section.
 
     Raises:
-        ViewError: the rotor does not turn, or not once in this time.
+        ViewError: the rotor does not turn, or the time is shorter than a revolution.
     """
     orbit = shaft_orbit(result, start=start, end=end)
     time = orbit["time"].values
@@ -72,19 +73,21 @@ def state_space(
     start: float | None = None,
     end: float | None = None,
 ) -> xr.Dataset:
-    """Place and velocity of the shaft in one frame, at all times and once a revolution.
+    """Compute position and velocity of the shaft in one frame, at all records and once a
+    revolution.
 
     Args:
-        result: of a run, or its orbit from `orbits.shaft_orbit`.
-        frame: of the observer.
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run, or its orbit from `orbits.shaft_orbit`.
+        frame: frame of the observer.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        `place` [m] and `velocity` [m/s] over (time, axis); `section_place` and `section_velocity`
-        over (revolution, axis): from `poincare_map`, the coordinate being its time [s].
+        position `place` [m] and `velocity` [m/s] over (time, axis); `section_place` and
+        `section_velocity` over (revolution, axis), from `poincare_map`, with the time [s] as
+        coordinate.
 
     Raises:
-        ViewError: as of `poincare_map`.
+        ViewError: as for `poincare_map`.
     """
     orbit = shaft_orbit(result, start=start, end=end)
     motion = orbit[[frame, f"{frame}_velocity"]].rename(
@@ -98,9 +101,11 @@ def state_space(
 
 @styled
 def plot_state_space(states: xr.Dataset) -> Figure:
-    """Draw velocity over place along x (above) and y: the motion (left) and once a revolution.
+    """Draw velocity over position along x (top) and y (bottom): the motion (left) and once a
+    revolution (right).
 
-    The last third of the time is strong, what came before it pale; all panels have the same axes.
+    The last third of the time is drawn in strong, the earlier motion in pale colour; all panels
+    have the same axes.
 
     Args:
         states: from `state_space`.

@@ -1,8 +1,8 @@
 """Spectrum and spectrogram of the shaft, with the lines of modes.
 
-Unlike the spectrum of x alone (the paper's Figs 15 and 17a) they separate forward from backward
-motion, see `transforms`. Frequencies are positive for forward motion, in the sense of rotation.
-The side lobes of the Blackman-Harris window are below all that is drawn.
+Unlike the spectrum of x only (the paper's Figs 15 and 17a), these spectra separate forward from
+backward motion, see `transforms`. Frequencies are positive for forward motion, in the sense of
+rotation. The side lobes of the Blackman-Harris window are below the smallest amplitude drawn.
 """
 
 from __future__ import annotations
@@ -28,21 +28,21 @@ from bladewhirl.postprocess.shaft.orbits import MILLI, shaft_orbit
 from bladewhirl.postprocess.shaft.transforms import FEWEST_RECORDS, Frame, phasor, spectrum
 
 SHARE, PERIODS, MOST = 1.0 / 5.0, 5.0, 0.5
-"""A slice of the spectrogram: that share of the time, but at least so many periods of the
-reference frequency, and at most that share."""
+"""Length of a slice of the spectrogram: share of the time, least number of periods of the reference
+frequency, and largest share of the time."""
 
-SLICES = 120  #: slices of a spectrogram, about
+SLICES = 120  #: approximate number of slices of a spectrogram
 PADDING, SLICE_PADDING = 4, 2
-"""Transforms of a record, and of slices of it, are padded with zeros to that many times their
-length, for smooth lines."""
+"""Factors by which the complete motion, and a slice of it, are lengthened with zeros before the
+transform, for smooth lines."""
 
 COARSEST = 0.45
 """Coarsest resolution of a figure, as a share of the reference frequency."""
 
 DECADES = 4.0  #: decades below the largest amplitude that are drawn
-MARGIN = 1.12  #: how far the drawn frequencies go beyond the outermost line of a mode
+MARGIN = 1.12  #: ratio of the highest frequency drawn to the outermost line of a mode
 WITH_K = {"1F": "1F, k = 1", "casing": "casing, k = 1"}
-"""Names of modes in the legend that say which of their family."""
+"""Names of modes in the legend with their nodal diameter."""
 
 ORDER = "Ω"  #: label of the line of the speed
 LINE_COLOURS: Mapping[str, str] = {
@@ -58,20 +58,21 @@ LINE_DASHES: Mapping[str, Any] = {
     "casing": (0, (6, 2, 1.2, 2)),
     ORDER: ":",
 }
-"""Told apart without colour."""
+"""Styles of lines that can be distinguished without colour."""
 
 
 def modal_lines(dataset: xr.Dataset, frame: Frame) -> xr.DataArray:
-    """Frequencies at which modes that can move the shaft are seen in a frame [rad/s].
+    """Return the frequencies in a frame of the modes that can move the shaft [rad/s].
 
-    That is the first family and the suspension of the bladed disk and the lowest mode of the
-    casing, one nodal diameter each, forward and backward; between the frames their frequencies
-    differ by the speed, and with Coriolis forces in any frame. And the speed: of a load at rest in
-    space as the rotor sees it, or of one fixed in the rotor as an observer at rest does.
+    These modes have one nodal diameter: first family and suspension of the bladed disk, and the
+    lowest mode of the casing, each as a forward and a backward wave. In the other frame the
+    frequency of a wave differs by the speed; with Coriolis forces forward and backward waves have
+    different frequencies in every frame. The last line is the speed: the frequency of a stationary
+    load in the rotating frame, or of a load fixed to the rotor in the static frame.
 
     Args:
         dataset: a result.
-        frame: of the observer.
+        frame: frame of the observer.
 
     Returns:
         (line,), forward positive, with the coordinate `mode`: "1F", "suspension", "casing", "Ω".
@@ -103,19 +104,19 @@ def shaft_spectrum(
     start: float | None = None,
     end: float | None = None,
 ) -> xr.Dataset:
-    """Amplitude of the shaft over frequency, by one transform of all records.
+    """Compute the amplitude of the shaft over frequency, by one transform of all records.
 
     Args:
-        result: of a run, or its orbit from `orbits.shaft_orbit`.
-        frame: of the observer.
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run, or its orbit from `orbits.shaft_orbit`.
+        frame: frame of the observer.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
         `amplitude` (frequency,) [m], frequency [rad/s] ascending, forward positive. Attribute
         `resolution` [rad/s].
 
     Raises:
-        ViewError: too few records, or not equally spaced.
+        ViewError: the records are too few, or not equally spaced.
 
     Example:
         ``shaft_spectrum(result, "static", start=2.0)["amplitude"].plot()``
@@ -143,21 +144,21 @@ def shaft_spectrogram(
     start: float | None = None,
     end: float | None = None,
 ) -> xr.Dataset:
-    """Amplitude of the shaft over frequency and time, Fig. 17(a).
+    """Compute the amplitude of the shaft over frequency and time, Fig. 17(a).
 
     Args:
-        result: of a run, or its orbit from `orbits.shaft_orbit`.
-        frame: of the observer.
-        length: of a slice [s]; a fifth of the time, or five periods of the reference
-            frequency where that is longer, but not more than half the time, when None.
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run, or its orbit from `orbits.shaft_orbit`.
+        frame: frame of the observer.
+        length: length of a slice [s]. When None, a fifth of the time, or five periods of the
+            reference frequency if these are longer, but not more than half the time.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
         `amplitude` (frequency, time) [m]: frequency [rad/s] ascending, forward positive; time [s]
-        the middle of each slice. Slices lie wholly within the records.
+        is the middle of each slice. Slices lie completely within the records.
 
     Raises:
-        ViewError: too few records, or not equally spaced.
+        ViewError: the records are too few, or not equally spaced.
     """
     even, step = evenly_spaced(shaft_orbit(result, start=start, end=end), FEWEST_RECORDS)
     records = even.sizes["time"]
@@ -185,10 +186,10 @@ def with_lines(spectrum: xr.Dataset, lines: xr.DataArray) -> xr.Dataset:
 
     Args:
         spectrum: from `shaft_spectrum` or `shaft_spectrogram`.
-        lines: from `modal_lines`, of the same frame.
+        lines: from `modal_lines`, for the same frame.
 
     Raises:
-        ViewError: a window too short to resolve about half of the reference frequency.
+        ViewError: the window is too short to resolve about half of the reference frequency.
     """
     edge = MARGIN * float(np.abs(lines).max())
     resolution, needed = (
@@ -213,7 +214,7 @@ def plot_spectrum(spectrum: xr.Dataset) -> Figure:
     figure = new_figure(height=0.06)
     axes = figure.add_subplot()
     amplitude = MILLI * spectrum["amplitude"].values
-    top = amplitude.max() or 1.0  # all at rest: 1 mm
+    top = amplitude.max() or 1.0  # 1 mm if nothing moves
     floor = top * 10**-DECADES
     axes.plot(
         _hertz(spectrum["frequency"].values),
@@ -264,7 +265,7 @@ def _resolution(spectrum: xr.Dataset) -> str:
 
 
 def _draw_lines(axes: Axes, lines: xr.DataArray, draw: Any) -> None:
-    """Lines of modes, one name for the two of a mode."""
+    """Draw the lines of modes; the two lines of a mode have one name."""
     named: set[str] = set()
     for value, mode in zip(lines.values, lines["mode"].values, strict=True):
         name = f"−{mode}" if mode == ORDER and value < 0.0 else WITH_K.get(str(mode), str(mode))

@@ -1,7 +1,8 @@
-"""Complex spectra of the shaft's place x + i y, in which forward and backward motion are apart.
+"""Complex spectra of the shaft's position x + i y, which separate forward and backward motion.
 
 The transform of exp(i omega t) has one line at omega, positive counter-clockwise. A circle of
-radius r has the amplitude r at one frequency, a straight vibration half its amplitude at two.
+radius r has the amplitude r at one frequency; a straight vibration has half its amplitude at two
+frequencies.
 """
 
 from __future__ import annotations
@@ -19,9 +20,9 @@ from bladewhirl.postprocess.fields.windows import evenly_spaced
 Frame = Literal["rotating", "static"]
 Complex = NDArray[np.complex128]
 
-FEWEST_RECORDS = 16  #: records that a spectrum needs
-MOST_LINES, LEAST_SHARE = 3, 0.02  #: lines of a spectrum that are reported, least share of each
-LOBE = 2  #: half width of a line under the Hann window, in resolutions
+FEWEST_RECORDS = 16  #: smallest number of records for a spectrum
+MOST_LINES, LEAST_SHARE = 3, 0.02  #: largest number of lines reported, and least share of a line
+LOBE = 2  #: half width of a line under the Hann window, in multiples of the resolution
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,11 +30,12 @@ class SpectralLine:
     """A line of the two-sided spectrum of an orbit."""
 
     frequency: float  #: [Hz], forward positive
-    share: float  #: of the mean square of the displacement
+    share: float  #: share of the mean square of the displacement
 
 
 def phasor(orbit: xr.Dataset, frame: Frame) -> Complex:
-    """Return x + i y of the shaft; mirrored if the rotor turns clockwise: forward is positive."""
+    """Return x + i y of the shaft, mirrored if the rotor turns clockwise, so that forward is
+    positive."""
     x, y = orbit[frame].values.T
     return np.asarray(x + (-1j if orbit.attrs["speed"] < 0 else 1j) * y)
 
@@ -41,13 +43,13 @@ def phasor(orbit: xr.Dataset, frame: Frame) -> Complex:
 def spectrum(
     motion: Complex, step: float, window: Array, *, padding: int = 1, frequency: Array | None = None
 ) -> tuple[Array, Complex]:
-    """Frequencies [Hz] and complex amplitudes of motions, their last axis being time.
+    """Return frequencies [Hz] and complex amplitudes of motions, whose last axis is time.
 
     Args:
-        motion: evenly sampled, (..., samples).
-        step: between samples [s].
+        motion: equally spaced samples, (..., samples).
+        step: time between samples [s].
         window: weights of the samples, (samples,); amplitudes are divided by their sum.
-        padding: zeros extend the motion to that many times its length.
+        padding: factor by which the motion is lengthened with zeros.
         frequency: evenly spaced and ascending, within 1 / (2 step) of zero [Hz]; those of the
             padded transform when None.
 
@@ -61,21 +63,22 @@ def spectrum(
         return np.fft.fftshift(np.fft.fftfreq(length, step)), amplitude
     from scipy.signal import zoom_fft  # slow to import, and needed by sweeps only
 
-    # It begins at zero: shift the lowest frequency there.
+    # zoom_fft begins at zero: shift the lowest frequency to zero.
     weighted *= np.exp(-2j * np.pi * frequency[0] * step * np.arange(len(window)))
     band = [0.0, frequency[-1] - frequency[0]]
     return frequency, zoom_fft(weighted, band, m=len(frequency), fs=1.0 / step, endpoint=True)
 
 
 def strongest_lines(orbit: xr.Dataset, frame: Frame) -> tuple[SpectralLine, ...]:
-    """Return up to three of the strongest lines of the two-sided spectrum; none of a short motion.
+    """Return up to three of the strongest lines of the two-sided spectrum; none for a short motion.
 
-    A line is the power within its width around a peak, under a Hann window, and its centre.
-    Between the frames lines differ by the speed, with the same shares.
+    A spectrum with a Hann window is used. The share of a line is the power within its width around
+    a peak, its frequency the centre of this power. In the other frame the frequencies differ by the
+    speed, and the shares are the same.
 
     Args:
         orbit: from `orbits.shaft_orbit`.
-        frame: of the observer.
+        frame: frame of the observer.
     """
     try:
         even, step = evenly_spaced(orbit, FEWEST_RECORDS)

@@ -1,9 +1,9 @@
 """Whirl of the shaft: net turns about the bearing's centre.
 
-A whirl has a frequency where its phase has net turns: the slope of the unwrapped angle about the
-bearing's centre. The mean of x cross v over that of r^2 is not one: a small fast component enters
-it with its own rate times its amplitude squared. Frequencies are positive for forward motion, in
-the sense of rotation (+theta at standstill).
+A whirl has a frequency if its phase makes net turns: the slope of the unwrapped angle about the
+bearing's centre. The mean of x cross v divided by the mean of r^2 is not such a frequency: a small
+fast component contributes its own rate, weighted by its squared amplitude. Frequencies are positive
+for forward motion, in the sense of rotation (+theta at standstill).
 """
 
 from __future__ import annotations
@@ -24,17 +24,18 @@ Direction = Literal["forward", "backward", "none"]
 FRAMES: tuple[Frame, Frame] = ("rotating", "static")
 
 LEAST_TURN = 0.1
-"""Turns about the origin that a motion must make before its whirl is given a direction."""
+"""Least number of turns about the origin for which a whirl has a direction."""
 
 LEAST_CERTAIN = 10.0
-"""Standard errors that a rate has to exceed."""
+"""Number of standard errors that a rate has to exceed."""
 
 LARGEST_SHARE = 0.5
-"""Share of the mean square that the line at the rate must have."""
+"""Least share of the spectral line at the rate in the mean square."""
 
-SPANS = 10  #: spans whose rates give the standard error of the rate
+SPANS = 10  #: number of spans whose rates give the standard error of the rate
 DOUBTFUL = 0.5 * np.pi
-"""Angle between two records from which on they may lie on either side of the centre [rad]."""
+"""Angle between two records above which the path may have passed the centre on either side
+[rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,8 +43,8 @@ class Whirl:
     """Net turns of an orbit about the bearing's centre; forward is positive."""
 
     rate: float  #: slope of the unwrapped angle [rad/s]; nan at rest
-    error: float  #: standard error of it [rad/s]; nan where too short to tell
-    goes_round: bool  #: the rate is one: the angle goes on by more than it swings to and fro
+    error: float  #: standard error of `rate` [rad/s]; nan if the motion is too short
+    goes_round: bool  #: whether there is a single whirl frequency, see `whirl`
 
     @property
     def direction(self) -> Direction:
@@ -54,12 +55,13 @@ class Whirl:
 
     @property
     def frequency(self) -> float | None:
-        """Net turns a second [Hz], forward positive; None where no single rate exists."""
+        """Net turns per second [Hz], forward positive; None if there is no single whirl
+        frequency."""
         return self.rate / (2 * np.pi) if self.goes_round else None
 
     @property
     def text(self) -> str:
-        """Direction, frequency and `CERTAINTY` standard errors of it, in words."""
+        """Direction and frequency with `CERTAINTY` standard errors, as text."""
         if self.frequency is None:
             return "no single frequency"
         wide = CERTAINTY * self.error / (2 * np.pi)
@@ -68,21 +70,22 @@ class Whirl:
 
 
 def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
-    """Net turns about the bearing's centre over the records given.
+    """Compute the net turns about the bearing's centre over all records of an orbit.
 
-    The rate is the slope of a straight line through the unwrapped angle; between the frames it
-    differs by the speed exactly. Its error is that of the mean of the slopes in ten equal spans,
-    so it counts how the rate wanders rather than how many records there are. There is no single
-    rate where the angle turns on by less than a tenth of a turn, than it swings about that line
-    (an orbit that leaves the centre outside, such as a ripple about a steady place), or than ten
-    standard errors. A place that turns by more than a quarter turn between two records may have
-    passed the centre on either side: each adds a turn to what has to be exceeded. Nor is there one
-    where no line of half the mean square lies at the rate: net turns of several circles, none
-    larger than all others together, are a mean that nothing turns at.
+    The rate is the slope of a straight line fitted to the unwrapped angle; its values in the two
+    frames differ exactly by the speed. The error is the standard error of the mean of the slopes in
+    ten equal spans, so it measures the variation of the rate and does not depend on the number of
+    records. There is no single whirl frequency if the angle increases by less than a tenth of a
+    turn, by less than its oscillation about the fitted line (as in an orbit outside the centre,
+    such as a ripple about a steady position), or by less than ten standard errors. If the position
+    turns by more than a quarter turn between two records, it may have passed the centre on either
+    side: each such pair of records raises the required increase by one turn. There is no single
+    whirl frequency either if the spectrum has no line at the rate with half of the mean square: the
+    net turns of several circles, none larger than all others together, are only a mean.
 
     Args:
-        orbit: from `orbits.shaft_orbit`, of the time considered.
-        frame: of the observer.
+        orbit: from `orbits.shaft_orbit`, for the time considered.
+        frame: frame of the observer.
     """
     time = orbit["time"].values
     if len(time) < 2 or not orbit["radius"].values.any():
@@ -105,8 +108,8 @@ def whirl(orbit: xr.Dataset, frame: Frame) -> Whirl:
 
 
 def _has_line(orbit: xr.Dataset, frame: Frame, rate: float, error: float) -> bool:
-    """A line of half the mean square lies at the rate, within its width or the error of the rate;
-    also where a spectrum says nothing.
+    """Return whether the spectrum has a line with half of the mean square at the rate, within the
+    width of the line or the error of the rate; also True if the motion is too short for a spectrum.
     """
     lines = strongest_lines(orbit, "rotating")
     time = orbit["time"].values
@@ -119,14 +122,16 @@ def _has_line(orbit: xr.Dataset, frame: Frame, rate: float, error: float) -> boo
 
 
 def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, BoolArray]:
-    """Unwrapped angle about the bearing's centre [rad], forward positive, and where it is in doubt.
+    """Return the unwrapped angle about the bearing's centre [rad], forward positive, and the
+    uncertain steps.
 
     Args:
         orbit: from `orbits.shaft_orbit`.
-        frame: of the observer.
+        frame: frame of the observer.
 
     Returns:
-        angle (time,); whether the step after each record may go either way round, (time - 1,).
+        angle (time,); whether the step after each record may have passed the centre on either side,
+        (time - 1,).
     """
     angle = np.unwrap(np.angle(phasor(orbit, "rotating")))
     doubtful = np.abs(np.diff(angle)) > DOUBTFUL
@@ -136,11 +141,13 @@ def phase(orbit: xr.Dataset, frame: Frame) -> tuple[Array, BoolArray]:
 
 
 def ripple(orbit: xr.Dataset, frame: Frame) -> tuple[float, xr.Dataset]:
-    """Motion about its mean place: root mean square [m], and the orbit of it about that place.
+    """Return the motion about its mean position: root mean square [m], and its orbit about that
+    position.
 
     Args:
-        orbit: from `orbits.shaft_orbit`, of the time considered.
-        frame: in which the place is; the orbit has it as `rotating`.
+        orbit: from `orbits.shaft_orbit`, for the time considered.
+        frame: frame of the mean position; the returned orbit contains the motion in this frame as
+            `rotating`.
     """
     place = orbit[frame].values
     about = place - place.mean(axis=0)
@@ -149,7 +156,7 @@ def ripple(orbit: xr.Dataset, frame: Frame) -> tuple[float, xr.Dataset]:
 
 
 def span_rates(time: Array, angle: Array, starts: IntArray) -> Array:
-    """Slope of the angle in each span [rad/s]; nan in one of a single record."""
+    """Return the slope of the angle in each span [rad/s]; nan for a span with a single record."""
     parts = zip(np.split(time, starts[1:]), np.split(angle, starts[1:]), strict=True)
     return np.array([_slope(t, a) if len(t) > 1 else np.nan for t, a in parts])
 

@@ -1,4 +1,4 @@
-"""Direction and rate of the shaft's whirl as time goes on."""
+"""Direction and rate of the shaft's whirl over time."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from bladewhirl.postprocess.shaft.transforms import Frame
 from bladewhirl.postprocess.shaft.whirl import FRAMES, LEAST_TURN, phase, span_rates
 
 PERIODS = 2.0
-"""Least length of a span, in periods of the reference frequency: ripple is averaged away."""
+"""Least length of a span, in periods of the reference frequency, over which ripple averages out."""
 
-MOST_SPANS = 40  #: spans that a run is cut into at most
+MOST_SPANS = 40  #: largest number of spans of a run
 LOOK = {"rotating": ("-", "o", "rotor"), "static": ("--", "s", "casing")}
 """Line, marker and colour of each frame."""
 
@@ -28,21 +28,21 @@ LOOK = {"rotating": ("-", "o", "rotor"), "static": ("--", "s", "casing")}
 def whirl_history(
     result: xr.Dataset, *, start: float | None = None, end: float | None = None
 ) -> xr.Dataset:
-    """Mean rate and direction of the whirl in equal spans of time, in both frames.
+    """Compute mean rate and direction of the whirl in equal spans of time, in both frames.
 
-    The rate is that of `whirl.whirl`, the slope of the unwrapped angle about the bearing's centre.
-    A direction is clear where the angle goes on by a tenth of a turn or more, and more than it may
-    have been lost count of.
+    The rate is computed as in `whirl.whirl`: the slope of the unwrapped angle about the bearing's
+    centre. A direction is clear if the angle changes by at least a tenth of a turn, and by more
+    than the number of turns that may have been miscounted.
 
     Args:
-        result: of a run, or its orbit from `orbits.shaft_orbit`.
-        start, end: limits of the window [s]; those of the run when None.
+        result: result of a run, or its orbit from `orbits.shaft_orbit`.
+        start, end: limits of the time window [s]; start and end of the run when None.
 
     Returns:
-        over (frame, time), time being the middle of each span: `rate` [rad/s], positive
-        forward (in the sense of rotation), nan where the shaft rests; `direction`, 1 forward, -1
-        backward, 0 for no net rotation; over time: `radius` [m], root mean square.
-        Attribute `span`, the length of each [s].
+        over (frame, time), where time is the middle of each span: `rate` [rad/s], positive forward
+        (in the sense of rotation), nan if the shaft is at rest; `direction`, 1 forward, -1
+        backward, 0 for no net rotation; over time: `radius` [m], root mean square of the
+        displacement. Attribute `span`, the length of a span [s].
 
     Example:
         ``whirl_history(result)["rate"].sel(frame="static").plot()``
@@ -72,7 +72,7 @@ def whirl_history(
 def _turning(
     orbit: xr.Dataset, frame: Frame, starts: IntArray, square: Array, length: float
 ) -> tuple[Array, IntArray]:
-    """Rate and direction, positive forward, in each span."""
+    """Return rate and direction, positive forward, in each span."""
     angle, doubtful = phase(orbit, frame)
     rate = np.where(square > 0, span_rates(orbit["time"].values, angle, starts), np.nan)
     turns = np.nan_to_num(rate) * length / (2 * np.pi)
@@ -83,7 +83,8 @@ def _turning(
 
 @styled
 def plot_whirl_history(whirls: xr.Dataset) -> Figure:
-    """Draw the whirl in both frames over time in Hz, forward upwards, above the orbit's radius.
+    """Draw the whirl in both frames over time in Hz, forward positive, and below it the radius of
+    the orbit.
 
     Filled marks have a clear direction. The two lines differ by the speed of rotation.
 
